@@ -1,0 +1,34 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace clothsim {
+
+/// A value the user gave that cannot be used. `what()` reads
+/// "cloth.ks: got -5, expected a number above 0 [N/m]".
+class InvalidValue : public std::runtime_error {
+ public:
+  /// `key` is the path to the value, outermost first, such as {"cloth", "ks"}.
+  InvalidValue(std::vector<std::string> key, std::string got, std::string expected);
+
+  /// The message with the key written in another way: `prefix`, then the path joined by
+  /// `separator`. The node uses it to print the full ROS parameter name.
+  std::string message(const std::string& prefix, const std::string& separator) const;
+
+  const std::vector<std::string>& key() const { return key_; }
+
+ private:
+  std::vector<std::string> key_;
+  std::string got_;
+  std::string expected_;
+};
+
+/// The simulation left the finite numbers. The simulator still holds the last good frame.
+class Diverged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/cloth_spec.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// The grid cloth of `spec`: point (column, row) has index row * columns + column. Each point has
+/// the mass width * height * density / (columns * rows). Throws InvalidValue.
+Cloth make_grid(const ClothSpec& spec);
+
+/// The cloth at rest in its start position. A vertical cloth stands off its plane by up to 1 mm a
+/// point, drawn from `seed`, so that it folds; its rest lengths stay those of the flat grid.
+State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed);
+
+}  // namespace clothsim

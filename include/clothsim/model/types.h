@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace clothsim {
+
+using Vector3 = Eigen::Vector3d;
+
+/// N x 3, column-major: all x, then all y, then all z, each contiguous, so that kernels vectorise.
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor>;
+
+/// One number per point.
+using Scalars = Eigen::VectorXd;
+
+}  // namespace clothsim

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/model/cloth_spec.h"
+
+namespace clothsim {
+
+struct SimulationSpec {
+  Vector3 gravity{0, 0, -9.8};    // [m/s^2]
+  double frames_per_second = 90;  // [Hz]
+  std::optional<int> substeps;    // a frame; empty: as many as the method needs
+  std::string method = "auto";    // or a name of method_names()
+  std::uint64_t seed = 1;
+};
+
+/// All that defines a simulation. Equal scenes give equal bits.
+struct Scene {
+  ClothSpec cloth;
+  std::vector<ColliderSpec> colliders;
+  SimulationSpec simulation;
+};
+
+/// Throws InvalidValue with the full key path, such as {"colliders", "0", "radius"}.
+void validate(const Scene&);
+
+}  // namespace clothsim

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include <yaml-cpp/yaml.h>
+
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim {
+
+/// The only reader of scenes. Every key is optional but `cloth`; what is left out keeps its
+/// default. Throws InvalidValue for an unknown key, a wrong type, a non-finite number, a value out
+/// of range.
+Scene read_scene(const YAML::Node& root);
+
+/// Reads a YAML file. Throws InvalidValue, also for a file that is missing or not YAML.
+YAML::Node load_scene_file(const std::string& path);
+
+/// Sets `path.to.key` in `root` from "path.to.key=value", where value is YAML. Throws InvalidValue.
+void override_value(YAML::Node root, const std::string& assignment);
+
+}  // namespace clothsim

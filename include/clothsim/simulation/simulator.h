@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim {
+
+/// What one frame did.
+struct StepReport {
+  std::string method;
+  int substeps = 0;
+  double omega_max = 0;        // [rad/s] bound on the highest frequency at the frame's start
+  int strain_sweeps = 0;       // passes over the active springs, summed over the substeps
+  double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
+  int contacts = 0;            // points on colliders plus touching point pairs, in the last substep
+};
+
+/// Owns all state of a scene and advances it frame by frame. Not thread-safe.
+class Simulator {
+ public:
+  /// Throws InvalidValue.
+  explicit Simulator(const Scene&);
+  ~Simulator();
+
+  /// Advances one frame, 1 / frames_per_second. Throws Diverged and keeps the last good frame.
+  StepReport step();
+
+  /// Back to the scene's start at time 0, with the present material and simulation values.
+  void reset();
+
+  /// Change values between frames. Throw InvalidValue and change nothing when refused.
+  void set_material(const Material&);
+  void set_simulation(const SimulationSpec&);
+
+  /// Moves collider `index` (of scene().colliders) to `target` during the next frame, in a straight
+  /// line with constant angular velocity. Without a call it stays.
+  void move_collider(int index, const Pose& target);
+
+  /// Puts collider `index` at `pose` at once; it has no velocity from it.
+  void place_collider(int index, const Pose& pose);
+
+  /// Moves pin `index` (of scene().cloth.pinned) to `target` [m] during the next frame.
+  void move_pin(int index, const Vector3& target);
+
+  const Scene& scene() const;  // with the present material and simulation values
+  const Cloth& cloth() const;
+  const State& state() const;
+  const Pose& collider_pose(int index) const;
+  double frame_duration() const;  // [s]
+
+  /// Counts up whenever the springs or the points of cloth() change.
+  unsigned topology_seq() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace clothsim
