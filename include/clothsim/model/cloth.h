@@ -27,7 +27,7 @@ struct Cloth {
   Points rest_positions;                      // [m], N x 3
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates in [0, 1], N x 2
   std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from the front
-  std::vector<SpringRun> springs;             // of the families switched on, stiffness above zero
+  std::vector<SpringRun> springs;             // of the families switched on
   Scalars mass;                               // [kg], N
   Scalars inv_mass;                           // [1/kg], N; zero at pins
   std::vector<int> pinned;                    // point ids, ascending

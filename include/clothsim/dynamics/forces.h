@@ -1,0 +1,18 @@
+#pragma once
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// What acts on a cloth from outside, apart from drag (a property of the cloth) and contact.
+struct Loads {
+  Vector3 gravity{0, 0, -9.8};  // [m/s^2]
+};
+
+/// Writes gravity and spring forces [N] at `positions` to `forces`, both N x 3.
+/// Hooke's law: k (l - L0) (x_b - x_a) / l on point a, the opposite on b. A spring of zero length
+/// has no direction and gives no force.
+void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces);
+
+}  // namespace clothsim

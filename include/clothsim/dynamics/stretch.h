@@ -1,0 +1,16 @@
+#pragma once
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Stretch l / L0 - 1 over the springs of a cloth; zero without springs.
+struct Stretch {
+  double worst = 0;  // largest
+  double mean = 0;
+};
+
+Stretch measure_stretch(const Cloth&, const Points& positions);
+
+}  // namespace clothsim

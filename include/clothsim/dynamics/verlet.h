@@ -1,0 +1,29 @@
+#pragma once
+
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// Stoermer-Verlet as drift, kick, drift. Second order, symplectic without drag; stable for
+/// h < 2 / omega_max; an oscillator of frequency omega swings at w with sin(w h / 2) = omega h / 2.
+/// Hairer, Lubich & Wanner, Geometric Numerical Integration, I.1.4.
+///
+/// The drift form asks for one force a step, wherever constraints and contact have put the points
+/// since the last one; kick, drift, kick (its conjugate, with the same limit and frequency) would
+/// need a second. Drag is solved exactly within each drift: alone, it gives v0 exp(-c t) and
+/// x0 + v0 (1 - exp(-c t)) / c whatever the step. Pins move at their own velocity.
+struct VelocityVerlet {
+  static constexpr const char* name = "verlet";
+  static constexpr int order = 2;
+  static constexpr double stability_limit = 2;  // h omega_max
+
+  /// Advances positions and velocities by h [s]; the caller keeps the time.
+  void step(const Cloth&, const Loads&, double h, State&);
+
+ private:
+  Points forces_;  // [N], N x 3
+};
+
+}  // namespace clothsim

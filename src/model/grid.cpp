@@ -1,0 +1,125 @@
+#include "clothsim/model/grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace clothsim {
+namespace {
+
+/// Bending springs are this much softer than structural and shear ones.
+constexpr double bending_ratio = 0.2;
+
+/// Largest start offset of a vertical cloth from its plane [m].
+constexpr double fold_seed_amplitude = 1e-3;
+
+/// A spring from point (column, row) to (column + columns, row + rows).
+struct Direction {
+  SpringFamily family;
+  int columns;
+  int rows;
+};
+
+constexpr Direction directions[] = {
+    {SpringFamily::structural, 1, 0}, {SpringFamily::structural, 0, 1},
+    {SpringFamily::shear, 1, 1},      {SpringFamily::shear, -1, 1},
+    {SpringFamily::bending, 2, 0},    {SpringFamily::bending, 0, 2},
+};
+
+void append_runs(const ClothSpec& spec, const Direction& d, const Eigen::Vector2d& spacing,
+                 std::vector<SpringRun>& springs) {
+  const double rest_length = Eigen::Vector2d(d.columns * spacing.x(), d.rows * spacing.y()).norm();
+  const bool bending = d.family == SpringFamily::bending;
+  const double stiffness = spec.material.ks * (bending ? bending_ratio : 1.0);
+
+  const int begin = std::max(0, -d.columns);
+  const int count = spec.columns - std::abs(d.columns);
+  if (count <= 0) return;
+
+  for (int row = 0; row + d.rows < spec.rows; ++row) {
+    const int first = row * spec.columns + begin;
+    // A full row goes on where the one before it ended: one long run.
+    const bool continues = count == spec.columns && row > 0;
+    if (continues) {
+      springs.back().count += count;
+    } else {
+      springs.push_back({d.family, first, d.rows * spec.columns + d.columns, count, rest_length,
+                         stiffness});
+    }
+  }
+}
+
+}  // namespace
+
+Cloth make_grid(const ClothSpec& spec) {
+  validate(spec);
+  const int n = spec.columns * spec.rows;
+  const Eigen::Vector2d spacing(spec.columns > 1 ? spec.width / (spec.columns - 1) : 0,
+                                spec.rows > 1 ? spec.height / (spec.rows - 1) : 0);
+
+  Cloth cloth;
+  cloth.columns = spec.columns;
+  cloth.rows = spec.rows;
+  cloth.damping = spec.material.damping;
+  cloth.strain_limit = spec.material.strain_limit;
+  cloth.thickness = spec.thickness;
+
+  // Points: rest positions and texture coordinates.
+  const int up = spec.orientation == Orientation::horizontal ? 1 : 2;
+  cloth.rest_positions = spec.origin.transpose().replicate(n, 1);
+  cloth.uv.resize(n, 2);
+  for (int row = 0; row < spec.rows; ++row) {
+    for (int column = 0; column < spec.columns; ++column) {
+      const int i = row * spec.columns + column;
+      cloth.rest_positions(i, 0) += column * spacing.x();
+      cloth.rest_positions(i, up) += row * spacing.y();
+      cloth.uv(i, 0) = spec.columns > 1 ? double(column) / (spec.columns - 1) : 0;
+      cloth.uv(i, 1) = spec.rows > 1 ? double(row) / (spec.rows - 1) : 0;
+    }
+  }
+
+  // Two triangles a cell.
+  for (int row = 0; row + 1 < spec.rows; ++row) {
+    for (int column = 0; column + 1 < spec.columns; ++column) {
+      const int i = row * spec.columns + column;
+      const int above = i + spec.columns;
+      cloth.triangles.push_back({i, i + 1, above + 1});
+      cloth.triangles.push_back({i, above + 1, above});
+    }
+  }
+
+  // Springs of the families switched on.
+  for (const Direction& d : directions) {
+    if (spec.material.springs[static_cast<std::size_t>(d.family)]) {
+      append_runs(spec, d, spacing, cloth.springs);
+    }
+  }
+
+  // Masses; a pin is a point of infinite mass.
+  const double point_mass = spec.width * spec.height * spec.material.density / n;
+  cloth.mass = Scalars::Constant(n, point_mass);
+  cloth.inv_mass = Scalars::Constant(n, 1 / point_mass);
+  for (const Pin& pin : spec.pinned) {
+    cloth.pinned.push_back(pin.row * spec.columns + pin.column);
+    cloth.inv_mass[cloth.pinned.back()] = 0;
+  }
+  std::sort(cloth.pinned.begin(), cloth.pinned.end());
+  return cloth;
+}
+
+State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed) {
+  State state;
+  state.positions = cloth.rest_positions;
+  state.velocities = Points::Zero(cloth.num_points(), 3);
+  if (spec.orientation == Orientation::vertical) {
+    // The engine's bits are fixed by the standard, a distribution's are not: scale them by hand.
+    std::mt19937_64 engine(seed);
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      const double unit = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
+      state.positions(i, 1) += fold_seed_amplitude * (2 * unit - 1);
+    }
+  }
+  return state;
+}
+
+}  // namespace clothsim
