@@ -47,7 +47,8 @@ struct ClothSpec {
   bool self_collision = false;
 };
 
-/// Throws InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
+/// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
+void validate(const Material&);
 void validate(const ClothSpec&);
 
 }  // namespace clothsim

@@ -7,7 +7,7 @@
 namespace clothsim {
 
 /// A value the user gave that cannot be used. `what()` reads
-/// "cloth.ks: got -5, expected a number above 0 [N/m]".
+/// "cloth.ks: got -5, expected a number of at least 0 [N/m]".
 class InvalidValue : public std::runtime_error {
  public:
   /// `key` is the path to the value, outermost first, such as {"cloth", "ks"}.
@@ -16,6 +16,9 @@ class InvalidValue : public std::runtime_error {
   /// The message with the key written in another way: `prefix`, then the path joined by
   /// `separator`. The node uses it to print the full ROS parameter name.
   std::string message(const std::string& prefix, const std::string& separator) const;
+
+  /// The same mistake with `parent` put before its key: {"ks"} inside "cloth" is {"cloth", "ks"}.
+  InvalidValue inside(const std::string& parent) const;
 
   const std::vector<std::string>& key() const { return key_; }
 

@@ -25,6 +25,9 @@ struct Scene {
   SimulationSpec simulation;
 };
 
+/// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
+void validate(const SimulationSpec&);
+
 /// Throws InvalidValue with the full key path, such as {"colliders", "0", "radius"}.
 void validate(const Scene&);
 

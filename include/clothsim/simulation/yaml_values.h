@@ -1,0 +1,58 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "clothsim/model/types.h"
+
+// Strict readers of single YAML values. All throw InvalidValue for a wrong type, with a key
+// relative to the node they are given. A quoted scalar is text, never a number or a switch; where
+// nodes are made by a program, the tag "!" says the same as quotes.
+
+namespace clothsim {
+
+/// `expected` is for the message, where more than a number is allowed.
+double read_number(const YAML::Node&, const std::string& expected = "a finite number");
+std::int64_t read_integer(const YAML::Node&, std::int64_t min, std::int64_t max,
+                          const std::string& expected = "a whole number");
+int read_int(const YAML::Node&, const std::string& expected = "a whole number");
+bool read_switch(const YAML::Node&);
+std::string read_text(const YAML::Node&);  // not empty
+Vector3 read_vector(const YAML::Node&);
+
+/// Index in `choices` of the text in the node.
+int read_choice(const YAML::Node&, const std::vector<std::string>& choices);
+
+/// Is the node the text `word`, with or without quotes?
+bool is_word(const YAML::Node&, const std::string& word);
+
+/// The node in a few words for a message: `-5`, `"5" (text)`, `[1, 2]`, `a map`.
+std::string describe(const YAML::Node&);
+
+using ReadValue = std::function<void(const YAML::Node&)>;
+
+/// A key that a map may have, and what to do with its value.
+struct Field {
+  std::string key;
+  ReadValue read;
+};
+
+/// Reads each key that the map has. Throws for a key twice or one that is not among `fields`.
+void read_map(const YAML::Node&, const std::vector<Field>& fields);
+
+/// Reads each item of a list; keys are "0", "1" and so on.
+void read_list(const YAML::Node&, const std::function<void(const YAML::Node&)>& read_item);
+
+/// Stores what is read in `target`, which must outlive the reader.
+ReadValue into(double& target);
+ReadValue into(int& target);
+ReadValue into(std::uint64_t& target);
+ReadValue into(bool& target);
+ReadValue into(std::string& target);
+ReadValue into(Vector3& target);
+
+}  // namespace clothsim

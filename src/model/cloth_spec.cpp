@@ -1,0 +1,85 @@
+#include "clothsim/model/cloth_spec.h"
+
+#include <map>
+#include <utility>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+constexpr Range ks_range{0, 1e12, "N/m"};
+constexpr Range density_range{1e-6, 1e9, "kg/m^2"};
+constexpr Range damping_range{0, 1e6, "1/s"};
+constexpr Range strain_limit_range{0, 1000, ""};
+constexpr Range length_range{1e-6, 1e4, "m"};
+constexpr Range origin_range{-1e6, 1e6, "m"};
+constexpr Range thickness_range{1e-6, 1e3, "m"};
+
+/// Beyond this a cloth is a typing mistake rather than a wish.
+constexpr long long max_points = 1'000'000;
+
+/// Fewer points have no spring.
+constexpr long long min_points = 2;
+
+void check_size(const ClothSpec& spec) {
+  const auto check_count = [](const char* key, int count) {
+    if (count < 1) throw InvalidValue({key}, std::to_string(count), "a whole number of at least 1");
+  };
+  check_count("columns", spec.columns);
+  check_count("rows", spec.rows);
+
+  const long long points = static_cast<long long>(spec.columns) * spec.rows;
+  if (points < min_points || points > max_points) {
+    throw InvalidValue(
+        {"columns"},
+        std::to_string(spec.columns) + " columns of " + std::to_string(spec.rows) + " rows",
+        std::to_string(min_points) + " to " + std::to_string(max_points) + " points in all");
+  }
+}
+
+void check_pins(const ClothSpec& spec) {
+  std::map<std::pair<int, int>, size_t> seen;
+  for (size_t i = 0; i < spec.pinned.size(); ++i) {
+    const Pin& pin = spec.pinned[i];
+    inside("pinned", [&] {
+      inside(std::to_string(i), [&] {
+        const std::string got =
+            "[" + std::to_string(pin.column) + ", " + std::to_string(pin.row) + "]";
+        if (pin.column < 0 || pin.column >= spec.columns || pin.row < 0 || pin.row >= spec.rows) {
+          throw InvalidValue({}, got,
+                             "[column, row] with column 0 to " + std::to_string(spec.columns - 1) +
+                                 " and row 0 to " + std::to_string(spec.rows - 1));
+        }
+        const auto [first, is_new] = seen.emplace(std::pair(pin.column, pin.row), i);
+        if (!is_new) {
+          throw InvalidValue({}, got + " again",
+                             "a point other than that of pinned." + std::to_string(first->second));
+        }
+        check_frame(pin.frame);
+      });
+    });
+  }
+}
+
+}  // namespace
+
+void validate(const Material& material) {
+  check_range("ks", material.ks, ks_range);
+  check_range("density", material.density, density_range);
+  check_range("damping", material.damping, damping_range);
+  if (material.strain_limit)
+    check_range("strain_limit", *material.strain_limit, strain_limit_range);
+}
+
+void validate(const ClothSpec& spec) {
+  check_range("width", spec.width, length_range);
+  check_range("height", spec.height, length_range);
+  check_size(spec);
+  check_range("origin", spec.origin, origin_range);
+  check_pins(spec);
+  validate(spec.material);
+  check_range("thickness", spec.thickness, thickness_range);
+}
+
+}  // namespace clothsim

@@ -1,0 +1,33 @@
+#include "clothsim/simulation/progress_bar.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+namespace clothsim {
+
+ProgressBar::ProgressBar(long long total)
+    : total_(total), on_terminal_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::~ProgressBar() {
+  if (on_terminal_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::update(long long done) {
+  const Clock::time_point now = Clock::now();
+  if (!on_terminal_ || now < next_) return;
+  next_ = now + std::chrono::milliseconds(100);
+
+  constexpr int width = 40;
+  const double share = static_cast<double>(done) / static_cast<double>(total_);
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  const double left = done > 0 ? elapsed / share - elapsed : 0;
+  const auto filled = static_cast<size_t>(share * width);
+  const std::string bar = std::string(filled, '#') + std::string(width - filled, '-');
+  std::fprintf(stderr, "\r[%s] %3.0f %%  %lld/%lld  %.0f s left\033[K", bar.c_str(), 100 * share,
+               done, total_, left);
+  std::fflush(stderr);
+}
+
+}  // namespace clothsim

@@ -1,0 +1,82 @@
+#include "clothsim/simulation/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "clothsim/dynamics/integrator.h"
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
+constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
+constexpr Range radius_range{1e-6, 1e6, "m"};
+constexpr Range friction_range{0, 1e6, ""};
+constexpr Range position_range{-1e6, 1e6, "m"};
+constexpr int max_substeps = 10'000;
+
+void validate(const Sphere& sphere, const Pose& pose) {
+  check_range("center", pose.position, position_range);
+  check_range("radius", sphere.radius, radius_range);
+}
+
+void validate(const Plane&, const Pose& pose) {
+  check_range("point", pose.position, position_range);
+}
+
+void check_orientation(const Eigen::Quaterniond& orientation) {
+  constexpr double tolerance = 1e-6;
+  const double norm = orientation.norm();
+  if (!(std::abs(norm - 1) < tolerance)) {
+    throw InvalidValue({"orientation"}, "a quaternion of norm " + to_text(norm), "norm 1");
+  }
+}
+
+void validate(const ColliderSpec& collider) {
+  if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
+  std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);
+  check_orientation(collider.pose.orientation);
+  check_range("friction", collider.friction, friction_range);
+  check_frame(collider.frame);
+}
+
+void validate(const std::vector<ColliderSpec>& colliders) {
+  std::map<std::string, size_t> seen;
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    inside(std::to_string(i), [&] {
+      validate(colliders[i]);
+      const auto [first, is_new] = seen.emplace(colliders[i].name, i);
+      if (!is_new) {
+        throw InvalidValue({"name"}, '"' + colliders[i].name + "\" again",
+                           "a name other than that of colliders." + std::to_string(first->second));
+      }
+    });
+  }
+}
+
+}  // namespace
+
+void validate(const SimulationSpec& spec) {
+  check_range("gravity", spec.gravity, gravity_range);
+  check_range("frames_per_second", spec.frames_per_second, frames_per_second_range);
+  if (spec.substeps && (*spec.substeps < 1 || *spec.substeps > max_substeps)) {
+    throw InvalidValue({"substeps"}, std::to_string(*spec.substeps),
+                       "auto or a whole number from 1 to " + std::to_string(max_substeps));
+  }
+  const std::vector<std::string> names = method_names();
+  if (spec.method != "auto" && std::find(names.begin(), names.end(), spec.method) == names.end()) {
+    std::string known = "auto";
+    for (const std::string& name : names) known += ", " + name;
+    throw InvalidValue({"method"}, '"' + spec.method + '"', "one of " + known);
+  }
+}
+
+void validate(const Scene& scene) {
+  inside("cloth", [&] { validate(scene.cloth); });
+  inside("colliders", [&] { validate(scene.colliders); });
+  inside("simulation", [&] { validate(scene.simulation); });
+}
+
+}  // namespace clothsim

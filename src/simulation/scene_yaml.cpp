@@ -1,0 +1,172 @@
+#include "clothsim/simulation/scene_yaml.h"
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/yaml_values.h"
+
+// Each map of a scene is one list of fields: the keys it may have, and where their values go.
+// Types are checked here, ranges in validate().
+
+namespace clothsim {
+namespace {
+
+void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
+  std::vector<Field> fields;
+  for (size_t i = 0; i < springs.size(); ++i) {
+    fields.push_back({spring_family_names[i], into(springs[i])});
+  }
+  read_map(node, fields);
+}
+
+/// A number, or off, which ROS hands over as false.
+void read_strain_limit(const YAML::Node& node, std::optional<double>& limit) {
+  if (is_word(node, "off") || is_word(node, "false")) {
+    limit.reset();
+  } else {
+    limit = read_number(node, "a finite number or off");
+  }
+}
+
+void read_grid_point(const YAML::Node& node, Pin& pin) {
+  if (!node.IsSequence() || node.size() != 2) {
+    throw InvalidValue({}, describe(node), "[column, row]");
+  }
+  bool is_column = true;
+  read_list(node, [&](const YAML::Node& item) {
+    into(is_column ? pin.column : pin.row)(item);
+    is_column = false;
+  });
+}
+
+/// [column, row], or a map with the tf frame that moves the point.
+Pin read_pin(const YAML::Node& node) {
+  Pin pin;
+  if (!node.IsMap()) {
+    read_grid_point(node, pin);
+    return pin;
+  }
+  bool has_point = false;
+  read_map(node, {{"point",
+                   [&](const YAML::Node& point) {
+                     read_grid_point(point, pin);
+                     has_point = true;
+                   }},
+                  {"frame", into(pin.frame)}});
+  if (!has_point) throw InvalidValue({"point"}, "nothing", "[column, row]");
+  return pin;
+}
+
+ClothSpec read_cloth(const YAML::Node& node) {
+  ClothSpec cloth;
+  Material& material = cloth.material;
+  const auto read_orientation = [&](const YAML::Node& value) {
+    cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
+  };
+  const auto read_pins = [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
+  };
+  read_map(node,
+           {{"width", into(cloth.width)},
+            {"height", into(cloth.height)},
+            {"columns", into(cloth.columns)},
+            {"rows", into(cloth.rows)},
+            {"orientation", read_orientation},
+            {"origin", into(cloth.origin)},
+            {"pinned", read_pins},
+            {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
+            {"ks", into(material.ks)},
+            {"density", into(material.density)},
+            {"damping", into(material.damping)},
+            {"strain_limit",
+             [&](const YAML::Node& limit) { read_strain_limit(limit, material.strain_limit); }},
+            {"thickness", into(cloth.thickness)},
+            {"self_collision", into(cloth.self_collision)}});
+  return cloth;
+}
+
+/// Rotation that takes +z to the direction of `normal`.
+Eigen::Quaterniond read_normal(const YAML::Node& node) {
+  constexpr double shortest = 1e-6;  // below, the direction is no more than rounding
+  const Vector3 normal = read_vector(node);
+  if (!(normal.stableNorm() >= shortest)) {
+    throw InvalidValue({}, describe(node), "a direction, of a length of at least 1e-06");
+  }
+  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal.stableNormalized());
+}
+
+ColliderSpec read_collider(const YAML::Node& node) {
+  const std::vector<std::string> shapes = {"sphere", "plane"};
+  if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
+
+  // The shape decides which keys there are.
+  int shape = 0;
+  inside("shape", [&] { shape = read_choice(node["shape"], shapes); });
+
+  ColliderSpec collider;
+  collider.name = shapes[static_cast<size_t>(shape)];
+  std::vector<Field> fields = {{"name", into(collider.name)},
+                               {"shape", [](const YAML::Node&) {}},
+                               {"friction", into(collider.friction)},
+                               {"frame", into(collider.frame)}};
+  Sphere sphere = std::get<Sphere>(collider.shape);
+  Plane plane;
+  if (shape == 0) {
+    fields.push_back({"center", into(collider.pose.position)});
+    fields.push_back({"radius", into(sphere.radius)});
+    read_map(node, fields);
+    collider.shape = sphere;
+  } else {
+    fields.push_back({"point", into(collider.pose.position)});
+    fields.push_back({"normal", [&](const YAML::Node& normal) {
+                        collider.pose.orientation = read_normal(normal);
+                      }});
+    fields.push_back({"two_sided", into(plane.two_sided)});
+    read_map(node, fields);
+    collider.shape = plane;
+  }
+  return collider;
+}
+
+/// A count, or auto.
+void read_substeps(const YAML::Node& node, std::optional<int>& substeps) {
+  if (is_word(node, "auto")) {
+    substeps.reset();
+  } else {
+    substeps = read_int(node, "auto or a whole number");
+  }
+}
+
+SimulationSpec read_simulation(const YAML::Node& node) {
+  SimulationSpec spec;
+  read_map(node,
+           {{"gravity", into(spec.gravity)},
+            {"frames_per_second", into(spec.frames_per_second)},
+            {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
+            {"method", into(spec.method)},
+            {"seed", into(spec.seed)}});
+  return spec;
+}
+
+}  // namespace
+
+Scene read_scene(const YAML::Node& root) {
+  Scene scene;
+  bool has_cloth = false;
+  const auto read_colliders = [&](const YAML::Node& list) {
+    read_list(list,
+              [&](const YAML::Node& item) { scene.colliders.push_back(read_collider(item)); });
+  };
+  read_map(root, {{"cloth",
+                   [&](const YAML::Node& node) {
+                     scene.cloth = read_cloth(node);
+                     has_cloth = true;
+                   }},
+                  {"colliders", read_colliders},
+                  {"simulation",
+                   [&](const YAML::Node& node) { scene.simulation = read_simulation(node); }}});
+  if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
+
+  validate(scene);
+  return scene;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,204 @@
+#include "clothsim/simulation/yaml_values.h"
+
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+constexpr size_t longest_shown = 40;  // characters, or items of a list, that a message repeats
+
+/// Tags that yaml-cpp gives to scalars: "?" read without quotes, "!" with, "" made by a program.
+bool is_plain(const YAML::Node& node) {
+  return node.IsDefined() && node.IsScalar() && (node.Tag() == "?" || node.Tag().empty());
+}
+
+bool is_quoted(const YAML::Node& node) {
+  return node.IsDefined() && node.IsScalar() &&
+         (node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str");
+}
+
+enum class Parsed { number, too_large, no_number };
+
+/// Numbers in decimal; what YAML 1.1 and 1.2 read differently (010, 1_000, 1:30) is none.
+template <class Number>
+Parsed parse(const std::string& text, Number& value) {
+  const size_t sign = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
+  const size_t first = text.find_first_of(".0123456789");  // keeps out inf and nan
+  const bool octal = text.size() > sign + 1 && text[sign] == '0' &&
+                     text.find_first_not_of("0123456789", sign) == std::string::npos;
+  if (first != sign || octal) return Parsed::no_number;
+
+  const char* begin = text.data() + (text[0] == '+' ? 1 : 0);
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(begin, end, value);
+  if (result.ptr != end) return Parsed::no_number;
+  return result.ec == std::errc() ? Parsed::number : Parsed::too_large;
+}
+
+std::optional<bool> parse_switch(const YAML::Node& node) {
+  bool value = false;
+  if (!is_plain(node) || !YAML::convert<bool>::decode(node, value)) return std::nullopt;
+  return value;
+}
+
+std::string shortened(const std::string& text) {
+  return text.size() <= longest_shown ? text : text.substr(0, longest_shown) + "...";
+}
+
+std::string describe_scalar(const YAML::Node& node) {
+  if (is_plain(node)) return shortened(node.Scalar());
+  if (is_quoted(node)) return '"' + shortened(node.Scalar()) + "\" (text)";
+  return shortened(node.Tag()) + ' ' + shortened(node.Scalar());
+}
+
+[[noreturn]] void refuse(const YAML::Node& node, const std::string& expected) {
+  throw InvalidValue({}, describe(node), expected);
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const YAML::Node& node) {
+  constexpr size_t longest_list = 6;
+  if (!node.IsDefined() || node.IsNull()) return "nothing";
+  if (node.IsScalar()) return describe_scalar(node);
+  if (node.IsMap()) return "a map";
+
+  // One level only: a list may hold itself.
+  std::vector<std::string> items;
+  for (const YAML::Node& item : node) {
+    if (!item.IsScalar() || items.size() == longest_list) {
+      return "a list of " + std::to_string(node.size());
+    }
+    items.push_back(describe_scalar(item));
+  }
+  return '[' + join(items) + ']';
+}
+
+double read_number(const YAML::Node& node, const std::string& expected) {
+  double value = 0;
+  if (!is_plain(node) || parse(node.Scalar(), value) != Parsed::number) refuse(node, expected);
+  return value;
+}
+
+std::int64_t read_integer(const YAML::Node& node, std::int64_t min, std::int64_t max,
+                          const std::string& expected) {
+  std::int64_t value = 0;
+  const Parsed parsed = is_plain(node) ? parse(node.Scalar(), value) : Parsed::no_number;
+  if (parsed == Parsed::no_number) refuse(node, expected);
+
+  const bool negative = node.Scalar()[0] == '-';
+  const bool too_large = parsed == Parsed::too_large;
+  if (value < min || (too_large && negative)) {
+    refuse(node, expected + " of at least " + std::to_string(min));
+  }
+  if (value > max || too_large) refuse(node, expected + " of at most " + std::to_string(max));
+  return value;
+}
+
+int read_int(const YAML::Node& node, const std::string& expected) {
+  using Limits = std::numeric_limits<int>;
+  return static_cast<int>(read_integer(node, Limits::min(), Limits::max(), expected));
+}
+
+bool read_switch(const YAML::Node& node) {
+  const auto value = parse_switch(node);
+  if (!value) refuse(node, "true or false");
+  return *value;
+}
+
+std::string read_text(const YAML::Node& node) {
+  double number = 0;
+  const bool is_text = is_quoted(node) || (is_plain(node) && !parse_switch(node) &&
+                                           parse(node.Scalar(), number) == Parsed::no_number);
+  if (!is_text || node.Scalar().empty()) refuse(node, "a text that is not empty");
+  return node.Scalar();
+}
+
+Vector3 read_vector(const YAML::Node& node) {
+  if (!node.IsSequence() || node.size() != 3) refuse(node, "a list of three numbers");
+  Vector3 vector;
+  int axis = 0;
+  read_list(node, [&](const YAML::Node& item) { vector[axis++] = read_number(item); });
+  return vector;
+}
+
+bool is_word(const YAML::Node& node, const std::string& word) {
+  return (is_plain(node) || is_quoted(node)) && node.Scalar() == word;
+}
+
+int read_choice(const YAML::Node& node, const std::vector<std::string>& choices) {
+  for (size_t i = 0; i < choices.size(); ++i) {
+    if (is_word(node, choices[i])) return static_cast<int>(i);
+  }
+  refuse(node, "one of " + join(choices));
+}
+
+void read_map(const YAML::Node& node, const std::vector<Field>& fields) {
+  if (!node.IsMap()) refuse(node, "a map");
+
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar())
+      throw InvalidValue({}, describe(entry.first) + " as a key", "a name");
+    const std::string& key = entry.first.Scalar();
+    const Field* field = nullptr;
+    std::vector<std::string> known;
+    for (const Field& candidate : fields) {
+      known.push_back(candidate.key);
+      if (candidate.key == key) field = &candidate;
+    }
+    if (field == nullptr) {
+      throw InvalidValue({shortened(key)}, "an unknown key", "one of " + join(known));
+    }
+    if (!seen.insert(key).second) throw InvalidValue({key}, "the key again", "it once");
+    inside(key, [&] { field->read(entry.second); });
+  }
+}
+
+void read_list(const YAML::Node& node, const std::function<void(const YAML::Node&)>& read_item) {
+  if (!node.IsSequence()) refuse(node, "a list");
+  size_t index = 0;
+  for (const YAML::Node& item : node) {
+    inside(std::to_string(index++), [&] { read_item(item); });
+  }
+}
+
+ReadValue into(double& target) {
+  return [&target](const YAML::Node& node) { target = read_number(node); };
+}
+
+ReadValue into(int& target) {
+  return [&target](const YAML::Node& node) { target = read_int(node); };
+}
+
+ReadValue into(std::uint64_t& target) {
+  return [&target](const YAML::Node& node) {
+    target =
+        static_cast<std::uint64_t>(read_integer(node, 0, std::numeric_limits<std::int64_t>::max()));
+  };
+}
+
+ReadValue into(bool& target) {
+  return [&target](const YAML::Node& node) { target = read_switch(node); };
+}
+
+ReadValue into(std::string& target) {
+  return [&target](const YAML::Node& node) { target = read_text(node); };
+}
+
+ReadValue into(Vector3& target) {
+  return [&target](const YAML::Node& node) { target = read_vector(node); };
+}
+
+}  // namespace clothsim
