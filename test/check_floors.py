@@ -1,0 +1,45 @@
+#!/usr/bin/python3
+"""Each room of the code includes only from its own floor or below, and only ros/ knows ROS."""
+
+import pathlib
+import re
+import sys
+import xml.etree.ElementTree
+
+CORE = {"model", "dynamics", "collision", "simulation"}
+MAY_INCLUDE = {
+    "model": {"model"},
+    "dynamics": {"model", "dynamics"},
+    "collision": {"model", "collision"},
+    "simulation": CORE,
+    "render": {"model", "collision", "render"},
+    "ros": CORE | {"render", "ros"},
+    "benchmark": CORE | {"render", "benchmark"},
+}
+
+package = pathlib.Path(__file__).resolve().parent.parent
+manifest = xml.etree.ElementTree.parse(package / "package.xml").getroot()
+ros_packages = {"ros", "clothsim"} | {
+    element.text for element in manifest if "_" in element.text and "depend" in element.tag
+}
+
+mistakes = 0
+for base in ("include/clothsim", "src"):
+    for path in sorted((package / base).rglob("*")):
+        if path.suffix not in (".h", ".cpp"):
+            continue
+        room = path.relative_to(package / base).parts[0]
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            found = re.match(r'\s*#\s*include\s*[<"]([^>"]+)[>"]', line)
+            if not found:
+                continue
+            parts = found.group(1).split("/")
+            if parts[0] == "clothsim" and len(parts) > 2:
+                fits = parts[1] in MAY_INCLUDE[room]
+            else:
+                fits = room == "ros" or parts[0] not in ros_packages
+            if not fits:
+                mistakes += 1
+                name = path.relative_to(package)
+                print(f"{name}:{number}: {room}/ may not include {found.group(1)}")
+sys.exit(mistakes > 0)
