@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "clothsim/model/types.h"
+#include "clothsim/render/gpu_mesh.h"
+#include "clothsim/render/shading.h"
+
+namespace clothsim {
+
+/// Lines of one colour: `count` of the mesh's lines from the `first` one on.
+struct LineRange {
+  int first;
+  int count;
+  int family;  // index into Wireframe's families and colours
+};
+
+/// One object as it is drawn: where it is and how it looks. Points to what others own.
+struct DrawItem {
+  const GpuMesh* mesh;
+  const Points* positions;  // [m] of the vertices, in the mesh's frame
+  const std::vector<std::array<int, 3>>* triangles;
+  std::vector<LineRange> lines;  // in drawing order
+  const Shading* shading;
+  int id;                               // in the mask
+  Eigen::Matrix3d rotation;             // from the mesh's frame to the world's axes
+  Vector3 translation;                  // [m] of the mesh's origin from the camera
+  std::optional<double> sphere_radius;  // [m] of a sphere about the mesh's origin
+  double dip = 0;  // [m] how far the cloth's triangles may lie below this object's surface
+};
+
+}  // namespace clothsim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace clothsim {
+
+/// No OpenGL context could be made. `what()` lists what was tried and why each failed.
+class NoContext : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One line for each EGL device of the machine, in the order of their index.
+std::vector<std::string> egl_devices();
+
+/// An OpenGL 3.3 core context without window or display server, current in the thread that makes
+/// it. Use and destroy it in that thread; a thread holds one at a time.
+class EglContext {
+ public:
+  /// Tries hardware devices first, then software ones, then Mesa's surfaceless platform; with a
+  /// `device` only that index of egl_devices(). Throws NoContext, and InvalidValue for an index
+  /// that does not exist.
+  explicit EglContext(std::optional<int> device = std::nullopt);
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  /// Where the context came from, and the names of its renderer and version.
+  const std::string& description() const { return description_; }
+
+ private:
+  void* display_ = nullptr;
+  void* context_ = nullptr;
+  std::string description_;
+};
+
+}  // namespace clothsim

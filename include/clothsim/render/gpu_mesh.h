@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "clothsim/model/types.h"
+#include "clothsim/render/gl_handles.h"
+
+namespace clothsim {
+
+/// A mesh in the memory of the GPU: what stays (texture coordinates, triangles, lines) and what
+/// moves (positions, normals, tangents) in buffers of their own.
+class GpuMesh {
+ public:
+  GpuMesh();
+
+  void upload_topology(const Eigen::Matrix<double, Eigen::Dynamic, 2>& uv,
+                       const std::vector<std::array<int, 3>>& triangles,
+                       const std::vector<std::array<int, 2>>& lines);
+
+  /// Uploads N points. `tangents` may be empty.
+  void upload_surface(const Points& positions, const Points& normals, const Points& tangents);
+
+  void draw_triangles() const;
+
+  /// Draws `count` triangles of index buffer `indices`, from its `first` one on.
+  void draw_triangles(const Buffer& indices, int first, int count) const;
+
+  /// Draws `count` lines from the `first` one on.
+  void draw_lines(int first, int count) const;
+
+ private:
+  VertexArray array_;
+  Buffer uv_, surface_, triangles_, lines_;
+  int num_triangles_ = 0;
+  std::vector<float> scratch_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clothsim {
+
+/// A colour image, three bytes a pixel in the order r, g, b, sRGB, top row first.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Heights from 0 to 1, top row first.
+struct HeightMap {
+  int width = 0;
+  int height = 0;
+  std::vector<float> heights;
+};
+
+/// Six square images of one size in the order +x, -x, +y, -y, +z, -z, seen from inside with +y up.
+/// In the world, +y is up (+z of the world) and +z is the world's +y.
+struct CubeMap {
+  std::array<Image, 6> faces;
+};
+
+/// Read any image file that OpenCV knows. Throw InvalidValue with `key` for a file that is missing
+/// or broken. A height map is the red channel, of 8 or 16 bits.
+std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key);
+std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key);
+
+/// Reads a folder with posx, negx, posy, negy, posz, negz as .png or .jpg, or one image that is
+/// twice as wide as high, a panorama with the horizon along its middle.
+std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key);
+
+/// Writes a PNG. Throws std::runtime_error where the file cannot be written.
+void save_png(const std::string& path, const Image& image);
+
+}  // namespace clothsim

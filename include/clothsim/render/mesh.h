@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "clothsim/collision/shape.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Triangles with all that shading needs at their corners. N is the number of vertices.
+struct Mesh {
+  Points positions;                             // [m], N x 3
+  Points normals;                               // unit, N x 3
+  Points tangents;                              // unit, along growing u, N x 3
+  Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // N x 2, v upwards in the image
+  std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from outside
+  std::vector<std::array<int, 2>> lines;        // the grid the triangles come from
+};
+
+/// Mesh of `shape` in its own frame, `segments` around and along. A sphere's u goes around +z and
+/// its v from pole to pole; a plane is a square of side `extent` [m] about the origin, u and v in
+/// metres along x and y, so that textures repeat.
+Mesh make_mesh(const Shape& shape, int segments, double extent);
+
+/// Sphere of columns x rows faces. Vertices lie on the sphere.
+Mesh sphere_mesh(double radius, int columns, int rows);
+
+/// Square z = 0 with normal +z of segments x segments faces.
+Mesh plane_mesh(double extent, int segments);
+
+/// Box about the origin, six faces of two triangles; on each face u and v run from 0 to 1.
+Mesh box_mesh(const Vector3& half_sides);
+
+}  // namespace clothsim

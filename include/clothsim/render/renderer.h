@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/render/camera.h"
+#include "clothsim/render/snapshot.h"
+
+namespace clothsim {
+
+struct RendererOptions {
+  std::string shaders;            // folder of the shader files
+  std::optional<int> egl_device;  // index of egl_devices(); empty: the best
+  int samples = 4;                // of a pixel, for the edges of the colour image; 1: none
+  bool measure = false;           // wait between stages so that each has its own time
+};
+
+/// Which images to make; the others are left empty and cost nothing.
+struct Outputs {
+  bool color = true;
+  bool depth = true;
+  bool mask = true;
+};
+
+/// Images of one instant, row 0 on top.
+struct Images {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> color;  // r, g, b of each pixel, sRGB
+  std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
+  std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
+};
+
+/// Seconds of the last render(). Without `measure`, `read` includes the wait for the drawing.
+struct RenderTimes {
+  double upload = 0;
+  double draw = 0;
+  double read = 0;
+};
+
+/// Draws snapshots without window or display. Make, use and destroy it in one thread.
+///
+/// Depth and mask show the surface of each object, not its lines or its opacity, without
+/// antialiasing; spheres in them are exact, whatever their mesh.
+class Renderer {
+ public:
+  /// Throws NoContext where no OpenGL is to be had, InvalidValue for a device that does not exist.
+  explicit Renderer(const RendererOptions&);
+  ~Renderer();
+
+  /// Draws into `images`, whose memory is used again. Snapshot and camera are valid (see the
+  /// validate() of their parts). Throws ShaderError and GlError.
+  void render(const Snapshot&, const Camera&, const Outputs&, Images& images);
+
+  /// Where the OpenGL context came from.
+  const std::string& device() const;
+
+  const RenderTimes& times() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "clothsim/render/draw_item.h"
+#include "clothsim/render/mesh.h"
+#include "clothsim/render/snapshot.h"
+
+namespace clothsim {
+
+/// The cloth on the GPU.
+class ClothObject {
+ public:
+  /// Uploads what differs from the last snapshot. Tangents are made only if its shading needs them.
+  void update(const Snapshot&);
+
+  DrawItem item(const Snapshot&, const Vector3& eye) const;
+
+  /// How far a flat triangle of this cloth with its corners on a sphere can dip below it [m].
+  double dip_on_sphere(double radius) const;
+
+ private:
+  GpuMesh mesh_;
+  std::vector<LineRange> lines_;
+  std::shared_ptr<const Cloth> cloth_;
+  std::shared_ptr<const Points> positions_;
+  Points local_;                      // positions about anchor_ [m]
+  Vector3 anchor_ = Vector3::Zero();  // [m] keeps floats small wherever the cloth is
+  bool has_tangents_ = false;
+};
+
+/// A collider on the GPU. Its mesh stays while its shape does; a new pose costs nothing.
+class ColliderObject {
+ public:
+  void update(const ColliderView&);
+
+  DrawItem item(const ColliderView&, int id, const Vector3& eye) const;
+
+ private:
+  GpuMesh mesh_;
+  Mesh shape_mesh_;
+  std::optional<double> sphere_radius_;
+  std::array<double, 4> made_of_{};  // kind, size, segments and extent of the mesh
+};
+
+/// Whether the shading looks at tangents.
+bool needs_tangents(const Shading&);
+
+}  // namespace clothsim

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "clothsim/render/gl_handles.h"
+
+namespace clothsim {
+
+/// A shader that cannot be read, compiled or linked. `what()` names file and line.
+class ShaderError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The text of a shader with each line `#include "name"` replaced by that file of the same folder,
+/// once. `#line` marks keep the numbers right; files[i] is the file that the marks call i.
+struct ShaderSource {
+  std::string text;
+  std::vector<std::string> files;
+};
+
+/// Throws ShaderError for a file that is missing.
+ShaderSource read_shader(const std::string& folder, const std::string& name);
+
+/// A compiled and linked pair of a vertex and a fragment shader.
+class ShaderProgram {
+ public:
+  /// Reads both from `folder`. Throws ShaderError.
+  ShaderProgram(const std::string& folder, const std::string& vertex, const std::string& fragment);
+
+  void use() const { glUseProgram(program_.id()); }
+
+  /// Set a uniform of the program in use; a name that the shaders do not have is passed over.
+  void set(const char* name, int value) const;
+  void set(const char* name, double value) const;
+  void set(const char* name, const Eigen::Vector3d& value) const;
+  void set(const char* name, const Eigen::Matrix3d& value) const;
+
+ private:
+  int location(const char* name) const;
+
+  Program program_;
+  std::map<std::string, int, std::less<>> locations_;
+};
+
+}  // namespace clothsim

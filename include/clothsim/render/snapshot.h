@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/render/shading.h"
+
+namespace clothsim {
+
+/// A point light; `ambient` comes from everywhere.
+struct Light {
+  Vector3 position{1.5, -1, 3};  // [m] in the world
+  double intensity = 6;          // what falls on a surface 1 m away that faces it
+  double ambient = 1;
+};
+
+/// What is seen past all objects: the sky if there is one, else the colour.
+struct Background {
+  Color color{0.1, 0.1, 0.12};
+  std::shared_ptr<const CubeMap> sky;
+};
+
+/// A collider as it is seen. A plane is drawn as a square about the origin of its own frame.
+struct ColliderView {
+  Shape shape = Sphere{0.2};
+  Pose pose;  // of the shape's own frame in the world
+  Shading shading = BlinnPhong{};
+  int segments = 64;   // of its mesh, around and along
+  double extent = 10;  // [m] side of the square of a plane
+};
+
+/// All that is seen at one instant. What is shared is never written to again: a renderer uploads it
+/// once and knows it by its address.
+struct Snapshot {
+  std::shared_ptr<const Cloth> cloth;       // null: none
+  std::shared_ptr<const Points> positions;  // [m], N x 3
+  Shading cloth_shading = BlinnPhong{};
+  std::vector<ColliderView> colliders;  // at most 254
+  Light light;
+  Background background;
+};
+
+/// Throw InvalidValue with keys such as {"intensity"}, {"segments"}.
+void validate(const Light&);
+void validate(const Background&);
+void validate(const ColliderView&);
+
+}  // namespace clothsim

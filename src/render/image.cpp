@@ -1,0 +1,148 @@
+#include "clothsim/render/image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "clothsim/model/errors.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int panorama_ratio = 2;
+constexpr double eight_bits = 255, sixteen_bits = 65535;
+
+[[noreturn]] void refuse(const std::string& key, const std::string& path, const char* expected) {
+  throw InvalidValue({key}, "\"" + path + "\"", expected);
+}
+
+cv::Mat read(const std::string& path, int flags, const std::string& key) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) refuse(key, path, "an image file that exists");
+  cv::Mat image;
+  try {
+    image = cv::imread(path, flags);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) refuse(key, path, "an image file that OpenCV can read");
+  return image;
+}
+
+Image from_bgr(const cv::Mat& bgr) {
+  Image image{bgr.cols, bgr.rows, std::vector<std::uint8_t>(bgr.total() * 3)};
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.rgb.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+/// One of posx.png, posx.jpg, ...
+std::string face_path(const std::string& folder, const char* face, const std::string& key) {
+  for (const char* ending : {".png", ".jpg"}) {
+    const fs::path path = fs::path(folder) / (std::string(face) + ending);
+    if (fs::is_regular_file(path)) return path.string();
+  }
+  refuse(key, folder, "a folder with posx, negx, posy, negy, posz, negz as .png or .jpg");
+}
+
+/// The direction in the cube map through texel (s, t) of `face`, s and t from -1 to 1; OpenGL 3.3,
+/// table 3.19.
+cv::Vec3d cube_direction(std::size_t face, double s, double t) {
+  switch (face) {
+    case 0:
+      return {1, -t, -s};
+    case 1:
+      return {-1, -t, s};
+    case 2:
+      return {s, 1, t};
+    case 3:
+      return {s, -1, -t};
+    case 4:
+      return {s, -t, 1};
+    default:
+      return {-s, -t, -1};
+  }
+}
+
+/// Cuts a panorama, whose middle looks along the cube's +z and whose left lies to -x, into faces.
+CubeMap from_panorama(const cv::Mat& panorama) {
+  // One column more on either side, so that the seam at the back is smooth.
+  cv::Mat padded;
+  cv::copyMakeBorder(panorama, padded, 0, 0, 1, 1, cv::BORDER_WRAP);
+
+  const int size = std::max(1, panorama.cols / 4);
+  cv::Mat map_x(size, size, CV_32F), map_y(size, size, CV_32F);
+  CubeMap cube;
+  for (std::size_t face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row)
+      for (int column = 0; column < size; ++column) {
+        const cv::Vec3d d =
+            cube_direction(face, 2 * (column + 0.5) / size - 1, 2 * (row + 0.5) / size - 1);
+        const double around = std::atan2(d[0], d[2]), up = std::asin(d[1] / cv::norm(d));
+        map_x.at<float>(row, column) =
+            static_cast<float>((0.5 + around / (2 * M_PI)) * panorama.cols + 0.5);
+        map_y.at<float>(row, column) = static_cast<float>((0.5 - up / M_PI) * panorama.rows - 0.5);
+      }
+    cv::Mat view;
+    cv::remap(padded, view, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cube.faces[face] = from_bgr(view);
+  }
+  return cube;
+}
+
+}  // namespace
+
+std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key) {
+  return std::make_shared<Image>(from_bgr(read(path, cv::IMREAD_COLOR, key)));
+}
+
+std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key) {
+  const cv::Mat image = read(path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR, key);
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    refuse(key, path, "an image of 8 or 16 bits a channel");
+  cv::Mat red;
+  cv::extractChannel(image, red, image.channels() >= 3 ? 2 : 0);
+
+  auto map = std::make_shared<HeightMap>();
+  map->width = red.cols;
+  map->height = red.rows;
+  map->heights.resize(red.total());
+  cv::Mat heights(red.rows, red.cols, CV_32F, map->heights.data());
+  red.convertTo(heights, CV_32F, 1 / (red.depth() == CV_8U ? eight_bits : sixteen_bits));
+  return map;
+}
+
+std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key) {
+  if (!fs::is_directory(path)) {
+    const cv::Mat image = read(path, cv::IMREAD_COLOR, key);
+    if (image.cols != panorama_ratio * image.rows)
+      refuse(key, path, "a panorama twice as wide as high, or a folder of six images");
+    return std::make_shared<CubeMap>(from_panorama(image));
+  }
+
+  auto cube = std::make_shared<CubeMap>();
+  const char* const names[] = {"posx", "negx", "posy", "negy", "posz", "negz"};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::string file = face_path(path, names[i], key);
+    const Image& face = cube->faces[i] = *load_image(file, key);
+    if (face.width != face.height || face.width != cube->faces[0].width)
+      refuse(key, file, "a square image of the size of the other five");
+  }
+  return cube;
+}
+
+void save_png(const std::string& path, const Image& image) {
+  cv::Mat bgr;
+  cv::cvtColor(
+      cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())), bgr,
+      cv::COLOR_RGB2BGR);
+  if (!cv::imwrite(path, bgr, {cv::IMWRITE_PNG_COMPRESSION, 9}))
+    throw std::runtime_error("cannot write " + path);
+}
+
+}  // namespace clothsim

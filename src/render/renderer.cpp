@@ -1,0 +1,330 @@
+#include "clothsim/render/renderer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <limits>
+#include <map>
+
+#include "clothsim/render/egl_context.h"
+#include "clothsim/render/gl_handles.h"
+#include "clothsim/render/pixel_reader.h"
+#include "clothsim/render/scene_objects.h"
+#include "clothsim/render/shader_program.h"
+#include "clothsim/render/shading_uniforms.h"
+#include "clothsim/render/targets.h"
+#include "clothsim/render/texture_cache.h"
+#include "clothsim/render/translucency.h"
+
+namespace clothsim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The block that all shaders share, as std140 lays it out (shaders/frame.glsl).
+struct FrameBlock {
+  Eigen::Matrix4f clip_from_eye;
+  Eigen::Vector4f forward, depth_terms, light_position, light;
+};
+
+FrameBlock frame_block(const Snapshot& snapshot, const Camera& camera,
+                       const Eigen::Matrix3d& optical_axes) {
+  const Eigen::Matrix4d projection = projection_matrix(camera);
+  Eigen::Matrix4d optical_from_eye = Eigen::Matrix4d::Identity();
+  optical_from_eye.topLeftCorner<3, 3>() = optical_axes.transpose();
+  const auto padded = [](const Vector3& v) {
+    return Eigen::Vector4f(static_cast<float>(v.x()), static_cast<float>(v.y()),
+                           static_cast<float>(v.z()), 0);
+  };
+  FrameBlock block;
+  block.clip_from_eye = (projection * optical_from_eye).cast<float>();
+  block.forward = padded(optical_axes.col(2));
+  block.depth_terms =
+      Eigen::Vector4d(projection(2, 2), projection(2, 3), camera.near, camera.far).cast<float>();
+  block.light_position = padded(snapshot.light.position - camera.pose.position);
+  block.light = padded(Vector3(snapshot.light.intensity, snapshot.light.ambient, 0));
+  return block;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  explicit Impl(const RendererOptions& o);
+
+  void upload(const Snapshot&, const Camera&);
+  void draw_color(const Snapshot&, const Camera&);
+  void draw_truth(const Camera&);
+  void draw_background(const Snapshot&, const Camera&);
+  void draw_lines(const DrawItem&, const Wireframe&);
+  void draw_translucent(const std::vector<const DrawItem*>&);
+  void draw_sphere_truth(const DrawItem&);
+  const ShaderProgram& use_program(const std::string& vertex, const std::string& fragment);
+  const ShaderProgram& use_item(const DrawItem&, const std::string& fragment);
+  void end_stage();
+
+  RendererOptions options;
+  EglContext context;  // before all that lives in it
+  VertexArray no_vertices;
+  Buffer frame_buffer, sorted_triangles;
+  std::map<std::string, ShaderProgram> programs;
+  TextureCache textures;
+  std::optional<ClothObject> cloth;
+  std::vector<ColliderObject> colliders;
+  std::optional<GpuMesh> box;
+  std::optional<ColorTarget> color_target;
+  std::optional<TruthTarget> truth_target;
+  PixelReader color_reader, depth_reader, mask_reader;
+  std::vector<DrawItem> items;
+  Eigen::Matrix3d optical_axes;
+  RenderTimes times;
+};
+
+Renderer::Impl::Impl(const RendererOptions& o) : options(o), context(o.egl_device) {
+  GLint most_samples = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
+  options.samples = std::clamp(options.samples, 1, static_cast<int>(most_samples));
+  glDepthFunc(GL_LEQUAL);
+  glFrontFace(GL_CW);  // image row 0 is OpenGL's lowest row, which turns outlines around
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.id());
+}
+
+void Renderer::Impl::end_stage() {
+  if (options.measure) glFinish();
+}
+
+const ShaderProgram& Renderer::Impl::use_program(const std::string& vertex,
+                                                 const std::string& fragment) {
+  const std::string name = vertex + " " + fragment;
+  auto place = programs.find(name);
+  if (place == programs.end())
+    place = programs.emplace(name, ShaderProgram(options.shaders, vertex, fragment)).first;
+  place->second.use();
+  return place->second;
+}
+
+const ShaderProgram& Renderer::Impl::use_item(const DrawItem& item, const std::string& fragment) {
+  const ShaderProgram& program = use_program("surface.vert", fragment);
+  program.set("rotation", item.rotation);
+  program.set("translation", item.translation);
+  program.set("dip", item.dip);
+  set_displacement(*item.shading, program, textures);
+  return program;
+}
+
+void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
+  const Vector3& eye = camera.pose.position;
+  optical_axes = camera.pose.orientation.normalized().toRotationMatrix();
+  const FrameBlock block = frame_block(snapshot, camera, optical_axes);
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer.id());
+  glBufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
+
+  items.clear();
+  if (snapshot.cloth) {
+    if (!cloth) cloth.emplace();
+    cloth->update(snapshot);
+    items.push_back(cloth->item(snapshot, eye));
+  } else {
+    cloth.reset();
+  }
+
+  colliders.resize(snapshot.colliders.size());
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const ColliderView& view = snapshot.colliders[i];
+    colliders[i].update(view);
+    items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
+    if (cloth && items.back().sphere_radius)
+      items.back().dip = cloth->dip_on_sphere(*items.back().sphere_radius);
+  }
+}
+
+void Renderer::Impl::draw_background(const Snapshot& snapshot, const Camera& camera) {
+  const Color color = linear_from_srgb(snapshot.background.color);
+  const Eigen::Vector4f clear(static_cast<float>(color[0]), static_cast<float>(color[1]),
+                              static_cast<float>(color[2]), 1);
+  glClearBufferfv(GL_COLOR, 0, clear.data());
+  if (!snapshot.background.sky) return;
+
+  // A ray of the optical frame is linear in the place on the picture.
+  const Eigen::Matrix4d p = projection_matrix(camera);
+  Eigen::Matrix3d ray_from_ndc;
+  ray_from_ndc << 1 / p(0, 0), 0, -p(0, 2) / p(0, 0),  //
+      0, 1 / p(1, 1), -p(1, 2) / p(1, 1),              //
+      0, 0, 1;
+  glDisable(GL_DEPTH_TEST);
+  const ShaderProgram& program = use_program("background.vert", "background.frag");
+  program.set("ray_from_ndc", Eigen::Matrix3d(optical_axes * ray_from_ndc));
+  set_environment(snapshot.background.sky, program, textures);
+  glBindVertexArray(no_vertices.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Renderer::Impl::draw_lines(const DrawItem& item, const Wireframe& wireframe) {
+  const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
+  for (const LineRange& range : item.lines) {
+    const auto family = static_cast<std::size_t>(range.family);
+    if (!wireframe.families[family]) continue;
+    program.set("base_color", linear_from_srgb(wireframe.colors[family]));
+    item.mesh->draw_lines(range.first, range.count);
+  }
+}
+
+void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& translucent) {
+  if (translucent.empty()) return;
+  const BackToFront order = sort_back_to_front(translucent, optical_axes.col(2));
+  glBindVertexArray(no_vertices.id());
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_triangles.id());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(order.triangles.size() * sizeof(order.triangles[0])),
+               order.triangles.data(), GL_STREAM_DRAW);
+
+  // What lies behind is drawn already; a layer hides nothing of the layers behind it.
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  for (const BackToFront::Stretch& stretch : order.stretches) {
+    const DrawItem& item = *stretch.item;
+    const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
+    set_shading(*item.shading, program, textures);
+    item.mesh->draw_triangles(sorted_triangles, stretch.first, stretch.count);
+  }
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) {
+  if (!color_target || color_target->width() != camera.width ||
+      color_target->height() != camera.height)
+    color_target.emplace(camera.width, camera.height, options.samples);
+  color_target->bind();
+  glViewport(0, 0, camera.width, camera.height);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glEnable(GL_DEPTH_TEST);
+  const float farthest = 1;
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
+  draw_background(snapshot, camera);
+
+  std::vector<const DrawItem*> translucent;
+  for (const DrawItem& item : items) {
+    if (std::holds_alternative<Translucent>(*item.shading)) {
+      translucent.push_back(&item);
+    } else if (const auto* wireframe = std::get_if<Wireframe>(item.shading)) {
+      draw_lines(item, *wireframe);
+    } else {
+      const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
+      set_shading(*item.shading, program, textures);
+      item.mesh->draw_triangles();
+    }
+  }
+  draw_translucent(translucent);
+  check_gl("drawing the colour image");
+}
+
+void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
+  if (!box) {
+    box.emplace();
+    const Mesh cube = box_mesh(Vector3::Ones());
+    box->upload_topology(cube.uv, cube.triangles, cube.lines);
+    box->upload_surface(cube.positions, cube.normals, cube.tangents);
+  }
+  // The far sides of a box around the sphere: they are there even where the camera is inside.
+  const ShaderProgram& program = use_program("surface.vert", "sphere_truth.frag");
+  program.set("rotation", Eigen::Matrix3d(*item.sphere_radius * Eigen::Matrix3d::Identity()));
+  program.set("translation", item.translation);
+  program.set("radius", *item.sphere_radius);
+  program.set("sphere_dip", item.dip);
+  program.set("id", static_cast<double>(item.id));
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_FRONT);
+  glEnable(GL_DEPTH_CLAMP);
+  box->draw_triangles();
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Impl::draw_truth(const Camera& camera) {
+  if (!truth_target || truth_target->width() != camera.width ||
+      truth_target->height() != camera.height)
+    truth_target.emplace(camera.width, camera.height);
+  truth_target->bind();
+  glViewport(0, 0, camera.width, camera.height);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glEnable(GL_DEPTH_TEST);
+  const float nothing[] = {std::numeric_limits<float>::infinity(), 0, 0, 0};
+  const float no_id[] = {0, 0, 0, 0};
+  const float farthest = 1;
+  glClearBufferfv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_COLOR, 1, no_id);
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
+
+  for (const DrawItem& item : items) {
+    if (item.sphere_radius && !std::holds_alternative<Displacement>(*item.shading)) {
+      draw_sphere_truth(item);
+    } else {
+      const ShaderProgram& program = use_item(item, "truth.frag");
+      program.set("id", static_cast<double>(item.id));
+      item.mesh->draw_triangles();
+    }
+  }
+  check_gl("drawing depth and mask");
+}
+
+Renderer::Renderer(const RendererOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Renderer::~Renderer() = default;
+
+void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outputs& outputs,
+                      Images& images) {
+  assert(snapshot.colliders.size() <= 254);
+  const auto start = Clock::now();
+  impl_->upload(snapshot, camera);
+  impl_->end_stage();
+  const auto uploaded = Clock::now();
+
+  // Each image starts on its way as soon as it is drawn.
+  const bool truth = outputs.depth || outputs.mask;
+  if (outputs.color) impl_->draw_color(snapshot, camera);
+  if (truth) impl_->draw_truth(camera);
+  impl_->end_stage();
+  const auto drawn = Clock::now();
+  if (outputs.color) {
+    impl_->color_target->resolve_for_reading();
+    impl_->color_reader.start(camera.width, camera.height, GL_RGB, GL_UNSIGNED_BYTE, 3);
+  }
+  if (truth) {
+    if (outputs.depth) {
+      impl_->truth_target->bind_depth_for_reading();
+      impl_->depth_reader.start(camera.width, camera.height, GL_RED, GL_FLOAT, sizeof(float));
+    }
+    if (outputs.mask) {
+      impl_->truth_target->bind_mask_for_reading();
+      impl_->mask_reader.start(camera.width, camera.height, GL_RED, GL_UNSIGNED_BYTE, 1);
+    }
+  }
+
+  const auto pixels =
+      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  images.width = camera.width;
+  images.height = camera.height;
+  images.color.resize(outputs.color ? 3 * pixels : 0);
+  images.depth.resize(outputs.depth ? pixels : 0);
+  images.mask.resize(outputs.mask ? pixels : 0);
+  if (outputs.color) impl_->color_reader.finish(images.color.data());
+  if (outputs.depth) impl_->depth_reader.finish(images.depth.data());
+  if (outputs.mask) impl_->mask_reader.finish(images.mask.data());
+  check_gl("reading the images back");
+
+  impl_->textures.sweep();
+  impl_->times = {std::chrono::duration<double>(uploaded - start).count(),
+                  std::chrono::duration<double>(drawn - uploaded).count(), seconds_since(drawn)};
+}
+
+const std::string& Renderer::device() const { return impl_->context.description(); }
+
+const RenderTimes& Renderer::times() const { return impl_->times; }
+
+}  // namespace clothsim

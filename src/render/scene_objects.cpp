@@ -1,0 +1,104 @@
+#include "clothsim/render/scene_objects.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "clothsim/render/surface.h"
+
+namespace clothsim {
+namespace {
+
+// A cloth with triangles as large as the sphere it hangs on is no longer a cover for it.
+constexpr double deepest_dip = 0.1;  // of the radius
+
+/// Springs as lines, family by family; the last drawn wins where lines lie on one another.
+constexpr std::array<SpringFamily, 3> line_order{SpringFamily::bending, SpringFamily::shear,
+                                                 SpringFamily::structural};
+
+std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<LineRange>& ranges) {
+  std::vector<std::array<int, 2>> lines;
+  ranges.clear();
+  for (const SpringFamily family : line_order) {
+    const int first = static_cast<int>(lines.size());
+    for (const SpringRun& run : cloth.springs)
+      if (run.family == family)
+        for (int i = 0; i < run.count; ++i)
+          lines.push_back({run.first + i, run.first + i + run.offset});
+    ranges.push_back({first, static_cast<int>(lines.size()) - first, static_cast<int>(family)});
+  }
+  return lines;
+}
+
+}  // namespace
+
+bool needs_tangents(const Shading& shading) {
+  return std::holds_alternative<Bump>(shading) || std::holds_alternative<Displacement>(shading);
+}
+
+void ClothObject::update(const Snapshot& snapshot) {
+  const Cloth& cloth = *snapshot.cloth;
+  assert(snapshot.positions && snapshot.positions->rows() == cloth.num_points());
+  const bool new_cloth = snapshot.cloth != cloth_;
+  if (new_cloth) {
+    mesh_.upload_topology(cloth.uv, cloth.triangles, spring_lines(cloth, lines_));
+    cloth_ = snapshot.cloth;
+  }
+
+  const bool tangents = needs_tangents(snapshot.cloth_shading);
+  if (!new_cloth && snapshot.positions == positions_ && (has_tangents_ || !tangents)) return;
+  positions_ = snapshot.positions;
+  has_tangents_ = tangents;
+  anchor_ = positions_->row(0);
+  local_ = positions_->rowwise() - anchor_.transpose();
+  const Points normals = vertex_normals(local_, cloth.triangles);
+  mesh_.upload_surface(
+      local_, normals,
+      tangents ? vertex_tangents(local_, cloth.uv, cloth.triangles, normals) : Points());
+}
+
+DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
+  DrawItem item{};
+  item.mesh = &mesh_;
+  item.positions = &local_;
+  item.triangles = &cloth_->triangles;
+  item.lines = lines_;
+  item.shading = &snapshot.cloth_shading;
+  item.id = 1;
+  item.rotation.setIdentity();
+  item.translation = anchor_ - eye;
+  return item;
+}
+
+double ClothObject::dip_on_sphere(double radius) const {
+  // The sagitta of a chord as long as the longest edge, L^2 / 8r.
+  const double edge = longest_edge(local_, cloth_->triangles);
+  return std::min(edge * edge / (8 * radius), deepest_dip * radius);
+}
+
+void ColliderObject::update(const ColliderView& view) {
+  const auto* sphere = std::get_if<Sphere>(&view.shape);
+  sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
+  const std::array<double, 4> wanted{1.0 + static_cast<double>(view.shape.index()),
+                                     sphere_radius_.value_or(0), 1.0 * view.segments, view.extent};
+  if (wanted == made_of_) return;
+  shape_mesh_ = make_mesh(view.shape, view.segments, view.extent);
+  mesh_.upload_topology(shape_mesh_.uv, shape_mesh_.triangles, shape_mesh_.lines);
+  mesh_.upload_surface(shape_mesh_.positions, shape_mesh_.normals, shape_mesh_.tangents);
+  made_of_ = wanted;
+}
+
+DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& eye) const {
+  DrawItem item{};
+  item.mesh = &mesh_;
+  item.positions = &shape_mesh_.positions;
+  item.triangles = &shape_mesh_.triangles;
+  item.lines = {{0, static_cast<int>(shape_mesh_.lines.size()), 0}};
+  item.shading = &view.shading;
+  item.id = id;
+  item.rotation = view.pose.orientation.normalized().toRotationMatrix();
+  item.translation = view.pose.position - eye;
+  item.sphere_radius = sphere_radius_;
+  return item;
+}
+
+}  // namespace clothsim

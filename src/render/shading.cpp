@@ -1,0 +1,112 @@
+#include "clothsim/render/shading.h"
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+// Far beyond what an image can show; they keep the sums of the shaders finite.
+constexpr Range channel{0, 1, ""};
+constexpr Range coefficient{0, 1e3, ""};
+constexpr Range exponent{1e-3, 1e5, ""};
+constexpr Range scaling{-1e3, 1e3, ""};
+constexpr Range height{-1e3, 1e3, "m"};
+constexpr Range level_count{1, 256, ""};  // 8-bit images hold no more
+
+void check(const Phong& p) {
+  check_range("ka", p.ka, coefficient);
+  check_range("kd", p.kd, coefficient);
+  check_range("ks", p.ks, coefficient);
+  check_range("power", p.power, exponent);
+}
+
+template <class Pointer>
+void require_loaded(const Pointer& pointer, const char* key, const char* expected) {
+  if (!pointer) throw InvalidValue({key}, "nothing", expected);
+}
+
+void check(const Wireframe& s) {
+  for (const Color& color : s.colors) check_range("colors", color, channel);
+}
+void check(const NormalColor&) {}
+void check(const Diffuse& s) {
+  check_range("color", s.color, channel);
+  check_range("kd", s.kd, coefficient);
+}
+void check(const BlinnPhong& s) {
+  check_range("color", s.color, channel);
+  check(s.phong);
+}
+void check(const Textured& s) { require_loaded(s.image, "texture", "an image file"); }
+void check(const Bump& s) {
+  check_range("color", s.color, channel);
+  check(s.phong);
+  require_loaded(s.height_map, "height_map", "an image file");
+  check_range("height_scaling", s.height_scaling, height);
+  check_range("normal_scaling", s.normal_scaling, scaling);
+}
+void check(const Mirror& s) {
+  require_loaded(s.environment, "environment", "a folder of six images, or a panorama");
+}
+void check(const PhongTexture& s) {
+  require_loaded(s.image, "texture", "an image file");
+  check(s.phong);
+}
+void check(const Translucent& s) {
+  require_loaded(s.image, "texture", "an image file");
+  check(s.phong);
+  check_range("alpha", s.alpha, channel);
+}
+void check(const Cartoon& s) {
+  check_range("color", s.color, channel);
+  check_range("kd", s.kd, coefficient);
+  check_range("levels", s.levels, level_count);
+  check_range("ambient", s.ambient, coefficient);
+}
+
+/// Calls f with a default value of each alternative of Shading.
+template <class F, std::size_t... I>
+void for_each_shading(F&& f, std::index_sequence<I...>) {
+  (f(std::variant_alternative_t<I, Shading>{}), ...);
+}
+
+template <class F>
+void for_each_shading(F&& f) {
+  for_each_shading(f, std::make_index_sequence<std::variant_size_v<Shading>>{});
+}
+
+}  // namespace
+
+const char* shading_name(const Shading& shading) {
+  return std::visit([](const auto& s) { return std::decay_t<decltype(s)>::name; }, shading);
+}
+
+std::vector<std::string> shading_names() {
+  std::vector<std::string> names;
+  for_each_shading([&](const auto& s) { names.push_back(s.name); });
+  return names;
+}
+
+Shading make_shading(const std::string& name) {
+  Shading result;
+  bool found = false;
+  std::string known;
+  for_each_shading([&](const auto& s) {
+    known += (known.empty() ? "" : ", ") + std::string(s.name);
+    if (name != s.name) return;
+    result = s;
+    found = true;
+  });
+  if (!found) throw InvalidValue({"shader"}, name, "one of " + known);
+  return result;
+}
+
+void validate(const Shading& shading) {
+  std::visit([](const auto& s) { check(s); }, shading);
+}
+
+}  // namespace clothsim
