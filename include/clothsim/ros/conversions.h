@@ -1,0 +1,37 @@
+#pragma once
+
+#include <clothsim/ClothState.h>
+#include <clothsim/ClothTopology.h>
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Header.h>
+
+#include <cstdint>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+// Pure functions between the core's types and ROS messages.
+
+namespace clothsim_ros {
+
+/// Positions and velocities as flat float32 xyz. `step` counts frames since the scene's start.
+clothsim::ClothState to_state_msg(const clothsim::State&, const std_msgs::Header&,
+                                  unsigned topology_seq, std::uint64_t step);
+
+clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::Header&,
+                                        unsigned topology_seq);
+
+/// Organised cloud of columns x rows points, fields x, y, z as float32.
+sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,
+                                        const std_msgs::Header&);
+
+geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
+geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
+
+/// Normalises the rotation. Not finite where the message is not, or its rotation is zero.
+clothsim::Pose to_pose(const geometry_msgs::Transform&);
+
+}  // namespace clothsim_ros

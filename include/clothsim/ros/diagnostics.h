@@ -1,0 +1,52 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/frame_follower.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// Simulated time against the time that passed.
+class RateMeter {
+ public:
+  /// Forgets what was before `now` [s], as after a pause.
+  void restart(double now);
+
+  void add(double simulated) { simulated_ += simulated; }
+
+  /// Simulated seconds per second since the last call; empty where too little time passed.
+  std::optional<double> take(double now);
+
+ private:
+  double start_ = 0;      // [s]
+  double simulated_ = 0;  // [s] since then
+};
+
+/// What the node says of itself.
+struct NodeStatus {
+  bool paused = false;
+  std::string failure;                   // why the simulation stopped; empty: it did not
+  double factor_asked = 1;               // 0: as fast as possible
+  std::optional<double> factor_reached;  // empty: nothing to measure
+  clothsim::StepReport report;           // of the last frame
+  std::vector<FrameStatus> frames;
+};
+
+/// Sends a NodeStatus to /diagnostics.
+class Diagnostics {
+ public:
+  Diagnostics();
+
+  void publish(const NodeStatus&);
+
+ private:
+  NodeStatus status_;
+  diagnostic_updater::Updater updater_;
+};
+
+}  // namespace clothsim_ros

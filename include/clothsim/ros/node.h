@@ -1,0 +1,67 @@
+#pragma once
+
+#include <clothsim/Step.h>
+#include <ros/node_handle.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/diagnostics.h"
+#include "clothsim/ros/frame_follower.h"
+#include "clothsim/ros/outputs.h"
+#include "clothsim/ros/pacer.h"
+#include "clothsim/ros/parameters.h"
+#include "clothsim/ros/reconfigure.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// A simulated cloth as a ROS node. One thread serves the callbacks and, between them, computes
+/// the frames, so nothing changes inside a frame.
+class Node {
+ public:
+  /// Reads the node's parameters. Throws std::runtime_error with the full name of a bad one.
+  Node();
+
+  /// Simulates until the node is shut down.
+  void run();
+
+ private:
+  /// A frame that is due by the clock, or one out of turn, from ~step.
+  enum class Turn { due, now };
+
+  /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
+  bool simulate_frame(Turn);
+  void publish_frame(const ros::Time& stamp);
+  void publish_clock();
+  void publish_diagnostics();
+
+  bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
+  bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
+  bool step(clothsim::Step::Request&, clothsim::Step::Response&);
+
+  ros::NodeHandle node_;
+  NodeParameters parameters_;
+  clothsim::Simulator simulator_;
+  clothsim::StepReport report_;     // of the last frame
+  std::uint64_t frame_number_ = 0;  // since the scene's start
+  bool paused_;
+  std::string failure_;  // why the simulation stopped
+
+  FrameFollower follower_;
+  Pacer pacer_;
+  Outputs outputs_;
+  Reconfigure reconfigure_;
+  RateMeter rate_;
+  Diagnostics diagnostics_;
+  ros::SteadyTime next_diagnostics_;
+
+  ros::Publisher clock_publisher_;  // where the node owns the clock
+  std::vector<ros::ServiceServer> services_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <clothsim/ClothState.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Header.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <cstdint>
+#include <string>
+
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// The topics ~state, ~points, ~markers and ~topology. No message is built without a subscriber
+/// for it, but for the latched topology. A new subscriber gets the present state at once, so that
+/// it sees a simulation that is paused, too.
+class Outputs {
+ public:
+  /// The simulator must outlive this. `now` is the stamp of the scene's start.
+  Outputs(ros::NodeHandle&, const clothsim::Simulator&, const std::string& world_frame,
+          const ros::Time& now);
+
+  /// Publishes the simulator's state, frame number `step` since the scene's start.
+  void publish(const ros::Time& stamp, std::uint64_t step);
+
+  /// To be called often. Publishes what changed between frames and what publish() left for later.
+  void refresh();
+
+  /// The state as it was last published.
+  clothsim::ClothState state() const;
+
+ private:
+  template <class Message>
+  ros::Publisher advertise(ros::NodeHandle&, const std::string& topic, std::uint32_t queue_size,
+                           Message (Outputs::*make)() const);
+
+  void publish_topology();
+
+  sensor_msgs::PointCloud2 points() const;
+  visualization_msgs::MarkerArray markers() const;
+
+  const clothsim::Simulator& simulator_;
+  std_msgs::Header header_;
+  std::uint64_t step_ = 0;
+  unsigned topology_seq_ = 0;     // of the topology published last
+  bool markers_due_ = false;      // the state has moved on since the last ones
+  ros::SteadyTime next_markers_;  // not before
+  ros::Publisher state_publisher_;
+  ros::Publisher points_publisher_;
+  ros::Publisher markers_publisher_;
+  ros::Publisher topology_publisher_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim_ros {
+
+/// What the node reads from the parameter server, once, at its start.
+struct NodeParameters {
+  clothsim::Scene scene;
+  std::string world_frame = "map";
+  double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
+  bool paused = false;
+  bool publish_clock = false;  // the node is the source of /clock
+};
+
+/// Reads the private parameters of `node`. Throws std::runtime_error with the full name of the
+/// parameter, what it is and what is expected.
+NodeParameters read_parameters(const ros::NodeHandle& node);
+
+/// The same value as YAML, so that parameters and files have one reader. A text counts as quoted.
+/// Throws clothsim::InvalidValue for binary data and dates.
+YAML::Node to_yaml(XmlRpc::XmlRpcValue value);
+
+}  // namespace clothsim_ros

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <memory>
+
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// Material and simulation values that dynamic_reconfigure changes. They are applied in the thread
+/// that serves the node's callbacks, so between two frames of the simulator.
+class Reconfigure {
+ public:
+  /// Starts from the simulator's values, whatever an earlier node left on the parameter server.
+  /// The simulator must outlive this. A request with a value that the simulator refuses changes
+  /// nothing, is logged, and is answered with the values that hold.
+  Reconfigure(const ros::NodeHandle&, clothsim::Simulator&);
+  ~Reconfigure();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace clothsim_ros

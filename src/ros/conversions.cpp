@@ -1,0 +1,114 @@
+#include "clothsim/ros/conversions.h"
+
+#include <array>
+#include <vector>
+
+namespace clothsim_ros {
+namespace {
+
+using FlatXyz = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using FlatUv = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+/// Row by row as float32.
+template <class Flat, class Table>
+std::vector<float> flatten(const Table& table) {
+  std::vector<float> flat(static_cast<size_t>(table.size()));
+  Eigen::Map<Flat>(flat.data(), table.rows(), table.cols()) = table.template cast<float>();
+  return flat;
+}
+
+}  // namespace
+
+clothsim::ClothState to_state_msg(const clothsim::State& state, const std_msgs::Header& header,
+                                  unsigned topology_seq, std::uint64_t step) {
+  clothsim::ClothState msg;
+  msg.header = header;
+  msg.topology_seq = topology_seq;
+  msg.step = step;
+  msg.time = state.time;
+  msg.positions = flatten<FlatXyz>(state.positions);
+  msg.velocities = flatten<FlatXyz>(state.velocities);
+  return msg;
+}
+
+clothsim::ClothTopology to_topology_msg(const clothsim::Cloth& cloth,
+                                        const std_msgs::Header& header, unsigned topology_seq) {
+  clothsim::ClothTopology msg;
+  msg.header = header;
+  msg.seq = topology_seq;
+  msg.columns = static_cast<std::uint32_t>(cloth.columns);
+  msg.rows = static_cast<std::uint32_t>(cloth.rows);
+  for (const auto& triangle : cloth.triangles) {
+    msg.triangles.insert(msg.triangles.end(), triangle.begin(), triangle.end());
+  }
+
+  const std::array<std::vector<std::uint32_t>*, 3> families = {&msg.structural, &msg.shear,
+                                                               &msg.bending};
+  for (const clothsim::SpringRun& run : cloth.springs) {
+    for (int point = run.first; point < run.first + run.count; ++point) {
+      auto& ends = *families[static_cast<size_t>(run.family)];
+      ends.push_back(static_cast<std::uint32_t>(point));
+      ends.push_back(static_cast<std::uint32_t>(point + run.offset));
+    }
+  }
+
+  msg.uv = flatten<FlatUv>(cloth.uv);
+  msg.rest_positions = flatten<FlatXyz>(cloth.rest_positions);
+  msg.pinned.assign(cloth.pinned.begin(), cloth.pinned.end());
+  return msg;
+}
+
+sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth& cloth,
+                                        const clothsim::Points& positions,
+                                        const std_msgs::Header& header) {
+  constexpr std::uint32_t point_step = 3 * sizeof(float);
+
+  sensor_msgs::PointCloud2 msg;
+  msg.header = header;
+  msg.width = static_cast<std::uint32_t>(cloth.columns);
+  msg.height = static_cast<std::uint32_t>(cloth.rows);
+  for (const char* name : {"x", "y", "z"}) {
+    sensor_msgs::PointField field;
+    field.name = name;
+    field.offset = static_cast<std::uint32_t>(msg.fields.size() * sizeof(float));
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.count = 1;
+    msg.fields.push_back(field);
+  }
+  msg.point_step = point_step;
+  msg.row_step = point_step * msg.width;
+  msg.is_dense = true;
+  msg.data.resize(size_t{msg.row_step} * msg.height);
+  Eigen::Map<FlatXyz>(reinterpret_cast<float*>(msg.data.data()), positions.rows(), 3) =
+      positions.cast<float>();
+  return msg;
+}
+
+geometry_msgs::Point to_point_msg(const clothsim::Points& points, int point) {
+  geometry_msgs::Point msg;
+  msg.x = points(point, 0);
+  msg.y = points(point, 1);
+  msg.z = points(point, 2);
+  return msg;
+}
+
+geometry_msgs::Pose to_pose_msg(const clothsim::Pose& pose) {
+  geometry_msgs::Pose msg;
+  msg.position.x = pose.position.x();
+  msg.position.y = pose.position.y();
+  msg.position.z = pose.position.z();
+  msg.orientation.x = pose.orientation.x();
+  msg.orientation.y = pose.orientation.y();
+  msg.orientation.z = pose.orientation.z();
+  msg.orientation.w = pose.orientation.w();
+  return msg;
+}
+
+clothsim::Pose to_pose(const geometry_msgs::Transform& transform) {
+  const auto& t = transform.translation;
+  const auto& r = transform.rotation;
+  const Eigen::Quaterniond rotation(r.w, r.x, r.y, r.z);
+  return {{t.x, t.y, t.z}, Eigen::Quaterniond(rotation.coeffs() / rotation.norm())};
+}
+
+}  // namespace clothsim_ros

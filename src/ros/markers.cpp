@@ -1,0 +1,143 @@
+#include "clothsim/ros/markers.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/conversions.h"
+
+namespace clothsim_ros {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr double line_width = 0.001;      // [m]
+constexpr double pin_diameter = 0.02;     // [m]
+constexpr double plane_size = 4;          // [m] an unbounded plane is shown as a square plate
+constexpr double plate_thickness = 0.01;  // [m] of that plate, on the solid side
+
+std_msgs::ColorRGBA color(float r, float g, float b) {
+  std_msgs::ColorRGBA msg;
+  msg.r = r;
+  msg.g = g;
+  msg.b = b;
+  msg.a = 1;
+  return msg;
+}
+
+Marker make_marker(const std_msgs::Header& header, const std::string& ns, int id, int type,
+                   const std_msgs::ColorRGBA& color) {
+  Marker marker;
+  marker.header = header;
+  marker.ns = ns;
+  marker.id = id;
+  marker.type = type;
+  marker.action = Marker::ADD;
+  marker.pose.orientation.w = 1;
+  marker.color = color;
+  return marker;
+}
+
+void set_scale(Marker& marker, double x, double y, double z) {
+  marker.scale.x = x;
+  marker.scale.y = y;
+  marker.scale.z = z;
+}
+
+/// RViz takes a list without points for a mistake.
+void delete_if_empty(Marker& marker) {
+  if (marker.points.empty()) marker.action = Marker::DELETE;
+}
+
+/// One colour for all: colours per vertex would switch RViz's lighting off.
+Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positions,
+                    const std_msgs::Header& header) {
+  Marker marker =
+      make_marker(header, "surface", 0, Marker::TRIANGLE_LIST, color(0.85f, 0.33f, 0.25f));
+  set_scale(marker, 1, 1, 1);
+  marker.points.reserve(3 * cloth.triangles.size());
+  for (const auto& triangle : cloth.triangles) {
+    for (int point : triangle) marker.points.push_back(to_point_msg(positions, point));
+  }
+  delete_if_empty(marker);
+  return marker;
+}
+
+/// Springs of all families; a family without springs is deleted.
+std::array<Marker, 3> make_springs(const clothsim::Cloth& cloth, const clothsim::Points& positions,
+                                   const std_msgs::Header& header) {
+  const std::array<std_msgs::ColorRGBA, 3> colors = {
+      color(0.95f, 0.95f, 0.95f), color(0.25f, 0.65f, 0.95f), color(0.98f, 0.80f, 0.25f)};
+
+  std::array<Marker, 3> markers;
+  for (size_t i = 0; i < markers.size(); ++i) {
+    markers[i] =
+        make_marker(header, clothsim::spring_family_names[i], 0, Marker::LINE_LIST, colors[i]);
+    markers[i].scale.x = line_width;
+  }
+  for (const clothsim::SpringRun& run : cloth.springs) {
+    auto& points = markers[static_cast<size_t>(run.family)].points;
+    for (int point = run.first; point < run.first + run.count; ++point) {
+      points.push_back(to_point_msg(positions, point));
+      points.push_back(to_point_msg(positions, point + run.offset));
+    }
+  }
+  for (Marker& marker : markers) delete_if_empty(marker);
+  return markers;
+}
+
+void shape_marker(const clothsim::Sphere& sphere, const clothsim::Pose&, Marker& marker) {
+  marker.type = Marker::SPHERE;
+  set_scale(marker, 2 * sphere.radius, 2 * sphere.radius, 2 * sphere.radius);
+}
+
+void shape_marker(const clothsim::Plane& plane, const clothsim::Pose& pose, Marker& marker) {
+  marker.type = Marker::CUBE;
+  set_scale(marker, plane_size, plane_size, plate_thickness);
+  if (plane.two_sided) return;
+  const clothsim::Vector3 into_solid =
+      pose.orientation * clothsim::Vector3(0, 0, -plate_thickness / 2);
+  marker.pose.position.x += into_solid.x();
+  marker.pose.position.y += into_solid.y();
+  marker.pose.position.z += into_solid.z();
+}
+
+Marker make_collider(const clothsim::ColliderSpec& collider, const clothsim::Pose& pose, int id,
+                     const std_msgs::Header& header) {
+  Marker marker = make_marker(header, "colliders", id, Marker::SPHERE, color(0.45f, 0.52f, 0.60f));
+  marker.pose = to_pose_msg(pose);
+  std::visit([&](const auto& shape) { shape_marker(shape, pose, marker); }, collider.shape);
+  return marker;
+}
+
+Marker make_pins(const clothsim::Cloth& cloth, const clothsim::Points& positions,
+                 const std_msgs::Header& header) {
+  Marker marker = make_marker(header, "pins", 0, Marker::SPHERE_LIST, color(0.20f, 0.75f, 0.35f));
+  set_scale(marker, pin_diameter, pin_diameter, pin_diameter);
+  for (int point : cloth.pinned) marker.points.push_back(to_point_msg(positions, point));
+  return marker;
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray make_markers(const clothsim::Simulator& simulator,
+                                             const std_msgs::Header& header) {
+  const clothsim::Cloth& cloth = simulator.cloth();
+  const clothsim::Points& positions = simulator.state().positions;
+
+  visualization_msgs::MarkerArray array;
+  array.markers.push_back(make_surface(cloth, positions, header));
+  for (Marker& springs : make_springs(cloth, positions, header)) {
+    array.markers.push_back(std::move(springs));
+  }
+  const auto& colliders = simulator.scene().colliders;
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    const int id = static_cast<int>(i);
+    array.markers.push_back(make_collider(colliders[i], simulator.collider_pose(id), id, header));
+  }
+  if (!cloth.pinned.empty()) array.markers.push_back(make_pins(cloth, positions, header));
+  return array;
+}
+
+}  // namespace clothsim_ros

@@ -1,0 +1,161 @@
+#include "clothsim/ros/node.h"
+
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/master.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include <algorithm>
+
+#include "clothsim/model/errors.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// The loop comes round at least this often, for diagnostics and for the end of the node.
+const ros::WallDuration longest_wait(0.1);
+
+const ros::WallDuration diagnostics_period(1);
+
+/// How long a call waits for a master that is away, before it gives up. Frames wait with it.
+const ros::WallDuration master_patience(0.001);
+
+/// The first is false when all is closed, the second true when closing begins.
+bool is_running() { return ros::ok() && !ros::isShuttingDown(); }
+
+}  // namespace
+
+Node::Node()
+    : node_("~"),
+      parameters_(read_parameters(node_)),
+      simulator_(parameters_.scene),
+      paused_(parameters_.paused),
+      follower_(parameters_.scene, parameters_.world_frame),
+      pacer_(parameters_.realtime_factor, parameters_.publish_clock),
+      outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
+      reconfigure_(node_, simulator_) {
+  if (parameters_.publish_clock) {
+    clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 1, true);
+    publish_clock();
+  }
+  services_ = {node_.advertiseService("pause", &Node::pause, this),
+               node_.advertiseService("reset", &Node::reset, this),
+               node_.advertiseService("step", &Node::step, this)};
+}
+
+void Node::run() {
+  ros::master::setRetryTimeout(master_patience);
+  rate_.restart(pacer_.seconds());
+
+  while (is_running()) {
+    // Serve callbacks until the next frame is due.
+    const ros::WallDuration wait =
+        paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
+    ros::getGlobalCallbackQueue()->callAvailable(std::min(wait, longest_wait));
+    outputs_.refresh();
+
+    const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
+    if (due && is_running()) simulate_frame(Turn::due);
+    publish_diagnostics();
+  }
+}
+
+bool Node::simulate_frame(Turn turn) {
+  const double frame_duration = simulator_.frame_duration();
+  follower_.look_up();
+  follower_.move(simulator_);
+  try {
+    report_ = simulator_.step();
+  } catch (const clothsim::Diverged& error) {
+    failure_ = error.what();
+    paused_ = true;
+    ROS_ERROR("%s; paused at the last good frame, call ~reset or change the material",
+              failure_.c_str());
+    return false;
+  }
+  failure_.clear();
+  ++frame_number_;
+  rate_.add(frame_duration);
+  publish_frame(turn == Turn::due ? pacer_.advance(frame_duration)
+                                  : pacer_.advance_now(frame_duration));
+  return true;
+}
+
+void Node::publish_frame(const ros::Time& stamp) {
+  publish_clock();  // first, so that no state comes from the future
+  outputs_.publish(stamp, frame_number_);
+}
+
+void Node::publish_clock() {
+  if (!clock_publisher_) return;
+  rosgraph_msgs::Clock msg;
+  msg.clock = pacer_.now();
+  clock_publisher_.publish(msg);
+}
+
+void Node::publish_diagnostics() {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (now < next_diagnostics_) return;
+  next_diagnostics_ = now + diagnostics_period;
+
+  follower_.look_up();  // a paused simulation does not
+  NodeStatus status;
+  status.paused = paused_;
+  status.failure = failure_;
+  status.factor_asked = parameters_.realtime_factor;
+  if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());
+  status.report = report_;
+  status.frames = follower_.status();
+  diagnostics_.publish(status);
+}
+
+bool Node::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+  paused_ = request.data;
+  if (!paused_) {
+    pacer_.restart();
+    rate_.restart(pacer_.seconds());
+  }
+  response.success = true;
+  response.message = paused_ ? "paused" : "running";
+  return true;
+}
+
+bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  simulator_.reset();
+  follower_.reset();
+  frame_number_ = 0;
+  failure_.clear();
+  report_ = {};
+  publish_frame(pacer_.advance_now(simulator_.frame_duration()));
+  response.success = true;
+  response.message = "at the scene's start";
+  return true;
+}
+
+bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& response) {
+  if (!paused_) {
+    response.message = "the simulation is running: pause it first";
+    return true;
+  }
+  if (request.frames == 0) {
+    response.message = "frames: got 0, expected at least 1";
+    return true;
+  }
+  for (std::uint32_t i = 0; i < request.frames; ++i) {
+    if (!is_running()) {
+      response.message = "the node is shutting down";
+      return true;
+    }
+    if (!simulate_frame(Turn::now)) {
+      response.message = failure_;
+      return true;
+    }
+    publish_diagnostics();
+  }
+  response.success = true;
+  response.state = outputs_.state();
+  return true;
+}
+
+}  // namespace clothsim_ros

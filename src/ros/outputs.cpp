@@ -1,0 +1,90 @@
+#include "clothsim/ros/outputs.h"
+
+#include <clothsim/ClothTopology.h>
+#include <ros/single_subscriber_publisher.h>
+
+#include <algorithm>
+
+#include "clothsim/ros/conversions.h"
+#include "clothsim/ros/markers.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// Messages that wait for a slow subscriber before the oldest is dropped: a second of states, so
+/// that all frames of a ~step get through; what is only looked at need not queue.
+constexpr std::uint32_t state_queue = 100;
+constexpr std::uint32_t points_queue = 10;
+constexpr std::uint32_t markers_queue = 1;
+constexpr std::uint32_t topology_queue = 1;
+
+/// Markers come at most at this rate, on average; RViz draws no faster.
+const ros::WallDuration markers_period(1.0 / 30);
+
+/// How much earlier than that one may come, so that frames that jitter about it are not skipped.
+const ros::WallDuration markers_jitter(0.003);
+
+}  // namespace
+
+Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
+                 const std::string& world_frame, const ros::Time& now)
+    : simulator_(simulator) {
+  header_.frame_id = world_frame;
+  header_.stamp = now;
+  topology_publisher_ = node.advertise<clothsim::ClothTopology>("topology", topology_queue, true);
+  publish_topology();
+  state_publisher_ = advertise(node, "state", state_queue, &Outputs::state);
+  points_publisher_ = advertise(node, "points", points_queue, &Outputs::points);
+  markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers);
+}
+
+template <class Message>
+ros::Publisher Outputs::advertise(ros::NodeHandle& node, const std::string& topic,
+                                  std::uint32_t queue_size, Message (Outputs::*make)() const) {
+  return node.advertise<Message>(topic, queue_size,
+                                 [this, make](const ros::SingleSubscriberPublisher& subscriber) {
+                                   subscriber.publish((this->*make)());
+                                 });
+}
+
+clothsim::ClothState Outputs::state() const {
+  return to_state_msg(simulator_.state(), header_, topology_seq_, step_);
+}
+
+sensor_msgs::PointCloud2 Outputs::points() const {
+  return to_point_cloud(simulator_.cloth(), simulator_.state().positions, header_);
+}
+
+visualization_msgs::MarkerArray Outputs::markers() const {
+  return make_markers(simulator_, header_);
+}
+
+void Outputs::publish_topology() {
+  topology_seq_ = simulator_.topology_seq();
+  topology_publisher_.publish(to_topology_msg(simulator_.cloth(), header_, topology_seq_));
+}
+
+void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
+  header_.stamp = stamp;
+  step_ = step;
+  if (state_publisher_.getNumSubscribers() > 0) state_publisher_.publish(state());
+  if (points_publisher_.getNumSubscribers() > 0) points_publisher_.publish(points());
+  markers_due_ = true;
+  refresh();
+}
+
+void Outputs::refresh() {
+  if (topology_seq_ != simulator_.topology_seq()) {
+    publish_topology();
+    markers_due_ = true;
+  }
+
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!markers_due_ || now + markers_jitter < next_markers_) return;
+  markers_due_ = false;
+  if (markers_publisher_.getNumSubscribers() == 0) return;
+  markers_publisher_.publish(markers());
+  next_markers_ = std::max(next_markers_ + markers_period, now);
+}
+
+}  // namespace clothsim_ros

@@ -1,0 +1,111 @@
+#include "clothsim/ros/parameters.h"
+
+#include <ros/param.h>
+
+#include <stdexcept>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim_ros {
+namespace {
+
+using clothsim::InvalidValue;
+
+/// Outside these, `paused` or 0 say better what is meant.
+constexpr double slowest_factor = 0.001;
+constexpr double fastest_factor = 1000;
+
+YAML::Node to_yaml_list(XmlRpc::XmlRpcValue& value) {
+  YAML::Node list(YAML::NodeType::Sequence);
+  for (int i = 0; i < value.size(); ++i) {
+    clothsim::inside(std::to_string(i), [&] { list.push_back(to_yaml(value[i])); });
+  }
+  return list;
+}
+
+YAML::Node to_yaml_map(XmlRpc::XmlRpcValue& value) {
+  YAML::Node map(YAML::NodeType::Map);
+  for (auto& [key, item] : value) {
+    clothsim::inside(key, [&, &name = key, &child = item] { map[name] = to_yaml(child); });
+  }
+  return map;
+}
+
+/// Reads parameter `key` where there is one.
+void read_optional(const ros::NodeHandle& node, const std::string& key,
+                   const clothsim::ReadValue& read) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(key, value)) return;
+  clothsim::inside(key, [&] { read(to_yaml(value)); });
+}
+
+NodeParameters read(const ros::NodeHandle& node) {
+  NodeParameters parameters;
+  bool has_scene = false;
+  read_optional(node, "scene", [&](const YAML::Node& scene) {
+    parameters.scene = clothsim::read_scene(scene);
+    has_scene = true;
+  });
+  if (!has_scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
+
+  read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
+  read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));
+  read_optional(node, "paused", clothsim::into(parameters.paused));
+  read_optional(node, "publish_clock", clothsim::into(parameters.publish_clock));
+
+  if (parameters.world_frame.front() == '/') {
+    throw InvalidValue({"world_frame"}, '"' + parameters.world_frame + '"',
+                       "a tf frame without a leading slash");
+  }
+  const double factor = parameters.realtime_factor;
+  if (factor != 0 && !(factor >= slowest_factor && factor <= fastest_factor)) {
+    throw InvalidValue({"realtime_factor"}, clothsim::to_text(factor),
+                       "0 or a number from " + clothsim::to_text(slowest_factor) + " to " +
+                           clothsim::to_text(fastest_factor));
+  }
+  if (parameters.publish_clock && !ros::param::param("/use_sim_time", false)) {
+    throw InvalidValue({"publish_clock"}, "true",
+                       "/use_sim_time to be true too: without it no node listens to the clock, "
+                       "and this node's time would not be that of the others");
+  }
+  return parameters;
+}
+
+}  // namespace
+
+YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return YAML::Node(static_cast<bool>(value));
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return YAML::Node(static_cast<int>(value));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return YAML::Node(static_cast<double>(value));
+    case XmlRpc::XmlRpcValue::TypeString: {
+      YAML::Node text(static_cast<std::string>(value));
+      text.SetTag("!");
+      return text;
+    }
+    case XmlRpc::XmlRpcValue::TypeArray:
+      return to_yaml_list(value);
+    case XmlRpc::XmlRpcValue::TypeStruct:
+      return to_yaml_map(value);
+    case XmlRpc::XmlRpcValue::TypeInvalid:
+      return YAML::Node();
+    default:
+      throw InvalidValue({}, "binary data or a date",
+                         "a number, a text, true, false, a list or a map");
+  }
+}
+
+NodeParameters read_parameters(const ros::NodeHandle& node) {
+  try {
+    return read(node);
+  } catch (const InvalidValue& error) {
+    throw std::runtime_error(error.message(node.getNamespace() + "/", "/"));
+  }
+}
+
+}  // namespace clothsim_ros
