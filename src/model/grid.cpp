@@ -43,8 +43,8 @@ void append_runs(const ClothSpec& spec, const Direction& d, const Eigen::Vector2
     if (continues) {
       springs.back().count += count;
     } else {
-      springs.push_back({d.family, first, d.rows * spec.columns + d.columns, count, rest_length,
-                         stiffness});
+      springs.push_back(
+          {d.family, first, d.rows * spec.columns + d.columns, count, rest_length, stiffness});
     }
   }
 }

@@ -25,7 +25,7 @@ void fill_step(const clothsim::StepReport& report,
                diagnostic_updater::DiagnosticStatusWrapper& out) {
   out.add("method", report.method);
   out.add("substeps", report.substeps);
-  out.add("strain sweeps", report.strain_sweeps);
+  out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
   out.add("contacts", report.contacts);
 }
@@ -45,6 +45,7 @@ void fill(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper&
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, out);
   fill_step(status.report, out);
+  out.addf("worst stretch [%]", "%.2f", 100 * status.worst_stretch);
   for (const FrameStatus& frame : status.frames) fill_frame(frame, out);
 }
 

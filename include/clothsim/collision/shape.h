@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <variant>
 
 #include "clothsim/model/types.h"
@@ -14,7 +15,7 @@ struct Distance {
 
 /// Ball about the origin of its own frame.
 struct Sphere {
-  double radius;  // [m]
+  double radius = 0.2;  // [m]
 };
 
 /// Plane z = 0 of its own frame, normal +z. One-sided: all of z < 0 is solid. Two-sided: a sheet
@@ -25,9 +26,21 @@ struct Plane {
 
 using Shape = std::variant<Sphere, Plane>;
 
-/// Distance from `point`, in the shape's own frame, to its surface. At the centre of a sphere the
-/// normal is +z. A two-sided plane counts as solid on the side away from `side_of`.
-Distance signed_distance(const Sphere&, const Vector3& point, const Vector3& side_of);
-Distance signed_distance(const Plane&, const Vector3& point, const Vector3& side_of);
+/// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point
+/// came from; a two-sided plane is solid beyond itself as seen from there. At the centre of a
+/// sphere the normal is +z.
+Distance signed_distance(const Shape&, const Vector3& point, const Vector3& side);
+
+/// Where a point that moves in a straight line `from` -> `to`, in the shape's own frame, comes
+/// within `offset` [m] of the surface from outside. Empty where it stays out or starts within. A
+/// plane has no far side to come out of: always empty, its signed distance tells all.
+std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vector3& to,
+                                   double offset);
+
+/// How far into the shape the nearest surface is still the one a point came through [m].
+double safe_depth(const Shape&);
+
+/// Radius about the origin of its own frame that holds the solid; infinite for a plane [m].
+double bounding_radius(const Shape&);
 
 }  // namespace clothsim

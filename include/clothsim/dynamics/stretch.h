@@ -13,4 +13,7 @@ struct Stretch {
 
 Stretch measure_stretch(const Cloth&, const Points& positions);
 
+/// The same `worst` alone, fast enough for every frame.
+double worst_stretch(const Cloth&, const Points& positions);
+
 }  // namespace clothsim

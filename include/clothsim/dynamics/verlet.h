@@ -18,6 +18,7 @@ struct VelocityVerlet {
   static constexpr const char* name = "verlet";
   static constexpr int order = 2;
   static constexpr double stability_limit = 2;  // h omega_max
+  static constexpr double reach = 0.5;  // share of h that a point drifts with the kick's impulse
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&);

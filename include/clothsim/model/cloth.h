@@ -14,7 +14,7 @@ namespace clothsim {
 struct SpringRun {
   SpringFamily family;
   int first;
-  int offset;          // > 0
+  int offset;  // > 0
   int count;
   double rest_length;  // [m]
   double stiffness;    // [N/m]
@@ -24,16 +24,16 @@ struct SpringRun {
 struct Cloth {
   int columns = 0;
   int rows = 0;
-  Points rest_positions;                      // [m], N x 3
+  Points rest_positions;                        // [m], N x 3
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates in [0, 1], N x 2
-  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from the front
-  std::vector<SpringRun> springs;             // of the families switched on
-  Scalars mass;                               // [kg], N
-  Scalars inv_mass;                           // [1/kg], N; zero at pins
-  std::vector<int> pinned;                    // point ids, ascending
-  double damping = 0;                         // [1/s]
+  std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from the front
+  std::vector<SpringRun> springs;               // of the families switched on
+  Scalars mass;                                 // [kg], N
+  Scalars inv_mass;                             // [1/kg], N; zero at pins
+  std::vector<int> pinned;                      // point ids, ascending
+  double damping = 0;                           // [1/s]
   std::optional<double> strain_limit;
-  double thickness = 0;                       // [m]
+  double thickness = 0;  // [m]
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;

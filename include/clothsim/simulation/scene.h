@@ -11,10 +11,11 @@
 namespace clothsim {
 
 struct SimulationSpec {
-  Vector3 gravity{0, 0, -9.8};    // [m/s^2]
-  double frames_per_second = 90;  // [Hz]
-  std::optional<int> substeps;    // a frame; empty: as many as the method needs
-  std::string method = "auto";    // or a name of method_names()
+  Vector3 gravity{0, 0, -9.8};      // [m/s^2]
+  double frames_per_second = 90;    // [Hz]
+  std::optional<int> substeps;      // a frame; empty: as many as the method needs
+  double strain_tolerance = 0.004;  // stretch allowed over cloth.strain_limit, of the rest length
+  std::string method = "auto";      // or a name of method_names()
   std::uint64_t seed = 1;
 };
 

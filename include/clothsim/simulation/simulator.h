@@ -15,10 +15,10 @@ namespace clothsim {
 struct StepReport {
   std::string method;
   int substeps = 0;
-  double omega_max = 0;        // [rad/s] bound on the highest frequency at the frame's start
-  int strain_sweeps = 0;       // passes over the active springs, summed over the substeps
-  double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
-  int contacts = 0;            // points on colliders plus touching point pairs, in the last substep
+  int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
+  int corrections = 0;       // passes that shortened springs still over the limit, likewise
+  double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
+  int contacts = 0;          // points on colliders plus touching point pairs, in the last substep
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "clothsim/collision/collider.h"
+
+namespace clothsim {
+
+/// A collider on its way from one pose to the next, in a straight line with constant angular
+/// velocity.
+class MovingCollider {
+ public:
+  explicit MovingCollider(const ColliderSpec&);
+
+  /// Puts it at `pose`, at rest.
+  void place(const Pose& pose);
+
+  /// Sets velocities that bring it to `target` in `duration` [s].
+  void aim(const Pose& target, double duration);
+
+  /// Moves it on by h [s].
+  void advance(double h);
+
+  /// Ends the motion exactly at the pose last aimed at.
+  void arrive();
+
+  const Shape& shape() const { return shape_; }
+  double friction() const { return friction_; }
+  const Pose& pose() const { return pose_; }
+  const Pose& previous() const { return previous_; }  // before the last advance()
+
+  /// Velocity of the solid at `point` in the world [m/s].
+  Vector3 velocity_at(const Vector3& point) const;
+
+ private:
+  Shape shape_;
+  double friction_;
+  Pose pose_;
+  Pose previous_;
+  Pose target_;
+  Vector3 velocity_{0, 0, 0};          // [m/s]
+  Vector3 angular_velocity_{0, 0, 0};  // [rad/s], world
+};
+
+}  // namespace clothsim

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Upper bound on the highest frequency omega_max [rad/s] of the springs at `positions`; never
+/// below the exact one, and 5 % above it for a flat grid with all families on.
+///
+/// A spring's Hessian is k B with B = u u^T + max(0, 1 - L0 / l) (I - u u^T). From
+/// (a - b)^T B (a - b) <= 2 a^T B a + 2 b^T B b follows, with S_i the sum of k B over the springs
+/// at point i, omega_max^2 <= max_i 2 lambda_max(S_i) / m_i: Gershgorin's theorem on 3 x 3 blocks,
+/// which keeps the springs' directions that the scalar form, 2 max_i sum k / m_i, throws away.
+/// Compressed springs count without their (negative) second part, so the bound holds for them too.
+double omega_max_bound(const Cloth&, const Points& positions);
+
+}  // namespace clothsim

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Substeps that an explicit method needs for a frame of `dt` [s]: enough to stay inside
+/// h omega_max < `stability_limit` at the present stretch, and, with a strain limit, to follow the
+/// tension that the limit puts into the springs. A function of its arguments alone, so that a run
+/// goes on the same way from any state.
+int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
+                   double stability_limit, double dt);
+
+}  // namespace clothsim

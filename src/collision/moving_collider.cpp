@@ -1,0 +1,42 @@
+#include "clothsim/collision/moving_collider.h"
+
+#include <cmath>
+
+namespace clothsim {
+
+MovingCollider::MovingCollider(const ColliderSpec& spec)
+    : shape_(spec.shape), friction_(spec.friction) {
+  place(spec.pose);
+}
+
+void MovingCollider::place(const Pose& pose) {
+  pose_ = previous_ = target_ = pose;
+  velocity_.setZero();
+  angular_velocity_.setZero();
+}
+
+void MovingCollider::aim(const Pose& target, double duration) {
+  target_ = target;
+  velocity_ = (target.position - pose_.position) / duration;
+  Eigen::AngleAxisd turn(target.orientation * pose_.orientation.conjugate());
+  if (turn.angle() > M_PI) turn.angle() -= 2 * M_PI;  // the short way
+  angular_velocity_ = turn.angle() / duration * turn.axis();
+}
+
+void MovingCollider::advance(double h) {
+  previous_ = pose_;
+  pose_.position += h * velocity_;
+  const double angle = h * angular_velocity_.norm();
+  if (angle > 0) {
+    const Eigen::AngleAxisd turn(angle, angular_velocity_.normalized());
+    pose_.orientation = (turn * pose_.orientation).normalized();
+  }
+}
+
+void MovingCollider::arrive() { place(target_); }
+
+Vector3 MovingCollider::velocity_at(const Vector3& point) const {
+  return velocity_ + angular_velocity_.cross(point - pose_.position);
+}
+
+}  // namespace clothsim

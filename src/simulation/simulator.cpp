@@ -1,0 +1,212 @@
+#include "clothsim/simulation/simulator.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "clothsim/collision/collider_contacts.h"
+#include "clothsim/collision/moving_collider.h"
+#include "clothsim/dynamics/integrator.h"
+#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/model/errors.h"
+#include "clothsim/model/grid.h"
+#include "clothsim/simulation/substeps.h"
+
+namespace clothsim {
+namespace {
+
+/// Passes over constraints a substep may take; one or two are usual, hundreds only after a shock.
+constexpr int max_sweeps = 200;
+
+/// The method `auto` stands for.
+constexpr const char* default_method = VelocityVerlet::name;
+
+Integrator integrator_of(const SimulationSpec& spec) {
+  return make_integrator(spec.method == "auto" ? default_method : spec.method);
+}
+
+double shortest_spring(const Cloth& cloth) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
+  return shortest;
+}
+
+}  // namespace
+
+struct Simulator::Impl {
+  explicit Impl(const Scene& s) : scene(s) {
+    validate(scene);
+    cloth = make_grid(scene.cloth);
+    integrator = integrator_of(scene.simulation);
+    build_constraints();
+    for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
+    reset();
+  }
+
+  void reset() {
+    state = start_state(scene.cloth, cloth, scene.simulation.seed);
+    pin_targets.resize(scene.cloth.pinned.size());
+    for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+      pin_targets[i] = state.positions.row(pin_point(i)).transpose();
+    }
+    for (std::size_t i = 0; i < colliders.size(); ++i) colliders[i].place(scene.colliders[i].pose);
+    forget();
+  }
+
+  /// Drops what methods and constraints remember of earlier steps.
+  void forget() {
+    integrator = integrator_of(scene.simulation);
+    if (strain_limit) strain_limit->reset();
+    collider_contacts.reset();
+  }
+
+  void build_constraints() {
+    strain_limit.reset();
+    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth);
+  }
+
+  int pin_point(std::size_t pin) const {
+    const Pin& p = scene.cloth.pinned[pin];
+    return p.row * scene.cloth.columns + p.column;
+  }
+
+  StepReport step();
+  void substep(double h, StepReport&);
+  void constrain(double h, StepReport&);
+
+  Scene scene;
+  Cloth cloth;
+  State state;
+  Integrator integrator;
+  std::optional<StrainLimit> strain_limit;
+  std::vector<MovingCollider> colliders;
+  ColliderContacts collider_contacts;
+  std::vector<Vector3> pin_targets;
+  unsigned topology_seq = 0;
+
+  Points start;            // positions at the substep's start, where contact needs them
+  Points free_velocities;  // before constraints
+};
+
+StepReport Simulator::Impl::step() {
+  const double dt = 1 / scene.simulation.frames_per_second;
+  const State last_good = state;
+
+  StepReport report;
+  report.method = std::visit([](const auto& m) { return std::string(m.name); }, integrator);
+  const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
+  report.substeps = scene.simulation.substeps.value_or(0);
+  if (report.substeps == 0) {
+    report.substeps = count_substeps(cloth, scene.simulation.gravity, state.positions, limit, dt);
+  }
+  const double h = dt / report.substeps;
+
+  // Pins and colliders set out for where they must be at the frame's end.
+  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+    const int point = pin_point(i);
+    state.velocities.row(point) = (pin_targets[i].transpose() - state.positions.row(point)) / dt;
+  }
+
+  for (int k = 0; k < report.substeps; ++k) substep(h, report);
+
+  // They arrive, to the last bit.
+  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
+    state.velocities.row(pin_point(i)).setZero();
+  }
+  for (MovingCollider& collider : colliders) collider.arrive();
+  if (!state.positions.allFinite() || !state.velocities.allFinite()) {
+    state = last_good;
+    forget();
+    throw Diverged("the state left the finite numbers in the frame after t = " +
+                   std::to_string(state.time) + " s, with method " + report.method + " and " +
+                   std::to_string(report.substeps) + " substeps a frame");
+  }
+  report.worst_stretch = worst_stretch(cloth, state.positions);
+  report.contacts = collider_contacts.count();
+  return report;
+}
+
+void Simulator::Impl::substep(double h, StepReport& report) {
+  for (MovingCollider& collider : colliders) collider.advance(h);
+  if (!colliders.empty()) start = state.positions;
+
+  const Loads loads{scene.simulation.gravity};
+  std::visit([&](auto& method) { method.step(cloth, loads, h, state); }, integrator);
+  if (strain_limit || !colliders.empty()) constrain(h, report);
+  state.time += h;
+}
+
+void Simulator::Impl::constrain(double h, StepReport& report) {
+  const double reach = std::visit([](const auto& m) { return m.reach; }, integrator);
+  const double tolerance = scene.simulation.strain_tolerance;
+
+  // Impulses that keep springs within their limit and points off colliders.
+  free_velocities = state.velocities;
+  if (strain_limit) strain_limit->begin(cloth, h, reach, state);
+  collider_contacts.begin(colliders, cloth, h, reach, start, state);
+  const double small = tolerance * shortest_spring(cloth);
+  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    double residual = 0;
+    if (strain_limit) residual = strain_limit->sweep(cloth, state.velocities);
+    residual = std::max(residual, collider_contacts.sweep(state.velocities));
+    ++report.sweeps;
+    if (residual <= small) break;
+  }
+  state.positions += reach * h * (state.velocities - free_velocities);
+
+  // What curvature and early stops have left in the positions.
+  if (strain_limit) {
+    report.corrections += strain_limit->correct(cloth, tolerance, max_sweeps, h, state);
+  }
+  if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
+}
+
+Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+Simulator::~Simulator() = default;
+
+StepReport Simulator::step() { return impl_->step(); }
+void Simulator::reset() { impl_->reset(); }
+
+void Simulator::set_material(const Material& material) {
+  validate(material);
+  const bool springs_changed = material.springs != impl_->scene.cloth.material.springs;
+  impl_->scene.cloth.material = material;
+  impl_->cloth = make_grid(impl_->scene.cloth);
+  impl_->build_constraints();
+  if (springs_changed) ++impl_->topology_seq;
+}
+
+void Simulator::set_simulation(const SimulationSpec& simulation) {
+  validate(simulation);
+  const bool method_changed = simulation.method != impl_->scene.simulation.method;
+  impl_->scene.simulation = simulation;
+  if (method_changed) impl_->integrator = integrator_of(simulation);
+}
+
+void Simulator::move_collider(int index, const Pose& target) {
+  impl_->colliders.at(static_cast<std::size_t>(index)).aim(target, frame_duration());
+}
+
+void Simulator::place_collider(int index, const Pose& pose) {
+  impl_->colliders.at(static_cast<std::size_t>(index)).place(pose);
+}
+
+void Simulator::move_pin(int index, const Vector3& target) {
+  impl_->pin_targets.at(static_cast<std::size_t>(index)) = target;
+}
+
+const Scene& Simulator::scene() const { return impl_->scene; }
+const Cloth& Simulator::cloth() const { return impl_->cloth; }
+const State& Simulator::state() const { return impl_->state; }
+const Pose& Simulator::collider_pose(int index) const {
+  return impl_->colliders.at(static_cast<std::size_t>(index)).pose();
+}
+double Simulator::frame_duration() const { return 1 / impl_->scene.simulation.frames_per_second; }
+unsigned Simulator::topology_seq() const { return impl_->topology_seq; }
+
+}  // namespace clothsim
