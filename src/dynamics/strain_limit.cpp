@@ -63,17 +63,32 @@ void StrainLimit::reset() {
   h_ = 0;
 }
 
-void StrainLimit::begin(const Cloth& cloth, double h, double reach, State& state) {
+void StrainLimit::predict(const Cloth& cloth, double h, double reach, State& state) {
+  const double scale = h_ > 0 ? h / h_ : 0;  // the same forces over this step's length
+  h_ = h;
+  for (const std::vector<Active>& springs : active_) {
+    for (const Active& s : springs) {
+      double& impulse = impulses_[static_cast<std::size_t>(s.id)];
+      if (impulse == 0) continue;
+      impulse *= scale;
+      pull_together(cloth, s.a, s.b, impulse * s.direction, state.velocities);
+      pull_together(cloth, s.a, s.b, reach * h * impulse * s.direction, state.positions);
+    }
+  }
+}
+
+void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
   // Springs longer than their limit, and those an impulse still holds.
   flag_longer_than(cloth, longest_, state.positions);
-  for (std::vector<Active>& springs : active_) {
+  last_active_.swap(active_);
+  for (const std::vector<Active>& springs : last_active_) {
     for (const Active& s : springs) {
       if (impulses_[static_cast<std::size_t>(s.id)] > 0) flags_[static_cast<std::size_t>(s.id)] = 1;
     }
-    springs.clear();
   }
 
   // How fast each may still lengthen: up to its limit within a step, or shorter if it is over.
+  for (std::vector<Active>& springs : active_) springs.clear();
   for_each_flagged([&](int id) {
     const Constraint& c = constraints_[static_cast<std::size_t>(id)];
     if (c.inv_mass == 0) return;  // between two pins
@@ -82,18 +97,21 @@ void StrainLimit::begin(const Cloth& cloth, double h, double reach, State& state
     if (length == 0) return;  // slack, and no direction to hold
     const Vector3 direction = d / length;
     const double rate = direction.dot(row(state.velocities, c.b) - row(state.velocities, c.a));
-    const double excess = length - longest_ * c.rest_length - reach * h * rate;
-    const double fastest = (excess > 0 ? violation_share : 1.0) * -excess / h;
+    const double excess = length - longest_ * c.rest_length - reach * h_ * rate;
+    const double fastest = (excess > 0 ? violation_share : 1.0) * -excess / h_;
     active_[static_cast<std::size_t>(c.colour)].push_back({id, c.a, c.b, direction, fastest});
   });
 
-  // The last step's forces, over this step's length.
-  const double scale = h_ > 0 ? h / h_ : 0;
-  h_ = h;
+  // Turn the impulses.
+  for (const std::vector<Active>& springs : last_active_) {
+    for (const Active& s : springs) {
+      const double impulse = impulses_[static_cast<std::size_t>(s.id)];
+      if (impulse > 0) pull_together(cloth, s.a, s.b, -impulse * s.direction, state.velocities);
+    }
+  }
   for (const std::vector<Active>& springs : active_) {
     for (const Active& s : springs) {
-      double& impulse = impulses_[static_cast<std::size_t>(s.id)];
-      impulse *= scale;
+      const double impulse = impulses_[static_cast<std::size_t>(s.id)];
       if (impulse > 0) pull_together(cloth, s.a, s.b, impulse * s.direction, state.velocities);
     }
   }

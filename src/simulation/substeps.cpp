@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "clothsim/dynamics/spectrum.h"
 
@@ -11,20 +12,17 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.8;
 
-/// Share used for strings under tension; the limit's sweeps, not the step's stability, set it:
-/// at 0.4 pinned2 needs one sweep a substep, at 0.8 a hundred.
-constexpr double tension_margin = 0.4;
+/// Share used for springs under tension. Here the limit's sweeps, not stability, set the step: at
+/// half the limit the directions of the springs hold through a step and a few sweeps do; nearer to
+/// it they turn so far that hundreds do not.
+constexpr double tension_margin = 0.5;
 
-/// Frequency [rad/s] of a point between springs that carry the whole cloth's weight, shared by the
-/// pins: omega^2 = T / (m l), where the strain limit may put that much tension.
+/// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
+/// strain limit can make them near a pin: omega^2 = T / (m l).
 double tension_frequency(const Cloth& cloth, const Vector3& gravity) {
-  const double supports = std::max<double>(1, static_cast<double>(cloth.pinned.size()));
-  double inv_mass_length = 0;
-  for (const SpringRun& run : cloth.springs) {
-    inv_mass_length = std::max(inv_mass_length, 1 / run.rest_length);
-  }
-  inv_mass_length *= cloth.inv_mass.maxCoeff();
-  return std::sqrt(cloth.mass.sum() * gravity.norm() / supports * inv_mass_length);
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
+  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() / shortest);
 }
 
 }  // namespace

@@ -26,9 +26,12 @@ class StrainLimit {
   /// Needs cloth.strain_limit; every other call must be given the same cloth.
   explicit StrainLimit(const Cloth& cloth);
 
-  /// Finds the springs at their limit after a step of h [s] and gives them their last impulses.
-  /// `reach`: the share of h that a point has moved with an impulse given in the step.
-  void begin(const Cloth& cloth, double h, double reach, State&);
+  /// Gives the points, after a step of h [s], the impulses of the last step along the directions
+  /// of then. `reach`: the share of h that a point has moved with an impulse given in the step.
+  void predict(const Cloth& cloth, double h, double reach, State&);
+
+  /// Finds the springs at their limit, and turns the kept impulses into their present directions.
+  void begin(const Cloth& cloth, double reach, State&);
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
@@ -65,12 +68,13 @@ class StrainLimit {
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
 
-  double longest_;                       // 1 + limit
-  double h_ = 0;                         // step that impulses_ belong to [s]
-  std::vector<Constraint> constraints_;  // in the order of cloth.springs
-  std::vector<double> impulses_;         // [N s], >= 0, as constraints_
-  std::vector<unsigned char> flags_;     // as constraints_, padded to whole words
-  std::array<std::vector<Active>, num_colours> active_;
+  double longest_;                                       // 1 + limit
+  double h_ = 0;                                         // step that impulses_ belong to [s]
+  std::vector<Constraint> constraints_;                  // in the order of cloth.springs
+  std::vector<double> impulses_;                         // [N s], >= 0, as constraints_
+  std::vector<unsigned char> flags_;                     // as constraints_, padded to whole words
+  std::array<std::vector<Active>, num_colours> active_;  // by colour
+  std::array<std::vector<Active>, num_colours> last_active_;  // of the step before
   std::array<std::vector<int>, num_colours> over_;  // constraint ids, scratch of correct()
   Points start_;                                    // scratch of correct()
 };
