@@ -12,6 +12,7 @@ namespace {
 
 constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
+constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range radius_range{1e-6, 1e6, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
@@ -65,6 +66,7 @@ void validate(const SimulationSpec& spec) {
     throw InvalidValue({"substeps"}, std::to_string(*spec.substeps),
                        "auto or a whole number from 1 to " + std::to_string(max_substeps));
   }
+  check_range("strain_tolerance", spec.strain_tolerance, strain_tolerance_range);
   const std::vector<std::string> names = method_names();
   if (spec.method != "auto" && std::find(names.begin(), names.end(), spec.method) == names.end()) {
     std::string known = "auto";

@@ -1,7 +1,8 @@
+#include <yaml-cpp/eventhandler.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <optional>
 #include <sstream>
 
 #include "clothsim/model/errors.h"
@@ -28,6 +29,33 @@ std::string read_file(const std::string& path) {
   }
   text.resize(static_cast<size_t>(file.gcount()));
   return text;
+}
+
+/// Takes no notice of what a parser finds.
+class IgnoreEvents : public YAML::EventHandler {
+  using Mark = YAML::Mark;
+  using Anchor = YAML::anchor_t;
+  using Style = YAML::EmitterStyle::value;
+
+  void OnDocumentStart(const Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const Mark&, Anchor) override {}
+  void OnAlias(const Mark&, Anchor) override {}
+  void OnScalar(const Mark&, const std::string&, Anchor, const std::string&) override {}
+  void OnSequenceStart(const Mark&, const std::string&, Anchor, Style) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const Mark&, const std::string&, Anchor, Style) override {}
+  void OnMapEnd() override {}
+};
+
+/// Is there more than the one document that YAML::Load reads? YAML::LoadAll would tell, but never
+/// returns on some malformed files.
+bool has_more(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoreEvents ignore;
+  parser.HandleNextDocument(ignore);
+  return static_cast<bool>(parser);
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -83,16 +111,13 @@ YAML::Node with_value(const YAML::Node& node, const Keys& keys, size_t depth,
 }  // namespace
 
 YAML::Node load_scene_file(const std::string& path) {
-  std::vector<YAML::Node> documents;
+  const std::string text = read_file(path);
   try {
-    documents = YAML::LoadAll(read_file(path));
+    if (has_more(text)) throw InvalidValue({path}, "more after the first document", "one document");
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InvalidValue({path}, error.what(), "YAML");
   }
-  if (documents.size() != 1) {
-    throw InvalidValue({path}, std::to_string(documents.size()) + " YAML documents", "one");
-  }
-  return documents.front();
 }
 
 void override_value(YAML::Node root, const std::string& assignment) {

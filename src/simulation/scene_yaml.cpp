@@ -141,6 +141,7 @@ SimulationSpec read_simulation(const YAML::Node& node) {
            {{"gravity", into(spec.gravity)},
             {"frames_per_second", into(spec.frames_per_second)},
             {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
+            {"strain_tolerance", into(spec.strain_tolerance)},
             {"method", into(spec.method)},
             {"seed", into(spec.seed)}});
   return spec;

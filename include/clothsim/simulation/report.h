@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim {
+
+/// Greatest depth of a point of the cloth below the surface of a collider [m], 0 where none is.
+/// A two-sided plane has no inside.
+double deepest_penetration(const Simulator&);
+
+/// What a whole run did. Cost counts the steps alone, without setting up and writing files.
+struct RunReport {
+  std::string scene;                   // file
+  std::vector<std::string> overrides;  // "key=value"
+  long long frames = 0;
+  double wall_seconds = 0;
+  double cpu_seconds = 0;  // of all threads
+  StepReport last_frame;
+  bool diverged = false;  // the simulator then holds the last good frame
+};
+
+/// The report of a run that left `simulator` as it is, as YAML in SI units.
+std::string to_yaml(const RunReport&, const Simulator& simulator);
+
+}  // namespace clothsim

@@ -1,0 +1,63 @@
+#include "clothsim/simulation/report.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "clothsim/collision/shape.h"
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/stretch.h"
+
+namespace clothsim {
+
+double deepest_penetration(const Simulator& simulator) {
+  const Points& positions = simulator.state().positions;
+  const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
+  double deepest = 0;
+  for (size_t c = 0; c < colliders.size(); ++c) {
+    const Pose& pose = simulator.collider_pose(static_cast<int>(c));
+    const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();
+    for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+      const Vector3 point = to_shape * (positions.row(i).transpose() - pose.position);
+      const double distance = signed_distance(colliders[c].shape, point, point).value;
+      deepest = std::max(deepest, -distance);
+    }
+  }
+  return deepest;
+}
+
+std::string to_yaml(const RunReport& run, const Simulator& simulator) {
+  const Scene& scene = simulator.scene();
+  const Cloth& cloth = simulator.cloth();
+  const State& state = simulator.state();
+  const Stretch stretch = measure_stretch(cloth, state.positions);
+
+  YAML::Emitter yaml;
+  const auto put = [&](const char* key, const auto& value) {
+    yaml << YAML::Key << key << YAML::Value << value;
+  };
+  yaml << YAML::BeginMap;
+  put("scene", run.scene);
+  yaml << YAML::Key << "overrides" << YAML::Value << YAML::Flow << run.overrides;
+  put("method", run.last_frame.method);
+  put("substeps", run.last_frame.substeps);
+  put("frames", run.frames);
+  put("simulated_seconds", state.time);
+  put("wall_seconds", run.wall_seconds);
+  put("cpu_seconds", run.cpu_seconds);
+  put("worst_stretch", stretch.worst);
+  put("mean_stretch", stretch.mean);
+  put("rms_velocity", rms_velocity(state));
+  yaml << YAML::Key << "energy" << YAML::Value << YAML::BeginMap;
+  put("kinetic", kinetic_energy(cloth, state));
+  put("elastic", elastic_energy(cloth, state.positions));
+  put("gravitational", gravitational_energy(cloth, scene.simulation.gravity, state.positions));
+  yaml << YAML::EndMap;
+  put("contacts", run.last_frame.contacts);
+  put("deepest_penetration", deepest_penetration(simulator));
+  put("diverged", run.diverged);
+  yaml << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
+}
+
+}  // namespace clothsim

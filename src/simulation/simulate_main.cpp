@@ -1,0 +1,137 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/output.h"
+#include "clothsim/simulation/progress_bar.h"
+#include "clothsim/simulation/report.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim {
+namespace {
+
+enum ExitCode { done = 0, bad_input = 1, diverged = 2 };
+
+struct Options {
+  std::string scene;
+  double seconds = 0;
+  std::vector<std::string> overrides;
+  std::optional<double> every;  // [s]
+  std::filesystem::path output;
+};
+
+/// Frames nearest to `seconds`, at least one.
+long long to_frames(const char* option, double seconds, double frame_duration) {
+  constexpr Range range{1e-6, 1e9, "s"};
+  check_range(option, seconds, range);
+  return std::max(1LL, std::llround(seconds / frame_duration));
+}
+
+std::filesystem::path frame_path(const std::filesystem::path& directory, long long frame) {
+  std::array<char, 32> name;
+  std::snprintf(name.data(), name.size(), "%06lld.ply", frame);
+  return directory / name.data();
+}
+
+/// Adds to a run's cost from construction to destruction.
+class Stopwatch {
+ public:
+  explicit Stopwatch(RunReport& run) : run_(run) {}
+  ~Stopwatch() {
+    const auto wall = std::chrono::steady_clock::now() - wall_start_;
+    run_.wall_seconds += std::chrono::duration<double>(wall).count();
+    run_.cpu_seconds += static_cast<double>(std::clock() - cpu_start_) / CLOCKS_PER_SEC;
+  }
+
+ private:
+  RunReport& run_;
+  std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
+  std::clock_t cpu_start_ = std::clock();
+};
+
+ExitCode simulate(const Options& options) {
+  YAML::Node yaml = load_scene_file(options.scene);
+  for (const std::string& assignment : options.overrides) override_value(yaml, assignment);
+  Simulator simulator(read_scene(yaml));
+
+  const double frame_duration = simulator.frame_duration();
+  const long long frames = to_frames("--seconds", options.seconds, frame_duration);
+  const long long every = options.every ? to_frames("--every", *options.every, frame_duration) : 0;
+
+  // Make the folders first: a run should not end in vain.
+  const std::filesystem::path frame_directory = options.output / "frames";
+  if (!options.output.empty()) std::filesystem::create_directories(options.output);
+  if (every > 0) std::filesystem::create_directories(frame_directory);
+  const auto write_frame = [&](long long frame) {
+    if (every == 0 || frame % every != 0) return;
+    write_file(frame_path(frame_directory, frame),
+               to_ply(simulator.cloth(), simulator.state().positions));
+  };
+
+  RunReport run;
+  run.scene = options.scene;
+  run.overrides = options.overrides;
+  run.last_frame.method = simulator.scene().simulation.method;
+  write_frame(0);
+  try {
+    ProgressBar bar(frames);
+    while (run.frames < frames) {
+      bar.update(run.frames);
+      {
+        const Stopwatch stopwatch(run);
+        run.last_frame = simulator.step();
+      }
+      ++run.frames;
+      write_frame(run.frames);
+    }
+  } catch (const Diverged& error) {
+    run.diverged = true;
+    std::cerr << "simulate: diverged in frame " << run.frames + 1 << ": " << error.what() << '\n';
+  }
+
+  const std::string report = to_yaml(run, simulator);
+  if (!options.output.empty()) {
+    write_file(options.output / "final.csv", to_csv(simulator.state()));
+    write_file(options.output / "report.yaml", report);
+  }
+  if (!(std::cout << report << std::flush)) throw std::runtime_error("cannot write the report");
+  return run.diverged ? diverged : done;
+}
+
+}  // namespace
+}  // namespace clothsim
+
+int main(int argc, char** argv) {
+  clothsim::Options options;
+  CLI::App app("Runs a cloth scene as fast as it goes, without ROS, and prints a report.");
+  app.add_option("scene", options.scene, "Scene file (YAML)")->required();
+  app.add_option("--seconds", options.seconds, "Time to simulate [s], rounded to whole frames")
+      ->required();
+  app.add_option("--set", options.overrides, "Change a value of the scene: --set cloth.ks=500")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  CLI::Option* output =
+      app.add_option("--output", options.output, "Folder for final.csv, report.yaml and frames/");
+  app.add_option("--every", options.every,
+                 "Also write frames/NNNNNN.ply, one each so much time [s]")
+      ->needs(output);
+  app.footer("Exit status: 0 done, 1 bad input, 2 diverged (files hold the last good frame).");
+
+  try {
+    app.parse(argc, argv);
+    return clothsim::simulate(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? clothsim::done : clothsim::bad_input;
+  } catch (const std::exception& error) {
+    std::cerr << "simulate: " << error.what() << '\n';
+    return clothsim::bad_input;
+  }
+}

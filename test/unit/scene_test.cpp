@@ -1,0 +1,122 @@
+#include "clothsim/simulation/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "clothsim/model/errors.h"
+
+namespace clothsim {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Path of the key that validate() names, or "" where it accepts.
+template <class Spec>
+std::string refused_key(const Spec& spec) {
+  try {
+    validate(spec);
+  } catch (const InvalidValue& error) {
+    std::string path;
+    for (const std::string& part : error.key()) path += (path.empty() ? "" : ".") + part;
+    return path;
+  }
+  return "";
+}
+
+TEST(Validate, AcceptsTheDefaults) {
+  EXPECT_EQ(refused_key(Material()), "");
+  EXPECT_EQ(refused_key(ClothSpec()), "");
+  EXPECT_EQ(refused_key(SimulationSpec()), "");
+  EXPECT_EQ(refused_key(Scene()), "");
+}
+
+TEST(Validate, MaterialKeysStandAlone) {
+  for (const double bad : {nan, infinity, -1.0, 1e300}) {
+    Material material;
+    material.ks = bad;
+    EXPECT_EQ(refused_key(material), "ks") << bad;
+    material = Material();
+    material.density = bad;
+    EXPECT_EQ(refused_key(material), "density") << bad;
+    material = Material();
+    material.damping = bad;
+    EXPECT_EQ(refused_key(material), "damping") << bad;
+    material = Material();
+    material.strain_limit = bad;
+    EXPECT_EQ(refused_key(material), "strain_limit") << bad;
+  }
+}
+
+TEST(Validate, SimulationKeysStandAlone) {
+  SimulationSpec simulation;
+  simulation.gravity.y() = nan;
+  EXPECT_EQ(refused_key(simulation), "gravity.1");
+
+  simulation = SimulationSpec();
+  simulation.frames_per_second = infinity;
+  EXPECT_EQ(refused_key(simulation), "frames_per_second");
+
+  simulation = SimulationSpec();
+  simulation.substeps = 0;
+  EXPECT_EQ(refused_key(simulation), "substeps");
+
+  simulation = SimulationSpec();
+  simulation.strain_tolerance = 0;
+  EXPECT_EQ(refused_key(simulation), "strain_tolerance");
+
+  simulation = SimulationSpec();
+  simulation.method = "";
+  EXPECT_EQ(refused_key(simulation), "method");
+}
+
+TEST(Validate, ASceneNamesTheWholePath) {
+  Scene scene;
+  scene.cloth.material.ks = nan;
+  EXPECT_EQ(refused_key(scene), "cloth.ks");
+
+  scene = Scene();
+  scene.cloth.pinned = {{0, 0, ""}, {1, 0, ""}, {0, 0, "hand"}};
+  EXPECT_EQ(refused_key(scene), "cloth.pinned.2");
+
+  scene = Scene();
+  scene.cloth.columns = std::numeric_limits<int>::max();
+  scene.cloth.rows = std::numeric_limits<int>::max();
+  EXPECT_EQ(refused_key(scene), "cloth.columns");
+
+  scene = Scene();
+  scene.cloth.columns = scene.cloth.rows = 1;
+  EXPECT_EQ(refused_key(scene), "cloth.columns");
+
+  ColliderSpec ball;
+  ball.name = "ball";
+  scene = Scene();
+  scene.colliders = {ball, ball};
+  EXPECT_EQ(refused_key(scene), "colliders.1.name");
+
+  scene.colliders = {ball};
+  scene.colliders[0].name = "";
+  EXPECT_EQ(refused_key(scene), "colliders.0.name");
+
+  scene.colliders = {ball};
+  scene.colliders[0].shape = Sphere{nan};
+  EXPECT_EQ(refused_key(scene), "colliders.0.radius");
+
+  scene.colliders = {ball};
+  scene.colliders[0].pose.position.z() = infinity;
+  EXPECT_EQ(refused_key(scene), "colliders.0.center.2");
+
+  for (const double w : {0.0, 2.0, nan}) {
+    scene.colliders = {ball};
+    scene.colliders[0].pose.orientation.w() = w;
+    EXPECT_EQ(refused_key(scene), "colliders.0.orientation") << w;
+  }
+
+  scene = Scene();
+  scene.simulation.substeps = -1;
+  EXPECT_EQ(refused_key(scene), "simulation.substeps");
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,263 @@
+// The headless runner as a user runs it: its command line, exit codes and files.
+
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Result {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+std::string read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class Simulate : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "simulate_XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    scene_ = write("scene.yaml", "cloth: {columns: 6, rows: 5, pinned: [[0, 0]]}\n");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  /// Runs simulate with `arguments`, as a shell splits them.
+  Result run(const std::string& arguments) const {
+    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command = std::string(CLOTHSIM_SIMULATE) + " " + arguments + " >" +
+                                out.string() + " 2>" + err.string();
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
+  }
+
+  fs::path folder_;
+  std::string scene_;
+};
+
+TEST_F(Simulate, WritesWhatItPromises) {
+  const fs::path output = folder_ / "a" / "b";
+  const Result result = run(scene_ + " --seconds 0.1 --every 0.05 --output " + output.string() +
+                            " --set cloth.ks=500 --set simulation.frames_per_second=100");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");  // no progress bar in a pipe
+  EXPECT_EQ(result.out, read(output / "report.yaml"));
+
+  // final.csv: a header and a line of six numbers for each point.
+  std::istringstream csv(read(output / "final.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "x,y,z,vx,vy,vz");
+  int points = 0;
+  while (std::getline(csv, line)) {
+    std::array<double, 6> v;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf", &v[0], &v[1], &v[2], &v[3],
+                          &v[4], &v[5]),
+              6);
+    for (const double number : v) EXPECT_TRUE(std::isfinite(number));
+    if (points == 0) {  // the pin
+      EXPECT_EQ(line, "0,0,1,0,0,0");
+    } else {
+      EXPECT_LT(v[2], 1);
+    }
+    ++points;
+  }
+  EXPECT_EQ(points, 30);
+
+  // Every fifth frame, the start included.
+  std::set<std::string> frames;
+  for (const auto& entry : fs::directory_iterator(output / "frames")) {
+    frames.insert(entry.path().filename());
+  }
+  EXPECT_EQ(frames, (std::set<std::string>{"000000.ply", "000005.ply", "000010.ply"}));
+
+  const YAML::Node report = YAML::LoadFile(output / "report.yaml");
+  EXPECT_EQ(report["scene"].as<std::string>(), scene_);
+  EXPECT_EQ(report["overrides"][0].as<std::string>(), "cloth.ks=500");
+  EXPECT_EQ(report["method"].as<std::string>(), "verlet");
+  EXPECT_GE(report["substeps"].as<int>(), 1);
+  EXPECT_EQ(report["frames"].as<int>(), 10);
+  EXPECT_NEAR(report["simulated_seconds"].as<double>(), 0.1, 1e-12);
+  EXPECT_GT(report["wall_seconds"].as<double>(), 0);
+  EXPECT_GT(report["cpu_seconds"].as<double>(), 0);
+  EXPECT_GE(report["worst_stretch"].as<double>(), report["mean_stretch"].as<double>());
+  EXPECT_GT(report["rms_velocity"].as<double>(), 0);
+  EXPECT_GT(report["energy"]["kinetic"].as<double>(), 0);
+  EXPECT_GT(report["energy"]["elastic"].as<double>(), 0);
+  EXPECT_GT(report["energy"]["gravitational"].as<double>(), 0);
+  EXPECT_EQ(report["contacts"].as<int>(), 0);
+  EXPECT_EQ(report["deepest_penetration"].as<double>(), 0);
+  EXPECT_FALSE(report["diverged"].as<bool>());
+}
+
+TEST_F(Simulate, FramesArePlyOfTheGrid) {
+  const Result result = run(scene_ + " --seconds 0.02 --every 0.01 --output " + folder_.string());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string ply = read(folder_ / "frames" / "000000.ply");
+  const std::string end = "end_header\n";
+  const size_t body = ply.find(end) + end.size();
+  EXPECT_NE(ply.find("element vertex 30\n"), std::string::npos);
+  EXPECT_NE(ply.find("element face 40\n"), std::string::npos);
+  ASSERT_EQ(ply.size(), body + 30 * 12 + 40 * 13);
+
+  std::array<float, 3> last;
+  std::memcpy(last.data(), ply.data() + body + 29 * 12, 12);
+  EXPECT_EQ(last, (std::array<float, 3>{1, 1, 1}));
+  for (size_t face = 0; face < 40; ++face) {
+    const char* bytes = ply.data() + body + 30 * 12 + face * 13;
+    std::array<int, 3> ids;
+    std::memcpy(ids.data(), bytes + 1, 12);
+    EXPECT_EQ(bytes[0], 3);
+    for (const int id : ids) EXPECT_TRUE(id >= 0 && id < 30) << id;
+  }
+}
+
+TEST_F(Simulate, SameInputGivesSameBits) {
+  const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/self_collision.yaml";
+  std::string finals[2];
+  for (std::string& final : finals) {
+    const Result result = run(scene + " --seconds 0.5 --output " + folder_.string());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    final = read(folder_ / "final.csv");
+  }
+  EXPECT_GT(finals[0].size(), 2500u * 20);
+  EXPECT_EQ(finals[0], finals[1]);
+
+  const Result other =
+      run(scene + " --seconds 0.5 --set simulation.seed=2 --output " + folder_.string());
+  EXPECT_EQ(other.exit_code, 0);
+  EXPECT_NE(read(folder_ / "final.csv"), finals[0]);
+}
+
+TEST_F(Simulate, RoundsToWholeFrames) {
+  for (const auto& [seconds, frames] :
+       {std::pair("1e-6", 1), std::pair("0.016", 1), std::pair("0.02", 2), std::pair("1", 90)}) {
+    const Result result = run(scene_ + " --seconds " + seconds);
+    EXPECT_EQ(YAML::Load(result.out)["frames"].as<int>(), frames) << seconds;
+  }
+}
+
+TEST_F(Simulate, RefusesBadInputWithExitOneAndAMessage) {
+  const std::string good = scene_ + " --seconds 0.1";
+  const std::string broken = write("broken.yaml", "cloth: [");
+  const std::string typo = write("typo.yaml", "cloth: {kss: 5}");
+  const std::string blocked = write("file", "");
+  const struct {
+    std::string arguments;
+    std::string message;  // part of standard error
+  } cases[] = {
+      {"", "required"},
+      {scene_, "--seconds is required"},
+      {"--seconds 1", "scene is required"},
+      {good + " --fast", "--fast"},
+      {"no_such.yaml --seconds 1", "no_such.yaml: got No such file or directory, expected"},
+      {folder_.string() + " --seconds 1", "got Is a directory, expected"},
+      {broken + " --seconds 1", "expected YAML"},
+      {typo + " --seconds 1", "cloth.kss: got an unknown key, expected one of width"},
+      {scene_ + " --seconds 0", "--seconds: got 0, expected a number of at least"},
+      {scene_ + " --seconds -1", "--seconds: got -1, expected"},
+      {scene_ + " --seconds nan", "--seconds: got nan, expected a finite number"},
+      {scene_ + " --seconds inf", "--seconds: got inf, expected a finite number"},
+      {scene_ + " --seconds 1e99", "--seconds: got 1e+99, expected a number of at most"},
+      {scene_ + " --seconds soon", "--seconds"},
+      {good + " --set cloth.ks=-5", "cloth.ks: got -5, expected a number of at least 0 [N/m]"},
+      {good + " --set cloth.ks", "got \"cloth.ks\", expected path.to.key=value"},
+      {good + " --set cloth.bend=1", "cloth.bend: got an unknown key"},
+      {good + " --every 0.1", "--output"},
+      {good + " --every 0 --output " + folder_.string(), "--every: got 0, expected"},
+      {good + " --output " + blocked + "/deeper", blocked},
+      {good + " --output " + blocked, blocked},
+  };
+  for (const auto& c : cases) {
+    const Result result = run(c.arguments);
+    EXPECT_EQ(result.exit_code, 1) << c.arguments;
+    EXPECT_NE(result.err.find(c.message), std::string::npos) << c.arguments << "\n" << result.err;
+  }
+}
+
+TEST_F(Simulate, AFullDiskIsNotSilent) {
+  fs::create_symlink("/dev/full", folder_ / "final.csv");
+  const Result result = run(scene_ + " --seconds 0.1 --output " + folder_.string());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("final.csv: No space left on device"), std::string::npos) << result.err;
+
+  const std::string to_full =
+      std::string(CLOTHSIM_SIMULATE) + " " + scene_ + " --seconds 0.1 >/dev/full 2>/dev/null";
+  EXPECT_NE(std::system(to_full.c_str()), 0);
+}
+
+TEST_F(Simulate, DivergedEndsWithTwoAndTheLastGoodFrame) {
+  // One substep of Verlet at a thousand times its stiffness limit.
+  const Result result = run(scene_ +
+                            " --seconds 5 --set cloth.ks=1e9 --set simulation.substeps=1"
+                            " --set cloth.strain_limit=off --output " +
+                            folder_.string());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("diverged in frame"), std::string::npos) << result.err;
+
+  const YAML::Node report = YAML::LoadFile(folder_ / "report.yaml");
+  EXPECT_TRUE(report["diverged"].as<bool>());
+  EXPECT_LT(report["frames"].as<int>(), 450);
+  EXPECT_NEAR(report["simulated_seconds"].as<double>(), report["frames"].as<int>() / 90.0, 1e-9);
+  const std::string csv = read(folder_ / "final.csv");
+  EXPECT_EQ(csv.find("nan"), std::string::npos);
+  EXPECT_EQ(csv.find("inf"), std::string::npos);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 31);
+}
+
+TEST_F(Simulate, ShowsAProgressBarOnATerminal) {
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl(CLOTHSIM_SIMULATE, CLOTHSIM_SIMULATE, scene_.c_str(), "--seconds", "1", nullptr);
+    _exit(127);
+  }
+  std::string shown;
+  std::array<char, 4096> buffer;
+  for (ssize_t n; (n = ::read(terminal, buffer.data(), buffer.size())) > 0;) {
+    shown.append(buffer.data(), static_cast<size_t>(n));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(terminal);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_NE(shown.find("0/90"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("frames: 90"), std::string::npos) << shown;
+}
+
+TEST_F(Simulate, HelpNamesEveryOption) {
+  const Result result = run("--help");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* option : {"--seconds", "--set", "--every", "--output", "Exit status"}) {
+    EXPECT_NE(result.out.find(option), std::string::npos) << option;
+  }
+}
+
+}  // namespace
