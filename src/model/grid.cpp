@@ -63,6 +63,7 @@ Cloth make_grid(const ClothSpec& spec) {
   cloth.damping = spec.material.damping;
   cloth.strain_limit = spec.material.strain_limit;
   cloth.thickness = spec.thickness;
+  cloth.friction = spec.friction;
 
   // Points: rest positions and texture coordinates.
   const int up = spec.orientation == Orientation::horizontal ? 1 : 2;

@@ -9,6 +9,7 @@
 
 #include "clothsim/collision/collider_contacts.h"
 #include "clothsim/collision/moving_collider.h"
+#include "clothsim/collision/point_contacts.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/dynamics/stretch.h"
@@ -46,6 +47,7 @@ struct Simulator::Impl {
     cloth = make_grid(scene.cloth);
     integrator = integrator_of(scene.simulation);
     build_constraints();
+    if (scene.cloth.self_collision) point_contacts.emplace();
     for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
     reset();
   }
@@ -65,6 +67,7 @@ struct Simulator::Impl {
     integrator = integrator_of(scene.simulation);
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
+    if (point_contacts) point_contacts->reset();
   }
 
   void build_constraints() {
@@ -88,6 +91,7 @@ struct Simulator::Impl {
   std::optional<StrainLimit> strain_limit;
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
+  std::optional<PointContacts> point_contacts;
   std::vector<Vector3> pin_targets;
   unsigned topology_seq = 0;
 
@@ -130,7 +134,7 @@ StepReport Simulator::Impl::step() {
                    std::to_string(report.substeps) + " substeps a frame");
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
-  report.contacts = collider_contacts.count();
+  report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
   return report;
 }
 
@@ -140,7 +144,7 @@ void Simulator::Impl::substep(double h, StepReport& report) {
 
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& method) { method.step(cloth, loads, h, state); }, integrator);
-  if (strain_limit || !colliders.empty()) constrain(h, report);
+  if (strain_limit || point_contacts || !colliders.empty()) constrain(h, report);
   state.time += h;
 }
 
@@ -152,11 +156,15 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (strain_limit) strain_limit->predict(cloth, h, reach, state);
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
+  if (point_contacts) point_contacts->begin(cloth, h, reach, state);
   collider_contacts.begin(colliders, cloth, h, reach, start, state);
   const double small = tolerance * shortest_spring(cloth);
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double residual = 0;
     if (strain_limit) residual = strain_limit->sweep(cloth, state.velocities);
+    if (point_contacts) {
+      residual = std::max(residual, point_contacts->sweep(cloth, state.velocities));
+    }
     residual = std::max(residual, collider_contacts.sweep(state.velocities));
     ++report.sweeps;
     if (residual <= small && sweep >= min_sweeps) break;
@@ -167,6 +175,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (strain_limit) {
     report.corrections += strain_limit->correct(cloth, tolerance, max_sweeps, h, state);
   }
+  if (point_contacts) point_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 }
 

@@ -45,6 +45,7 @@ struct ClothSpec {
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   bool self_collision = false;
+  double friction = 0.3;  // Coulomb's coefficient of the cloth on itself
 };
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).

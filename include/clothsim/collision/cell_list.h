@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Two points of a cloth, a < b.
+struct PointPair {
+  int a;
+  int b;
+};
+
+inline bool operator<(const PointPair& p, const PointPair& q) {
+  return std::tie(p.a, p.b) < std::tie(q.a, q.b);
+}
+inline bool operator==(const PointPair& p, const PointPair& q) { return p.a == q.a && p.b == q.b; }
+
+/// Finds close pairs of points with a cell list: points are sorted by the integer coordinates of
+/// their cell, and each looks into the half of its 26 neighbour cells that comes after its own.
+/// Hockney & Eastwood, Computer Simulation Using Particles, 8.4.
+class PairFinder {
+ public:
+  /// All pairs closer than `distance` [m], sorted. `positions` must be finite.
+  void find(const Points& positions, double distance, std::vector<PointPair>& pairs);
+
+ private:
+  struct Entry {
+    std::uint64_t cell;
+    int point;
+  };
+
+  std::vector<Entry> entries_;  // sorted by cell, then point
+};
+
+}  // namespace clothsim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/collision/cell_list.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// A cloth's own points kept 2 * thickness apart: no restitution, Coulomb friction, impulses kept
+/// from step to step, equal and opposite, weighted by inverse mass.
+///
+/// Pairs that lie within twice that distance at rest are left out: a fold between them has no room
+/// for a layer. Points cannot see an edge or a face pass between them; this is the cheap method.
+class PointContacts {
+ public:
+  /// Finds touching pairs after a step of h [s], and gives them their last impulses. `reach`: the
+  /// share of h that a point has moved with an impulse given in the step.
+  void begin(const Cloth&, double h, double reach, State&);
+
+  /// One pass over the pairs. Returns the largest change as a displacement in h [m].
+  double sweep(const Cloth&, Points& velocities);
+
+  /// Moves pairs that are closer than they may be apart, in one pass.
+  void correct(const Cloth&, Points& positions) const;
+
+  /// Pairs that carry an impulse.
+  int count() const;
+
+  /// Forgets the impulses.
+  void reset();
+
+ private:
+  struct Contact {
+    PointPair pair;
+    Vector3 normal;         // from pair.a to pair.b
+    double slowest;         // least rate of separation allowed [m/s], <= 0
+    double inv_mass;        // of both together [1/kg]
+    double push = 0;        // normal impulse [N s], >= 0
+    Vector3 drag{0, 0, 0};  // friction impulse on pair.b [N s]
+  };
+
+  void find_candidates(const Cloth&, const Points& positions, double distance);
+
+  double h_ = 0;
+  PairFinder finder_;
+  std::vector<PointPair> candidates_;  // sorted; hold while no point moves by skin / 2
+  Points found_at_;                    // positions when candidates_ were found
+  double skin_ = 0;                    // [m]
+  std::vector<Contact> contacts_;      // by pair
+  std::vector<Contact> last_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,134 @@
+#include "clothsim/collision/point_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clothsim {
+namespace {
+
+/// Room added to the contact distance when candidates are sought, so that they serve for many
+/// steps.
+constexpr double skin_share = 0.5;
+
+/// Rest distance below which a pair is left out, in contact distances.
+constexpr double rest_exclusion = 2;
+
+Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
+
+double contact_distance(const Cloth& cloth) { return 2 * cloth.thickness; }
+
+/// points_b += w_b d, points_a -= w_a d.
+void push_apart(const Cloth& cloth, const PointPair& pair, const Vector3& d, Points& points) {
+  points.row(pair.a) -= cloth.inv_mass[pair.a] * d.transpose();
+  points.row(pair.b) += cloth.inv_mass[pair.b] * d.transpose();
+}
+
+}  // namespace
+
+void PointContacts::find_candidates(const Cloth& cloth, const Points& positions, double distance) {
+  // A common motion brings nobody closer: only what goes beyond it counts.
+  if (found_at_.rows() == positions.rows()) {
+    const Points moved = positions - found_at_;
+    const Eigen::RowVector3d common = moved.colwise().mean();
+    const double farthest2 = (moved.rowwise() - common).rowwise().squaredNorm().maxCoeff();
+    if (farthest2 <= skin_ * skin_ / 4) return;
+  }
+  skin_ = skin_share * distance;
+  found_at_ = positions;
+  finder_.find(positions, distance + skin_, candidates_);
+
+  const double nearest = rest_exclusion * contact_distance(cloth);
+  const auto neighbours_at_rest = [&](const PointPair& p) {
+    const double rest2 =
+        (cloth.rest_positions.row(p.a) - cloth.rest_positions.row(p.b)).squaredNorm();
+    return rest2 < nearest * nearest || cloth.inv_mass[p.a] + cloth.inv_mass[p.b] == 0;
+  };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), neighbours_at_rest),
+                    candidates_.end());
+}
+
+void PointContacts::begin(const Cloth& cloth, double h, double reach, State& state) {
+  const double scale = h_ > 0 ? h / h_ : 0;
+  h_ = h;
+  const double nearest = contact_distance(cloth);
+  find_candidates(cloth, state.positions, nearest);
+
+  last_.swap(contacts_);
+  contacts_.clear();
+  auto kept = last_.begin();
+  for (const PointPair& pair : candidates_) {
+    const Vector3 d = row(state.positions, pair.b) - row(state.positions, pair.a);
+    const double length = d.norm();
+    if (length == 0) continue;  // no direction to part in
+    const Vector3 normal = d / length;
+
+    // The gap this step would leave if the pair did not part.
+    const double rate = normal.dot(row(state.velocities, pair.b) - row(state.velocities, pair.a));
+    const double gap = length - nearest - reach * h * rate;
+    const double slowest = -std::max(gap, 0.0) / h;
+
+    while (kept != last_.end() && kept->pair < pair) ++kept;
+    const bool held = kept != last_.end() && kept->pair == pair && kept->push > 0;
+    if (!held && rate >= slowest) continue;
+
+    Contact contact{pair, normal, slowest, cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b]};
+    if (held) {
+      contact.push = scale * kept->push;
+      const Vector3 drag = scale * kept->drag;
+      contact.drag = drag - normal.dot(drag) * normal;
+    }
+    contacts_.push_back(contact);
+  }
+  for (const Contact& c : contacts_) {
+    if (c.push > 0) push_apart(cloth, c.pair, c.push * c.normal + c.drag, state.velocities);
+  }
+}
+
+double PointContacts::sweep(const Cloth& cloth, Points& velocities) {
+  double residual2 = 0;
+  for (Contact& c : contacts_) {
+    const Vector3 v = row(velocities, c.pair.b) - row(velocities, c.pair.a);
+
+    // Apart, or closer no faster than the gap allows.
+    const double rate = c.normal.dot(v);
+    const double push = std::max(0.0, c.push + (c.slowest - rate) / c.inv_mass);
+    Vector3 change = (push - c.push) * c.normal;
+    c.push = push;
+
+    // Against sliding, as far as Coulomb's cone reaches.
+    Vector3 drag = c.drag - (v - rate * c.normal) / c.inv_mass;
+    const double strongest = cloth.friction * push;
+    const double length = drag.norm();
+    if (length > strongest) drag *= strongest / length;
+    change += drag - c.drag;
+    c.drag = drag;
+
+    push_apart(cloth, c.pair, change, velocities);
+    residual2 = std::max(residual2, change.squaredNorm() * c.inv_mass * c.inv_mass);
+  }
+  return std::sqrt(residual2) * h_;
+}
+
+void PointContacts::correct(const Cloth& cloth, Points& positions) const {
+  const double nearest = contact_distance(cloth);
+  for (const PointPair& pair : candidates_) {
+    const Vector3 d = row(positions, pair.b) - row(positions, pair.a);
+    const double length = d.norm();
+    if (length >= nearest || length == 0) continue;
+    const double inv_mass = cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b];
+    push_apart(cloth, pair, (nearest - length) / (inv_mass * length) * d, positions);
+  }
+}
+
+int PointContacts::count() const {
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const Contact& c) { return c.push > 0; }));
+}
+
+void PointContacts::reset() {
+  contacts_.clear();
+  found_at_.resize(0, 3);
+  h_ = 0;
+}
+
+}  // namespace clothsim
