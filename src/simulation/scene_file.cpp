@@ -126,7 +126,7 @@ void override_value(YAML::Node root, const std::string& assignment) {
   bool empty_key = false;
   for (const std::string& key : keys) empty_key = empty_key || key.empty();
   if (equals == std::string::npos || empty_key) {
-    throw InvalidValue({}, '"' + assignment + '"', "path.to.key=value");
+    throw InvalidValue({"assignment"}, '"' + assignment + '"', "path.to.key=value");
   }
 
   try {
