@@ -15,6 +15,7 @@ constexpr Range strain_limit_range{0, 1000, ""};
 constexpr Range length_range{1e-6, 1e4, "m"};
 constexpr Range origin_range{-1e6, 1e6, "m"};
 constexpr Range thickness_range{1e-6, 1e3, "m"};
+constexpr Range friction_range{0, 1e6, ""};
 
 /// Beyond this a cloth is a typing mistake rather than a wish.
 constexpr long long max_points = 1'000'000;
@@ -80,6 +81,7 @@ void validate(const ClothSpec& spec) {
   check_pins(spec);
   validate(spec.material);
   check_range("thickness", spec.thickness, thickness_range);
+  check_range("friction", spec.friction, friction_range);
 }
 
 }  // namespace clothsim

@@ -16,7 +16,6 @@ constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range radius_range{1e-6, 1e6, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
-constexpr int max_substeps = 10'000;
 
 void validate(const Sphere& sphere, const Pose& pose) {
   check_range("center", pose.position, position_range);

@@ -79,7 +79,8 @@ ClothSpec read_cloth(const YAML::Node& node) {
             {"strain_limit",
              [&](const YAML::Node& limit) { read_strain_limit(limit, material.strain_limit); }},
             {"thickness", into(cloth.thickness)},
-            {"self_collision", into(cloth.self_collision)}});
+            {"self_collision", into(cloth.self_collision)},
+            {"friction", into(cloth.friction)}});
   return cloth;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clothsim/dynamics/spectrum.h"
+#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 namespace {
@@ -34,7 +35,7 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
     steps = std::max(steps,
                      dt * tension_frequency(cloth, gravity) / (tension_margin * stability_limit));
   }
-  return std::max(1, static_cast<int>(std::ceil(steps)));
+  return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }
 
 }  // namespace clothsim

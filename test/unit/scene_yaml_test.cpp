@@ -70,7 +70,7 @@ std::string print(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;
   out << cloth.width << ' ' << cloth.height << ' ' << cloth.columns << ' ' << cloth.rows << ' '
       << static_cast<int>(cloth.orientation) << ' ' << cloth.thickness << ' '
-      << cloth.self_collision << ' ';
+      << cloth.self_collision << ' ' << cloth.friction << ' ';
   print_vector(cloth.origin);
   for (const Pin& pin : cloth.pinned) {
     out << "pin " << pin.column << ' ' << pin.row << ' ' << pin.frame << ' ';
@@ -119,7 +119,7 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 
 constexpr const char* cloth_keys =
     "width, height, columns, rows, orientation, origin, pinned, springs, ks, density, damping, "
-    "strain_limit, thickness, self_collision";
+    "strain_limit, thickness, self_collision, friction";
 
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
@@ -217,6 +217,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.damping: got -0.1, expected a number of at least 0 [1/s]"},
         Mistake{"cloth.strain_limit=-0.1",
                 "cloth.strain_limit: got -0.1, expected a number of at least 0"},
+        Mistake{"cloth.friction=-1", "cloth.friction: got -1, expected a number of at least 0"},
         Mistake{"cloth.thickness=0",
                 "cloth.thickness: got 0, expected a number of at least 1e-06 [m]"},
         Mistake{"cloth.width=0", "cloth.width: got 0, expected a number of at least 1e-06 [m]"},
@@ -350,7 +351,7 @@ TEST(SceneYaml, NamesTheParameterTheWayTheNodeWritesIt) {
 TEST(SceneYaml, ReadsEveryKey) {
   const Scene scene = read_changed({});
   EXPECT_EQ(print(scene),
-            "1 2 5 4 0 0.0095 0 [0 0 1] pin 0 0  pin 4 3 hand "
+            "1 2 5 4 0 0.0095 0 0.3 [0 0 1] pin 0 0  pin 4 3 hand "
             "5000 150 5.4 0.1 110"
             " collider ball 0.3 ball [0.5 0.5 0.2] [0 0 1] "
             "0.2"
@@ -362,14 +363,14 @@ TEST(SceneYaml, ReadsEveryKey) {
        "cloth.orientation=vertical", "cloth.origin=[1, 2, 3]", "cloth.pinned=[[6, 7]]",
        "cloth.springs={structural: false, bending: true}", "cloth.ks=1", "cloth.density=2",
        "cloth.damping=3", "cloth.strain_limit=off", "cloth.thickness=4",
-       "cloth.self_collision=true",
+       "cloth.self_collision=true", "cloth.friction=0.7",
        "colliders=[{shape: plane, name: wall, point: [1, 2, 3], normal: [5, 0, 0], friction: 6, "
        "two_sided: true, frame: arm}]",
        "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
        "method: verlet, seed: "
        "9223372036854775807}"});
   EXPECT_EQ(print(other),
-            "3 4 7 8 1 4 1 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] [1 0 0] 1 "
+            "3 4 7 8 1 4 1 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] [1 0 0] 1 "
             "[1 2 3] 60 7 0.5 verlet 9223372036854775807");
 }
 

@@ -128,6 +128,7 @@ TEST(ScenesDoc, HasTheDefaults) {
     EXPECT_EQ(a.cloth.pinned.size(), b.cloth.pinned.size());
     EXPECT_EQ(a.cloth.thickness, b.cloth.thickness);
     EXPECT_EQ(a.cloth.self_collision, b.cloth.self_collision);
+    EXPECT_EQ(a.cloth.friction, b.cloth.friction);
     EXPECT_EQ(a.cloth.material.ks, b.cloth.material.ks);
     EXPECT_EQ(a.cloth.material.density, b.cloth.material.density);
     EXPECT_EQ(a.cloth.material.damping, b.cloth.material.damping);

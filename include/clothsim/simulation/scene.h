@@ -10,6 +10,9 @@
 
 namespace clothsim {
 
+/// Most substeps a frame may have: beyond, a frame takes minutes.
+inline constexpr int max_substeps = 10'000;
+
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
   double frames_per_second = 90;    // [Hz]
