@@ -7,11 +7,14 @@ in vec3 surface_position;
 
 uniform vec3 translation;  // the sphere's centre relative to the camera [m]
 uniform float radius;      // [m]
-uniform float sphere_dip;  // [m], see competing_depth
+uniform float dip;         // [m] how far cloth that lies on it may be below its surface
 uniform float id;
 
 layout(location = 0) out float depth;  // [m]
 layout(location = 1) out float mask;
+
+// Cosine below which a sphere is seen edge on and the dip grows no more.
+const float steepest = 0.1;
 
 void main() {
   // Half the chord from the ray's distance to the centre: no difference of large squares.
@@ -29,7 +32,8 @@ void main() {
   if (depth < depth_terms.z || depth > depth_terms.w) discard;
   mask = id / 255.0;
 
-  vec3 position = distance * ray;
-  float competing = competing_depth(depth, position, (position - translation) / radius, sphere_dip);
+  // Moved back by the dip along its normal, the sphere loses the pixel to cloth that lies on it.
+  vec3 normal = (distance * ray - translation) / radius;
+  float competing = depth + dip * along / max(abs(dot(normal, ray)), steepest);
   gl_FragDepth = 0.5 + 0.5 * (depth_terms.x + depth_terms.y / competing);
 }

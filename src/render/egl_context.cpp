@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "clothsim/model/errors.h"
+#include "clothsim/render/gl_error.h"
 
 namespace clothsim {
 namespace {
@@ -174,9 +175,15 @@ EglContext::EglContext(std::optional<int> device) {
 
 EglContext::~EglContext() {
   // The display belongs to the whole process: another thread may be using it, so it stays.
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (eglGetCurrentContext() == context_)
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
-  eglReleaseThread();
+}
+
+void EglContext::make_current() const {
+  if (eglGetCurrentContext() == context_) return;
+  if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+    throw GlError(egl_failure("eglMakeCurrent"));
 }
 
 }  // namespace clothsim

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "clothsim/render/egl_context.h"
+#include "clothsim/render/gl_error.h"
 #include "clothsim/render/gl_handles.h"
 #include "clothsim/render/pixel_reader.h"
 #include "clothsim/render/scene_objects.h"
@@ -111,7 +112,7 @@ const ShaderProgram& Renderer::Impl::use_item(const DrawItem& item, const std::s
   const ShaderProgram& program = use_program("surface.vert", fragment);
   program.set("rotation", item.rotation);
   program.set("translation", item.translation);
-  program.set("dip", item.dip);
+  program.set("shrinkage", item.dip);
   set_displacement(*item.shading, program, textures);
   return program;
 }
@@ -137,8 +138,10 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
     const ColliderView& view = snapshot.colliders[i];
     colliders[i].update(view);
     items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
-    if (cloth && items.back().sphere_radius)
-      items.back().dip = cloth->dip_on_sphere(*items.back().sphere_radius);
+    DrawItem& item = items.back();
+    if (cloth && item.sphere_radius)
+      item.dip = cloth->dip_below_sphere(item.translation - items.front().translation,
+                                         *item.sphere_radius);
   }
 }
 
@@ -222,6 +225,7 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
     }
   }
   draw_translucent(translucent);
+  textures.sweep();
   check_gl("drawing the colour image");
 }
 
@@ -237,7 +241,8 @@ void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
   program.set("rotation", Eigen::Matrix3d(*item.sphere_radius * Eigen::Matrix3d::Identity()));
   program.set("translation", item.translation);
   program.set("radius", *item.sphere_radius);
-  program.set("sphere_dip", item.dip);
+  program.set("shrinkage", 0.0);
+  program.set("dip", item.dip);
   program.set("id", static_cast<double>(item.id));
   glEnable(GL_CULL_FACE);
   glCullFace(GL_FRONT);
@@ -267,6 +272,7 @@ void Renderer::Impl::draw_truth(const Camera& camera) {
       draw_sphere_truth(item);
     } else {
       const ShaderProgram& program = use_item(item, "truth.frag");
+      program.set("shrinkage", 0.0);
       program.set("id", static_cast<double>(item.id));
       item.mesh->draw_triangles();
     }
@@ -275,12 +281,21 @@ void Renderer::Impl::draw_truth(const Camera& camera) {
 }
 
 Renderer::Renderer(const RendererOptions& options) : impl_(std::make_unique<Impl>(options)) {}
-Renderer::~Renderer() = default;
+
+Renderer::~Renderer() {
+  // What lives in the context can only be deleted while it is current.
+  try {
+    impl_->context.make_current();
+  } catch (const GlError&) {
+    // The driver is gone, and with it what there was to delete.
+  }
+}
 
 void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outputs& outputs,
                       Images& images) {
   assert(snapshot.colliders.size() <= 254);
   const auto start = Clock::now();
+  impl_->context.make_current();
   impl_->upload(snapshot, camera);
   impl_->end_stage();
   const auto uploaded = Clock::now();
@@ -318,7 +333,6 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outp
   if (outputs.mask) impl_->mask_reader.finish(images.mask.data());
   check_gl("reading the images back");
 
-  impl_->textures.sweep();
   impl_->times = {std::chrono::duration<double>(uploaded - start).count(),
                   std::chrono::duration<double>(drawn - uploaded).count(), seconds_since(drawn)};
 }

@@ -69,10 +69,13 @@ DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
   return item;
 }
 
-double ClothObject::dip_on_sphere(double radius) const {
-  // The sagitta of a chord as long as the longest edge, L^2 / 8r.
+double ClothObject::dip_below_sphere(const Vector3& center, double radius) const {
+  // A triangle with edges up to L and its corners on the sphere lies within L / sqrt(3) of its
+  // circumcentre, and so at most L^2 / 6r below the surface; less what its corners are above.
+  const double nearest = (local_.rowwise() - center.transpose()).rowwise().norm().minCoeff();
   const double edge = longest_edge(local_, cloth_->triangles);
-  return std::min(edge * edge / (8 * radius), deepest_dip * radius);
+  const double dip = edge * edge / (6 * radius) - std::max(0.0, nearest - radius);
+  return std::clamp(dip, 0.0, deepest_dip * radius);
 }
 
 void ColliderObject::update(const ColliderView& view) {

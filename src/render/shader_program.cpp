@@ -4,50 +4,49 @@
 #include <fstream>
 #include <functional>
 #include <regex>
+#include <set>
 #include <sstream>
 
 namespace clothsim {
 namespace {
 
-/// Appends `name` to `source`, includes first-come and once.
+/// Appends `name` to `source`, unless an earlier line brought it.
 void append_file(const std::string& folder, const std::string& name, const std::string& asked_by,
-                 ShaderSource& source) {
-  if (std::count(source.files.begin(), source.files.end(), name)) return;
+                 std::set<std::string>& seen, ShaderSource& source) {
+  if (!seen.insert(name).second) return;
   std::ifstream file(folder + "/" + name);
   if (!file)
     throw ShaderError("shader " + folder + "/" + name + " cannot be read" +
                       (asked_by.empty() ? "" : "; " + asked_by + " includes it"));
-  const std::string id = std::to_string(source.files.size());
-  source.files.push_back(name);
 
   static const std::regex include("\\s*#include\\s+\"([^\"]+)\"\\s*");
   int number = 0;
   for (std::string line; std::getline(file, line);) {
     ++number;
-    // GLSL wants #version before anything else, so a file's own mark comes with its second line.
     std::smatch match;
-    if (std::regex_match(line, match, include))
-      append_file(folder, match[1], name + ":" + std::to_string(number), source);
-    else if (number > 1 || line.rfind("#version", 0) == 0)
+    if (std::regex_match(line, match, include)) {
+      append_file(folder, match[1], name + ":" + std::to_string(number), seen, source);
+    } else {
       source.text += line + "\n";
-    else
-      source.text += "#line 1 " + id + "\n" + line + "\n";
-    if (number == 1 || !match.empty())
-      source.text += "#line " + std::to_string(number + 1) + " " + id + "\n";
+      source.origins.push_back({name, number});
+    }
   }
 }
 
-/// The driver's log with source numbers replaced by file names: Mesa writes "2:7(3): error",
-/// NVIDIA "2(7) : error".
-std::string readable_log(const std::string& log, const std::vector<std::string>& files) {
-  static const std::regex position("^(?:ERROR: )?(\\d+)[:(](\\d+)\\)?");
+/// The driver's log with lines of the whole text replaced by file and line: Mesa writes
+/// "0:7(3): error", NVIDIA "0(7) : error". (Mesa passes over the file number of a #line.)
+std::string readable_log(const std::string& log, const std::vector<ShaderSource::Line>& origins) {
+  static const std::regex position("^(?:ERROR: )?\\d+[:(](\\d+)\\)?");
   std::istringstream lines(log);
   std::string text;
   for (std::string line; std::getline(lines, line);) {
     std::smatch match;
     if (std::regex_search(line, match, position)) {
-      const std::size_t file = std::stoul(match[1]);
-      if (file < files.size()) line = files[file] + ":" + match[2].str() + match.suffix().str();
+      const std::size_t number = std::stoul(match[1]);
+      if (number >= 1 && number <= origins.size()) {
+        const ShaderSource::Line& origin = origins[number - 1];
+        line = origin.file + ":" + std::to_string(origin.number) + match.suffix().str();
+      }
     }
     text += "\n  " + line;
   }
@@ -78,7 +77,7 @@ GlHandle<ShaderKind<stage>> compile(const std::string& folder, const std::string
         shader, [](GLuint id, GLint* length) { glGetShaderiv(id, GL_INFO_LOG_LENGTH, length); },
         [](GLuint id, GLsizei size, GLchar* out) { glGetShaderInfoLog(id, size, nullptr, out); });
     throw ShaderError("shader " + folder + "/" + name +
-                      " does not compile:" + readable_log(log, source.files));
+                      " does not compile:" + readable_log(log, source.origins));
   }
   return shader;
 }
@@ -87,7 +86,8 @@ GlHandle<ShaderKind<stage>> compile(const std::string& folder, const std::string
 
 ShaderSource read_shader(const std::string& folder, const std::string& name) {
   ShaderSource source;
-  append_file(folder, name, "", source);
+  std::set<std::string> seen;
+  append_file(folder, name, "", seen, source);
   return source;
 }
 

@@ -17,7 +17,7 @@ class NoContext : public std::runtime_error {
 std::vector<std::string> egl_devices();
 
 /// An OpenGL 3.3 core context without window or display server, current in the thread that makes
-/// it. Use and destroy it in that thread; a thread holds one at a time.
+/// it. Use and destroy it in that thread.
 class EglContext {
  public:
   /// Tries hardware devices first, then software ones, then Mesa's surfaceless platform; with a
@@ -27,6 +27,9 @@ class EglContext {
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
+
+  /// Makes it current again where another one of the thread may have been used since. Cheap.
+  void make_current() const;
 
   /// Where the context came from, and the names of its renderer and version.
   const std::string& description() const { return description_; }

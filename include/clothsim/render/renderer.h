@@ -12,10 +12,10 @@
 namespace clothsim {
 
 struct RendererOptions {
-  std::string shaders;            // folder of the shader files
-  std::optional<int> egl_device;  // index of egl_devices(); empty: the best
-  int samples = 4;                // of a pixel, for the edges of the colour image; 1: none
-  bool measure = false;           // wait between stages so that each has its own time
+  std::string shaders;              // folder of the shader files
+  std::optional<int> egl_device{};  // index of egl_devices(); empty: the best
+  int samples = 4;                  // of a pixel, for the edges of the colour image; 1: none
+  bool measure = false;             // wait between stages so that each has its own time
 };
 
 /// Which images to make; the others are left empty and cost nothing.

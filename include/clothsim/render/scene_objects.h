@@ -19,8 +19,9 @@ class ClothObject {
 
   DrawItem item(const Snapshot&, const Vector3& eye) const;
 
-  /// How far a flat triangle of this cloth with its corners on a sphere can dip below it [m].
-  double dip_on_sphere(double radius) const;
+  /// How far a flat triangle of this cloth, its corners outside a sphere about `center` [m] from
+  /// the mesh's origin, may dip below the sphere's surface [m]. Zero where the cloth is away.
+  double dip_below_sphere(const Vector3& center, double radius) const;
 
  private:
   GpuMesh mesh_;

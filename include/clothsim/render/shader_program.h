@@ -17,10 +17,14 @@ class ShaderError : public std::runtime_error {
 };
 
 /// The text of a shader with each line `#include "name"` replaced by that file of the same folder,
-/// once. `#line` marks keep the numbers right; files[i] is the file that the marks call i.
+/// once. Line i of the text, counted from 0, is origins[i].
 struct ShaderSource {
+  struct Line {
+    std::string file;
+    int number;
+  };
   std::string text;
-  std::vector<std::string> files;
+  std::vector<Line> origins;
 };
 
 /// Throws ShaderError for a file that is missing.

@@ -12,7 +12,7 @@ namespace clothsim {
 /// A point light; `ambient` comes from everywhere.
 struct Light {
   Vector3 position{1.5, -1, 3};  // [m] in the world
-  double intensity = 6;          // what falls on a surface 1 m away that faces it
+  double intensity = 10;         // what falls on a surface 1 m away that faces it
   double ambient = 1;
 };
 

@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "clothsim/model/errors.h"
+#include "render_fixture.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of the test's own that is removed again.
+struct Folder {
+  fs::path path = fs::path(testing::TempDir()) / "clothsim_images";
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string file(const std::string& name) const { return (path / name).string(); }
+};
+
+template <class Load>
+void expect_refused(Load load, const std::string& path) {
+  try {
+    load(path, "key");
+    FAIL() << "read " << path;
+  } catch (const InvalidValue& error) {
+    EXPECT_EQ(error.key(), std::vector<std::string>{"key"});
+    EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+  }
+}
+
+TEST(Image, ColoursComeBackInOrder) {
+  const Folder folder;
+  const Image image{2, 1, {10, 20, 30, 200, 100, 50}};
+  for (const char* name : {"a.png", "a.bmp", "a.tiff"}) {
+    save_png(folder.file("a.png"), image);
+    cv::imwrite(folder.file(name), cv::imread(folder.file("a.png")));
+    const auto read = load_image(folder.file(name), "texture");
+    EXPECT_EQ(read->width, 2);
+    EXPECT_EQ(read->height, 1);
+    EXPECT_EQ(read->rgb, image.rgb);
+  }
+}
+
+TEST(Image, HeightsAreTheRedChannelOf8Or16Bits) {
+  const Folder folder;
+  cv::imwrite(folder.file("color.png"), cv::Mat(1, 1, CV_8UC3, cv::Scalar(10, 20, 51)));
+  EXPECT_FLOAT_EQ(load_height_map(folder.file("color.png"), "h")->heights[0], 0.2f);
+  cv::imwrite(folder.file("gray.png"), cv::Mat(1, 1, CV_8UC1, cv::Scalar(102)));
+  EXPECT_FLOAT_EQ(load_height_map(folder.file("gray.png"), "h")->heights[0], 0.4f);
+  cv::imwrite(folder.file("deep.png"), cv::Mat(1, 1, CV_16UC1, cv::Scalar(1)));
+  EXPECT_FLOAT_EQ(load_height_map(folder.file("deep.png"), "h")->heights[0], 1 / 65535.0f);
+}
+
+TEST(Image, MissingAndBrokenFilesAreNamed) {
+  const Folder folder;
+  std::ofstream(folder.file("text.png")) << "this is no image";
+  std::ofstream(folder.file("empty.jpg"));
+  for (const std::string& path : {folder.file("absent.png"), folder.file("text.png"),
+                                  folder.file("empty.jpg"), folder.path.string(), std::string()}) {
+    expect_refused([](auto... a) { load_image(a...); }, path);
+    expect_refused([](auto... a) { load_height_map(a...); }, path);
+    expect_refused([](auto... a) { load_cube_map(a...); }, path);
+  }
+  // A folder with one face of another size.
+  for (const char* face : {"posx", "negx", "posy", "negy", "posz", "negz"})
+    cv::imwrite(folder.file(std::string(face) + ".png"), cv::Mat::zeros(4, 4, CV_8UC3));
+  EXPECT_EQ(load_cube_map(folder.path.string(), "sky")->faces[5].width, 4);
+  cv::imwrite(folder.file("negy.png"), cv::Mat::zeros(8, 8, CV_8UC3));
+  expect_refused([](auto... a) { load_cube_map(a...); }, folder.file("negy.png"));
+  // Neither a panorama nor a folder.
+  cv::imwrite(folder.file("square.png"), cv::Mat::zeros(8, 8, CV_8UC3));
+  expect_refused([](auto... a) { load_cube_map(a...); }, folder.file("square.png"));
+}
+
+TEST(Image, APanoramaStandsAroundTheScene) {
+  // Each direction has a colour of its own; the middle of the panorama looks along the world's +y.
+  const Folder folder;
+  cv::Mat panorama(64, 128, CV_8UC3);
+  for (int row = 0; row < 64; ++row)
+    for (int column = 0; column < 128; ++column) {
+      const double around = ((column + 0.5) / 128 - 0.5) * 2 * M_PI;
+      const double up = (0.5 - (row + 0.5) / 64) * M_PI;
+      const Vector3 world(std::cos(up) * std::sin(around), std::cos(up) * std::cos(around),
+                          std::sin(up));
+      for (int c = 0; c < 3; ++c)
+        panorama.at<cv::Vec3b>(row, column)[2 - c] =
+            static_cast<std::uint8_t>(std::lround(127.5 * (1 + world[c])));
+    }
+  cv::imwrite(folder.file("panorama.png"), panorama);
+  Snapshot snapshot;
+  snapshot.background.sky = load_cube_map(folder.file("panorama.png"), "sky");
+  for (const Vector3& target : {Vector3(1, 0, 0), Vector3(-1, 0, 0), Vector3(0, 1, 0),
+                                Vector3(0, -1, 0), Vector3(0, 0, 1), Vector3(0, 0, -1)}) {
+    Camera camera = camera_with_fov(20, 20, 1.5);
+    camera.pose = look_at({0, 0, 0}, target);
+    const Images images = draw(snapshot, camera);
+    for (int v = 0; v < 20; v += 4)
+      for (int u = 0; u < 20; u += 4) {
+        const Vector3 d = pixel_ray(camera, u, v).normalized();
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(channel(images, u, v, c), 127.5 * (1 + d[c]), 6) << d.transpose();
+      }
+  }
+}
+
+TEST(Image, TheImagesOfThePackageCanBeRead) {
+  const std::string folder = CLOTHSIM_TEXTURES_DIR;
+  EXPECT_EQ(load_image(folder + "/fabric.png", "texture")->width, 256);
+  EXPECT_EQ(load_height_map(folder + "/quilt_height.png", "height_map")->width, 128);
+  EXPECT_EQ(load_cube_map(folder + "/sky", "environment")->faces[0].width, 256);
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,142 @@
+#include "clothsim/render/translucency.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render_fixture.h"
+
+namespace clothsim {
+namespace {
+
+std::shared_ptr<const Image> plain_image(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+  auto image = std::make_shared<Image>();
+  *image = {1, 1, {r, g, b}};
+  return image;
+}
+
+/// Layers of one colour without light: what is seen is ambient alone, ka Ia = `level`, on `alpha`.
+Translucent layer(double alpha, double level) {
+  Translucent shading;
+  shading.image = plain_image(255, 255, 255);
+  shading.phong = {level, 0, 0, 1};
+  shading.alpha = alpha;
+  return shading;
+}
+
+Camera above() {
+  Camera camera = camera_with_fov(40, 30, 0.8);
+  camera.pose = look_at({0.5, 0.5, 3}, {0.5, 0.5, 0});
+  return camera;
+}
+
+/// A square parallel to the ground around the middle of the picture.
+ColliderView square(double height, const Shading& shading) {
+  ColliderView view;
+  view.shape = Plane{};
+  view.extent = 1;
+  view.segments = 4;
+  view.pose.position = {0.5, 0.5, height};
+  view.shading = shading;
+  return view;
+}
+
+TEST(Translucency, TwoLayersBlendFarToNearWhateverTheirOrderInTheScene) {
+  // C = a1 L1 + (1 - a1) (a2 L2 + (1 - a2) B), layer 1 the nearer one, in linear light.
+  Snapshot snapshot;
+  snapshot.light.ambient = 1;
+  snapshot.background.color = {0, 0, 0.5};
+  const ColliderView near = square(1, layer(0.3, 0.9)), far = square(0.2, layer(0.6, 0.2));
+  for (const bool near_first : {true, false}) {
+    snapshot.colliders = near_first ? std::vector{near, far} : std::vector{far, near};
+    const Images images = draw(snapshot, above());
+    const auto blended = [](double background) {
+      return 0.3 * 0.9 + 0.7 * (0.6 * 0.2 + 0.4 * background);
+    };
+    EXPECT_NEAR(channel(images, 20, 15, 0), srgb_byte(blended(0)), 2);
+    EXPECT_NEAR(channel(images, 20, 15, 2), srgb_byte(blended(linear_of_srgb(0.5))), 2);
+  }
+}
+
+TEST(Translucency, LayersOfOneFoldedClothBlendFarToNear) {
+  // Two squares of one cloth, the lower one listed last, both sides lit by their own height.
+  Points positions(8, 3);
+  for (int i = 0; i < 8; ++i) positions.row(i) << i % 2, (i / 2) % 2, i < 4 ? 1.0 : 0.2;
+  Snapshot snapshot = triangle_cloth(positions, {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}});
+  // Diffuse light from above: the higher layer is brighter.
+  Translucent shading = layer(0.5, 0);
+  shading.phong.kd = 1;
+  snapshot.cloth_shading = shading;
+  snapshot.light = {{0.5, 0.5, 2}, 0.5, 0};
+  snapshot.background.color = {0, 0, 0};
+  const Images images = draw(snapshot, above());
+  const double upper = 0.5 / 1, lower = 0.5 / (1.8 * 1.8);
+  EXPECT_NEAR(channel(images, 20, 15, 0), srgb_byte(0.5 * upper + 0.5 * 0.5 * lower), 2);
+}
+
+TEST(Translucency, WhatIsSolidHidesAndIsSeenThrough) {
+  Snapshot snapshot;
+  snapshot.light = {{0.5, 0.5, 3}, 0, 1};
+  Cartoon solid;
+  solid.color = {1, 0, 0};
+  solid.kd = 0;
+  solid.ambient = 1;
+  const ColliderView veil = square(0.5, layer(0.5, 0.4));
+  snapshot.colliders = {veil, square(0, solid)};  // seen through the veil
+  EXPECT_NEAR(channel(draw(snapshot, above()), 20, 15, 0), srgb_byte(0.5 * 0.4 + 0.5), 2);
+  snapshot.colliders = {veil, square(1, solid)};  // in front of it
+  EXPECT_EQ(channel(draw(snapshot, above()), 20, 15, 0), 255);
+  EXPECT_EQ(channel(draw(snapshot, above()), 20, 15, 1), 0);
+}
+
+TEST(Translucency, ByLightTheLitPartsAreMoreTransparent) {
+  // alpha = 1 + (0.5 - 1) min(1, (I / r^2) n.l): straight below the light at 2 m, I / r^2 = I / 4.
+  Snapshot snapshot;
+  snapshot.background.color = {0, 0, 1};
+  Translucent shading = layer(0.5, 0);
+  shading.by_light = true;
+  snapshot.colliders = {square(0, shading)};
+  for (const double irradiance : {0.0, 0.4, 1.0, 3.0}) {
+    snapshot.light = {{0.5, 0.5, 2}, 4 * irradiance, 0};
+    const double alpha = 1 - 0.5 * std::min(1.0, irradiance);
+    EXPECT_NEAR(channel(draw(snapshot, above()), 20, 15, 2), srgb_byte(1 - alpha), 2) << irradiance;
+  }
+}
+
+TEST(Translucency, DepthAndMaskTakeTheNearestLayer) {
+  Snapshot snapshot;
+  snapshot.colliders = {square(0, layer(0.5, 1)), square(1, layer(0.5, 1))};
+  const Images images = draw(snapshot, above());
+  const std::size_t middle = 15 * 40 + 20;
+  EXPECT_NEAR(images.depth[middle], 2, 1e-5);
+  EXPECT_EQ(images.mask[middle], 3);
+}
+
+TEST(Translucency, SortsTrianglesOfAllObjectsTogether) {
+  // Two objects whose triangles interleave in depth.
+  Points a(6, 3), b(3, 3);
+  a << 0, 0, 1, 1, 0, 1, 0, 1, 1, 0, 0, 3, 1, 0, 3, 0, 1, 3;
+  b << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+  const std::vector<std::array<int, 3>> two{{0, 1, 2}, {3, 4, 5}}, one{{0, 1, 2}};
+  DrawItem first{}, second{};
+  first.rotation = second.rotation = Eigen::Matrix3d::Identity();
+  first.translation = Vector3::Zero();
+  second.translation = {0, 0, 2};
+  first.positions = &a;
+  first.triangles = &two;
+  second.positions = &b;
+  second.triangles = &one;
+
+  const BackToFront order = sort_back_to_front({&first, &second}, Vector3::UnitZ());
+  ASSERT_EQ(order.stretches.size(), 3u);
+  EXPECT_EQ(order.stretches[0].item, &first);
+  EXPECT_EQ(order.stretches[1].item, &second);
+  EXPECT_EQ(order.stretches[2].item, &first);
+  ASSERT_EQ(order.triangles.size(), 3u);
+  EXPECT_EQ(order.triangles[0], two[1]);
+  EXPECT_EQ(order.triangles[1], one[0]);
+  EXPECT_EQ(order.triangles[2], two[0]);
+}
+
+}  // namespace
+}  // namespace clothsim
