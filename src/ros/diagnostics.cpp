@@ -45,7 +45,6 @@ void fill(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper&
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, out);
   fill_step(status.report, out);
-  out.addf("worst stretch [%]", "%.2f", 100 * status.worst_stretch);
   for (const FrameStatus& frame : status.frames) fill_frame(frame, out);
 }
 

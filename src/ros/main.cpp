@@ -7,13 +7,16 @@
 #include "clothsim/ros/node.h"
 
 int main(int argc, char** argv) {
+  int exit_code = EXIT_SUCCESS;
   try {
     ros::init(argc, argv, "clothsim");
+    ros::start();  // rather than by the node's own handle: the log outlives a node that fails
     clothsim_ros::Node node;
     node.run();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
-    return EXIT_FAILURE;
+    exit_code = EXIT_FAILURE;
   }
-  return EXIT_SUCCESS;
+  ros::shutdown();  // also waits for one that is under way
+  return exit_code;
 }

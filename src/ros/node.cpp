@@ -18,6 +18,9 @@ const ros::WallDuration longest_wait(0.1);
 
 const ros::WallDuration diagnostics_period(1);
 
+/// A second of it, so that the frames of a ~step get through.
+constexpr std::uint32_t clock_queue = 100;
+
 /// How long a call waits for a master that is away, before it gives up. Frames wait with it.
 const ros::WallDuration master_patience(0.001);
 
@@ -36,7 +39,7 @@ Node::Node()
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       reconfigure_(node_, simulator_) {
   if (parameters_.publish_clock) {
-    clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 1, true);
+    clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
   }
   services_ = {node_.advertiseService("pause", &Node::pause, this),

@@ -1,0 +1,81 @@
+#!/usr/bin/python3
+"""A node with a bad parameter says the parameter's full name and ends with an error."""
+
+import subprocess
+import unittest
+
+import roslib.packages
+import rosparam
+import rospy
+import rostest
+
+from cloth_client import PATIENCE
+
+# One for each class of mistake: the parameters as YAML, the message's parameter and its text.
+BAD = {
+    "no scene": ("{}", "scene", "got nothing, expected a scene"),
+    "scene of the wrong type": ("scene: 7", "scene", "got 7, expected a map"),
+    "no cloth": ("scene: {simulation: {seed: 2}}", "scene/cloth", "got nothing"),
+    "unknown key": ("scene: {cloth: {colour: 3}}", "scene/cloth/colour", "got an unknown key"),
+    "wrong type": ("scene: {cloth: {ks: [1]}}", "scene/cloth/ks", "got [1]"),
+    "number in quotes": ("scene: {cloth: {ks: '50'}}", "scene/cloth/ks", 'got "50" (text)'),
+    "fraction of a point": ("scene: {cloth: {columns: 9.5}}", "scene/cloth/columns", "got 9.5"),
+    "not finite": ("scene: {cloth: {ks: .inf}}", "scene/cloth/ks", "got .inf"),
+    "not a number": ("scene: {cloth: {width: .nan}}", "scene/cloth/width", "got .nan"),
+    "out of range": ("scene: {cloth: {ks: -5}}", "scene/cloth/ks", "got -5, expected"),
+    "absurd size": ("scene: {cloth: {columns: 100000, rows: 100000}}", "scene/cloth/columns",
+                    "got 100000 columns"),
+    "pin off the grid": ("scene: {cloth: {pinned: [[0, 0], [50, 0]]}}", "scene/cloth/pinned/1",
+                         "got [50, 0]"),
+    "unknown shape": ("scene: {cloth: {width: 1}, colliders: [{shape: cone}]}",
+                      "scene/colliders/0/shape", 'got "cone"'),
+    "mistake in a list": (
+        "scene: {cloth: {width: 1}, colliders: [{name: a, shape: plane}, "
+        "{name: b, shape: sphere, radius: -1}]}", "scene/colliders/1/radius", "got -1"),
+    "two of a name": (
+        "scene: {cloth: {width: 1}, colliders: [{name: a, shape: plane}, "
+        "{name: a, shape: sphere}]}", "scene/colliders/1/name", 'got "a" again'),
+    "unknown method": ("scene: {cloth: {width: 1}, simulation: {method: magic}}",
+                       "scene/simulation/method", 'got "magic"'),
+    "vector too short": ("scene: {cloth: {origin: [0, 1]}}", "scene/cloth/origin", "got [0, 1]"),
+    "real-time factor": ("{realtime_factor: -1, scene: {cloth: {width: 1}}}", "realtime_factor",
+                         "got -1, expected 0 or a number"),
+    "paused as a number": ("{paused: 1, scene: {cloth: {width: 1}}}", "paused", "got 1"),
+    "world frame with a slash": ("{world_frame: /map, scene: {cloth: {width: 1}}}", "world_frame",
+                                 'got "/map"'),
+    "clock without simulated time": ("{publish_clock: true, scene: {cloth: {width: 1}}}",
+                                     "publish_clock", "got true, expected /use_sim_time to be true too"),
+}
+
+
+class BadParameters(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.program = roslib.packages.find_node("clothsim", "clothsim_node")[0]
+
+    def run_node(self, name, parameters):
+        for parameter_list, _ in rosparam.load_str(parameters, "test", "/" + name):
+            if parameter_list:
+                rosparam.upload_params("/" + name, parameter_list)
+        return subprocess.run([self.program, "__name:=" + name], capture_output=True, text=True,
+                              timeout=PATIENCE)
+
+    def check(self, number, parameters, key, message):
+        name = "bad_%d" % number
+        node = self.run_node(name, parameters)
+        self.assertIn("/%s/%s: %s" % (name, key, message), node.stderr)
+        self.assertGreater(node.returncode, 0)
+
+
+def add_tests():
+    for number, (mistake, case) in enumerate(BAD.items()):
+        def test(self, number=number, case=case):
+            self.check(number, *case)
+        setattr(BadParameters, "test_" + mistake.replace(" ", "_").replace("-", "_"), test)
+
+
+add_tests()
+
+if __name__ == "__main__":
+    rospy.init_node("bad_parameters_test")
+    rostest.rosrun("clothsim", "bad_parameters", BadParameters)

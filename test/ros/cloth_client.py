@@ -1,0 +1,112 @@
+"""What the tests of the node share: waiting, recording topics, reading messages as arrays."""
+
+import threading
+import time
+
+import numpy as np
+import rospy
+from std_srvs.srv import SetBool, Trigger
+
+from clothsim.msg import ClothState
+from clothsim.srv import Step
+
+# Long enough for a machine that is busy with something else; nothing waits so long where all is well.
+PATIENCE = 30.0
+
+
+def wait_for(condition, what):
+    """The first value of condition() that is true. Waits by the computer's clock, not by ROS time."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.01)
+    raise AssertionError("waited %g s for %s" % (PATIENCE, what))
+
+
+def call(name, service_type, *args):
+    """The answer of a service, which may not be there yet."""
+    rospy.wait_for_service(name, PATIENCE)
+    return rospy.ServiceProxy(name, service_type)(*args)
+
+
+class Recorder:
+    """Keeps all messages of a topic, in order."""
+
+    def __init__(self, topic, message_type):
+        self._lock = threading.Lock()
+        self._messages = []
+        self._subscriber = rospy.Subscriber(topic, message_type, self._keep, queue_size=1000)
+
+    def _keep(self, message):
+        with self._lock:
+            self._messages.append(message)
+
+    def all(self):
+        with self._lock:
+            return list(self._messages)
+
+    def clear(self):
+        with self._lock:
+            self._messages.clear()
+
+    def wait(self, what, condition=lambda message: True):
+        """The newest message for which the condition holds."""
+        def newest():
+            return next((m for m in reversed(self.all()) if condition(m)), None)
+        return wait_for(newest, what)
+
+    def close(self):
+        self._subscriber.unregister()
+
+
+class Cloth:
+    """A clothsim node: its states, and its services."""
+
+    def __init__(self, name="/clothsim"):
+        self.name = name
+        self.states = Recorder(name + "/state", ClothState)
+
+    def pause(self, paused=True):
+        assert call(self.name + "/pause", SetBool, paused).success
+
+    def reset(self):
+        assert call(self.name + "/reset", Trigger).success
+
+    def step(self, frames):
+        """The state after `frames` frames."""
+        answer = call(self.name + "/step", Step, frames)
+        assert answer.success, answer.message
+        return answer.state
+
+    def try_step(self, frames):
+        return call(self.name + "/step", Step, frames)
+
+
+def positions(state):
+    """N x 3 [m]"""
+    return np.asarray(state.positions, dtype=np.float32).reshape(-1, 3)
+
+
+def velocities(state):
+    """N x 3 [m/s]"""
+    return np.asarray(state.velocities, dtype=np.float32).reshape(-1, 3)
+
+
+def content(state):
+    """The bytes of a state that do not depend on when it was computed."""
+    return (state.step, state.time, positions(state).tobytes(), velocities(state).tobytes())
+
+
+def point(p):
+    return np.array([p.x, p.y, p.z])
+
+
+def points(marker):
+    """N x 3 [m]"""
+    return np.array([[p.x, p.y, p.z] for p in marker.points])
+
+
+def marker_named(array, ns):
+    return next((m for m in array.markers if m.ns == ns), None)

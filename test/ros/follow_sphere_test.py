@@ -1,0 +1,155 @@
+#!/usr/bin/python3
+"""A sphere moved over tf lifts the cloth and carries it along, and none of it gets inside."""
+
+import threading
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
+from visualization_msgs.msg import MarkerArray
+
+from cloth_client import Cloth, Recorder, marker_named, point, positions, wait_for
+
+START = np.array([0.5, 0.5, 0.2])  # of the sphere, as in the scene [m]
+RADIUS = 0.2  # [m]
+SPEED = 1.0  # of the sphere, in simulated time [m/s]
+
+
+class MovingSphere:
+    """Broadcasts the frame `sphere` at 100 Hz on its way from point to point."""
+
+    def __init__(self, speed):
+        self._speed = speed
+        self._lock = threading.Lock()
+        self._position = START.copy()
+        self._target = START.copy()
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self._silent = False
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self):
+        last = time.monotonic()
+        while not rospy.is_shutdown():
+            time.sleep(0.01)
+            now = time.monotonic()
+            with self._lock:
+                way = self._target - self._position
+                reach = self._speed * (now - last)
+                length = np.linalg.norm(way)
+                self._position += way if length <= reach else way * (reach / length)
+                silent = self._silent
+            last = now
+            if not silent:
+                self._send()
+
+    def _send(self):
+        msg = TransformStamped()
+        msg.header.stamp = rospy.Time.now()
+        msg.header.frame_id = "map"
+        msg.child_frame_id = "sphere"
+        t = msg.transform.translation
+        t.x, t.y, t.z = self._position
+        msg.transform.rotation.w = 1
+        self._broadcaster.sendTransform(msg)
+
+    def silence(self, silent):
+        self._silent = silent
+
+    def go_to(self, target):
+        with self._lock:
+            self._target = np.array(target, dtype=float)
+        wait_for(lambda: np.array_equal(self._position, self._target), "the sphere's way")
+
+
+class FollowSphere(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.markers = Recorder("/clothsim/markers", MarkerArray)
+        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        cls.cloth.states.wait("the first state")
+        cls.markers.wait("the first markers")
+
+    def sphere_centres(self):
+        """Where the node had the sphere, by stamp."""
+        centres = {}
+        for array in self.markers.all():
+            marker = marker_named(array, "colliders")
+            centres[marker.header.stamp] = point(marker.pose.position)
+        return centres
+
+    def wait_for_sphere(self, target):
+        return self.markers.wait(
+            "the node's sphere at %s" % target,
+            lambda a: np.allclose(point(marker_named(a, "colliders").pose.position), target,
+                                  atol=1e-9))
+
+    def test_follow(self):
+        # Before the frame is there, the sphere is where the scene puts it.
+        self.wait_for_sphere(START)
+        sphere = MovingSphere(SPEED * rospy.get_param("~realtime_factor"))
+        self.cloth.pause(False)
+
+        # Up through the falling cloth, and aside.
+        top = START + [0, 0, 0.9]
+        sphere.go_to(top)
+        self.wait_for_sphere(top)
+        lifted = positions(self.cloth.states.all()[-1])
+        side = top + [0.5, 0, 0]
+        sphere.go_to(side)
+        self.wait_for_sphere(side)
+        carried = positions(self.cloth.states.all()[-1])
+
+        # The cloth lies on the sphere's top, far above the height where it fell from...
+        self.assertAlmostEqual(lifted[:, 2].max(), top[2] + RADIUS, delta=0.03)
+        # ... and its middle went along with the sphere.
+        middle = lifted.shape[0] // 2 + 25
+        self.assertGreater(carried[middle, 0] - lifted[middle, 0], 0.3)
+
+        self.nothing_inside()
+        self.moved_at_speed()
+        self.lost_and_found(sphere, side)
+
+    def nothing_inside(self):
+        centres = self.sphere_centres()
+        compared = 0
+        for state in self.cloth.states.all():
+            if state.header.stamp not in centres:
+                continue
+            distance = np.linalg.norm(positions(state) - centres[state.header.stamp], axis=1)
+            self.assertGreaterEqual(distance.min(), RADIUS, "inside at frame %d" % state.step)
+            compared += 1
+        self.assertGreater(compared, 60)
+
+    def moved_at_speed(self):
+        """So that the comparison above was one with a moving sphere."""
+        centres = sorted(self.sphere_centres().items())
+        way = sum(np.linalg.norm(b[1] - a[1]) for a, b in zip(centres, centres[1:]))
+        self.assertAlmostEqual(way, 1.4, delta=1e-6)
+
+    def lost_and_found(self, sphere, where):
+        def status(level, text):
+            return lambda array: any(s.level == level and text in s.message for s in array.status)
+
+        sphere.silence(True)
+        self.diagnostics.wait("a warning of the lost frame",
+                              status(DiagnosticStatus.WARN, "lost tf frame sphere"))
+        self.markers.clear()
+        self.wait_for_sphere(where)
+
+        sphere.silence(False)
+        self.diagnostics.clear()
+        self.diagnostics.wait(
+            "diagnostics without the warning",
+            lambda array: any("simulation" in s.name and "lost" not in s.message
+                              for s in array.status))
+
+
+if __name__ == "__main__":
+    rospy.init_node("follow_sphere_test")
+    rostest.rosrun("clothsim", "follow_sphere", FollowSphere)

@@ -1,0 +1,56 @@
+#!/usr/bin/python3
+"""With ~publish_clock the node is the source of time: a frame's worth of it with each state."""
+
+import unittest
+
+import rospy
+import rostest
+from rosgraph_msgs.msg import Clock
+
+from cloth_client import Cloth, Recorder
+
+NANOSECONDS_A_FRAME = 1e9 / 90
+
+
+class PublishClock(unittest.TestCase):
+    def test_clock(self):
+        cloth = Cloth()
+        clock = Recorder("/clock", Clock)
+
+        # It runs, and no state comes from the future.
+        cloth.states.wait("frame 50", lambda s: s.step >= 50)
+        cloth.pause()
+        stamp = cloth.step(1).header.stamp
+        clock.wait("the clock of the last frame", lambda c: c.clock == stamp)
+        self.assertGreater(clock.all()[0].clock.to_nsec(), 0)
+
+        # Paused: it stands, for late listeners, too; services answer.
+        late = Recorder("/clock", Clock)
+        self.assertEqual(late.wait("the clock for a late listener").clock, stamp)
+
+        # Steps move it by the simulated time.
+        after = cloth.step(90).header.stamp
+        self.assertLessEqual(abs((after - stamp).to_nsec() - 90 * NANOSECONDS_A_FRAME), 1)
+        clock.wait("the clock of the last frame", lambda c: c.clock == after)
+
+        # A reset takes the cloth back, not the time.
+        cloth.reset()
+        self.assertGreater(cloth.step(1).header.stamp, after)
+        cloth.pause(False)
+        cloth.states.wait("frame 20 after the reset",
+                          lambda s: s.step == 20 and s.header.stamp > after)
+
+        ticks = [message.clock for message in clock.all()]
+        self.assertTrue(all(a < b for a, b in zip(ticks, ticks[1:])))
+
+        # Each state is stamped with its own tick of it.
+        begin = clock.all()[0].clock
+        for before, after in zip(cloth.states.all()[1:], cloth.states.all()[2:]):
+            self.assertLess(before.header.stamp, after.header.stamp)
+            frames = (after.header.stamp - begin).to_nsec() / NANOSECONDS_A_FRAME
+            self.assertAlmostEqual(frames, round(frames), delta=1e-6)
+
+
+if __name__ == "__main__":
+    rospy.init_node("publish_clock_test")
+    rostest.rosrun("clothsim", "publish_clock", PublishClock)

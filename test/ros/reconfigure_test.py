@@ -1,0 +1,138 @@
+#!/usr/bin/python3
+"""dynamic_reconfigure: every value has the effect it should, and bad values have none."""
+
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from rosgraph_msgs.msg import Log
+
+from clothsim.msg import ClothTopology
+from cloth_client import PATIENCE, Cloth, Recorder, content, positions, velocities
+
+DEFAULTS = {
+    "ks": 5000.0, "density": 150.0, "damping": 5.4, "structural": True, "shear": True,
+    "bending": True, "strain_limit_enabled": True, "strain_limit": 0.1, "gravity_x": 0.0,
+    "gravity_y": 0.0, "gravity_z": -9.8, "frames_per_second": 90.0, "substeps": 0}
+
+
+class Reconfigure(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.topology = Recorder("/clothsim/topology", ClothTopology)
+        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        cls.log = Recorder("/rosout", Log)
+        cls.client = Client("/clothsim", timeout=PATIENCE)
+        cls.initial = cls.client.get_configuration(timeout=PATIENCE)
+
+    def setUp(self):
+        self.assertEqual(self.values(self.client.update_configuration(DEFAULTS)), DEFAULTS)
+        self.cloth.reset()
+
+    @staticmethod
+    def values(config):
+        return {name: config[name] for name in DEFAULTS}
+
+    def run_with(self, frames, **changes):
+        """The state after some frames from the start with changed values."""
+        answer = self.values(self.client.update_configuration(changes))
+        self.assertEqual(answer, {**self.values(answer), **changes})
+        self.cloth.reset()
+        return self.cloth.step(frames)
+
+    def lowest(self, frames, **changes):
+        return positions(self.run_with(frames, **changes))[:, 2].min()
+
+    def test_starts_from_the_scene(self):
+        self.assertEqual(self.values(self.initial), DEFAULTS)
+
+    def resting(self, **changes):
+        """Lowest point [m] of the cloth at rest."""
+        return self.lowest(270, damping=20.0, **changes)
+
+    def test_lower_ks_hangs_lower(self):
+        soft = self.resting(strain_limit_enabled=False, ks=1000.0)
+        stiff = self.resting(strain_limit_enabled=False, ks=20000.0)
+        self.assertLess(soft, stiff - 0.2)
+
+    def test_higher_density_hangs_lower(self):
+        heavy = self.resting(strain_limit_enabled=False, density=600.0)
+        light = self.resting(strain_limit_enabled=False, density=60.0)
+        self.assertLess(heavy, light - 0.2)
+
+    def test_damping_slows_the_fall(self):
+        free = self.lowest(30, damping=0.0)
+        slow = self.lowest(30, damping=50.0)
+        self.assertLess(free, slow - 0.1)
+
+    def test_strain_limit_holds_or_not(self):
+        limited = self.resting(ks=500.0, strain_limit=0.02)
+        off = self.resting(ks=500.0, strain_limit_enabled=False)
+        self.assertLess(off, limited - 0.2)
+
+    def test_gravity(self):
+        still = self.run_with(30, gravity_z=0.0)
+        self.assertLess(np.abs(velocities(still)).max(), 1e-9)  # rounding of rest lengths
+        sideways = positions(self.run_with(30, gravity_z=0.0, gravity_y=5.0))
+        self.assertGreater(sideways[:, 1].max(), positions(still)[:, 1].max() + 0.01)
+        up = positions(self.run_with(30, gravity_z=9.8, gravity_y=0.0))
+        self.assertGreater(up[:, 2].max(), 1.1)
+
+    def test_frames_per_second(self):
+        self.assertAlmostEqual(self.run_with(30, frames_per_second=30.0).time, 1, delta=1e-9)
+
+    def test_substeps(self):
+        self.run_with(1, substeps=17)
+        self.diagnostics.clear()
+
+        def says_17(array):
+            return any(v.key == "substeps" and v.value == "17"
+                       for status in array.status for v in status.values)
+        self.diagnostics.wait("17 substeps in the diagnostics", says_17)
+
+    def test_spring_families(self):
+        before = self.topology.wait("a topology")
+        self.client.update_configuration({"shear": False})
+        after = self.topology.wait("a topology without shear", lambda t: not t.shear)
+        self.assertGreater(after.seq, before.seq)
+        self.assertEqual(after.structural, before.structural)
+        self.assertEqual(self.cloth.step(1).topology_seq, after.seq)
+
+        self.client.update_configuration({"shear": True})
+        again = self.topology.wait("a topology with shear", lambda t: t.seq > after.seq)
+        self.assertEqual(again.shear, before.shear)
+
+    def test_refused_values_change_nothing(self):
+        nan = float("nan")
+        for bad in ({"ks": -5.0}, {"ks": nan}, {"density": 0.0}, {"damping": -1.0},
+                    {"strain_limit": nan}, {"gravity_z": float("inf")},
+                    {"frames_per_second": 0.0}, {"substeps": -1},
+                    {"ks": 100.0, "damping": nan}):
+            self.cloth.reset()
+            expected = content(self.cloth.step(3))
+            self.log.clear()
+            answer = self.client.update_configuration(bad)
+            self.assertEqual(self.values(answer), DEFAULTS, bad)
+            name = "/clothsim/%s: got " % list(bad)[-1]
+            self.log.wait("a message with " + name, lambda log: log.msg.startswith(name))
+            self.cloth.reset()
+            self.assertEqual(expected, content(self.cloth.step(3)), bad)
+
+    def test_beyond_the_sliders(self):
+        """The limits of the sliders are not limits of the model."""
+        answer = self.client.update_configuration({"ks": 200000.0})
+        self.assertEqual(answer["ks"], 200000.0)
+
+    def test_same_values_same_bits(self):
+        expected = content(self.run_with(10))
+        self.run_with(10, ks=700.0, substeps=50)
+        self.assertEqual(expected, content(self.run_with(10, **DEFAULTS)))
+
+
+if __name__ == "__main__":
+    rospy.init_node("reconfigure_test")
+    rostest.rosrun("clothsim", "reconfigure", Reconfigure)

@@ -1,0 +1,75 @@
+#!/usr/bin/python3
+"""Under use_sim_time the simulation keeps to /clock: it waits for it, stops and goes on with it."""
+
+import time
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
+
+from cloth_client import Cloth, Recorder, wait_for
+
+FRAME = 1 / 90  # [s]
+TICK = 0.01  # of the clock [s]
+
+
+class SimTime(unittest.TestCase):
+    def setUp(self):
+        self.cloth = Cloth()
+        self.clock = rospy.Publisher("/clock", Clock, queue_size=1000)
+
+    def run_clock(self, begin, end):
+        """Ticks from begin to end [s], slowly enough that the node keeps up."""
+        for tick in range(round(begin / TICK), round(end / TICK) + 1):
+            self.clock.publish(Clock(rospy.Time.from_sec(tick * TICK)))
+            time.sleep(0.004)
+
+    def newest(self):
+        return self.cloth.states.all()[-1]
+
+    def settled(self):
+        """The newest state, once no more come."""
+        time.sleep(0.5)
+        return self.newest()
+
+    def test_follows_the_clock(self):
+        # No time yet: no frame, but the services answer.
+        wait_for(lambda: self.clock.get_num_connections() >= 2, "the clock's subscribers")
+        self.assertEqual(self.cloth.states.wait("the start").step, 0)
+        self.cloth.pause()
+        self.assertEqual(self.cloth.step(2).step, 2)
+        self.cloth.reset()
+        self.cloth.pause(False)
+        self.assertEqual(self.settled().step, 0)
+
+        # The clock starts, late and slow: a frame for each 1/90 s of it.
+        self.run_clock(100, 102)
+        self.cloth.states.wait("the frames of two seconds", lambda s: s.step >= 175)
+        stopped = self.settled()
+        self.assertLessEqual(stopped.step, 2 / FRAME)
+        self.assertGreater(stopped.header.stamp.to_sec(), 102 - 2 * FRAME)
+        self.assertLessEqual(stopped.header.stamp.to_sec(), 102)
+
+        # It stands still: so does the cloth. Services answer, diagnostics come.
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        diagnostics.wait("diagnostics while the clock stands")
+        self.assertEqual(self.settled().step, stopped.step)
+        self.cloth.pause(False)
+
+        # It goes on.
+        self.run_clock(102, 103)
+        self.cloth.states.wait("frames of the third second", lambda s: s.step > stopped.step + 80)
+
+        # It goes on from an earlier time, as when a bag starts again.
+        before = self.settled().step
+        self.run_clock(50, 51)
+        again = self.cloth.states.wait("frames after the jump back",
+                                       lambda s: s.step > before + 80)
+        self.assertLess(again.header.stamp.to_sec(), 51.001)
+
+
+if __name__ == "__main__":
+    rospy.init_node("sim_time_test")
+    rostest.rosrun("clothsim", "sim_time", SimTime)
