@@ -1,0 +1,67 @@
+// Overlapping boxes found by the tree: exactly those that a look at all pairs finds, each once.
+
+#include "clothsim/collision/box_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace clothsim {
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+Pairs by_tree(const std::vector<Box>& boxes) {
+  Pairs pairs;
+  BoxTree(boxes).visit_overlaps([&](int i, int j) { pairs.emplace_back(i, j); });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+Pairs by_all_pairs(const std::vector<Box>& boxes) {
+  Pairs pairs;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t j = i + 1; j < boxes.size(); ++j) {
+      if (boxes[i].intersects(boxes[j])) {
+        pairs.emplace_back(static_cast<int>(i), static_cast<int>(j));
+      }
+    }
+  }
+  return pairs;
+}
+
+TEST(BoxTree, FindsWhatAllPairsFind) {
+  std::mt19937_64 random(1);
+  const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  for (const int n : {0, 1, 2, 4, 5, 6, 100, 500}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      std::vector<Box> boxes;
+      for (int i = 0; i < n; ++i) {
+        // Sizes from nothing to everything.
+        const double size = std::pow(unit(), 4);
+        const Vector3 corner(unit(), unit(), unit());
+        boxes.emplace_back(corner, corner + size * Vector3(unit(), unit(), unit()));
+      }
+      ASSERT_EQ(by_tree(boxes), by_all_pairs(boxes)) << n;
+    }
+  }
+}
+
+TEST(BoxTree, TouchingIsOverlapping) {
+  // Unit cubes side by side in a row: each touches the next.
+  std::vector<Box> boxes;
+  for (int i = 0; i < 20; ++i) boxes.emplace_back(Vector3(i, 0, 0), Vector3(i + 1, 1, 1));
+  EXPECT_EQ(by_tree(boxes).size(), 19u);
+  EXPECT_EQ(by_tree(boxes), by_all_pairs(boxes));
+}
+
+TEST(BoxTree, TakesBoxesThatAreAllAlike) {
+  const std::vector<Box> points(50, Box(Vector3(1, 2, 3), Vector3(1, 2, 3)));
+  EXPECT_EQ(by_tree(points).size(), 50u * 49 / 2);
+}
+
+}  // namespace
+}  // namespace clothsim
