@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cassert>
 
-#include "clothsim/render/surface.h"
+#include "clothsim/model/surface.h"
 
 namespace clothsim {
 namespace {
 
 // A cloth with triangles as large as the sphere it hangs on is no longer a cover for it.
 constexpr double deepest_dip = 0.1;  // of the radius
+
+// What is flat needs triangles only to keep each one's numbers small.
+constexpr int flat_segments = 8;
 
 /// Springs as lines, family by family; the last drawn wins where lines lie on one another.
 constexpr std::array<SpringFamily, 3> line_order{SpringFamily::bending, SpringFamily::shear,
@@ -79,12 +82,15 @@ double ClothObject::dip_below_sphere(const Vector3& center, double radius) const
 }
 
 void ColliderObject::update(const ColliderView& view) {
+  const bool flat = std::holds_alternative<Plane>(view.shape) &&
+                    !std::holds_alternative<Displacement>(view.shading);
+  const int segments = flat ? flat_segments : view.segments;
   const auto* sphere = std::get_if<Sphere>(&view.shape);
   sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
   const std::array<double, 4> wanted{1.0 + static_cast<double>(view.shape.index()),
-                                     sphere_radius_.value_or(0), 1.0 * view.segments, view.extent};
+                                     sphere_radius_.value_or(0), 1.0 * segments, view.extent};
   if (wanted == made_of_) return;
-  shape_mesh_ = make_mesh(view.shape, view.segments, view.extent);
+  shape_mesh_ = make_mesh(view.shape, segments, view.extent);
   mesh_.upload_topology(shape_mesh_.uv, shape_mesh_.triangles, shape_mesh_.lines);
   mesh_.upload_surface(shape_mesh_.positions, shape_mesh_.normals, shape_mesh_.tangents);
   made_of_ = wanted;

@@ -84,19 +84,21 @@ sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth& cloth,
   return msg;
 }
 
-geometry_msgs::Point to_point_msg(const clothsim::Points& points, int point) {
+geometry_msgs::Point to_point_msg(const clothsim::Vector3& point) {
   geometry_msgs::Point msg;
-  msg.x = points(point, 0);
-  msg.y = points(point, 1);
-  msg.z = points(point, 2);
+  msg.x = point.x();
+  msg.y = point.y();
+  msg.z = point.z();
   return msg;
+}
+
+geometry_msgs::Point to_point_msg(const clothsim::Points& points, int point) {
+  return to_point_msg(clothsim::Vector3(points.row(point)));
 }
 
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose& pose) {
   geometry_msgs::Pose msg;
-  msg.position.x = pose.position.x();
-  msg.position.y = pose.position.y();
-  msg.position.z = pose.position.z();
+  msg.position = to_point_msg(pose.position);
   msg.orientation.x = pose.orientation.x();
   msg.orientation.y = pose.orientation.y();
   msg.orientation.z = pose.orientation.z();

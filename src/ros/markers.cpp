@@ -5,12 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/model/surface.h"
 #include "clothsim/ros/conversions.h"
 
 namespace clothsim_ros {
 namespace {
 
 using visualization_msgs::Marker;
+
+/// Distance of a drawn side from the cloth [m]: enough that the two do not flicker, and that a
+/// collider does not show through where the cloth spans its curve between two points.
+constexpr double skin = 0.0005;
 
 constexpr double line_width = 0.001;      // [m]
 constexpr double pin_diameter = 0.02;     // [m]
@@ -45,22 +50,28 @@ void set_scale(Marker& marker, double x, double y, double z) {
   marker.scale.z = z;
 }
 
-/// RViz takes a list without points for a mistake.
-void delete_if_empty(Marker& marker) {
-  if (marker.points.empty()) marker.action = Marker::DELETE;
-}
-
-/// One colour for all: colours per vertex would switch RViz's lighting off.
+/// Both sides of the cloth: RViz lights the front of a triangle only. First all fronts, then all
+/// backs. One colour for all: colours per vertex would switch the lighting off.
 Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positions,
                     const std_msgs::Header& header) {
   Marker marker =
       make_marker(header, "surface", 0, Marker::TRIANGLE_LIST, color(0.85f, 0.33f, 0.25f));
   set_scale(marker, 1, 1, 1);
-  marker.points.reserve(3 * cloth.triangles.size());
-  for (const auto& triangle : cloth.triangles) {
-    for (int point : triangle) marker.points.push_back(to_point_msg(positions, point));
+  if (cloth.triangles.empty()) {
+    marker.action = Marker::DELETE;
+    return marker;
   }
-  delete_if_empty(marker);
+
+  const clothsim::Points out = skin * clothsim::vertex_normals(positions, cloth.triangles);
+  const clothsim::Points front = positions + out;
+  const clothsim::Points back = positions - out;
+  marker.points.reserve(6 * cloth.triangles.size());
+  for (const auto& [a, b, c] : cloth.triangles) {
+    for (const int point : {a, b, c}) marker.points.push_back(to_point_msg(front, point));
+  }
+  for (const auto& [a, b, c] : cloth.triangles) {
+    for (const int point : {a, c, b}) marker.points.push_back(to_point_msg(back, point));
+  }
   return marker;
 }
 
@@ -83,7 +94,9 @@ std::array<Marker, 3> make_springs(const clothsim::Cloth& cloth, const clothsim:
       points.push_back(to_point_msg(positions, point + run.offset));
     }
   }
-  for (Marker& marker : markers) delete_if_empty(marker);
+  for (Marker& marker : markers) {
+    if (marker.points.empty()) marker.action = Marker::DELETE;
+  }
   return markers;
 }
 
@@ -105,7 +118,7 @@ void shape_marker(const clothsim::Plane& plane, const clothsim::Pose& pose, Mark
 
 Marker make_collider(const clothsim::ColliderSpec& collider, const clothsim::Pose& pose, int id,
                      const std_msgs::Header& header) {
-  Marker marker = make_marker(header, "colliders", id, Marker::SPHERE, color(0.45f, 0.52f, 0.60f));
+  Marker marker = make_marker(header, "colliders", id, Marker::SPHERE, color(0.60f, 0.67f, 0.74f));
   marker.pose = to_pose_msg(pose);
   std::visit([&](const auto& shape) { shape_marker(shape, pose, marker); }, collider.shape);
   return marker;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "clothsim/model/grid.h"
-#include "clothsim/render/surface.h"
+#include "clothsim/model/surface.h"
 
 namespace clothsim {
 

@@ -1,4 +1,4 @@
-#include "clothsim/render/surface.h"
+#include "clothsim/model/surface.h"
 
 #include <gtest/gtest.h>
 

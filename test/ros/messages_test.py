@@ -7,6 +7,7 @@ import numpy as np
 import rospy
 import rostest
 import sensor_msgs.point_cloud2
+from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import PointCloud2
@@ -18,6 +19,7 @@ from cloth_client import PATIENCE, Cloth, Recorder, marker_named, point, points,
 
 COLUMNS, ROWS = 7, 5
 N = COLUMNS * ROWS
+SKIN = 0.0005  # distance of a drawn side from the cloth [m]
 
 
 def pairs(indices):
@@ -45,6 +47,12 @@ class Messages(unittest.TestCase):
         self.assertEqual(velocities(self.state).shape, (N, 3))
         self.assertTrue(np.isfinite(positions(self.state)).all())
         self.assertTrue(np.isfinite(velocities(self.state)).all())
+
+    def test_diagnostics(self):
+        def says_none_cross(array):
+            return any(v.key == "intersecting pairs" and v.value == "0"
+                       for status in array.status for v in status.values)
+        Recorder("/diagnostics", DiagnosticArray).wait("a count of crossings", says_none_cross)
 
     def test_points(self):
         cloud = Recorder("/clothsim/points", PointCloud2).wait("points")
@@ -114,9 +122,17 @@ class Messages(unittest.TestCase):
         def shown(ns):
             return points(marker_named(self.array, ns)).astype(np.float32)
 
+        # All fronts, then all backs turned round, each side a little off the cloth.
         self.assertEqual(marker_named(self.array, "surface").type, Marker.TRIANGLE_LIST)
-        self.assertTrue(np.array_equal(
-            shown("surface"), where[np.asarray(self.topology.triangles, dtype=int)]))
+        corners = where[np.asarray(self.topology.triangles, dtype=int)].reshape(-1, 3, 3)
+        front, back = np.split(points(marker_named(self.array, "surface")).reshape(-1, 3, 3), 2)
+        back = back[:, [0, 2, 1]]
+        self.assertTrue(np.allclose((front + back) / 2, corners, atol=1e-6))
+        out = front - corners
+        self.assertTrue(np.allclose(np.linalg.norm(out, axis=2), SKIN, atol=1e-6))
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        self.assertGreater(np.einsum("tci,ti->tc", out, normal).min(), 0)
+
         for family in ("structural", "shear", "bending"):
             self.assertEqual(marker_named(self.array, family).type, Marker.LINE_LIST)
             ends = np.asarray(getattr(self.topology, family), dtype=int)

@@ -28,6 +28,7 @@ clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::
 sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,
                                         const std_msgs::Header&);
 
+geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
 
