@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "clothsim/collision/intersections.h"
 #include "clothsim/collision/shape.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
@@ -54,6 +55,7 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("gravitational", gravitational_energy(cloth, scene.simulation.gravity, state.positions));
   yaml << YAML::EndMap;
   put("contacts", run.last_frame.contacts);
+  put("intersecting_pairs", count_intersections(cloth, state.positions));
   put("deepest_penetration", deepest_penetration(simulator));
   put("diverged", run.diverged);
   yaml << YAML::EndMap;

@@ -112,6 +112,7 @@ TEST_F(Simulate, WritesWhatItPromises) {
   EXPECT_GT(report["energy"]["elastic"].as<double>(), 0);
   EXPECT_GT(report["energy"]["gravitational"].as<double>(), 0);
   EXPECT_EQ(report["contacts"].as<int>(), 0);
+  EXPECT_EQ(report["intersecting_pairs"].as<int>(), 0);
   EXPECT_EQ(report["deepest_penetration"].as<double>(), 0);
   EXPECT_FALSE(report["diverged"].as<bool>());
 }
@@ -153,6 +154,14 @@ TEST_F(Simulate, SameInputGivesSameBits) {
       run(scene + " --seconds 0.5 --set simulation.seed=2 --output " + folder_.string());
   EXPECT_EQ(other.exit_code, 0);
   EXPECT_NE(read(folder_ / "final.csv"), finals[0]);
+}
+
+TEST_F(Simulate, CountsTrianglesThatCross) {
+  // Without self collision the falling cloth passes through itself.
+  const Result result = run(std::string(CLOTHSIM_SCENES_DIR) +
+                            "/self_collision.yaml --seconds 0.5 --set cloth.self_collision=false");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_GT(YAML::Load(result.out)["intersecting_pairs"].as<int>(), 100);
 }
 
 TEST_F(Simulate, RoundsToWholeFrames) {
