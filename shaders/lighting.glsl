@@ -26,10 +26,11 @@ float lambert(vec3 n) {
   return incoming.irradiance * max(0.0, dot(n, incoming.direction));
 }
 
-// ka Ia + kd (I / r^2) max(0, n.l) + ks (I / r^2) max(0, n.h)^p  (Blinn 1977)
+// ka Ia + kd (I / r^2) max(0, n.l) + ks (I / r^2) max(0, n.h)^p  (Blinn 1977), ka and kd in the colour
+// of the surface, highlights in that of the light
 vec3 blinn_phong(vec3 albedo, vec3 n) {
   Incoming incoming = incoming_light();
   vec3 h = safe_normalize(incoming.direction - safe_normalize(surface_position));
   float highlight = pow(max(0.0, dot(n, h)), power);
-  return ka * light.y + kd * albedo * lambert(n) + ks * incoming.irradiance * highlight;
+  return (ka * light.y + kd * lambert(n)) * albedo + ks * incoming.irradiance * highlight;
 }

@@ -13,8 +13,9 @@ MAY_INCLUDE = {
     "collision": {"model", "collision"},
     "simulation": CORE,
     "render": {"model", "collision", "render"},
-    "ros": CORE | {"render", "ros"},
-    "benchmark": CORE | {"render", "benchmark"},
+    "view": CORE | {"render", "view"},
+    "ros": CORE | {"render", "view", "ros"},
+    "benchmark": CORE | {"render", "view", "benchmark"},
 }
 
 package = pathlib.Path(__file__).resolve().parent.parent

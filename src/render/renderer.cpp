@@ -221,7 +221,12 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
     } else {
       const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
       set_shading(*item.shading, program, textures);
+      // From outside, half of a sphere cannot be seen.
+      const bool closed = item.sphere_radius && item.translation.norm() > *item.sphere_radius &&
+                          !std::holds_alternative<Displacement>(*item.shading);
+      if (closed) glEnable(GL_CULL_FACE);
       item.mesh->draw_triangles();
+      glDisable(GL_CULL_FACE);
     }
   }
   draw_translucent(translucent);
@@ -249,6 +254,7 @@ void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
   glEnable(GL_DEPTH_CLAMP);
   box->draw_triangles();
   glDisable(GL_DEPTH_CLAMP);
+  glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);
 }
 

@@ -11,6 +11,13 @@
 namespace clothsim {
 namespace {
 
+// Under a sanitizer freed memory is kept aside; there the leak check at exit is the judge.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool memory_tells = false;
+#else
+constexpr bool memory_tells = true;
+#endif
+
 /// Pages of this process in main memory.
 long resident_pages() {
   long total = 0, resident = 0;
@@ -80,7 +87,9 @@ TEST(Context, MakingAndDroppingRenderersKeepsMemoryFlat) {
   const long before = resident_pages();
   cycle(30);
   // One leaked colour target of this size and its program are some 20 pages each.
-  EXPECT_LT(resident_pages() - before, 30 * 20);
+  if (memory_tells) {
+    EXPECT_LT(resident_pages() - before, 30 * 20);
+  }
 }
 
 TEST(Context, ManyFramesAndSizesKeepMemoryFlat) {
@@ -99,7 +108,9 @@ TEST(Context, ManyFramesAndSizesKeepMemoryFlat) {
   const long before = resident_pages();
   cycle(300);
   // A leak of one vertex buffer a frame would be 300 times 4 pages.
-  EXPECT_LT(resident_pages() - before, 600);
+  if (memory_tells) {
+    EXPECT_LT(resident_pages() - before, 600);
+  }
 }
 
 TEST(Context, OnlyWhatIsAskedForIsMade) {

@@ -48,13 +48,13 @@ double lambert(const Light& light, const Vector3& at, const Vector3& n) {
   return light.intensity / to_light.squaredNorm() * std::max(0.0, n.dot(to_light.normalized()));
 }
 
-/// ka Ia + kd (I / r^2) max(0, n.l) + ks (I / r^2) max(0, n.h)^p
+/// ka Ia + kd (I / r^2) max(0, n.l) + ks (I / r^2) max(0, n.h)^p, ka and kd times the colour
 Vector3 blinn_phong(const Phong& p, const Light& light, const Vector3& albedo, const Vector3& at,
                     const Vector3& n, const Vector3& view) {
   const Vector3 to_light = light.position - at;
   const Vector3 h = (to_light.normalized() + view).normalized();
   Vector3 sum = Vector3::Zero();
-  if (p.ambient) sum += Vector3::Constant(p.ka * light.ambient);
+  if (p.ambient) sum += p.ka * light.ambient * albedo;
   if (p.diffuse) sum += p.kd * albedo * lambert(light, at, n);
   if (p.specular)
     sum += Vector3::Constant(p.ks * light.intensity / to_light.squaredNorm() *

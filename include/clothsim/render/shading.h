@@ -15,7 +15,7 @@ namespace clothsim {
 using Color = Vector3;
 
 /// ka Ia + kd (I / r^2) max(0, n.l) + ks (I / r^2) max(0, n.h)^power (Blinn 1977). The colour or
-/// the texture of the surface multiplies kd.
+/// the texture of the surface multiplies ka and kd; highlights have the colour of the light.
 struct Phong {
   double ka = 0.1;
   double kd = 1;

@@ -22,7 +22,8 @@ struct Background {
   std::shared_ptr<const CubeMap> sky;
 };
 
-/// A collider as it is seen. A plane is drawn as a square about the origin of its own frame.
+/// A collider as it is seen. A plane is drawn as a square about the origin of its own frame; it
+/// takes its segments for displacement only.
 struct ColliderView {
   Shape shape = Sphere{0.2};
   Pose pose;  // of the shape's own frame in the world

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "clothsim/render/image.h"
+
+namespace clothsim {
+
+/// The images of a view, each read from its file once, and again when the file has changed. A path
+/// is taken as it is, or else as the name of one of the package's own textures.
+class ImageStore {
+ public:
+  explicit ImageStore(std::string textures_folder) : folder_(std::move(textures_folder)) {}
+
+  /// Throw InvalidValue with `key` for a file that is missing or broken.
+  std::shared_ptr<const Image> image(const std::string& path, const std::string& key);
+  std::shared_ptr<const HeightMap> height_map(const std::string& path, const std::string& key);
+  std::shared_ptr<const CubeMap> cube_map(const std::string& path, const std::string& key);
+
+ private:
+  template <class Kind>
+  struct Entry {
+    std::filesystem::file_time_type time;
+    std::shared_ptr<const Kind> value;
+  };
+  template <class Kind>
+  using Entries = std::map<std::string, Entry<Kind>>;
+
+  template <class Kind, class Load>
+  std::shared_ptr<const Kind> get(Entries<Kind>&, const std::string& path, const std::string& key,
+                                  Load load);
+
+  std::string folder_;
+  Entries<Image> images_;
+  Entries<HeightMap> height_maps_;
+  Entries<CubeMap> cube_maps_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "clothsim/render/camera.h"
+#include "clothsim/render/snapshot.h"
+#include "clothsim/view/look.h"
+
+namespace clothsim {
+
+/// How a collider looks, and how finely it is meshed.
+struct ColliderLook {
+  Look look;
+  int segments = 64;
+  double extent = 10;  // [m] side of a plane
+
+  ColliderLook() { look.color = {0.35, 0.45, 0.6}; }
+};
+
+/// All that a picture of a scene needs beside the scene.
+struct View {
+  Camera camera;                   // its pose follows from eye and target
+  Vector3 eye{1.9, -1.5, 1.5};     // [m]
+  Vector3 target{0.5, 0.5, 0.55};  // [m]
+  std::string frame;  // tf frame that carries the camera instead, in optical convention
+  Light light;
+  Color background{0.1, 0.1, 0.12};
+  std::string sky;  // as Look::environment; empty: the colour
+  Look cloth;
+  ColliderLook collider;                          // all that are not named
+  std::map<std::string, ColliderLook> colliders;  // by name
+  double rate = 30;                               // [Hz] of pictures, at most
+  int samples = 4;                // of a pixel in the colour image, for smooth edges; 1: none
+  std::optional<int> egl_device;  // index of the EGL device that draws; empty: the best
+};
+
+/// A view ready for drawing: images read, values checked.
+struct PreparedView {
+  Camera camera;
+  Light light;
+  Background background;
+  Shading cloth;
+  ColliderView collider;  // shape and pose are set picture by picture
+  std::map<std::string, ColliderView> colliders;
+};
+
+/// Throws InvalidValue with a key such as {"colliders", "sphere", "texture"}.
+PreparedView prepare(const View&, ImageStore&);
+
+}  // namespace clothsim

@@ -1,0 +1,157 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/render/renderer.h"
+#include "clothsim/simulation/progress_bar.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/simulation/simulator.h"
+#include "clothsim/view/contact_sheet.h"
+#include "clothsim/view/resources.h"
+#include "clothsim/view/snapshot_maker.h"
+#include "clothsim/view/view_yaml.h"
+
+namespace clothsim {
+namespace {
+
+enum ExitCode { done = 0, bad_input = 1, diverged = 2 };
+
+struct Options {
+  std::string scene;
+  std::string view_file;
+  std::vector<double> seconds{0};
+  std::vector<std::string> scene_values, view_values;    // for all pictures
+  std::vector<std::string> scene_choices, view_choices;  // one picture each
+  int columns = 4;
+  std::string output;
+};
+
+/// An assignment that one row of pictures differs in; empty: none.
+std::vector<std::string> or_none(std::vector<std::string> choices) {
+  if (choices.empty()) choices.emplace_back();
+  return choices;
+}
+
+YAML::Node with(const YAML::Node& root, const std::string& assignment) {
+  YAML::Node copy = YAML::Clone(root);
+  if (!assignment.empty()) override_value(copy, assignment);
+  return copy;
+}
+
+/// What tells this picture from the others.
+std::string label(const Options& options, const std::string& scene_choice, double time,
+                  const std::string& view_choice) {
+  std::string text = scene_choice;
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+  if (!view_choice.empty()) add(view_choice);
+  if (options.seconds.size() > 1) add("t = " + to_text(time) + " s");
+  return text;
+}
+
+/// Draws pictures of one scene, and keeps the renderer and the images from one to the next.
+class Photographer {
+ public:
+  explicit Photographer(const View& first)
+      : images_(textures_folder()),
+        renderer_({shaders_folder(), first.egl_device, first.samples, false}) {}
+
+  Image draw(const Simulator& simulator, const View& view) {
+    const PreparedView ready = prepare(view, images_);
+    renderer_.render(snapshots_.make(simulator, ready), ready.camera, {true, false, false}, drawn_);
+    return {drawn_.width, drawn_.height, drawn_.color};
+  }
+
+ private:
+  ImageStore images_;
+  Renderer renderer_;
+  SnapshotMaker snapshots_;
+  Images drawn_;
+};
+
+ExitCode take_pictures(const Options& options) {
+  // Read everything first, so that a mistake is found before the work.
+  YAML::Node scene = load_scene_file(options.scene);
+  for (const std::string& value : options.scene_values) override_value(scene, value);
+  YAML::Node view(YAML::NodeType::Map);
+  if (!options.view_file.empty()) view = load_scene_file(options.view_file);
+  for (const std::string& value : options.view_values) override_value(view, value);
+  std::vector<Scene> scenes;
+  for (const std::string& choice : or_none(options.scene_choices))
+    scenes.push_back(read_scene(with(scene, choice)));
+  std::vector<View> views;
+  for (const std::string& choice : or_none(options.view_choices))
+    views.push_back(read_view(with(view, choice)));
+
+  Photographer photographer(views[0]);
+  std::vector<Tile> tiles;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    Simulator simulator(scenes[s]);
+    const double last = *std::max_element(options.seconds.begin(), options.seconds.end());
+    ProgressBar bar(std::llround(last / simulator.frame_duration()));
+    long long frame = 0;
+    for (const double time : options.seconds) {
+      while (frame < std::llround(time / simulator.frame_duration())) {
+        bar.update(frame++);
+        simulator.step();
+      }
+      for (std::size_t v = 0; v < views.size(); ++v)
+        tiles.push_back({photographer.draw(simulator, views[v]),
+                         label(options, or_none(options.scene_choices)[s], time,
+                               or_none(options.view_choices)[v])});
+    }
+  }
+  const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder);
+  save_png(options.output, contact_sheet(tiles, options.columns));
+  return done;
+}
+
+void check(const Options& options) {
+  constexpr Range time{0, 1e6, "s"};
+  for (const double seconds : options.seconds) check_range("--seconds", seconds, time);
+  if (!std::is_sorted(options.seconds.begin(), options.seconds.end()))
+    throw InvalidValue({"--seconds"}, "times out of order", "times that grow");
+  constexpr Range columns{1, 100, ""};
+  check_range("--columns", options.columns, columns);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  const auto one_each = [&](const char* name, std::vector<std::string>& target, const char* text) {
+    app.add_option(name, target, text)->allow_extra_args(false)->type_name("KEY=VALUE");
+  };
+  app.add_option("scene", options.scene, "Scene file (YAML)")->required();
+  app.add_option("--output", options.output, "PNG file")->required();
+  app.add_option("--seconds", options.seconds, "When to take the picture [s]; several: one each");
+  app.add_option("--view", options.view_file, "View file (YAML): camera, light, shaders");
+  one_each("--set", options.scene_values, "Change a value of the scene: --set cloth.ks=500");
+  one_each("--look", options.view_values, "Change a value of the view: --look cloth.shader=mirror");
+  one_each("--vary", options.scene_choices, "As --set; a picture for each");
+  one_each("--vary-look", options.view_choices, "As --look; a picture for each");
+  app.add_option("--columns", options.columns, "Pictures to a row");
+  app.footer("Exit status: 0 done, 1 bad input or no OpenGL, 2 diverged.");
+}
+
+}  // namespace
+}  // namespace clothsim
+
+int main(int argc, char** argv) {
+  clothsim::Options options;
+  CLI::App app("Runs a cloth scene without ROS or display and takes a picture of it.");
+  clothsim::add_options(app, options);
+  try {
+    app.parse(argc, argv);
+    clothsim::check(options);
+    return clothsim::take_pictures(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? clothsim::done : clothsim::bad_input;
+  } catch (const clothsim::Diverged& error) {
+    std::cerr << "picture: diverged: " << error.what() << '\n';
+    return clothsim::diverged;
+  } catch (const std::exception& error) {
+    std::cerr << "picture: " << error.what() << '\n';
+    return clothsim::bad_input;
+  }
+}

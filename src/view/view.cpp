@@ -1,0 +1,40 @@
+#include "clothsim/view/view.h"
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+ColliderView prepare(const ColliderLook& look, ImageStore& images) {
+  ColliderView view;
+  view.shading = make_shading(look.look, images);
+  view.segments = look.segments;
+  view.extent = look.extent;
+  validate(view);
+  return view;
+}
+
+}  // namespace
+
+PreparedView prepare(const View& view, ImageStore& images) {
+  PreparedView ready;
+  ready.camera = view.camera;
+  if (view.frame.empty()) ready.camera.pose = look_at(view.eye, view.target);
+  validate(ready.camera);
+  ready.light = view.light;
+  inside("light", [&] { validate(ready.light); });
+  ready.background.color = view.background;
+  inside("background", [&] { validate(ready.background); });
+  if (!view.sky.empty()) ready.background.sky = images.cube_map(view.sky, "sky");
+
+  inside("cloth", [&] { ready.cloth = make_shading(view.cloth, images); });
+  inside("collider", [&] { ready.collider = prepare(view.collider, images); });
+  for (const auto& entry : view.colliders) {
+    inside("colliders", [&] {
+      inside(entry.first, [&] { ready.colliders[entry.first] = prepare(entry.second, images); });
+    });
+  }
+  return ready;
+}
+
+}  // namespace clothsim

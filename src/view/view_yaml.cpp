@@ -1,0 +1,145 @@
+#include "clothsim/view/view_yaml.h"
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim {
+namespace {
+
+constexpr double default_field_of_view = 0.8;  // [rad], 46 degrees
+
+ReadValue into_optional(std::optional<double>& target) {
+  return [&target](const YAML::Node& node) { target = read_number(node); };
+}
+
+void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
+  std::vector<Field> fields;
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    fields.push_back({spring_family_names[i], into(springs[i])});
+  read_map(node, fields);
+}
+
+std::vector<Field> look_fields(Look& look) {
+  Phong& phong = look.phong;
+  const auto read_shader = [&look](const YAML::Node& node) {
+    const std::vector<std::string> names = shading_names();
+    look.shader = names[static_cast<std::size_t>(read_choice(node, names))];
+  };
+  return {{"shader", read_shader},
+          {"color", into(look.color)},
+          {"ka", into(phong.ka)},
+          {"kd", into(phong.kd)},
+          {"ks", into(phong.ks)},
+          {"power", into(phong.power)},
+          {"ambient", into(phong.ambient)},
+          {"diffuse", into(phong.diffuse)},
+          {"specular", into(phong.specular)},
+          {"texture", into(look.texture)},
+          {"height_map", into(look.height_map)},
+          {"environment", into(look.environment)},
+          {"height_scaling", into(look.height_scaling)},
+          {"normal_scaling", into(look.normal_scaling)},
+          {"alpha", into(look.alpha)},
+          {"by_light", into(look.by_light)},
+          {"levels", into(look.levels)},
+          {"springs", [&look](const YAML::Node& node) { read_springs(node, look.springs); }}};
+}
+
+void read_collider_look(const YAML::Node& node, ColliderLook& collider) {
+  std::vector<Field> fields = look_fields(collider.look);
+  fields.push_back({"segments", into(collider.segments)});
+  fields.push_back({"extent", into(collider.extent)});
+  read_map(node, fields);
+}
+
+/// A collider that is named takes what it does not say itself from the look of all.
+void read_colliders(const YAML::Node& node, View& view) {
+  std::vector<Field> fields;
+  if (node.IsMap()) {
+    for (const auto& entry : node) {
+      const std::string name = entry.first.Scalar();
+      fields.push_back({name, [&view, name](const YAML::Node& look) {
+                          ColliderLook& collider = view.colliders[name] = view.collider;
+                          read_collider_look(look, collider);
+                        }});
+    }
+  }
+  read_map(node, fields);
+}
+
+/// The focal lengths and the principal point, or a field of view with both in the middle.
+struct Intrinsics {
+  std::optional<double> field_of_view, fx, fy, cx, cy;
+
+  void apply(Camera& camera) const {
+    if (field_of_view && (fx || fy))
+      throw InvalidValue({"field_of_view"}, to_text(*field_of_view), "either this or fx and fy");
+    if (fx.has_value() != fy.has_value())
+      throw InvalidValue({fx ? "fy" : "fx"}, "nothing", "a number of pixels, as both are needed");
+    camera = with_intrinsics(camera);
+  }
+
+ private:
+  Camera with_intrinsics(Camera camera) const {
+    const Camera centred =
+        camera_with_fov(camera.width, camera.height, field_of_view.value_or(default_field_of_view));
+    camera.fx = fx.value_or(centred.fx);
+    camera.fy = fy.value_or(centred.fy);
+    camera.cx = cx.value_or(centred.cx);
+    camera.cy = cy.value_or(centred.cy);
+    return camera;
+  }
+};
+
+void read_light(const YAML::Node& node, Light& light) {
+  read_map(node, {{"position", into(light.position)},
+                  {"intensity", into(light.intensity)},
+                  {"ambient", into(light.ambient)}});
+}
+
+}  // namespace
+
+View read_view(const YAML::Node& root) {
+  View view;
+  Camera& camera = view.camera;
+  Intrinsics intrinsics;
+  YAML::Node named;  // read last, as they start from the look of all colliders
+  read_map(root,
+           {{"width", into(camera.width)},
+            {"height", into(camera.height)},
+            {"field_of_view", into_optional(intrinsics.field_of_view)},
+            {"fx", into_optional(intrinsics.fx)},
+            {"fy", into_optional(intrinsics.fy)},
+            {"cx", into_optional(intrinsics.cx)},
+            {"cy", into_optional(intrinsics.cy)},
+            {"near", into(camera.near)},
+            {"far", into(camera.far)},
+            {"eye", into(view.eye)},
+            {"target", into(view.target)},
+            {"frame", into(view.frame)},
+            {"rate", into(view.rate)},
+            {"samples", into(view.samples)},
+            {"egl_device", [&](const YAML::Node& node) { view.egl_device = read_int(node); }},
+            {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},
+            {"background", into(view.background)},
+            {"sky", into(view.sky)},
+            {"cloth", [&](const YAML::Node& node) { read_map(node, look_fields(view.cloth)); }},
+            {"collider", [&](const YAML::Node& node) { read_collider_look(node, view.collider); }},
+            {"colliders", [&](const YAML::Node& node) { named = node; }}});
+  if (named.IsDefined() && !named.IsNull())
+    inside("colliders", [&] { read_colliders(named, view); });
+  intrinsics.apply(camera);
+  validate(view);
+  return view;
+}
+
+void validate(const View& view) {
+  constexpr Range rate{0.01, 1000, "Hz"};
+  constexpr Range samples{1, 64, ""};
+  check_range("rate", view.rate, rate);
+  check_range("samples", view.samples, samples);
+  check_frame(view.frame);
+  validate(view.camera);
+}
+
+}  // namespace clothsim
