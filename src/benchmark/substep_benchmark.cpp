@@ -6,6 +6,7 @@
 #include <string>
 
 #include "clothsim/collision/cell_list.h"
+#include "clothsim/collision/intersections.h"
 #include "clothsim/collision/point_contacts.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/strain_limit.h"
@@ -147,6 +148,19 @@ void self_collision_folded(benchmark::State& run) {
   count_points(run, cloth);
 }
 
+/// The judge: no part of a substep, run once a second in the node.
+void intersection_count_folded(benchmark::State& run) {
+  const Settled scene("self_collision", 3);
+  const Cloth& cloth = scene.simulator.cloth();
+  int count = 0;
+  for (auto _ : run) {
+    count = count_intersections(cloth, scene.simulator.state().positions);
+    benchmark::DoNotOptimize(count);
+  }
+  run.counters["intersecting"] = count;
+  count_points(run, cloth);
+}
+
 /// Five simulated seconds of a scene from its start: CPU time, and how many times real time.
 void scene(benchmark::State& run, const std::string& name) {
   constexpr double seconds = 5;
@@ -161,6 +175,7 @@ BENCHMARK(forces_and_integration);
 BENCHMARK(strain_limit)->UseManualTime();
 BENCHMARK(pair_search_folded);
 BENCHMARK(self_collision_folded)->UseManualTime();
+BENCHMARK(intersection_count_folded);
 BENCHMARK_CAPTURE(scene, pinned2, "pinned2")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(scene, pinned4, "pinned4")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(scene, sphere, "sphere")->Unit(benchmark::kMillisecond);

@@ -57,28 +57,42 @@ class Expansion {
 
   /// FAST-EXPANSION-SUM.
   friend Expansion operator+(const Expansion& e, const Expansion& f) {
-    Expansion result;
-    double carry = 0;
-    for (std::size_t i = 0, j = 0; i < e.size_ || j < f.size_;) {
+    std::size_t i = 0, j = 0;
+    const auto next = [&] {
       const bool from_e =
           j == f.size_ || (i < e.size_ && std::abs(e.parts_[i]) < std::abs(f.parts_[j]));
-      const Parts s = two_sum(carry, from_e ? e.parts_[i++] : f.parts_[j++]);
-      result.append(s.error);
-      carry = s.value;
+      return from_e ? e.parts_[i++] : f.parts_[j++];
+    };
+    Expansion result;
+    const std::size_t size = e.size_ + f.size_;
+    if (size == 0) return result;
+    double carry = next();
+    while (i + j < size) {
+      const Parts sum = two_sum(carry, next());
+      result.append(sum.error);
+      carry = sum.value;
     }
     result.append(carry);
     return result;
   }
 
+  friend Expansion operator-(const Expansion& e, Expansion f) {
+    for (std::size_t i = 0; i < f.size_; ++i) f.parts_[i] = -f.parts_[i];
+    return e + f;
+  }
+
   /// SCALE-EXPANSION.
   friend Expansion operator*(const Expansion& e, double factor) {
     Expansion result;
-    double carry = 0;
-    for (std::size_t i = 0; i < e.size_; ++i) {
-      const Parts p = two_product(e.parts_[i], factor);
-      const Parts low = two_sum(carry, p.error);
+    if (e.size_ == 0) return result;
+    const Parts first = two_product(e.parts_[0], factor);
+    result.append(first.error);
+    double carry = first.value;
+    for (std::size_t i = 1; i < e.size_; ++i) {
+      const Parts product = two_product(e.parts_[i], factor);
+      const Parts low = two_sum(carry, product.error);
       result.append(low.error);
-      const Parts high = two_sum(p.value, low.value);
+      const Parts high = two_sum(product.value, low.value);
       result.append(high.error);
       carry = high.value;
     }
@@ -92,10 +106,10 @@ class Expansion {
     return result;
   }
 
-  friend Expansion operator-(const Expansion& e, const Expansion& f) { return e + f * -1.0; }
-
  private:
-  /// Three products of three differences, each of two parts: 3 * (2 * 2 * 2) * 2^2 * 2.
+  /// The most parts a determinant has. A sum has as many as both, a product twice as many as one
+  /// times the other. So a difference of coordinates has 2, a product of two 8, less another one
+  /// 16, times a difference 64, and three of these:
   static constexpr std::size_t capacity = 192;
 
   double last() const { return parts_[size_ - 1]; }
@@ -136,6 +150,7 @@ int orientation(const Vector3& a, const Vector3& b, const Vector3& c, const Vect
   const double bound = error_share * magnitude;
   if (determinant > bound) return 1;
   if (determinant < -bound) return -1;
+  if (magnitude == 0) return 0;  // each product has a factor 0, as in any plane along two axes
   return exact_orientation(a, b, c, d);
 }
 

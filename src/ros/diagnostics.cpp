@@ -21,13 +21,14 @@ void fill_speed(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWr
   }
 }
 
-void fill_step(const clothsim::StepReport& report,
-               diagnostic_updater::DiagnosticStatusWrapper& out) {
+void fill_step(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper& out) {
+  const clothsim::StepReport& report = status.report;
   out.add("method", report.method);
   out.add("substeps", report.substeps);
   out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
   out.add("contacts", report.contacts);
+  if (status.intersecting_pairs) out.add("intersecting pairs", *status.intersecting_pairs);
 }
 
 void fill_frame(const FrameStatus& frame, diagnostic_updater::DiagnosticStatusWrapper& out) {
@@ -44,7 +45,7 @@ void fill(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper&
   out.summary(DiagnosticStatus::OK, status.paused ? "paused" : "running");
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, out);
-  fill_step(status.report, out);
+  fill_step(status, out);
   for (const FrameStatus& frame : status.frames) fill_frame(frame, out);
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "clothsim/collision/intersections.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim_ros {
@@ -109,6 +110,10 @@ void Node::publish_diagnostics() {
   status.factor_asked = parameters_.realtime_factor;
   if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());
   status.report = report_;
+  if (simulator_.scene().cloth.self_collision) {
+    status.intersecting_pairs =
+        clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);
+  }
   status.frames = follower_.status();
   diagnostics_.publish(status);
 }

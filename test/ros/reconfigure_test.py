@@ -92,7 +92,9 @@ class Reconfigure(unittest.TestCase):
         def says_17(array):
             return any(v.key == "substeps" and v.value == "17"
                        for status in array.status for v in status.values)
-        self.diagnostics.wait("17 substeps in the diagnostics", says_17)
+        says = self.diagnostics.wait("17 substeps in the diagnostics", says_17)
+        keys = [v.key for status in says.status for v in status.values]
+        self.assertNotIn("intersecting pairs", keys)  # without self collision nobody counts
 
     def test_spring_families(self):
         before = self.topology.wait("a topology")

@@ -79,6 +79,21 @@ TEST(Orientation, EqualsTheDeterminantOfIntegers) {
   for (const int count : seen) EXPECT_GT(count, 1000);  // each sign was put to the test
 }
 
+TEST(Orientation, StaysInItsBoundsBeyondItsRange) {
+  // A cloth that diverges is still counted: the sign is lost with the products, nothing else is.
+  std::mt19937_64 random(3);
+  for (const double size : {1e150, 1e307, 1e-150, 1e-307}) {
+    for (int trial = 0; trial < 1000; ++trial) {
+      Points4 points;
+      for (Vector3& p : points) {
+        for (double& x : p)
+          x = size * static_cast<double>(static_cast<std::int64_t>(random())) / 1e19;
+      }
+      EXPECT_LE(std::abs(orientation(points)), 1);
+    }
+  }
+}
+
 TEST(Orientation, KnowsAPlaneToTheLastBitAtEveryMagnitude) {
   // Points of the plane z = x, of magnitudes so mixed that their differences are rounded; then one
   // is moved off it by the least step there is.

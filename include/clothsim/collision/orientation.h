@@ -10,8 +10,8 @@ namespace clothsim {
 ///
 /// Exact: a double is tried first, and where its error bound leaves the sign open, the determinant
 /// is computed without rounding. Holds for coordinates that are 0 or of magnitude 1e-70 to 1e90;
-/// beyond, products may leave the range of double. Shewchuk 1997, "Adaptive precision
-/// floating-point arithmetic and fast robust geometric predicates".
+/// beyond, products may leave the range of double and the sign may be wrong. Shewchuk 1997,
+/// "Adaptive precision floating-point arithmetic and fast robust geometric predicates".
 int orientation(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d);
 
 }  // namespace clothsim

@@ -34,6 +34,7 @@ struct NodeStatus {
   double factor_asked = 1;               // 0: as fast as possible
   std::optional<double> factor_reached;  // empty: nothing to measure
   clothsim::StepReport report;           // of the last frame
+  std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;
 };
 
