@@ -30,10 +30,10 @@ class RateMeter {
 /// What the node says of itself.
 struct NodeStatus {
   bool paused = false;
-  std::string failure;                   // why the simulation stopped; empty: it did not
-  double factor_asked = 1;               // 0: as fast as possible
-  std::optional<double> factor_reached;  // empty: nothing to measure
-  clothsim::StepReport report;           // of the last frame
+  std::string failure;                    // why the simulation stopped; empty: it did not
+  double factor_asked = 1;                // 0: as fast as possible
+  std::optional<double> factor_reached;   // empty: nothing to measure
+  clothsim::StepReport report;            // of the last frame
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;
 };
