@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "scene_text.h"
+
+namespace clothsim {
+namespace {
+
+std::string write_temporary(const std::string& name, const std::string& text) {
+  const std::string path = testing::TempDir() + name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+TEST(SceneFile, RefusesWhatIsNoYamlFile) {
+  EXPECT_THROW(load_scene_file("no/such/file.yaml"), InvalidValue);
+  EXPECT_THROW(load_scene_file(testing::TempDir()), InvalidValue);
+  EXPECT_THROW(load_scene_file(write_temporary("open.yaml", "cloth: [1, 2")), InvalidValue);
+  EXPECT_THROW(load_scene_file(write_temporary("tail.yaml", "cloth: {}\n}")), InvalidValue);
+  EXPECT_THROW(load_scene_file(write_temporary("two.yaml", "cloth: {}\n---\ncloth: {}")),
+               InvalidValue);
+  EXPECT_THROW(load_scene_file(write_temporary("deep.yaml", std::string(100'000, '['))),
+               InvalidValue);
+  EXPECT_THROW(load_scene_file("/dev/zero"), InvalidValue);
+}
+
+TEST(SceneFile, AnEmptyFileIsNoScene) {
+  const YAML::Node root = load_scene_file(write_temporary("empty.yaml", "# nothing\n"));
+  EXPECT_THROW(read_scene(root), InvalidValue);
+}
+
+Scene load(const std::string& name) {
+  return read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/" + name + ".yaml"));
+}
+
+/// The default cloth with `pins`.
+Scene default_scene(const std::vector<Pin>& pins) {
+  Scene scene;
+  scene.cloth.pinned = pins;
+  return scene;
+}
+
+ColliderSpec ground() {
+  ColliderSpec collider;
+  collider.name = "ground";
+  collider.shape = Plane{false};
+  collider.friction = 0.5;
+  return collider;
+}
+
+TEST(SceneFile, Pinned2) {
+  EXPECT_EQ(print(load("pinned2")), print(default_scene({{0, 0, ""}, {49, 0, ""}})));
+}
+
+TEST(SceneFile, Pinned4) {
+  EXPECT_EQ(print(load("pinned4")),
+            print(default_scene({{0, 0, ""}, {49, 0, ""}, {0, 49, ""}, {49, 49, ""}})));
+}
+
+TEST(SceneFile, Sphere) {
+  ColliderSpec sphere;
+  sphere.name = sphere.frame = "sphere";
+  sphere.shape = Sphere{0.2};
+  sphere.pose.position = {0.5, 0.5, 0.2};
+  sphere.friction = 0.3;
+  Scene expected;
+  expected.colliders = {sphere};
+  EXPECT_EQ(print(load("sphere")), print(expected));
+}
+
+TEST(SceneFile, Plane) {
+  Scene expected;
+  expected.colliders = {ground()};
+  EXPECT_EQ(print(load("plane")), print(expected));
+}
+
+TEST(SceneFile, SelfCollision) {
+  Scene expected;
+  expected.cloth.orientation = Orientation::vertical;
+  expected.cloth.origin = {0, 0, 0};
+  expected.cloth.self_collision = true;
+  expected.colliders = {ground()};
+  EXPECT_EQ(print(load("self_collision")), print(expected));
+}
+
+}  // namespace
+}  // namespace clothsim

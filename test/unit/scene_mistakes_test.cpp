@@ -1,0 +1,257 @@
+// What the reader of scenes refuses: each class of mistake, with the whole message.
+
+#include <gtest/gtest.h>
+
+#include "scene_text.h"
+
+namespace clothsim {
+namespace {
+
+struct Mistake {
+  const char* assignment;  // made to the good scene
+  const char* message;     // in full
+};
+
+std::ostream& operator<<(std::ostream& out, const Mistake& m) { return out << m.assignment; }
+
+class SceneMistake : public testing::TestWithParam<Mistake> {};
+
+TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
+  try {
+    read_changed({GetParam().assignment});
+    FAIL() << "accepted";
+  } catch (const InvalidValue& error) {
+    EXPECT_STREQ(error.what(), GetParam().message);
+  }
+}
+
+constexpr const char* cloth_keys =
+    "width, height, columns, rows, orientation, origin, pinned, springs, ks, density, damping, "
+    "strain_limit, thickness, self_collision, friction";
+
+INSTANTIATE_TEST_SUITE_P(
+    UnknownKey, SceneMistake,
+    testing::Values(
+        Mistake{"clothes=1",
+                "clothes: got an unknown key, expected one of cloth, colliders, simulation"},
+        Mistake{"cloth.springs.bend=true",
+                "cloth.springs.bend: got an unknown key, expected one of structural, shear, "
+                "bending"},
+        Mistake{"cloth.pinned.1.link=hand",
+                "cloth.pinned.1.link: got an unknown key, expected one of point, frame"},
+        Mistake{"colliders.1.radius=0.3",
+                "colliders.1.radius: got an unknown key, expected one of name, shape, friction, "
+                "frame, point, normal, two_sided"},
+        Mistake{"colliders.0.normal=[0, 0, 1]",
+                "colliders.0.normal: got an unknown key, expected one of name, shape, friction, "
+                "frame, center, radius"},
+        Mistake{"simulation.fps=30",
+                "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
+                "substeps, strain_tolerance, method, seed"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WrongType, SceneMistake,
+    testing::Values(
+        Mistake{"cloth=5", "cloth: got 5, expected a map"},
+        Mistake{"cloth=", "cloth: got nothing, expected a map"},
+        Mistake{"cloth=[1, 2]", "cloth: got [1, 2], expected a map"},
+        Mistake{"cloth.ks=stiff", "cloth.ks: got stiff, expected a finite number"},
+        Mistake{"cloth.ks='5000'", "cloth.ks: got \"5000\" (text), expected a finite number"},
+        Mistake{"cloth.ks=!!str 5", "cloth.ks: got \"5\" (text), expected a finite number"},
+        Mistake{"cloth.ks=true", "cloth.ks: got true, expected a finite number"},
+        Mistake{"cloth.ks=~", "cloth.ks: got nothing, expected a finite number"},
+        Mistake{"cloth.ks=[1]", "cloth.ks: got [1], expected a finite number"},
+        Mistake{"cloth.ks=[1, [2]]", "cloth.ks: got a list of 2, expected a finite number"},
+        Mistake{"cloth.ks={a: 1}", "cloth.ks: got a map, expected a finite number"},
+        Mistake{"cloth.ks=5 N/m", "cloth.ks: got 5 N/m, expected a finite number"},
+        Mistake{"cloth.ks=0x10", "cloth.ks: got 0x10, expected a finite number"},
+        Mistake{"cloth.ks=010", "cloth.ks: got 010, expected a finite number"},
+        Mistake{"cloth.ks=1_000", "cloth.ks: got 1_000, expected a finite number"},
+        Mistake{"cloth.columns=50.0", "cloth.columns: got 50.0, expected a whole number"},
+        Mistake{"cloth.columns=five", "cloth.columns: got five, expected a whole number"},
+        Mistake{"cloth.self_collision=1", "cloth.self_collision: got 1, expected true or false"},
+        Mistake{"cloth.self_collision='true'",
+                "cloth.self_collision: got \"true\" (text), expected true or false"},
+        Mistake{"cloth.springs=true", "cloth.springs: got true, expected a map"},
+        Mistake{"cloth.springs.shear=2", "cloth.springs.shear: got 2, expected true or false"},
+        Mistake{"cloth.strain_limit=true",
+                "cloth.strain_limit: got true, expected a finite number or off"},
+        Mistake{"cloth.pinned=5", "cloth.pinned: got 5, expected a list"},
+        Mistake{"cloth.pinned.0=5", "cloth.pinned.0: got 5, expected [column, row]"},
+        Mistake{"cloth.pinned.0=[1.5, 0]", "cloth.pinned.0.0: got 1.5, expected a whole number"},
+        Mistake{"cloth.pinned.1.frame=5",
+                "cloth.pinned.1.frame: got 5, expected a text that is not empty"},
+        Mistake{"colliders={}", "colliders: got a map, expected a list"},
+        Mistake{"colliders.0=ball", "colliders.0: got ball, expected a map"},
+        Mistake{"colliders.0.name=12",
+                "colliders.0.name: got 12, expected a text that is not empty"},
+        Mistake{"colliders.0.name=on",
+                "colliders.0.name: got on, expected a text that is not empty"},
+        Mistake{"simulation=fast", "simulation: got fast, expected a map"},
+        Mistake{"simulation.substeps=many",
+                "simulation.substeps: got many, expected auto or a whole number"},
+        Mistake{"simulation.seed=1.5", "simulation.seed: got 1.5, expected a whole number"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    NonFinite, SceneMistake,
+    testing::Values(Mistake{"cloth.ks=.nan", "cloth.ks: got .nan, expected a finite number"},
+                    Mistake{"cloth.ks=.inf", "cloth.ks: got .inf, expected a finite number"},
+                    Mistake{"cloth.ks=nan", "cloth.ks: got nan, expected a finite number"},
+                    Mistake{"cloth.ks=-infinity",
+                            "cloth.ks: got -infinity, expected a finite number"},
+                    Mistake{"cloth.ks=1e999", "cloth.ks: got 1e999, expected a finite number"},
+                    Mistake{"cloth.origin=[0, .nan, 0]",
+                            "cloth.origin.1: got .nan, expected a finite number"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WrongLength, SceneMistake,
+    testing::Values(Mistake{"cloth.origin=[0, 0]",
+                            "cloth.origin: got [0, 0], expected a list of three numbers"},
+                    Mistake{"simulation.gravity=9.8",
+                            "simulation.gravity: got 9.8, expected a list of three numbers"},
+                    Mistake{"cloth.pinned.0=[1, 2, 3]",
+                            "cloth.pinned.0: got [1, 2, 3], expected [column, row]"},
+                    Mistake{"cloth.pinned.1.point=[1]",
+                            "cloth.pinned.1.point: got [1], expected [column, row]"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    OutOfRange, SceneMistake,
+    testing::Values(
+        Mistake{"cloth.ks=-5", "cloth.ks: got -5, expected a number of at least 0 [N/m]"},
+        Mistake{"cloth.ks=1e13", "cloth.ks: got 1e+13, expected a number of at most 1e+12 [N/m]"},
+        Mistake{"cloth.density=0",
+                "cloth.density: got 0, expected a number of at least 1e-06 [kg/m^2]"},
+        Mistake{"cloth.damping=-0.1",
+                "cloth.damping: got -0.1, expected a number of at least 0 [1/s]"},
+        Mistake{"cloth.strain_limit=-0.1",
+                "cloth.strain_limit: got -0.1, expected a number of at least 0"},
+        Mistake{"cloth.friction=-1", "cloth.friction: got -1, expected a number of at least 0"},
+        Mistake{"cloth.thickness=0",
+                "cloth.thickness: got 0, expected a number of at least 1e-06 [m]"},
+        Mistake{"cloth.width=0", "cloth.width: got 0, expected a number of at least 1e-06 [m]"},
+        Mistake{"cloth.height=-1", "cloth.height: got -1, expected a number of at least 1e-06 [m]"},
+        Mistake{"cloth.origin=[0, 0, 1e9]",
+                "cloth.origin.2: got 1e+09, expected a number of at most 1e+06 [m]"},
+        Mistake{"colliders.0.radius=-0.2",
+                "colliders.0.radius: got -0.2, expected a number of at least 1e-06 [m]"},
+        Mistake{"colliders.0.friction=-1",
+                "colliders.0.friction: got -1, expected a number of at least 0"},
+        Mistake{"colliders.0.center=[0, -1e9, 0]",
+                "colliders.0.center.1: got -1e+09, expected a number of at least -1e+06 [m]"},
+        Mistake{"colliders.1.point=[1e9, 0, 0]",
+                "colliders.1.point.0: got 1e+09, expected a number of at most 1e+06 [m]"},
+        Mistake{"colliders.1.normal=[0, 0, 0]",
+                "colliders.1.normal: got [0, 0, 0], expected a direction, of a length of at least "
+                "1e-06"},
+        Mistake{"simulation.gravity=[0, 0, -1e9]",
+                "simulation.gravity.2: got -1e+09, expected a number of at least -1e+06 [m/s^2]"},
+        Mistake{"simulation.frames_per_second=0",
+                "simulation.frames_per_second: got 0, expected a number of at least 0.001 [Hz]"},
+        Mistake{"simulation.substeps=0",
+                "simulation.substeps: got 0, expected auto or a whole number from 1 to 10000"},
+        Mistake{"simulation.substeps=10001",
+                "simulation.substeps: got 10001, expected auto or a whole number from 1 to 10000"},
+        Mistake{"simulation.strain_tolerance=0",
+                "simulation.strain_tolerance: got 0, expected a number of at least 1e-09"},
+        Mistake{"simulation.seed=-1",
+                "simulation.seed: got -1, expected a whole number of at least 0"},
+        Mistake{"simulation.seed=18446744073709551616",
+                "simulation.seed: got 18446744073709551616, expected a whole number of at most "
+                "9223372036854775807"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    AbsurdSize, SceneMistake,
+    testing::Values(
+        Mistake{"cloth.columns=0", "cloth.columns: got 0, expected a whole number of at least 1"},
+        Mistake{"cloth.rows=-3", "cloth.rows: got -3, expected a whole number of at least 1"},
+        Mistake{"cloth.columns=1000000",
+                "cloth.columns: got 1000000 columns of 4 rows, expected 2 to 1000000 points in "
+                "all"},
+        Mistake{"cloth.columns=99999999999",
+                "cloth.columns: got 99999999999, expected a whole number of at most 2147483647"},
+        Mistake{"cloth.rows=-99999999999999999999",
+                "cloth.rows: got -99999999999999999999, expected a whole number of at least "
+                "-2147483648"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WrongPin, SceneMistake,
+    testing::Values(
+        Mistake{"cloth.pinned.0=[5, 0]",
+                "cloth.pinned.0: got [5, 0], expected [column, row] with column 0 to 4 and row 0 "
+                "to 3"},
+        Mistake{"cloth.pinned.0=[0, -1]",
+                "cloth.pinned.0: got [0, -1], expected [column, row] with column 0 to 4 and row 0 "
+                "to 3"},
+        Mistake{"cloth.pinned=[[1, 2], [0, 0], [1, 2]]",
+                "cloth.pinned.2: got [1, 2] again, expected a point other than that of pinned.0"},
+        Mistake{"cloth.pinned.1={frame: hand}",
+                "cloth.pinned.1.point: got nothing, expected [column, row]"},
+        Mistake{"cloth.pinned.1.frame=/hand",
+                "cloth.pinned.1.frame: got \"/hand\", expected a tf frame without a leading "
+                "slash"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WrongName, SceneMistake,
+    testing::Values(
+        Mistake{"cloth.orientation=diagonal",
+                "cloth.orientation: got diagonal, expected one of horizontal, vertical"},
+        Mistake{"colliders.0.shape=teapot",
+                "colliders.0.shape: got teapot, expected one of sphere, plane"},
+        Mistake{"colliders.0={name: ball}",
+                "colliders.0.shape: got nothing, expected one of sphere, plane"},
+        Mistake{"colliders.0.name=''",
+                "colliders.0.name: got \"\" (text), expected a text that is not empty"},
+        Mistake{"colliders.0.frame=''",
+                "colliders.0.frame: got \"\" (text), expected a text that is not empty"},
+        Mistake{"colliders.0.frame=/ball",
+                "colliders.0.frame: got \"/ball\", expected a tf frame without a leading slash"},
+        Mistake{"colliders.0.name=ground",
+                "colliders.1.name: got \"ground\" again, expected a name other than that of "
+                "colliders.0"}));
+
+TEST(SceneYaml, UnknownClothKeyListsAllOfThem) {
+  EXPECT_EQ(refusal("cloth: {kss: 1}"),
+            std::string("cloth.kss: got an unknown key, expected one of ") + cloth_keys);
+}
+
+TEST(SceneYaml, UnknownMethodListsTheKnown) {
+  const std::string message = refusal("{cloth: {}, simulation: {method: magic}}");
+  EXPECT_EQ(message.rfind("simulation.method: got \"magic\", expected one of auto, verlet", 0), 0u)
+      << message;
+}
+
+TEST(SceneYaml, RefusesKeysGivenTwice) {
+  EXPECT_EQ(refusal("cloth: {ks: 1, ks: 1}"), "cloth.ks: got the key again, expected it once");
+  EXPECT_EQ(refusal("cloth: {}\ncloth: {}"), "cloth: got the key again, expected it once");
+}
+
+TEST(SceneYaml, RefusesWhatIsNoScene) {
+  EXPECT_EQ(refusal("[1, 2]"), "scene: got [1, 2], expected a map");
+  EXPECT_EQ(refusal("~"), "scene: got nothing, expected a map");
+  EXPECT_EQ(refusal("{}"), "cloth: got nothing, expected a map");
+  EXPECT_EQ(refusal("{[1, 2]: 3}"), "scene: got [1, 2] as a key, expected a name");
+}
+
+TEST(SceneYaml, SurvivesANodeThatHoldsItself) {
+  EXPECT_EQ(refusal("cloth: &c {pinned: &p [*p, *c]}"),
+            "cloth.pinned.0.0: got a list of 2, expected a whole number");
+}
+
+TEST(SceneYaml, MessagesHoldNoControlCharacters) {
+  EXPECT_EQ(refusal("cloth: {\"a\\e[2J\\nb\": 1}").substr(0, 15), "cloth.a?[2J?b: ");
+}
+
+TEST(SceneYaml, NamesTheParameterTheWayTheNodeWritesIt) {
+  try {
+    read_changed({"colliders.0.radius=-1"});
+    FAIL() << "accepted";
+  } catch (const InvalidValue& error) {
+    EXPECT_EQ(error.key(), (std::vector<std::string>{"colliders", "0", "radius"}));
+    EXPECT_EQ(error.message("/clothsim/scene/", "/"),
+              "/clothsim/scene/colliders/0/radius: got -1, expected a number of at least 1e-06 "
+              "[m]");
+  }
+}
+
+}  // namespace
+}  // namespace clothsim

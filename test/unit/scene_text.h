@@ -1,0 +1,93 @@
+#pragma once
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "clothsim/model/errors.h"
+#include "clothsim/simulation/scene_yaml.h"
+
+namespace clothsim {
+
+/// A scene with every kind of entry.
+inline constexpr const char* good_scene = R"(
+cloth:
+  width: 1.0
+  height: 2.0
+  columns: 5
+  rows: 4
+  orientation: horizontal
+  origin: [0, 0, 1]
+  pinned: [[0, 0], {point: [4, 3], frame: hand}]
+  springs: {structural: true, shear: true, bending: false}
+  ks: 5000
+  density: 150
+  damping: 5.4
+  strain_limit: 0.1
+  thickness: 0.0095
+  self_collision: false
+colliders:
+  - {name: ball, shape: sphere, center: [0.5, 0.5, 0.2], radius: 0.2, friction: 0.3, frame: ball}
+  - {name: ground, shape: plane, point: [0, 0, 0], normal: [0, 0, 1], friction: 0.5, two_sided: false}
+simulation:
+  gravity: [0, 0, -9.8]
+  frames_per_second: 90
+  substeps: auto
+  method: auto
+  seed: 1
+)";
+
+/// Reads `text`; the message of the refusal, or "accepted".
+inline std::string refusal(const std::string& text) {
+  try {
+    read_scene(YAML::Load(text));
+  } catch (const InvalidValue& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// The good scene after `assignments`, such as "cloth.ks=500".
+inline Scene read_changed(const std::vector<std::string>& assignments) {
+  YAML::Node root = YAML::Load(good_scene);
+  for (const std::string& assignment : assignments) override_value(root, assignment);
+  return read_scene(root);
+}
+
+/// All of a scene in one text, to compare scenes by.
+inline std::string print(const Scene& scene) {
+  std::ostringstream out;
+  out.precision(12);
+  const auto print_vector = [&](const Vector3& v) {
+    out << '[' << v.x() << ' ' << v.y() << ' ' << v.z() << "] ";
+  };
+  const ClothSpec& cloth = scene.cloth;
+  out << cloth.width << ' ' << cloth.height << ' ' << cloth.columns << ' ' << cloth.rows << ' '
+      << static_cast<int>(cloth.orientation) << ' ' << cloth.thickness << ' '
+      << cloth.self_collision << ' ' << cloth.friction << ' ';
+  print_vector(cloth.origin);
+  for (const Pin& pin : cloth.pinned) {
+    out << "pin " << pin.column << ' ' << pin.row << ' ' << pin.frame << ' ';
+  }
+  const Material& material = cloth.material;
+  out << material.ks << ' ' << material.density << ' ' << material.damping << ' '
+      << material.strain_limit.value_or(-1) << ' ';
+  for (const bool on : material.springs) out << on;
+  for (const ColliderSpec& collider : scene.colliders) {
+    out << " collider " << collider.name << ' ' << collider.friction << ' ' << collider.frame
+        << ' ';
+    print_vector(collider.pose.position);
+    const Vector3 normal = collider.pose.orientation * Vector3::UnitZ();
+    print_vector((normal * 1e12).array().round() * 1e-12 + 0.0);  // without rounding errors
+    if (const auto* sphere = std::get_if<Sphere>(&collider.shape)) out << sphere->radius;
+    if (const auto* plane = std::get_if<Plane>(&collider.shape)) out << plane->two_sided;
+  }
+  out << ' ';
+  print_vector(scene.simulation.gravity);
+  out << scene.simulation.frames_per_second << ' ' << scene.simulation.substeps.value_or(0) << ' '
+      << scene.simulation.strain_tolerance << ' ' << scene.simulation.method << ' '
+      << scene.simulation.seed;
+  return out.str();
+}
+
+}  // namespace clothsim
