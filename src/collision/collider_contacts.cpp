@@ -43,7 +43,8 @@ bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, do
 }  // namespace
 
 void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                             double h, double reach, const Points& start, State& state) {
+                             double h, double reach, const Points& start, const Points& drifted,
+                             State& state) {
   const double scale = h_ > 0 ? h / h_ : 0;
   h_ = h;
   last_.swap(contacts_);
@@ -64,9 +65,11 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
       // A point that may have passed through stops where it came in.
+      bool stopped = false;
       if ((to - from).squaredNorm() > safe_depth(collider.shape()) * safe_depth(collider.shape())) {
         if (const auto entry = entry_point(collider.shape(), from, to, surface_offset)) {
           to = *entry;
+          stopped = true;
           state.positions.row(i) =
               (collider.pose().position + collider.pose().orientation * to).transpose();
         }
@@ -77,8 +80,11 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       const Vector3 normal = collider.pose().orientation * d.normal;
       const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
       const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
-      const double gap = d.value - surface_offset - reach * h * rate;
-      const double slowest = -std::max(gap, 0.0) / h;
+      const double drift = normal.dot(row(drifted, i) - surface_velocity);
+      const double gap = d.value - surface_offset - reach * h * drift;
+      const double slowest = stopped ? 0 : -std::max(gap, 0.0) / h;
+      // The impulse that ends its approach will carry it on to where it came in.
+      if (stopped && drift < 0) state.positions.row(i) += reach * h * drift * normal.transpose();
 
       // The last step's impulse, if it was in contact.
       const auto id = std::make_tuple(k, i);
@@ -87,7 +93,8 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       }
       const bool held = kept < last_.size() && last_[kept].collider == k &&
                         last_[kept].point == i && last_[kept].push > 0;
-      if (!held && rate >= slowest) continue;
+      // Others may yet push a point on the surface into it.
+      if (!held && rate >= slowest && gap > 0) continue;
 
       Contact contact{k, i, normal, surface_velocity, slowest, collider.friction()};
       if (held) {

@@ -47,7 +47,8 @@ void PointContacts::find_candidates(const Cloth& cloth, const Points& positions,
                     candidates_.end());
 }
 
-void PointContacts::begin(const Cloth& cloth, double h, double reach, State& state) {
+void PointContacts::begin(const Cloth& cloth, double h, double reach, const Points& drifted,
+                          State& state) {
   const double scale = h_ > 0 ? h / h_ : 0;
   h_ = h;
   const double nearest = contact_distance(cloth);
@@ -64,12 +65,14 @@ void PointContacts::begin(const Cloth& cloth, double h, double reach, State& sta
 
     // The gap this step would leave if the pair did not part.
     const double rate = normal.dot(row(state.velocities, pair.b) - row(state.velocities, pair.a));
-    const double gap = length - nearest - reach * h * rate;
+    const double drift = normal.dot(row(drifted, pair.b) - row(drifted, pair.a));
+    const double gap = length - nearest - reach * h * drift;
     const double slowest = -std::max(gap, 0.0) / h;
 
     while (kept != last_.end() && kept->pair < pair) ++kept;
     const bool held = kept != last_.end() && kept->pair == pair && kept->push > 0;
-    if (!held && rate >= slowest) continue;
+    // Others may yet push a touching pair together.
+    if (!held && rate >= slowest && gap > 0) continue;
 
     Contact contact{pair, normal, slowest, cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b]};
     if (held) {

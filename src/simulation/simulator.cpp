@@ -156,8 +156,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (strain_limit) strain_limit->predict(cloth, h, reach, state);
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
-  if (point_contacts) point_contacts->begin(cloth, h, reach, state);
-  collider_contacts.begin(colliders, cloth, h, reach, start, state);
+  if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
+  collider_contacts.begin(colliders, cloth, h, reach, start, predicted, state);
   const double small = tolerance * shortest_spring(cloth);
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double residual = 0;

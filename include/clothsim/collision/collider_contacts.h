@@ -20,8 +20,10 @@ class ColliderContacts {
  public:
   /// Finds contacts after a step of h [s] from `start` to state, and gives them their last
   /// impulses. `reach`: the share of h that a point has moved with an impulse given in the step.
+  /// `drifted`: the velocities that brought the points where they are, before the impulses that
+  /// other constraints have given since.
   void begin(const std::vector<MovingCollider>&, const Cloth&, double h, double reach,
-             const Points& start, State&);
+             const Points& start, const Points& drifted, State&);
 
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
   double sweep(Points& velocities);

@@ -16,8 +16,10 @@ namespace clothsim {
 class PointContacts {
  public:
   /// Finds touching pairs after a step of h [s], and gives them their last impulses. `reach`: the
-  /// share of h that a point has moved with an impulse given in the step.
-  void begin(const Cloth&, double h, double reach, State&);
+  /// share of h that a point has moved with an impulse given in the step. `drifted`: the velocities
+  /// that brought the points where they are, before the impulses that other constraints have given
+  /// since.
+  void begin(const Cloth&, double h, double reach, const Points& drifted, State&);
 
   /// One pass over the pairs. Returns the largest change as a displacement in h [m].
   double sweep(const Cloth&, Points& velocities);
