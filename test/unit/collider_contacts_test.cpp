@@ -1,0 +1,219 @@
+#include "clothsim/collision/collider_contacts.h"
+
+#include <cmath>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double reach = 0.5;
+constexpr double h = 1e-3;
+
+std::vector<MovingCollider> one(const Shape& shape, double friction = 0) {
+  ColliderSpec spec;
+  spec.name = "it";
+  spec.shape = shape;
+  spec.friction = friction;
+  return {MovingCollider(spec)};
+}
+
+/// `count` free masses of 1 kg without springs.
+Cloth loose(int count) { return make_grid(chain_spec(count, 1, 0)); }
+
+/// Free flight over h, then contact.
+void step(ColliderContacts& contacts, std::vector<MovingCollider>& colliders, const Cloth& cloth,
+          State& state, double dt = h) {
+  for (MovingCollider& collider : colliders) collider.advance(dt);
+  const Points start = state.positions;
+  state.positions += dt * state.velocities;
+  const Points before = state.velocities;
+  contacts.begin(colliders, cloth, dt, reach, start, before, state);
+  for (int i = 0; i < 50; ++i) contacts.sweep(state.velocities);
+  state.positions += reach * dt * (state.velocities - before);
+  contacts.correct(colliders, cloth, start, state.positions);
+}
+
+TEST(ColliderContacts, APointComesToRestOnAPlane) {
+  // Restitution zero, no point below the offset, no velocity left behind.
+  auto colliders = one(Plane{});
+  const Cloth cloth = loose(2);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions.col(2).setConstant(0.1);
+  state.positions(1, 0) = 5;
+  ColliderContacts contacts;
+  for (int k = 0; k < 500; ++k) {
+    state.velocities.col(2).array() -= 9.8 * h;
+    step(contacts, colliders, cloth, state);
+    EXPECT_GE(state.positions.col(2).minCoeff(), surface_offset - 1e-15);
+  }
+  EXPECT_EQ(contacts.count(), 2);
+  EXPECT_NEAR(state.positions(0, 2), surface_offset, 1e-9);
+  EXPECT_LT(fastest(state), 1e-9);
+}
+
+TEST(ColliderContacts, NothingTunnelsThroughAPlane) {
+  for (const double speed : {1.0, 10.0, 100.0, 1e4}) {
+    auto colliders = one(Plane{});
+    const Cloth cloth = loose(3);
+    State state{Points::Zero(3, 3), Points::Zero(3, 3), 0};
+    state.positions.col(2) << 0.01, 0.02, 0.5;
+    state.velocities.rowwise() = Eigen::RowVector3d(0.3 * speed, 0, -speed);
+    ColliderContacts contacts;
+    for (int k = 0; k < 100; ++k) {
+      step(contacts, colliders, cloth, state, 0.01);
+      ASSERT_GE(state.positions.col(2).minCoeff(), surface_offset - 1e-12) << speed;
+    }
+    EXPECT_NEAR(state.positions(0, 2), surface_offset, 1e-9) << speed;
+    EXPECT_NEAR(state.velocities(0, 2), 0, 1e-9) << "restitution at " << speed;
+    EXPECT_NEAR(state.velocities(0, 0), 0.3 * speed, 1e-9 * speed) << "no friction";
+  }
+}
+
+TEST(ColliderContacts, ATwoSidedPlaneHoldsEachSide) {
+  for (const double speed : {1.0, 10.0, 100.0}) {
+    auto colliders = one(Plane{true});
+    const Cloth cloth = loose(2);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions.col(2) << 0.02, -0.02;
+    state.velocities.col(2) << -speed, speed;
+    ColliderContacts contacts;
+    for (int k = 0; k < 50; ++k) {
+      step(contacts, colliders, cloth, state, 0.005);
+      ASSERT_GE(state.positions(0, 2), surface_offset - 1e-12) << speed;
+      ASSERT_LE(state.positions(1, 2), -surface_offset + 1e-12) << speed;
+    }
+  }
+}
+
+TEST(ColliderContacts, NothingTunnelsThroughASphere) {
+  // A point that flies at the ball, at offset b from its axis: b < R must stop it on the near side
+  // however far it flies in a step; b > R must not touch it.
+  const double radius = 0.2;
+  for (const double speed : {1.0, 10.0, 100.0}) {
+    for (const double b : {0.0, 0.05, 0.15, 0.19, 0.21}) {
+      auto colliders = one(Sphere{radius});
+      const Cloth cloth = loose(2);
+      State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+      state.positions.row(0) << b, 0, 0.5;
+      state.positions.row(1) << 9, 9, 9;
+      state.velocities(0, 2) = -speed;
+      ColliderContacts contacts;
+      const double dt = 1.0 / 90;
+      for (int k = 0; k * dt * speed < 3; ++k) {
+        step(contacts, colliders, cloth, state, dt);
+        const Vector3 x = state.positions.row(0).transpose();
+        ASSERT_GE(x.norm(), radius + surface_offset - 1e-12) << speed << " m/s, b " << b;
+        if (b < radius && x.z() < 0) {
+          ASSERT_GE(x.head<2>().norm(), radius) << "through it at " << speed << " m/s, b " << b;
+        }
+      }
+      if (b > radius) {
+        EXPECT_EQ(state.velocities.row(0), Eigen::RowVector3d(0, 0, -speed));
+      } else {
+        EXPECT_GT(state.velocities(0, 2), -speed);
+      }
+      EXPECT_EQ(state.positions.row(1), Eigen::RowVector3d(9, 9, 9));
+    }
+  }
+}
+
+TEST(ColliderContacts, ADrivenSphereTakesPointsAlong) {
+  // Head on, at v h up to five radii a step: the point ends in front, with the sphere's speed.
+  for (const double speed : {1.0, 10.0, 100.0}) {
+    auto colliders = one(Sphere{0.2});
+    const Cloth cloth = loose(2);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions.row(0) << 0, 0, 0.3;
+    state.positions.row(1) << 9, 9, 9;
+    ColliderContacts contacts;
+    const double dt = 0.01;
+    const int steps = static_cast<int>(1 + 1 / (speed * dt));
+    for (int k = 1; k <= steps; ++k) {
+      colliders[0].aim({Vector3(0, 0, speed * dt * k), Eigen::Quaterniond::Identity()}, dt);
+      step(contacts, colliders, cloth, state, dt);
+      const double ahead = state.positions(0, 2) - colliders[0].pose().position.z();
+      ASSERT_GE(ahead, 0.2 + surface_offset - 1e-12) << speed << " m/s, step " << k;
+    }
+    EXPECT_NEAR(state.velocities(0, 2), speed, 1e-9 * speed);
+  }
+}
+
+TEST(ColliderContacts, FrictionStaysInCoulombsCone) {
+  // One impact: the normal impulse is m v_n; friction takes min(mu v_n, v_t) from the sliding.
+  const double mu = 0.3;
+  for (const double slide : {0.1, 0.59, 0.61, 5.0}) {
+    auto colliders = one(Plane{}, mu);
+    const Cloth cloth = loose(2);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions.col(2).setConstant(surface_offset);
+    state.velocities.rowwise() = Eigen::RowVector3d(0.6 * slide, -0.8 * slide, -2);
+    ColliderContacts contacts;
+    step(contacts, colliders, cloth, state);
+    const double left = std::max(0.0, slide - mu * 2);
+    EXPECT_NEAR(state.velocities(0, 0), 0.6 * left, 1e-9);
+    EXPECT_NEAR(state.velocities(0, 1), -0.8 * left, 1e-9);
+    EXPECT_NEAR(state.velocities(0, 2), 0, 1e-9);
+  }
+}
+
+TEST(ColliderContacts, PinsAreNotPushed) {
+  ClothSpec spec = chain_spec(2, 1, 0);
+  spec.pinned = {{0, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  auto colliders = one(Plane{}, 0.5);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions.col(2).setConstant(-0.01);
+  ColliderContacts contacts;
+  step(contacts, colliders, cloth, state);
+  EXPECT_EQ(state.positions(0, 2), -0.01);
+  EXPECT_GE(state.positions(1, 2), surface_offset - 1e-15);
+}
+
+TEST(ColliderContacts, PointsOutOfReachAreUntouched) {
+  auto colliders = one(Sphere{0.2}, 0.5);
+  const Cloth cloth = loose(50);
+  State state{random_points(50, 1, 1), random_points(50, 0.1, 2), 0};
+  state.positions.col(2).array() += 2;
+  const State before = state;
+  ColliderContacts contacts;
+  step(contacts, colliders, cloth, state);
+  EXPECT_EQ(contacts.count(), 0);
+  EXPECT_EQ(state.positions, before.positions + h * before.velocities);
+  EXPECT_EQ(state.velocities, before.velocities);
+}
+
+TEST(ColliderContacts, APointAtTheCentreOfASphereComesOut) {
+  auto colliders = one(Sphere{0.2});
+  const Cloth cloth = loose(2);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions.row(1) << 9, 9, 9;
+  ColliderContacts contacts;
+  step(contacts, colliders, cloth, state);
+  EXPECT_NEAR(state.positions.row(0).norm(), 0.2 + surface_offset, 1e-12);
+  EXPECT_TRUE(state.velocities.allFinite());
+}
+
+TEST(ColliderContacts, ResetForgetsTheImpulses) {
+  auto colliders = one(Plane{}, 0.5);
+  const Cloth cloth = loose(2);
+  const State start{Points::Constant(2, 3, surface_offset), Points::Constant(2, 3, -1), 0};
+  ColliderContacts used;
+  State state = start;
+  step(used, colliders, cloth, state);
+  EXPECT_GT(used.count(), 0);
+  used.reset();
+  EXPECT_EQ(used.count(), 0);
+  State again = start;
+  step(used, colliders, cloth, again);
+  State first = start;
+  ColliderContacts fresh;
+  step(fresh, colliders, cloth, first);
+  EXPECT_EQ(again.velocities, first.velocities);
+  EXPECT_EQ(again.positions, first.positions);
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,122 @@
+#include "clothsim/dynamics/forces.h"
+
+#include <cmath>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/springs.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// The same forces, spring by spring.
+Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x) {
+  Points forces = cloth.mass * loads.gravity.transpose();
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Eigen::RowVector3d d = x.row(b) - x.row(a);
+    const double length = d.norm();
+    if (length == 0) return;
+    const Eigen::RowVector3d f = run.stiffness * (length - run.rest_length) * d / length;
+    forces.row(a) += f;
+    forces.row(b) -= f;
+  });
+  return forces;
+}
+
+void expect_equal_to_plain(const Cloth& cloth, const Points& x) {
+  const Loads loads{Vector3(1, -2, 3)};
+  const Points expected = plain_forces(cloth, loads, x);
+  Points forces = Points::Constant(1, 3, 7);  // whatever it held before
+  compute_forces(cloth, loads, x, forces);
+  ASSERT_EQ(forces.rows(), cloth.num_points());
+  // Sums of up to 13 terms in another order.
+  const double scale = expected.cwiseAbs().maxCoeff();
+  EXPECT_LT(farthest(forces, expected), 1e-13 * scale);
+}
+
+TEST(Forces, EqualThePlainLoopOnRandomStates) {
+  // Sizes below, at and beyond a block of 128 springs, and single rows and columns.
+  for (const auto& [columns, rows] : {std::pair(1, 2), std::pair(2, 1), std::pair(7, 5),
+                                      std::pair(129, 3), std::pair(50, 50), std::pair(1, 300)}) {
+    ClothSpec spec;
+    spec.columns = columns;
+    spec.rows = rows;
+    spec.pinned = {{0, 0, ""}};
+    const Cloth cloth = make_grid(spec);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      expect_equal_to_plain(cloth, shaken(cloth, 0.3, seed));
+      expect_equal_to_plain(cloth, random_points(cloth.num_points(), 100, seed));
+    }
+  }
+}
+
+TEST(Forces, EqualThePlainLoopWhereFamiliesAreOff) {
+  for (int mask = 0; mask < 8; ++mask) {
+    ClothSpec spec = square_spec(9);
+    spec.material.springs = {(mask & 1) != 0, (mask & 2) != 0, (mask & 4) != 0};
+    const Cloth cloth = make_grid(spec);
+    expect_equal_to_plain(cloth, shaken(cloth, 0.3, 1));
+  }
+}
+
+TEST(Forces, CoincidentPointsGiveNoForceAndNoNan) {
+  const Cloth cloth = make_grid(square_spec(6));
+  // All points in one place.
+  Points x = Points::Constant(cloth.num_points(), 3, 0.25);
+  Points forces;
+  compute_forces(cloth, Loads{}, x, forces);
+  EXPECT_EQ(forces, Points(cloth.mass * Loads{}.gravity.transpose()));
+  // Some of them.
+  x = shaken(cloth, 0.1, 5);
+  x.row(1) = x.row(0);
+  x.row(8) = x.row(7);
+  x.row(14) = x.row(2);
+  expect_equal_to_plain(cloth, x);
+  compute_forces(cloth, Loads{}, x, forces);
+  EXPECT_TRUE(forces.allFinite());
+  // A denormal distance has a direction, or none; never NaN.
+  x.row(1) = x.row(0);
+  x(1, 0) += 1e-310;
+  x.row(0).setZero();
+  x.row(1) << 1e-310, 0, 0;
+  compute_forces(cloth, Loads{}, x, forces);
+  EXPECT_TRUE(forces.allFinite());
+}
+
+TEST(Forces, AreMinusTheGradientOfTheEnergy) {
+  // f = -dE/dx by central differences: error C h^2 + eps E / h, about 1e-6 of the largest force.
+  ClothSpec spec = square_spec(5);
+  const Cloth cloth = make_grid(spec);
+  const Loads loads{Vector3(0.3, -1, -9.8)};
+  Points x = shaken(cloth, 0.05, 2);
+  Points forces;
+  compute_forces(cloth, loads, x, forces);
+  const auto energy = [&] {
+    return elastic_energy(cloth, x) + gravitational_energy(cloth, loads.gravity, x);
+  };
+  const double h = 1e-6;
+  const double scale = forces.cwiseAbs().maxCoeff();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double at = x(i, axis);
+      x(i, axis) = at + h;
+      const double more = energy();
+      x(i, axis) = at - h;
+      const double less = energy();
+      x(i, axis) = at;
+      EXPECT_NEAR(forces(i, axis), (less - more) / (2 * h), 1e-6 * scale);
+    }
+  }
+}
+
+TEST(Forces, ClothAtRestFeelsItsWeightAlone) {
+  const Cloth cloth = make_grid(square_spec(10));
+  Points forces;
+  compute_forces(cloth, Loads{}, cloth.rest_positions, forces);
+  EXPECT_LT(farthest(forces, cloth.mass * Loads{}.gravity.transpose()), 1e-10);
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,73 @@
+#include "clothsim/collision/moving_collider.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace clothsim {
+namespace {
+
+Pose pose(const Vector3& position, double angle, const Vector3& axis) {
+  return {position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis))};
+}
+
+ColliderSpec spec_at(const Pose& start) {
+  ColliderSpec spec;
+  spec.name = "ball";
+  spec.pose = start;
+  spec.friction = 0.4;
+  return spec;
+}
+
+TEST(MovingCollider, StaysWhereItIsPlaced) {
+  MovingCollider collider(spec_at(pose(Vector3(1, 2, 3), 0.5, Vector3::UnitX())));
+  EXPECT_EQ(collider.friction(), 0.4);
+  collider.advance(1);
+  EXPECT_EQ(collider.pose().position, Vector3(1, 2, 3));
+  EXPECT_EQ(collider.velocity_at(Vector3(9, 9, 9)), Vector3::Zero());
+  collider.place(pose(Vector3(4, 4, 4), 0, Vector3::UnitX()));
+  EXPECT_EQ(collider.previous().position, Vector3(4, 4, 4)) << "a jump is no motion";
+}
+
+TEST(MovingCollider, ArrivesAtItsTargetInEvenSteps) {
+  const Pose start = pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ());
+  const Pose target = pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ());
+  MovingCollider collider(spec_at(start));
+  collider.aim(target, 0.5);
+  for (int k = 1; k <= 5; ++k) {
+    const Vector3 before = collider.pose().position;
+    collider.advance(0.1);
+    EXPECT_EQ(collider.previous().position, before);
+    EXPECT_NEAR((collider.pose().position - Vector3(1, 0.4 * k, -0.2 * k)).norm(), 0, 1e-14);
+    const Eigen::AngleAxisd turned(collider.pose().orientation * start.orientation.conjugate());
+    EXPECT_NEAR(turned.angle(), 0.24 * k, 1e-12);
+  }
+  collider.arrive();
+  EXPECT_EQ(collider.pose().position, target.position);
+  EXPECT_EQ(collider.pose().orientation.coeffs(), target.orientation.coeffs());
+  EXPECT_EQ(collider.velocity_at(Vector3(1, 1, 1)), Vector3::Zero());
+}
+
+TEST(MovingCollider, SurfaceVelocityIsThatOfARigidBody) {
+  // v = V + w x r, here V = (0, 4, -2) m/s and w = 2.4 rad/s about z.
+  MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ())));
+  collider.aim(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 0.5);
+  const Vector3 v = collider.velocity_at(Vector3(1.5, 1, 9));
+  EXPECT_NEAR((v - Vector3(-2.4, 4 + 2.4 * 0.5, -2)).norm(), 0, 1e-12);
+}
+
+TEST(MovingCollider, TurnsTheShortWay) {
+  MovingCollider collider(spec_at(pose(Vector3::Zero(), 3.0, Vector3::UnitZ())));
+  collider.aim(pose(Vector3::Zero(), -3.0, Vector3::UnitZ()), 1);
+  const double w = collider.velocity_at(Vector3::UnitX()).y();
+  EXPECT_NEAR(w, 2 * M_PI - 6, 1e-12);
+  // The negative of a quaternion is the same orientation: no turn.
+  Pose same = pose(Vector3::Zero(), 3.0, Vector3::UnitZ());
+  same.orientation.coeffs() *= -1;
+  collider.place(pose(Vector3::Zero(), 3.0, Vector3::UnitZ()));
+  collider.aim(same, 1);
+  EXPECT_NEAR(collider.velocity_at(Vector3::UnitX()).norm(), 0, 1e-7);
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,192 @@
+#include "clothsim/collision/point_contacts.h"
+
+#include <cmath>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double reach = 0.5;
+constexpr double h = 1e-3;
+constexpr double thickness = 0.01;  // contact at 2 cm, rest neighbours to 4 cm
+
+/// Masses of 1 kg, 1 m apart at rest, so that none are rest neighbours.
+Cloth apart(int points, double friction = 0) {
+  ClothSpec spec = chain_spec(points, 1, 0);
+  spec.thickness = thickness;
+  spec.friction = friction;
+  return make_grid(spec);
+}
+
+/// One step of contact after points have moved: begin, sweep till it holds, move along.
+void resolve(PointContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
+  const Points before = state.velocities;
+  contacts.begin(cloth, h, reach, state.velocities, state);
+  for (int i = 0; i < sweeps && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+  }
+  state.positions += reach * h * (state.velocities - before);
+}
+
+TEST(PointContacts, HeadOnPointsStopAtTheContactDistance) {
+  // Equal masses at +-v end at rest, 2 * thickness apart: restitution zero.
+  const Cloth cloth = apart(2);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions(1, 0) = 0.03;
+  state.velocities(0, 0) = 1;
+  state.velocities(1, 0) = -1;
+  PointContacts contacts;
+  for (int step = 0; step < 40; ++step) {
+    state.positions += h * state.velocities;
+    resolve(contacts, cloth, state);
+    EXPECT_GE(state.positions(1, 0) - state.positions(0, 0), 2 * thickness - 1e-12);
+  }
+  EXPECT_NEAR(state.positions(1, 0) - state.positions(0, 0), 2 * thickness, 1e-9);
+  EXPECT_LT(state.velocities.norm(), 1e-9);
+  EXPECT_NEAR(state.positions(0, 0) + state.positions(1, 0), 0.03, 1e-12) << "centre of mass";
+}
+
+TEST(PointContacts, AClumpKeepsItsMomentumAndLosesEnergy) {
+  const Cloth cloth = apart(40, 0.4);
+  State state{random_points(40, 0.03, 1), random_points(40, 1, 2), 0};
+  const Eigen::RowVector3d momentum = state.velocities.colwise().sum();
+  const double energy = state.velocities.squaredNorm();
+  PointContacts contacts;
+  resolve(contacts, cloth, state);
+  EXPECT_GT(contacts.count(), 10);
+  EXPECT_LT((state.velocities.colwise().sum() - momentum).norm(), 1e-12);
+  EXPECT_LT(state.velocities.squaredNorm(), energy);
+
+  const Eigen::RowVector3d centre = state.positions.colwise().mean();
+  contacts.correct(cloth, state.positions);
+  EXPECT_LT((state.positions.colwise().mean() - centre).norm(), 1e-15);
+}
+
+TEST(PointContacts, NoTouchingPairComesCloser) {
+  const Cloth cloth = apart(40);
+  State state{random_points(40, 0.04, 3), random_points(40, 1, 4), 0};
+  PointContacts contacts;
+  contacts.begin(cloth, h, reach, state.velocities, state);
+  const Points normals_at = state.positions;
+  for (int i = 0; i < 5000; ++i) contacts.sweep(cloth, state.velocities);
+  int touching = 0;
+  for (int a = 0; a < 40; ++a) {
+    for (int b = a + 1; b < 40; ++b) {
+      const Eigen::RowVector3d d = normals_at.row(b) - normals_at.row(a);
+      if (d.norm() > 2 * thickness - 2 * h) continue;  // surely over, whatever it moved in h / 2
+      ++touching;
+      EXPECT_GT(d.normalized().dot(state.velocities.row(b) - state.velocities.row(a)), -1e-6);
+    }
+  }
+  EXPECT_GT(touching, 10);
+}
+
+TEST(PointContacts, FrictionStaysInCoulombsCone) {
+  // A point that comes down at v on a much heavier pair's member and slides at u: the normal
+  // impulse is the mass times v, friction takes at most mu times that from the sliding.
+  const double mu = 0.4;
+  for (const double slide : {0.1, 5.0}) {
+    ClothSpec spec = chain_spec(2, 1, 0);
+    spec.thickness = thickness;
+    spec.friction = mu;
+    spec.pinned = {{0, 0, ""}};
+    const Cloth cloth = make_grid(spec);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions(1, 2) = 2 * thickness - 1e-6;
+    state.velocities.row(1) << slide, 0, -1;
+    PointContacts contacts;
+    contacts.begin(cloth, h, 0, state.velocities, state);
+    for (int i = 0; i < 200; ++i) contacts.sweep(cloth, state.velocities);
+    EXPECT_NEAR(state.velocities(1, 2), 0, 1e-9);
+    EXPECT_NEAR(state.velocities(1, 0), std::max(0.0, slide - mu * 1), 1e-9);
+    EXPECT_EQ(state.velocities.row(0).norm(), 0) << "the pin was pushed";
+  }
+}
+
+TEST(PointContacts, LeavesRestNeighboursOut) {
+  // Neighbours 3.9 cm apart at rest may come closer than 2 cm; at 4.1 cm they may not.
+  for (const double spacing : {0.039, 0.041}) {
+    ClothSpec spec = chain_spec(2, spacing, 0);
+    spec.thickness = thickness;
+    const Cloth cloth = make_grid(spec);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions(1, 0) = 0.01;
+    PointContacts contacts;
+    contacts.begin(cloth, h, reach, state.velocities, state);
+    contacts.correct(cloth, state.positions);
+    const double distance = (state.positions.row(1) - state.positions.row(0)).norm();
+    EXPECT_NEAR(distance, spacing < 0.04 ? 0.01 : 2 * thickness, 1e-12);
+  }
+}
+
+TEST(PointContacts, CorrectMovesByInverseMass) {
+  ClothSpec spec = chain_spec(2, 1, 0);
+  spec.thickness = thickness;
+  spec.pinned = {{0, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions(1, 2) = 0.005;
+  PointContacts contacts;
+  contacts.begin(cloth, h, reach, state.velocities, state);
+  contacts.correct(cloth, state.positions);
+  EXPECT_EQ(state.positions.row(0).norm(), 0);
+  EXPECT_NEAR(state.positions(1, 2), 2 * thickness, 1e-15);
+}
+
+TEST(PointContacts, CoincidentPointsGiveNoNan) {
+  const Cloth cloth = apart(6, 0.3);
+  State state{Points::Zero(6, 3), random_points(6, 1, 1), 0};
+  PointContacts contacts;
+  for (int step = 0; step < 5; ++step) {
+    resolve(contacts, cloth, state);
+    contacts.correct(cloth, state.positions);
+    EXPECT_TRUE(state.positions.allFinite());
+    EXPECT_TRUE(state.velocities.allFinite());
+  }
+}
+
+TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
+  // Two clouds that fly through each other, with a common motion: the pairs corrected must be those
+  // that a fresh object finds.
+  const Cloth cloth = apart(60);
+  State state{random_points(60, 0.15, 5), Points::Zero(60, 3), 0};
+  Points motion = random_points(60, 0.004, 6);
+  motion.col(0).array() += 0.05;
+  PointContacts kept;
+  for (int step = 0; step < 60; ++step) {
+    state.positions += motion;
+    if (step == 30) motion.leftCols(2) *= -1;
+    State copy = state;
+    kept.begin(cloth, h, reach, copy.velocities, copy);
+    Points a = state.positions;
+    kept.correct(cloth, a);
+    copy = state;
+    PointContacts fresh;
+    fresh.begin(cloth, h, reach, copy.velocities, copy);
+    Points b = state.positions;
+    fresh.correct(cloth, b);
+    ASSERT_EQ(a, b) << "step " << step;
+  }
+}
+
+TEST(PointContacts, ResetForgetsEverything) {
+  const Cloth cloth = apart(30, 0.3);
+  const State start{random_points(30, 0.05, 1), random_points(30, 1, 2), 0};
+  PointContacts used;
+  State state = start;
+  resolve(used, cloth, state);
+  resolve(used, cloth, state);
+  used.reset();
+  EXPECT_EQ(used.count(), 0);
+  State again = start;
+  resolve(used, cloth, again);
+  State first = start;
+  PointContacts fresh;
+  resolve(fresh, cloth, first);
+  EXPECT_EQ(again.velocities, first.velocities);
+}
+
+}  // namespace
+}  // namespace clothsim

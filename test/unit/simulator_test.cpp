@@ -1,0 +1,190 @@
+#include "clothsim/simulation/simulator.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "clothsim/model/errors.h"
+#include "clothsim/simulation/substeps.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+Scene hanging() {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 8;
+  scene.cloth.pinned = {{0, 0, ""}, {7, 0, ""}};
+  return scene;
+}
+
+Scene with_ball() {
+  Scene scene = hanging();
+  ColliderSpec ball;
+  ball.name = "ball";
+  ball.pose.position = Vector3(0.5, 0.5, 0.7);
+  scene.colliders = {ball};
+  return scene;
+}
+
+TEST(Simulator, StartsAtTheScenesStart) {
+  const Simulator simulator(hanging());
+  EXPECT_EQ(simulator.state().positions, simulator.cloth().rest_positions);
+  EXPECT_EQ(simulator.state().time, 0);
+  EXPECT_DOUBLE_EQ(simulator.frame_duration(), 1 / 90.0);
+}
+
+TEST(Simulator, RefusesABadScene) {
+  Scene scene = hanging();
+  scene.cloth.material.ks = -1;
+  EXPECT_THROW(Simulator{scene}, InvalidValue);
+}
+
+TEST(Simulator, AFrameTakesItsTime) {
+  Simulator simulator(hanging());
+  const StepReport report = run(simulator, 1);
+  EXPECT_NEAR(simulator.state().time, 1, 1e-12);
+  EXPECT_EQ(report.method, "verlet");
+  EXPECT_GE(report.substeps, 1);
+  EXPECT_GE(report.sweeps, report.substeps);
+  EXPECT_GT(report.worst_stretch, 0);
+  EXPECT_EQ(report.contacts, 0);
+}
+
+TEST(Simulator, TakesTheSubstepsItIsTold) {
+  Scene scene = hanging();
+  scene.simulation.substeps = 17;
+  Simulator simulator(scene);
+  EXPECT_EQ(simulator.step().substeps, 17);
+}
+
+TEST(Simulator, ResetGoesBackToTheStart) {
+  Simulator simulator(with_ball());
+  simulator.move_collider(0, {Vector3(0, 0, 2), Eigen::Quaterniond::Identity()});
+  simulator.move_pin(0, Vector3(0, 0, 3));
+  run(simulator, 0.2);
+  simulator.reset();
+  EXPECT_EQ(simulator.state().time, 0);
+  EXPECT_EQ(simulator.state().positions, simulator.cloth().rest_positions);
+  EXPECT_EQ(simulator.state().velocities.norm(), 0);
+  EXPECT_EQ(simulator.collider_pose(0).position, Vector3(0.5, 0.5, 0.7));
+  // Also where the pins were going.
+  simulator.step();
+  EXPECT_EQ(simulator.state().positions.row(0), simulator.cloth().rest_positions.row(0));
+}
+
+TEST(Simulator, ChangesMaterialBetweenFrames) {
+  Simulator simulator(hanging());
+  run(simulator, 0.2);
+  const State before = simulator.state();
+  Material material = simulator.scene().cloth.material;
+  material.density *= 2;
+  material.ks = 800;
+  simulator.set_material(material);
+  EXPECT_EQ(simulator.state().positions, before.positions) << "the cloth jumped";
+  EXPECT_EQ(simulator.state().velocities, before.velocities);
+  EXPECT_EQ(simulator.cloth().springs.front().stiffness, 800);
+  EXPECT_NEAR(simulator.cloth().mass.sum(), 300, 1e-9);
+  EXPECT_EQ(simulator.scene().cloth.material.ks, 800);
+  EXPECT_EQ(simulator.topology_seq(), 0u);
+  simulator.step();
+
+  material.springs = {true, false, true};
+  simulator.set_material(material);
+  EXPECT_EQ(simulator.topology_seq(), 1u) << "the springs changed";
+  material.strain_limit.reset();
+  simulator.set_material(material);
+  EXPECT_EQ(simulator.step().sweeps, 0) << "a limit that is off costs nothing";
+  material.strain_limit = 0.05;
+  simulator.set_material(material);
+  EXPECT_GT(simulator.step().sweeps, 0);
+}
+
+TEST(Simulator, RefusedValuesChangeNothing) {
+  Simulator simulator(hanging());
+  simulator.step();
+  Simulator twin(hanging());
+  twin.step();
+
+  Material material = simulator.scene().cloth.material;
+  material.density = 500;
+  material.ks = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(simulator.set_material(material), InvalidValue);
+  SimulationSpec simulation = simulator.scene().simulation;
+  simulation.gravity = Vector3::Zero();
+  simulation.method = "magic";
+  EXPECT_THROW(simulator.set_simulation(simulation), InvalidValue);
+  EXPECT_EQ(simulator.scene().cloth.material.density, 150);
+  EXPECT_EQ(simulator.scene().simulation.gravity.z(), -9.8);
+  simulator.step();
+  twin.step();
+  EXPECT_EQ(simulator.state().positions, twin.state().positions);
+}
+
+TEST(Simulator, ChangesSimulationBetweenFrames) {
+  Simulator simulator(hanging());
+  SimulationSpec simulation = simulator.scene().simulation;
+  simulation.frames_per_second = 30;
+  simulation.substeps = 50;
+  simulation.gravity = Vector3(0, 5, 0);
+  simulator.set_simulation(simulation);
+  EXPECT_EQ(simulator.step().substeps, 50);
+  EXPECT_NEAR(simulator.state().time, 1 / 30.0, 1e-15);
+  EXPECT_GT(simulator.state().velocities(63, 1), 0.1);
+  EXPECT_NEAR(simulator.state().velocities(63, 2), 0, 1e-12);
+}
+
+TEST(Simulator, PinsArriveExactly) {
+  Simulator simulator(hanging());
+  const Vector3 target(0.1234, -0.05, 1.03);
+  simulator.move_pin(1, target);
+  simulator.step();
+  EXPECT_EQ(Vector3(simulator.state().positions.row(7).transpose()), target);
+  EXPECT_EQ(simulator.state().velocities.row(7).norm(), 0);
+  EXPECT_EQ(simulator.state().positions.row(0), simulator.cloth().rest_positions.row(0));
+}
+
+TEST(Simulator, CollidersArriveExactlyAndStay) {
+  Simulator simulator(with_ball());
+  const Pose target{Vector3(0.3, 0.1, 0.45),
+                    Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3::UnitX()))};
+  simulator.move_collider(0, target);
+  simulator.step();
+  EXPECT_EQ(simulator.collider_pose(0).position, target.position);
+  simulator.step();
+  EXPECT_EQ(simulator.collider_pose(0).position, target.position);
+  simulator.place_collider(0, Pose{Vector3(5, 5, 5), Eigen::Quaterniond::Identity()});
+  EXPECT_EQ(simulator.collider_pose(0).position, Vector3(5, 5, 5));
+}
+
+TEST(Simulator, UnknownIndicesThrow) {
+  Simulator simulator(with_ball());
+  EXPECT_THROW(simulator.move_collider(1, Pose{}), std::out_of_range);
+  EXPECT_THROW(simulator.place_collider(-1, Pose{}), std::out_of_range);
+  EXPECT_THROW(simulator.move_pin(2, Vector3::Zero()), std::out_of_range);
+}
+
+TEST(CountSubsteps, FollowsTheFrequency) {
+  // n = dt omega / (margin * limit): as the root of stiffness over mass, and with the frame.
+  ClothSpec spec = square_spec(8, 4e6);
+  const auto count = [&](double dt) {
+    const Cloth cloth = make_grid(spec);
+    return count_substeps(cloth, Vector3(0, 0, -9.8), cloth.rest_positions, 2, dt);
+  };
+  const int once = count(0.01);
+  EXPECT_GT(once, 20);
+  EXPECT_NEAR(count(0.02), 2 * once, 2);
+  spec.material.ks *= 4;
+  EXPECT_NEAR(count(0.01), 2 * once, 2);
+  spec.material.density *= 4;
+  EXPECT_NEAR(count(0.01), once, 1);
+  spec.material.ks = 0;
+  EXPECT_EQ(count(0.01), 1);
+  spec.material.strain_limit = 0.1;
+  EXPECT_GT(count(0.1), 5) << "the limit holds springs that have no stiffness";
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,181 @@
+#include "clothsim/dynamics/strain_limit.h"
+
+#include <cmath>
+
+#include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/stretch.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double limit = 0.1;
+constexpr double reach = 0.5;
+constexpr double h = 1e-3;
+
+ClothSpec limited(ClothSpec spec) {
+  spec.material.strain_limit = limit;
+  return spec;
+}
+
+/// Largest rate [1/s] at which a spring longer than its limit still lengthens, of its rest length.
+double worst_rate(const Cloth& cloth, const State& state) {
+  double worst = -1e300;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Eigen::RowVector3d d = state.positions.row(b) - state.positions.row(a);
+    if (d.norm() <= (1 + limit) * run.rest_length) return;
+    const double rate = d.normalized().dot(state.velocities.row(b) - state.velocities.row(a));
+    worst = std::max(worst, rate / run.rest_length);
+  });
+  return worst;
+}
+
+TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
+  // Springs over their limit, all moving: after enough sweeps none lengthens, momentum is the same
+  // and no spring was pushed longer (no spring that held is shorter-lived: impulses only pull).
+  const Cloth cloth = make_grid(limited(square_spec(6)));
+  State state{1.12 * cloth.rest_positions, random_points(36, 1, 3), 0};
+  EXPECT_GT(worst_rate(cloth, state), 1);
+  const Eigen::RowVector3d momentum = state.velocities.colwise().sum();
+  const double energy = state.velocities.squaredNorm();
+
+  StrainLimit strain_limit(cloth);
+  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.begin(cloth, reach, state);
+  double residual = 1;
+  int sweeps = 0;
+  while (residual > 1e-12 && sweeps < 5000) {
+    residual = strain_limit.sweep(cloth, state.velocities);
+    ++sweeps;
+  }
+  EXPECT_LE(residual, 1e-12);
+  EXPECT_LT(worst_rate(cloth, state), 1e-6);
+  EXPECT_LT((state.velocities.colwise().sum() - momentum).norm(), 1e-12);
+  EXPECT_LT(state.velocities.squaredNorm(), energy) << "impulses without restitution take energy";
+}
+
+TEST(StrainLimit, LeavesSlackClothAlone) {
+  const Cloth cloth = make_grid(limited(square_spec(6)));
+  State state{1.05 * cloth.rest_positions, random_points(36, 1, 3), 0};
+  const State before = state;
+  StrainLimit strain_limit(cloth);
+  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.begin(cloth, reach, state);
+  EXPECT_EQ(strain_limit.sweep(cloth, state.velocities), 0);
+  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 100, h, state), 0);
+  EXPECT_EQ(state.positions, before.positions);
+  EXPECT_EQ(state.velocities, before.velocities);
+}
+
+TEST(StrainLimit, ImpulsesOnlyPull) {
+  // A spring over its limit whose ends already approach fast enough is not held back.
+  const Cloth cloth = make_grid(limited(chain_spec(2, 1, 5000)));
+  State state{1.2 * cloth.rest_positions, Points::Zero(2, 3), 0};
+  state.velocities(1, 1) = -1000;
+  StrainLimit strain_limit(cloth);
+  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.begin(cloth, reach, state);
+  strain_limit.sweep(cloth, state.velocities);
+  EXPECT_EQ(state.velocities(1, 1), -1000);
+}
+
+TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
+  // A mass on a string at its limit: after some steps the kept impulse m g h alone holds it, so a
+  // sweep changes nothing. Over a step, gravity h g from its middle and the impulse against it
+  // leave velocity and position as they were.
+  ClothSpec spec = limited(chain_spec(2, 1, 0, Orientation::vertical));
+  spec.pinned = {{0, 1, ""}};
+  const Cloth cloth = make_grid(spec);
+  State state{cloth.rest_positions, Points::Zero(2, 3), 0};
+  state.positions(0, 2) = 1 - 1.1;
+  VelocityVerlet method;
+  StrainLimit strain_limit(cloth);
+  double residual = 1;
+  for (int step = 0; step < 100; ++step) {
+    method.step(cloth, Loads{}, h, state);
+    strain_limit.predict(cloth, h, reach, state);
+    const Points predicted = state.velocities;
+    strain_limit.begin(cloth, reach, state);
+    residual = strain_limit.sweep(cloth, state.velocities);
+    state.positions += reach * h * (state.velocities - predicted);
+    strain_limit.correct(cloth, 1e-6, 100, h, state);
+  }
+  EXPECT_LT(residual, 1e-6 * 9.8 * h * h);
+  EXPECT_NEAR(state.velocities(0, 2), 0, 1e-6 * 9.8 * h);
+  EXPECT_NEAR(state.positions(0, 2), -0.1, 1e-6);
+
+  // Forgotten, nothing holds.
+  strain_limit.reset();
+  method.step(cloth, Loads{}, h, state);
+  strain_limit.predict(cloth, h, reach, state);
+  EXPECT_NEAR(state.velocities(0, 2), -9.8 * h, 1e-5 * 9.8 * h);
+}
+
+TEST(StrainLimit, CorrectShortensToItsTolerance) {
+  // From far over the limit; pins hold, momentum of a free cloth stays, velocities follow.
+  const double tolerance = 1e-4;
+  for (const bool pinned : {false, true}) {
+    ClothSpec spec = limited(square_spec(8));
+    if (pinned) spec.pinned = {{0, 0, ""}, {7, 0, ""}};
+    const Cloth cloth = make_grid(spec);
+    State state{shaken(cloth, 0.03, 4), Points::Zero(64, 3), 0};
+    ASSERT_GT(worst_stretch(cloth, state.positions), 0.2);
+    const Points before = state.positions;
+    StrainLimit strain_limit(cloth);
+    const int sweeps = strain_limit.correct(cloth, tolerance, 20000, h, state);
+    EXPECT_GT(sweeps, 0);
+    EXPECT_LE(worst_stretch(cloth, state.positions), limit + tolerance + 1e-12);
+    const Points moved = state.positions - before;
+    EXPECT_LT(farthest(state.velocities, moved / h), 1e-9 * fastest(state));
+    if (pinned) {
+      EXPECT_EQ(moved.row(0).norm() + moved.row(7).norm(), 0);
+    } else {
+      EXPECT_LT(moved.colwise().sum().norm(), 1e-13);
+    }
+  }
+}
+
+TEST(StrainLimit, CorrectStopsAtItsSweepsAndSaysSo) {
+  const Cloth cloth = make_grid(limited(square_spec(8)));
+  State state{1.5 * cloth.rest_positions, Points::Zero(64, 3), 0};
+  StrainLimit strain_limit(cloth);
+  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 3, h, state), 3);
+  EXPECT_GT(worst_stretch(cloth, state.positions), limit);
+}
+
+TEST(StrainLimit, DegenerateSpringsGiveNoNan) {
+  // Points in one place have no direction; a spring between two pins cannot be shortened.
+  ClothSpec spec = limited(square_spec(4));
+  spec.pinned = {{0, 0, ""}, {1, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  for (const double scale : {0.0, 2.0}) {
+    State state{scale * cloth.rest_positions, random_points(16, 1, 1), 0};
+    state.velocities.topRows(2).setZero();
+    state.positions.row(9) = state.positions.row(10);
+    StrainLimit strain_limit(cloth);
+    for (int step = 0; step < 3; ++step) {
+      strain_limit.predict(cloth, h, reach, state);
+      strain_limit.begin(cloth, reach, state);
+      strain_limit.sweep(cloth, state.velocities);
+      strain_limit.correct(cloth, 1e-3, 50, h, state);
+    }
+    EXPECT_TRUE(state.positions.allFinite());
+    EXPECT_TRUE(state.velocities.allFinite());
+    EXPECT_EQ(state.velocities.topRows(2).norm(), 0);
+  }
+}
+
+TEST(StrainLimit, ZeroLimitIsInextensible) {
+  ClothSpec spec = square_spec(5);
+  spec.material.strain_limit = 0.0;
+  const Cloth cloth = make_grid(spec);
+  State state{1.02 * cloth.rest_positions, Points::Zero(25, 3), 0};
+  StrainLimit strain_limit(cloth);
+  strain_limit.correct(cloth, 1e-4, 20000, h, state);
+  EXPECT_LE(worst_stretch(cloth, state.positions), 1e-4 + 1e-12);
+}
+
+}  // namespace
+}  // namespace clothsim

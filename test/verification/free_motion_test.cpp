@@ -1,0 +1,156 @@
+// Motion without springs at work: free fall, drag, and what a free cloth conserves.
+
+#include <cmath>
+
+#include "clothsim/dynamics/strain_limit.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+const Loads no_gravity{Vector3::Zero()};
+constexpr double g = 9.8;
+
+Vector3 momentum(const Cloth& cloth, const State& state) {
+  return state.velocities.transpose() * cloth.mass;
+}
+
+Vector3 angular_momentum(const Cloth& cloth, const State& state) {
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const Vector3 x = state.positions.row(i).transpose();
+    const Vector3 v = state.velocities.row(i).transpose();
+    sum += cloth.mass[i] * x.cross(v);
+  }
+  return sum;
+}
+
+/// A flat cloth in the xy-plane that turns about z through its middle at `spin` [rad/s].
+State spinning(const ClothSpec& spec, const Cloth& cloth, double spin) {
+  State state = start_state(spec, cloth, 1);
+  const Eigen::RowVector3d middle = state.positions.colwise().mean();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const Eigen::RowVector3d arm = state.positions.row(i) - middle;
+    state.velocities.row(i) << -spin * arm.y(), spin * arm.x(), 0;
+  }
+  return state;
+}
+
+template <typename Method>
+class FreeMotion : public ::testing::Test {};
+TYPED_TEST_SUITE(FreeMotion, EachMethod);
+
+TYPED_TEST(FreeMotion, FreeFallIsAParabola) {
+  // z = z0 - g t^2 / 2 and v = -g t: exact for a method of order 2, else g t h / 2 off. The springs
+  // stay at rest, so every point falls alike.
+  const ClothSpec spec = square_spec(6);
+  const Cloth cloth = make_grid(spec);
+  State state = start_state(spec, cloth, 1);
+  const double h = 1e-3;
+  const int steps = 500;
+  const double t = h * steps;
+  TypeParam method;
+  run(method, cloth, Loads{}, h, steps, state);
+
+  const double rounding = 1e-11;
+  const double scheme = TypeParam::order == 1 ? g * t * h : 0;
+  Points exact = cloth.rest_positions;
+  exact.col(2).array() -= g * t * t / 2;
+  EXPECT_LT(farthest(state.positions, exact), rounding + scheme);
+  EXPECT_NEAR(state.velocities(7, 2), -g * t, rounding);
+  EXPECT_LT(state.velocities.leftCols(2).norm(), rounding);
+}
+
+TYPED_TEST(FreeMotion, FallWithDragNearsItsEndSpeed) {
+  // m z'' = -m g - c m z': v = -(g / c)(1 - exp(-c t)). A symmetric split of drag and gravity
+  // makes g / c off by the factor (c h / 2) / sinh(c h / 2) = 1 - (c h)^2 / 24 + ..., and z by as
+  // much at most; order 1 by c h / 2.
+  const double c = 5.4;
+  const double h = 0.01;
+  const int steps = 60;
+  ClothSpec spec = square_spec(3);
+  spec.material.damping = c;
+  spec.material.ks = 0;
+  const Cloth cloth = make_grid(spec);
+  State state = start_state(spec, cloth, 1);
+  TypeParam method;
+  run(method, cloth, Loads{}, h, steps, state);
+
+  const double t = h * steps;
+  const double end_speed = g / c;
+  const double v = -end_speed * (1 - std::exp(-c * t));
+  const double z = 1 - end_speed * (t - (1 - std::exp(-c * t)) / c);
+  const double share = TypeParam::order == 1 ? c * h : c * c * h * h / 24 * 1.01;
+  EXPECT_NEAR(state.velocities(4, 2), v, share * std::abs(v));
+  EXPECT_NEAR(state.positions(4, 2), z, share * end_speed * t);
+}
+
+TYPED_TEST(FreeMotion, DragAloneIsExactWhateverTheStep) {
+  // v = v0 exp(-c t).
+  const double c = 5.4;
+  ClothSpec spec = square_spec(4);
+  spec.material.damping = c;
+  spec.material.ks = 0;
+  const Cloth cloth = make_grid(spec);
+  for (const double h : {1e-4, 1e-2, 0.5}) {
+    State state = start_state(spec, cloth, 1);
+    const Eigen::RowVector3d v0(3, -2, 1);
+    state.velocities.rowwise() = v0;
+    const int steps = static_cast<int>(std::lround(1 / h));
+    TypeParam method;
+    run(method, cloth, no_gravity, h, steps, state);
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      EXPECT_LT((state.velocities.row(i) - v0 * std::exp(-c)).norm(), 1e-11) << "h " << h;
+    }
+  }
+}
+
+TEST(FreeMotionVerlet, DragAloneMovesPointsExactly) {
+  // x = x0 + v0 (1 - exp(-c t)) / c, whatever the step.
+  const double c = 5.4;
+  ClothSpec spec = square_spec(4);
+  spec.material.damping = c;
+  spec.material.ks = 0;
+  const Cloth cloth = make_grid(spec);
+  for (const double h : {1e-4, 1e-2, 0.5}) {
+    State state = start_state(spec, cloth, 1);
+    const Eigen::RowVector3d v0(3, -2, 1);
+    state.velocities.rowwise() = v0;
+    VelocityVerlet method;
+    run(method, cloth, no_gravity, h, static_cast<int>(std::lround(1 / h)), state);
+    const Points exact = cloth.rest_positions.rowwise() + v0 * ((1 - std::exp(-c)) / c);
+    EXPECT_LT(farthest(state.positions, exact), 1e-11) << "h " << h;
+  }
+}
+
+TYPED_TEST(FreeMotion, MomentumOfAFreeClothStays) {
+  // Spring forces are equal and opposite: sum of m v stays, to the rounding of some 1e3 steps.
+  const ClothSpec spec = square_spec(8, 500);
+  const Cloth cloth = make_grid(spec);
+  State state;
+  state.positions = shaken(cloth, 0.05, 3);
+  state.velocities = random_points(cloth.num_points(), 1, 4);
+  const Vector3 before = momentum(cloth, state);
+  TypeParam method;
+  run(method, cloth, no_gravity, 1e-3, 1000, state);
+  const double scale = cloth.mass.sum() * fastest(state);
+  EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12 * scale);
+}
+
+TEST(FreeMotionVerlet, AngularMomentumOfAFreeClothStays) {
+  // A drift moves x along v, a kick acts along the springs: neither changes sum of m x cross v.
+  const ClothSpec spec = square_spec(8, 500);
+  const Cloth cloth = make_grid(spec);
+  State state = spinning(spec, cloth, 10);
+  state.positions += random_points(cloth.num_points(), 0.02, 3);
+  state.velocities += random_points(cloth.num_points(), 1, 4);
+  const Vector3 before = angular_momentum(cloth, state);
+  VelocityVerlet method;
+  run(method, cloth, no_gravity, 1e-3, 1000, state);
+  EXPECT_LT((angular_momentum(cloth, state) - before).norm(), 1e-12 * before.norm());
+}
+
+}  // namespace
+}  // namespace clothsim
