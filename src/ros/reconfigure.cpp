@@ -86,8 +86,7 @@ struct Reconfigure::Impl {
   void apply(Config& config) {
     try {
       const clothsim::Scene scene = to_scene(config, simulator.scene());
-      simulator.set_material(scene.cloth.material);
-      simulator.set_simulation(scene.simulation);
+      simulator.set(scene.cloth.material, scene.simulation);
       accepted = config;
     } catch (const clothsim::InvalidValue& error) {
       ROS_ERROR("%s", live_message(error, node.getNamespace()).c_str());

@@ -39,6 +39,23 @@ double shortest_spring(const Cloth& cloth) {
   return shortest;
 }
 
+/// Substeps of a frame from `positions`.
+int substeps_of(const SimulationSpec& spec, const Cloth& cloth, const Integrator& integrator,
+                const Points& positions) {
+  if (spec.substeps) return *spec.substeps;
+  const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
+  return count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
+}
+
+/// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
+void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
+                    const std::vector<std::string>& key) {
+  if (substeps_of(spec, cloth, integrator_of(spec), positions) < max_substeps) return;
+  throw InvalidValue(
+      key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
+      "a softer or heavier one, or more frames per second, or a count of substeps");
+}
+
 }  // namespace
 
 struct Simulator::Impl {
@@ -46,10 +63,11 @@ struct Simulator::Impl {
     validate(scene);
     cloth = make_grid(scene.cloth);
     integrator = integrator_of(scene.simulation);
-    build_constraints();
+    build_strain_limit();
     if (scene.cloth.self_collision) point_contacts.emplace();
     for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
     reset();
+    check_feasible(scene.simulation, cloth, state.positions, {"cloth", "ks"});
   }
 
   void reset() {
@@ -70,7 +88,7 @@ struct Simulator::Impl {
     if (point_contacts) point_contacts->reset();
   }
 
-  void build_constraints() {
+  void build_strain_limit() {
     strain_limit.reset();
     if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth);
   }
@@ -105,11 +123,7 @@ StepReport Simulator::Impl::step() {
 
   StepReport report;
   report.method = std::visit([](const auto& m) { return std::string(m.name); }, integrator);
-  const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
-  report.substeps = scene.simulation.substeps.value_or(0);
-  if (report.substeps == 0) {
-    report.substeps = count_substeps(cloth, scene.simulation.gravity, state.positions, limit, dt);
-  }
+  report.substeps = substeps_of(scene.simulation, cloth, integrator, state.positions);
   const double h = dt / report.substeps;
 
   // Pins and colliders set out for where they must be at the frame's end.
@@ -133,6 +147,7 @@ StepReport Simulator::Impl::step() {
                    std::to_string(state.time) + " s, with method " + report.method + " and " +
                    std::to_string(report.substeps) + " substeps a frame");
   }
+  state.time = last_good.time + dt;
   report.worst_stretch = worst_stretch(cloth, state.positions);
   report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
   return report;
@@ -145,7 +160,6 @@ void Simulator::Impl::substep(double h, StepReport& report) {
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& method) { method.step(cloth, loads, h, state); }, integrator);
   if (strain_limit || point_contacts || !colliders.empty()) constrain(h, report);
-  state.time += h;
 }
 
 void Simulator::Impl::constrain(double h, StepReport& report) {
@@ -185,20 +199,32 @@ Simulator::~Simulator() = default;
 StepReport Simulator::step() { return impl_->step(); }
 void Simulator::reset() { impl_->reset(); }
 
-void Simulator::set_material(const Material& material) {
+void Simulator::set(const Material& material, const SimulationSpec& simulation) {
   validate(material);
-  const bool springs_changed = material.springs != impl_->scene.cloth.material.springs;
-  impl_->scene.cloth.material = material;
-  impl_->cloth = make_grid(impl_->scene.cloth);
-  impl_->build_constraints();
+  validate(simulation);
+  ClothSpec spec = impl_->scene.cloth;
+  const bool springs_changed = material.springs != spec.material.springs;
+  spec.material = material;
+  Cloth cloth = make_grid(spec);
+  check_feasible(simulation, cloth, impl_->state.positions, {"ks"});
+
+  const bool method_changed = simulation.method != impl_->scene.simulation.method;
+  impl_->scene.cloth = std::move(spec);
+  impl_->scene.simulation = simulation;
+  impl_->cloth = std::move(cloth);
+  std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
+  impl_->build_strain_limit();
+  if (last_limit && impl_->strain_limit && !springs_changed) {
+    impl_->strain_limit->take_over(std::move(*last_limit));
+  }
+  if (method_changed) impl_->integrator = integrator_of(simulation);
   if (springs_changed) ++impl_->topology_seq;
 }
 
+void Simulator::set_material(const Material& material) { set(material, impl_->scene.simulation); }
+
 void Simulator::set_simulation(const SimulationSpec& simulation) {
-  validate(simulation);
-  const bool method_changed = simulation.method != impl_->scene.simulation.method;
-  impl_->scene.simulation = simulation;
-  if (method_changed) impl_->integrator = integrator_of(simulation);
+  set(impl_->scene.cloth.material, simulation);
 }
 
 void Simulator::move_collider(int index, const Pose& target) {

@@ -34,7 +34,9 @@ class Simulator {
   /// Back to the scene's start at time 0, with the present material and simulation values.
   void reset();
 
-  /// Change values between frames. Throw InvalidValue and change nothing when refused.
+  /// Change values between frames. Throw InvalidValue and change nothing when refused, keys
+  /// relative to the material or the simulation.
+  void set(const Material&, const SimulationSpec&);
   void set_material(const Material&);
   void set_simulation(const SimulationSpec&);
 
