@@ -2,7 +2,6 @@
 """A sphere moved over tf lifts the cloth and carries it along, and none of it gets inside."""
 
 import threading
-import time
 import unittest
 
 import numpy as np
@@ -13,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TransformStamped
 from visualization_msgs.msg import MarkerArray
 
+from clothsim.msg import ClothState
 from cloth_client import Cloth, Recorder, marker_named, point, positions, wait_for
 
 START = np.array([0.5, 0.5, 0.2])  # of the sphere, as in the scene [m]
@@ -21,30 +21,28 @@ SPEED = 1.0  # of the sphere, in simulated time [m/s]
 
 
 class MovingSphere:
-    """Broadcasts the frame `sphere` at 100 Hz on its way from point to point."""
+    """Broadcasts the frame `sphere` with each state, on its way from point to point.
 
-    def __init__(self, speed):
-        self._speed = speed
+    Its speed is one in simulated time, so that a slow machine makes it no faster.
+    """
+
+    def __init__(self):
         self._lock = threading.Lock()
         self._position = START.copy()
         self._target = START.copy()
+        self._time = None  # of the state before [s]
+        self.silent = False
         self._broadcaster = tf2_ros.TransformBroadcaster()
-        self._silent = False
-        threading.Thread(target=self._run, daemon=True).start()
+        self._subscriber = rospy.Subscriber("/clothsim/state", ClothState, self._move)
 
-    def _run(self):
-        last = time.monotonic()
-        while not rospy.is_shutdown():
-            time.sleep(0.01)
-            now = time.monotonic()
-            with self._lock:
-                way = self._target - self._position
-                reach = self._speed * (now - last)
-                length = np.linalg.norm(way)
-                self._position += way if length <= reach else way * (reach / length)
-                silent = self._silent
-            last = now
-            if not silent:
+    def _move(self, state):
+        with self._lock:
+            reach = SPEED * (state.time - self._time) if self._time is not None else 0
+            self._time = state.time
+            way = self._target - self._position
+            length = np.linalg.norm(way)
+            self._position += way if length <= reach else way * (reach / length)
+            if not self.silent:
                 self._send()
 
     def _send(self):
@@ -56,9 +54,6 @@ class MovingSphere:
         t.x, t.y, t.z = self._position
         msg.transform.rotation.w = 1
         self._broadcaster.sendTransform(msg)
-
-    def silence(self, silent):
-        self._silent = silent
 
     def go_to(self, target):
         with self._lock:
@@ -92,7 +87,7 @@ class FollowSphere(unittest.TestCase):
     def test_follow(self):
         # Before the frame is there, the sphere is where the scene puts it.
         self.wait_for_sphere(START)
-        sphere = MovingSphere(SPEED * rospy.get_param("~realtime_factor"))
+        sphere = MovingSphere()
         self.cloth.pause(False)
 
         # Up through the falling cloth, and aside.
@@ -136,13 +131,13 @@ class FollowSphere(unittest.TestCase):
         def status(level, text):
             return lambda array: any(s.level == level and text in s.message for s in array.status)
 
-        sphere.silence(True)
+        sphere.silent = True
         self.diagnostics.wait("a warning of the lost frame",
                               status(DiagnosticStatus.WARN, "lost tf frame sphere"))
         self.markers.clear()
         self.wait_for_sphere(where)
 
-        sphere.silence(False)
+        sphere.silent = False
         self.diagnostics.clear()
         self.diagnostics.wait(
             "diagnostics without the warning",
