@@ -19,12 +19,12 @@ void validate(const Light& light) {
   check_range("ambient", light.ambient, intensity);
 }
 
-void validate(const Background& background) { check_range("color", background.color, channel); }
+void validate(const Background& background) { check_range("background", background.color, channel); }
 
 void validate(const ColliderView& view) {
   check_range("segments", view.segments, segment_count);
   check_range("extent", view.extent, side);
-  inside("shading", [&] { validate(view.shading); });
+  validate(view.shading);
 }
 
 }  // namespace clothsim

@@ -6,10 +6,10 @@
 namespace clothsim {
 namespace {
 
-constexpr int gap = 4;         // [pixel] between tiles
-constexpr int margin = 8;      // [pixel] from a label to the tile's edges
-constexpr double scale = 0.5;  // of OpenCV's font
-constexpr int outline = 3;     // [pixel] of the dark line around a label, legible on anything
+constexpr int gap = 4;            // [pixel] between tiles
+constexpr int margin = 8;         // [pixel] around a label
+constexpr double scale = 0.5;     // of OpenCV's font
+constexpr double dimming = 0.35;  // of the picture behind a label
 
 cv::Mat view_of(const Image& image) {
   return cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
@@ -18,12 +18,11 @@ cv::Mat view_of(const Image& image) {
 void write_label(cv::Mat& tile, const std::string& label) {
   int below = 0;
   const cv::Size size = cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
-  const cv::Point at(margin, margin + size.height);
-  const auto write = [&](const cv::Scalar& color, int thickness) {
-    cv::putText(tile, label, at, cv::FONT_HERSHEY_SIMPLEX, scale, color, thickness, cv::LINE_AA);
-  };
-  write({0, 0, 0}, outline);
-  write({255, 255, 255}, 1);
+  cv::Mat behind = tile(cv::Rect(0, 0, size.width + 2 * margin, size.height + below + margin) &
+                        cv::Rect(0, 0, tile.cols, tile.rows));
+  behind *= dimming;
+  cv::putText(tile, label, {margin, margin / 2 + size.height}, cv::FONT_HERSHEY_SIMPLEX, scale,
+              {255, 255, 255}, 1, cv::LINE_AA);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ struct Options {
   std::vector<double> seconds{0};
   std::vector<std::string> scene_values, view_values;    // for all pictures
   std::vector<std::string> scene_choices, view_choices;  // one picture each
+  std::vector<std::string> labels;                       // instead of the choices themselves
   int columns = 4;
   std::string output;
 };
@@ -42,12 +43,16 @@ YAML::Node with(const YAML::Node& root, const std::string& assignment) {
 }
 
 /// What tells this picture from the others.
-std::string label(const Options& options, const std::string& scene_choice, double time,
-                  const std::string& view_choice) {
-  std::string text = scene_choice;
-  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
-  if (!view_choice.empty()) add(view_choice);
-  if (options.seconds.size() > 1) add("t = " + to_text(time) + " s");
+std::string label(const Options& options, std::size_t scene_choice, double time,
+                  std::size_t view_choice) {
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& choices, std::size_t i) {
+    if (choices.empty()) return;
+    text += (text.empty() ? "" : ", ") + (options.labels.empty() ? choices : options.labels)[i];
+  };
+  add(options.scene_choices, scene_choice);
+  add(options.view_choices, view_choice);
+  if (options.seconds.size() > 1) text += (text.empty() ? "t = " : ", t = ") + to_text(time) + " s";
   return text;
 }
 
@@ -85,6 +90,8 @@ ExitCode take_pictures(const Options& options) {
   for (const std::string& choice : or_none(options.view_choices))
     views.push_back(read_view(with(view, choice)));
 
+  for (const View& each : views) check_colliders(each, scenes[0]);
+
   Photographer photographer(views[0]);
   std::vector<Tile> tiles;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
@@ -98,9 +105,7 @@ ExitCode take_pictures(const Options& options) {
         simulator.step();
       }
       for (std::size_t v = 0; v < views.size(); ++v)
-        tiles.push_back({photographer.draw(simulator, views[v]),
-                         label(options, or_none(options.scene_choices)[s], time,
-                               or_none(options.view_choices)[v])});
+        tiles.push_back({photographer.draw(simulator, views[v]), label(options, s, time, v)});
     }
   }
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
@@ -114,6 +119,11 @@ void check(const Options& options) {
   for (const double seconds : options.seconds) check_range("--seconds", seconds, time);
   if (!std::is_sorted(options.seconds.begin(), options.seconds.end()))
     throw InvalidValue({"--seconds"}, "times out of order", "times that grow");
+  const std::size_t choices = options.scene_choices.size() + options.view_choices.size();
+  const bool both = !options.scene_choices.empty() && !options.view_choices.empty();
+  if (!options.labels.empty() && (both || options.labels.size() != choices))
+    throw InvalidValue({"--label"}, std::to_string(options.labels.size()) + " labels",
+                       "one for each --vary or --vary-look, and not both of these");
   constexpr Range columns{1, 100, ""};
   check_range("--columns", options.columns, columns);
 }
@@ -130,6 +140,8 @@ void add_options(CLI::App& app, Options& options) {
   one_each("--look", options.view_values, "Change a value of the view: --look cloth.shader=mirror");
   one_each("--vary", options.scene_choices, "As --set; a picture for each");
   one_each("--vary-look", options.view_choices, "As --look; a picture for each");
+  app.add_option("--label", options.labels, "Words for each --vary or --vary-look, in their order")
+      ->allow_extra_args(false);
   app.add_option("--columns", options.columns, "Pictures to a row");
   app.footer("Exit status: 0 done, 1 bad input or no OpenGL, 2 diverged.");
 }

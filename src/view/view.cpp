@@ -1,5 +1,7 @@
 #include "clothsim/view/view.h"
 
+#include <algorithm>
+
 #include "clothsim/model/checks.h"
 
 namespace clothsim {
@@ -16,6 +18,19 @@ ColliderView prepare(const ColliderLook& look, ImageStore& images) {
 
 }  // namespace
 
+void check_colliders(const View& view, const Scene& scene) {
+  std::string names;
+  for (const ColliderSpec& collider : scene.colliders)
+    names += (names.empty() ? "" : ", ") + collider.name;
+  for (const auto& entry : view.colliders) {
+    const bool known = std::any_of(scene.colliders.begin(), scene.colliders.end(),
+                                   [&](const ColliderSpec& c) { return c.name == entry.first; });
+    if (!known)
+      throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
+                         names.empty() ? "none, as the scene has none" : "one of " + names);
+  }
+}
+
 PreparedView prepare(const View& view, ImageStore& images) {
   PreparedView ready;
   ready.camera = view.camera;
@@ -24,7 +39,7 @@ PreparedView prepare(const View& view, ImageStore& images) {
   ready.light = view.light;
   inside("light", [&] { validate(ready.light); });
   ready.background.color = view.background;
-  inside("background", [&] { validate(ready.background); });
+  validate(ready.background);
   if (!view.sky.empty()) ready.background.sky = images.cube_map(view.sky, "sky");
 
   inside("cloth", [&] { ready.cloth = make_shading(view.cloth, images); });

@@ -113,7 +113,7 @@ TEST(Image, APanoramaStandsAroundTheScene) {
 TEST(Image, TheImagesOfThePackageCanBeRead) {
   const std::string folder = CLOTHSIM_TEXTURES_DIR;
   EXPECT_EQ(load_image(folder + "/fabric.png", "texture")->width, 256);
-  EXPECT_EQ(load_height_map(folder + "/quilt_height.png", "height_map")->width, 128);
+  EXPECT_EQ(load_height_map(folder + "/quilt_height.png", "height_map")->width, 256);
   EXPECT_EQ(load_cube_map(folder + "/sky", "environment")->faces[0].width, 256);
 }
 

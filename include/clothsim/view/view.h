@@ -6,6 +6,7 @@
 
 #include "clothsim/render/camera.h"
 #include "clothsim/render/snapshot.h"
+#include "clothsim/simulation/scene.h"
 #include "clothsim/view/look.h"
 
 namespace clothsim {
@@ -35,6 +36,9 @@ struct View {
   int samples = 4;                // of a pixel in the colour image, for smooth edges; 1: none
   std::optional<int> egl_device;  // index of the EGL device that draws; empty: the best
 };
+
+/// Throws InvalidValue for the look of a collider that the scene does not have.
+void check_colliders(const View&, const Scene&);
 
 /// A view ready for drawing: images read, values checked.
 struct PreparedView {

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "clothsim/model/errors.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/view/contact_sheet.h"
+#include "clothsim/view/resources.h"
+#include "clothsim/view/snapshot_maker.h"
+#include "clothsim/view/view_yaml.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Key and what was got of the error that reading and preparing this view ends with.
+std::string refused(const std::string& yaml) {
+  try {
+    ImageStore images(textures_folder());
+    prepare(read_view(YAML::Load(yaml)), images);
+  } catch (const InvalidValue& error) {
+    return error.message("", ".");
+  }
+  return "nothing";
+}
+
+void expect_refused(const std::string& yaml, const std::string& start) {
+  const std::string message = refused(yaml);
+  EXPECT_EQ(message.substr(0, start.size()), start) << message;
+}
+
+TEST(View, AnEmptyOneHasDefaultsThatCanBeDrawn) {
+  EXPECT_EQ(refused("{}"), "nothing");
+  const View view = read_view(YAML::Load("{}"));
+  EXPECT_EQ(view.camera.width, 640);
+  EXPECT_EQ(view.cloth.shader, "blinn_phong");
+}
+
+TEST(View, EachShaderCanBeNamedAndNeedsNoMore) {
+  for (const std::string& name : shading_names()) {
+    EXPECT_EQ(refused("{cloth: {shader: " + name + "}, collider: {shader: " + name + "}}"),
+              "nothing");
+  }
+}
+
+TEST(View, FieldOfViewOrFocalLengths) {
+  const Camera wide = read_view(YAML::Load("{width: 200, height: 100, field_of_view: 1.5}")).camera;
+  EXPECT_DOUBLE_EQ(wide.fx, 100 / std::tan(0.75));
+  EXPECT_DOUBLE_EQ(wide.cx, 99.5);
+  const Camera odd =
+      read_view(YAML::Load("{width: 200, height: 100, fx: 150, fy: 140, cx: 90, cy: 60}")).camera;
+  EXPECT_EQ(odd.fx, 150);
+  EXPECT_EQ(odd.fy, 140);
+  EXPECT_EQ(odd.cx, 90);
+  EXPECT_EQ(odd.cy, 60);
+  expect_refused("{fx: 100, fy: 100, field_of_view: 1}", "field_of_view: got 1");
+  expect_refused("{fx: 100}", "fy: got nothing");
+}
+
+TEST(View, CollidersOfANameTakeTheRestFromAll) {
+  const View view = read_view(YAML::Load(
+      "{colliders: {sphere: {shader: cartoon}}, collider: {segments: 20, color: [1, 0, 0]}}"));
+  EXPECT_EQ(view.collider.look.shader, "blinn_phong");
+  EXPECT_EQ(view.colliders.at("sphere").look.shader, "cartoon");
+  EXPECT_EQ(view.colliders.at("sphere").segments, 20);
+  EXPECT_EQ(view.colliders.at("sphere").look.color, Color(1, 0, 0));
+}
+
+TEST(View, MistakesAreNamed) {
+  expect_refused("{widht: 3}", "widht: got an unknown key");
+  expect_refused("{width: 0}", "width: got 0");
+  expect_refused("{width: 3.5}", "width: got 3.5");
+  expect_refused("{height: 9000}", "height: got 9000");
+  expect_refused("{field_of_view: 3.2}", "field_of_view: got 3.2");
+  expect_refused("{eye: [1, 2]}", "eye: got [1, 2]");
+  expect_refused("{eye: [1, 2, 3], target: [1, 2, 3]}", "target: got");
+  expect_refused("{near: 2, far: 1}", "far: got 1");
+  expect_refused("{rate: 0}", "rate: got 0");
+  expect_refused("{light: {intensity: -1}}", "light.intensity: got -1");
+  expect_refused("{background: [0, 0, 2]}", "background.2: got 2");
+  expect_refused("{sky: no/such/sky}", "sky: got \"no/such/sky\"");
+  expect_refused("{cloth: {shader: shiny}}", "cloth.shader: got shiny");
+  expect_refused("{cloth: {power: 0}}", "cloth.power: got 0");
+  expect_refused("{cloth: {shader: texture, texture: no.png}}", "cloth.texture: got \"no.png\"");
+  expect_refused("{collider: {segments: 2}}", "collider.segments: got 2");
+  expect_refused("{colliders: {ball: {color: [2, 0, 0]}}}", "colliders.ball.color.0: got 2");
+}
+
+TEST(View, CollidersMustBeThoseOfTheScene) {
+  Scene scene;
+  scene.colliders.resize(1);
+  scene.colliders[0].name = "sphere";
+  const View view = read_view(YAML::Load("{colliders: {sphere: {}}}"));
+  EXPECT_NO_THROW(check_colliders(view, scene));
+  scene.colliders[0].name = "ball";
+  try {
+    check_colliders(view, scene);
+    FAIL() << "took a look for a collider that is not there";
+  } catch (const InvalidValue& error) {
+    EXPECT_EQ(error.key(), (std::vector<std::string>{"colliders", "sphere"}));
+    EXPECT_NE(std::string(error.what()).find("ball"), std::string::npos) << error.what();
+  }
+}
+
+TEST(View, AnImageIsReadAgainWhenItsFileHasChanged) {
+  const fs::path path = fs::path(testing::TempDir()) / "clothsim_texture.png";
+  save_png(path.string(), {1, 1, {1, 2, 3}});
+  ImageStore images(textures_folder());
+  const auto first = images.image(path.string(), "texture");
+  EXPECT_EQ(images.image(path.string(), "texture"), first);
+  save_png(path.string(), {1, 1, {4, 5, 6}});
+  fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(2));
+  EXPECT_EQ(images.image(path.string(), "texture")->rgb[0], 4);
+  EXPECT_EQ(first->rgb[0], 1);
+  fs::remove(path);
+}
+
+TEST(SnapshotMaker, SharesWhatDidNotChange) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 5;
+  scene.colliders.resize(1);
+  scene.colliders[0].name = "ball";
+  scene.colliders[0].pose.position = {0, 0, -5};
+  Simulator simulator(scene);
+  ImageStore images(textures_folder());
+  const PreparedView view =
+      prepare(read_view(YAML::Load("{colliders: {ball: {shader: cartoon}}}")), images);
+  SnapshotMaker maker;
+  const Snapshot first = maker.make(simulator, view);
+  EXPECT_STREQ(shading_name(first.colliders[0].shading), "cartoon");
+  const Snapshot paused = maker.make(simulator, view);
+  EXPECT_EQ(paused.cloth, first.cloth);
+  EXPECT_EQ(paused.positions, first.positions);
+
+  simulator.step();
+  const Snapshot moved = maker.make(simulator, view);
+  EXPECT_EQ(moved.cloth, first.cloth);
+  EXPECT_NE(moved.positions, first.positions);
+  EXPECT_EQ(*moved.positions, simulator.state().positions);
+  EXPECT_EQ(*first.positions, simulator.cloth().rest_positions) << "a snapshot changed";
+
+  Material material = scene.cloth.material;
+  material.springs = {true, false, false};
+  simulator.set_material(material);
+  EXPECT_LT(maker.make(simulator, view).cloth->springs.size(), first.cloth->springs.size());
+}
+
+TEST(ContactSheet, PutsTilesInRows) {
+  std::vector<Tile> tiles(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Image& image = tiles[i].image;
+    image.width = 1;
+    image.height = 2;
+    image.rgb.assign(6, static_cast<std::uint8_t>(i));
+  }
+  const Image sheet = contact_sheet(tiles, 2);
+  EXPECT_EQ(sheet.width, 6);   // 1 + 4 + 1
+  EXPECT_EQ(sheet.height, 8);  // 2 + 4 + 2
+  const auto at = [&](int x, int y) {
+    return sheet.rgb[static_cast<std::size_t>(3 * (y * sheet.width + x))];
+  };
+  EXPECT_EQ(at(0, 0), 0);
+  EXPECT_EQ(at(5, 1), 1);
+  EXPECT_EQ(at(0, 6), 2);
+  EXPECT_EQ(at(5, 6), 255);
+}
+
+/// Runs `picture` and returns its exit status.
+int picture(const std::string& arguments) {
+  const int status = std::system((std::string(CLOTHSIM_PICTURE) + " " + arguments).c_str());
+  return WEXITSTATUS(status);
+}
+
+TEST(Picture, TakesOneOfAScene) {
+  const fs::path path = fs::path(testing::TempDir()) / "clothsim_pictures" / "sphere.png";
+  fs::remove_all(path.parent_path());
+  const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/sphere.yaml";
+  EXPECT_EQ(picture(scene +
+                    " --seconds 0 0.1 --set cloth.columns=10 --look width=40 "
+                    "--look height=30 --output " +
+                    path.string()),
+            0);
+  const auto image = load_image(path.string(), "picture");
+  EXPECT_EQ(image->width, 84);
+  EXPECT_EQ(image->height, 30);
+  fs::remove_all(path.parent_path());
+}
+
+TEST(Picture, RefusesMistakes) {
+  const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/sphere.yaml";
+  EXPECT_EQ(picture("no_such.yaml --output x.png 2>/dev/null"), 1);
+  EXPECT_EQ(picture(scene + " 2>/dev/null"), 1);
+  EXPECT_EQ(picture(scene + " --output x.png --look cloth.shader=shiny 2>/dev/null"), 1);
+  EXPECT_EQ(picture(scene + " --output x.png --seconds 1 0.5 2>/dev/null"), 1);
+  EXPECT_EQ(picture(scene + " --output x.png --label one 2>/dev/null"), 1);
+  EXPECT_EQ(picture(scene + " --output /dev/null/x.png 2>/dev/null"), 1);
+  EXPECT_FALSE(fs::exists("x.png"));
+}
+
+}  // namespace
+}  // namespace clothsim
