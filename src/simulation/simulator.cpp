@@ -29,6 +29,15 @@ constexpr int max_sweeps = 200;
 /// The method `auto` stands for.
 constexpr const char* default_method = VelocityVerlet::name;
 
+/// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
+/// whatever shows a good state can.
+constexpr double farthest = 1e12;
+
+bool is_good(const State& state) {  // false for NaN
+  return (state.positions.array().abs() < farthest).all() &&
+         (state.velocities.array().abs() < farthest).all();
+}
+
 Integrator integrator_of(const SimulationSpec& spec) {
   return make_integrator(spec.method == "auto" ? default_method : spec.method);
 }
@@ -140,7 +149,7 @@ StepReport Simulator::Impl::step() {
     state.velocities.row(pin_point(i)).setZero();
   }
   for (MovingCollider& collider : colliders) collider.arrive();
-  if (!state.positions.allFinite() || !state.velocities.allFinite()) {
+  if (!is_good(state)) {
     state = last_good;
     forget();
     throw Diverged("the state left the finite numbers in the frame after t = " +
