@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
 
@@ -30,6 +30,7 @@ class Reconfigure(unittest.TestCase):
         cls.initial = cls.client.get_configuration(timeout=PATIENCE)
 
     def setUp(self):
+        self.cloth.pause()
         self.assertEqual(self.values(self.client.update_configuration(DEFAULTS)), DEFAULTS)
         self.cloth.reset()
 
@@ -123,6 +124,34 @@ class Reconfigure(unittest.TestCase):
             self.log.wait("a message with " + name, lambda log: log.msg.startswith(name))
             self.cloth.reset()
             self.assertEqual(expected, content(self.cloth.step(3)), bad)
+
+    def test_divergence_is_caught(self):
+        """A step far too long for the stiffness: the run stops at a good state, and says so."""
+        self.client.update_configuration(
+            {"ks": 1e9, "substeps": 1, "strain_limit_enabled": False})
+        self.cloth.states.clear()
+        answer = self.cloth.try_step(1000)
+        self.assertFalse(answer.success)
+        self.assertIn("finite", answer.message)
+        self.diagnostics.wait("an error in the diagnostics", lambda array: any(
+            s.level == DiagnosticStatus.ERROR and s.message.endswith(answer.message)
+            for s in array.status))
+        for state in self.cloth.states.all():
+            self.assertTrue(np.isfinite(positions(state)).all(), state.step)
+            self.assertTrue(np.isfinite(velocities(state)).all(), state.step)
+
+        # Running stops again, until a reset with better values.
+        self.log.clear()
+        self.cloth.pause(False)
+        self.log.wait("the pause", lambda log: "paused at the last good frame" in log.msg)
+        self.assertFalse(self.cloth.try_step(1).success)
+        self.client.update_configuration(DEFAULTS)
+        self.cloth.reset()
+        self.cloth.step(10)
+        self.diagnostics.clear()
+        self.diagnostics.wait("diagnostics without an error", lambda array: any(
+            s.name == "clothsim: simulation" and s.level == DiagnosticStatus.OK
+            for s in array.status))
 
     def test_beyond_the_sliders(self):
         """The limits of the sliders are not limits of the model."""
