@@ -72,17 +72,19 @@ std::vector<Candidate> candidates(std::optional<int> only) {
     return Candidate{device_name(i, devices[i]), EGL_PLATFORM_DEVICE_EXT, devices[i]};
   };
   if (only) {
-    if (*only < 0 || static_cast<std::size_t>(*only) >= devices.size())
+    if (*only < 0 || static_cast<std::size_t>(*only) >= devices.size()) {
       throw InvalidValue({"egl_device"}, std::to_string(*only),
                          "an index below " + std::to_string(devices.size()) +
                              ", the number of EGL devices on this machine");
+    }
     return {at(static_cast<std::size_t>(*only))};
   }
 
   std::vector<Candidate> list;
-  for (const bool software : {false, true})
+  for (const bool software : {false, true}) {
     for (std::size_t i = 0; i < devices.size(); ++i)
       if (is_software(devices[i]) == software) list.push_back(at(i));
+  }
   if (has_extension(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS),
                     "EGL_MESA_platform_surfaceless"))
     list.push_back({"Mesa's surfaceless platform", EGL_PLATFORM_SURFACELESS_MESA, nullptr});

@@ -51,10 +51,11 @@ void GpuMesh::upload_surface(const Points& positions, const Points& normals,
   Eigen::Map<Rows> rows(scratch_.data(), positions.rows(), floats_per_point);
   rows.leftCols<3>() = positions.cast<float>();
   rows.middleCols<3>(3) = normals.cast<float>();
-  if (tangents.rows() == positions.rows())
+  if (tangents.rows() == positions.rows()) {
     rows.rightCols<3>() = tangents.cast<float>();
-  else
+  } else {
     rows.rightCols<3>().setZero();
+  }
   upload(GL_ARRAY_BUFFER, surface_, scratch_.data(), scratch_.size() * sizeof(float),
          GL_STREAM_DRAW);
 }

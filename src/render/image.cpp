@@ -79,7 +79,7 @@ CubeMap from_panorama(const cv::Mat& panorama) {
   cv::Mat map_x(size, size, CV_32F), map_y(size, size, CV_32F);
   CubeMap cube;
   for (std::size_t face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row)
+    for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
         const cv::Vec3d d =
             cube_direction(face, 2 * (column + 0.5) / size - 1, 2 * (row + 0.5) / size - 1);
@@ -88,6 +88,7 @@ CubeMap from_panorama(const cv::Mat& panorama) {
             static_cast<float>((0.5 + around / (2 * M_PI)) * panorama.cols + 0.5);
         map_y.at<float>(row, column) = static_cast<float>((0.5 - up / M_PI) * panorama.rows - 0.5);
       }
+    }
     cv::Mat view;
     cv::remap(padded, view, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     cube.faces[face] = from_bgr(view);

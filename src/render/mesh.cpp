@@ -22,7 +22,7 @@ Mesh grid_mesh(int columns, int rows) {
   mesh.normals.resize(count, 3);
   mesh.tangents.resize(count, 3);
   mesh.uv.resize(count, 2);
-  for (int r = 0; r <= rows; ++r)
+  for (int r = 0; r <= rows; ++r) {
     for (int c = 0; c <= columns; ++c) {
       const int i = r * stride + c;
       mesh.uv.row(i) << double(c) / columns, double(r) / rows;
@@ -33,6 +33,7 @@ Mesh grid_mesh(int columns, int rows) {
         mesh.triangles.push_back({i, i + stride + 1, i + stride});
       }
     }
+  }
   return mesh;
 }
 

@@ -139,9 +139,10 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
     colliders[i].update(view);
     items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
     DrawItem& item = items.back();
-    if (cloth && item.sphere_radius)
+    if (cloth && item.sphere_radius) {
       item.dip = cloth->dip_below_sphere(item.translation - items.front().translation,
                                          *item.sphere_radius);
+    }
   }
 }
 

@@ -23,10 +23,12 @@ std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<Lin
   ranges.clear();
   for (const SpringFamily family : line_order) {
     const int first = static_cast<int>(lines.size());
-    for (const SpringRun& run : cloth.springs)
-      if (run.family == family)
+    for (const SpringRun& run : cloth.springs) {
+      if (run.family == family) {
         for (int i = 0; i < run.count; ++i)
           lines.push_back({run.first + i, run.first + i + run.offset});
+      }
+    }
     ranges.push_back({first, static_cast<int>(lines.size()) - first, static_cast<int>(family)});
   }
   return lines;

@@ -15,9 +15,10 @@ void append_file(const std::string& folder, const std::string& name, const std::
                  std::set<std::string>& seen, ShaderSource& source) {
   if (!seen.insert(name).second) return;
   std::ifstream file(folder + "/" + name);
-  if (!file)
+  if (!file) {
     throw ShaderError("shader " + folder + "/" + name + " cannot be read" +
                       (asked_by.empty() ? "" : "; " + asked_by + " includes it"));
+  }
 
   static const std::regex include("\\s*#include\\s+\"([^\"]+)\"\\s*");
   int number = 0;
@@ -36,7 +37,7 @@ void append_file(const std::string& folder, const std::string& name, const std::
 /// The driver's log with lines of the whole text replaced by file and line: Mesa writes
 /// "0:7(3): error", NVIDIA "0(7) : error". (Mesa passes over the file number of a #line.)
 std::string readable_log(const std::string& log, const std::vector<ShaderSource::Line>& origins) {
-  static const std::regex position("^(?:ERROR: )?\\d+[:(](\\d+)\\)?");
+  static const std::regex position(R"(^(?:ERROR: )?\d+[:(](\d+)\)?)");
   std::istringstream lines(log);
   std::string text;
   for (std::string line; std::getline(lines, line);) {

@@ -19,7 +19,9 @@ void validate(const Light& light) {
   check_range("ambient", light.ambient, intensity);
 }
 
-void validate(const Background& background) { check_range("background", background.color, channel); }
+void validate(const Background& background) {
+  check_range("background", background.color, channel);
+}
 
 void validate(const ColliderView& view) {
   check_range("segments", view.segments, segment_count);

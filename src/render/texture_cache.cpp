@@ -11,9 +11,10 @@ template <class Value>
 std::vector<Value> flip_rows(const std::vector<Value>& values, int height) {
   const std::size_t rows = static_cast<std::size_t>(height), row_size = values.size() / rows;
   std::vector<Value> flipped(values.size());
-  for (std::size_t row = 0; row < rows; ++row)
+  for (std::size_t row = 0; row < rows; ++row) {
     std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(row * row_size), row_size,
                 flipped.end() - static_cast<std::ptrdiff_t>((row + 1) * row_size));
+  }
   return flipped;
 }
 
@@ -63,9 +64,10 @@ void TextureCache::bind(const std::shared_ptr<const HeightMap>& map, int unit) {
 
 void TextureCache::bind(const std::shared_ptr<const CubeMap>& cube, int unit) {
   bind(cube, unit, GL_TEXTURE_CUBE_MAP, [](const CubeMap& c) {
-    for (std::size_t i = 0; i < c.faces.size(); ++i)
+    for (std::size_t i = 0; i < c.faces.size(); ++i) {
       upload_rgb(GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(i), c.faces[i],
                  c.faces[i].rgb.data());
+    }
     set_filter(GL_TEXTURE_CUBE_MAP, GL_CLAMP_TO_EDGE);
   });
 }

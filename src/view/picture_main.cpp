@@ -121,9 +121,10 @@ void check(const Options& options) {
     throw InvalidValue({"--seconds"}, "times out of order", "times that grow");
   const std::size_t choices = options.scene_choices.size() + options.view_choices.size();
   const bool both = !options.scene_choices.empty() && !options.view_choices.empty();
-  if (!options.labels.empty() && (both || options.labels.size() != choices))
+  if (!options.labels.empty() && (both || options.labels.size() != choices)) {
     throw InvalidValue({"--label"}, std::to_string(options.labels.size()) + " labels",
                        "one for each --vary or --vary-look, and not both of these");
+  }
   constexpr Range columns{1, 100, ""};
   check_range("--columns", options.columns, columns);
 }

@@ -25,9 +25,10 @@ void check_colliders(const View& view, const Scene& scene) {
   for (const auto& entry : view.colliders) {
     const bool known = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                    [&](const ColliderSpec& c) { return c.name == entry.first; });
-    if (!known)
+    if (!known) {
       throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
                          names.empty() ? "none, as the scene has none" : "one of " + names);
+    }
   }
 }
 
