@@ -92,7 +92,9 @@ void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
   for_each_flagged([&](int id) {
     const Constraint& c = constraints_[static_cast<std::size_t>(id)];
     if (c.inv_mass == 0) return;  // between two pins
-    const Vector3 d = row(state.positions, c.b) - row(state.positions, c.a);
+    // Where the ends were when the step's impulses act: there they make no angular momentum.
+    const Vector3 moved = row(state.velocities, c.b) - row(state.velocities, c.a);
+    const Vector3 d = row(state.positions, c.b) - row(state.positions, c.a) - reach * h_ * moved;
     const double length = d.norm();
     if (length == 0) return;  // slack, and no direction to hold
     const Vector3 direction = d / length;

@@ -33,8 +33,8 @@ double worst_rate(const Cloth& cloth, const State& state) {
 }
 
 TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
-  // Springs over their limit, all moving: after enough sweeps none lengthens, momentum is the same
-  // and no spring was pushed longer (no spring that held is shorter-lived: impulses only pull).
+  // Springs over their limit, all moving: after enough sweeps none lengthens, and momentum is the
+  // same.
   const Cloth cloth = make_grid(limited(square_spec(6)));
   State state{1.12 * cloth.rest_positions, random_points(36, 1, 3), 0};
   EXPECT_GT(worst_rate(cloth, state), 1);
@@ -42,11 +42,11 @@ TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
   const double energy = state.velocities.squaredNorm();
 
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(cloth, h, reach, state);
-  strain_limit.begin(cloth, reach, state);
+  strain_limit.predict(cloth, h, 0, state);
+  strain_limit.begin(cloth, 0, state);  // along the springs as they are
   double residual = 1;
   int sweeps = 0;
-  while (residual > 1e-12 && sweeps < 5000) {
+  while (residual > 1e-12 && sweeps < 50000) {
     residual = strain_limit.sweep(cloth, state.velocities);
     ++sweeps;
   }

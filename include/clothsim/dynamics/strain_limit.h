@@ -17,7 +17,9 @@ namespace clothsim {
 /// step almost solved and its rest shape does not depend on the order of the springs. Acting on
 /// velocities instead of lengths is what makes kept impulses stable when a step's sweeps stop
 /// early. What length violation is left is then taken out of positions, with velocities that follow
-/// (v += dx / h). Every impulse is equal and opposite, so momentum is conserved.
+/// (v += dx / h). Every impulse is equal and opposite, so momentum is conserved; impulses act along
+/// the springs as they lie in the middle of the step, so angular momentum is too, but for the last
+/// repair of lengths.
 ///
 /// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
