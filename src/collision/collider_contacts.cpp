@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 namespace clothsim {
@@ -40,6 +41,13 @@ bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, do
   return (plane && plane->two_sided ? std::abs(middle) : middle) - spread <= margin;
 }
 
+/// Where a point that may have passed through the shape in one step came in.
+std::optional<Vector3> swept_entry(const Shape& shape, const Vector3& from, const Vector3& to) {
+  const double depth = safe_depth(shape);
+  if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
+  return entry_point(shape, from, to, surface_offset);
+}
+
 }  // namespace
 
 void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
@@ -65,14 +73,11 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
       // A point that may have passed through stops where it came in.
-      bool stopped = false;
-      if ((to - from).squaredNorm() > safe_depth(collider.shape()) * safe_depth(collider.shape())) {
-        if (const auto entry = entry_point(collider.shape(), from, to, surface_offset)) {
-          to = *entry;
-          stopped = true;
-          state.positions.row(i) =
-              (collider.pose().position + collider.pose().orientation * to).transpose();
-        }
+      const auto entry = swept_entry(collider.shape(), from, to);
+      if (entry) {
+        to = *entry;
+        state.positions.row(i) =
+            (collider.pose().position + collider.pose().orientation * to).transpose();
       }
 
       // The gap this step would leave if the point only followed the surface.
@@ -82,9 +87,9 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
       const double drift = normal.dot(row(drifted, i) - surface_velocity);
       const double gap = d.value - surface_offset - reach * h * drift;
-      const double slowest = stopped ? 0 : -std::max(gap, 0.0) / h;
+      const double slowest = entry ? 0 : -std::max(gap, 0.0) / h;
       // The impulse that ends its approach will carry it on to where it came in.
-      if (stopped && drift < 0) state.positions.row(i) += reach * h * drift * normal.transpose();
+      if (entry && drift < 0) state.positions.row(i) += reach * h * drift * normal.transpose();
 
       // The last step's impulse, if it was in contact.
       const auto id = std::make_tuple(k, i);
@@ -141,11 +146,13 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
     for (int i = 0; i < cloth.num_points(); ++i) {
       if (cloth.inv_mass[i] == 0) continue;
       const Vector3 from = to_local(collider.previous(), row(start, i));
-      const Vector3 to = to_local(collider.pose(), row(positions, i));
+      Vector3 to = to_local(collider.pose(), row(positions, i));
+      const auto entry = swept_entry(collider.shape(), from, to);
+      if (entry) to = *entry;
       const Distance d = signed_distance(collider.shape(), to, from);
-      if (d.value >= surface_offset) continue;
-      const Vector3 out = collider.pose().orientation * d.normal;
-      positions.row(i) += (surface_offset - d.value) * out.transpose();
+      if (!entry && d.value >= surface_offset) continue;
+      to += std::max(0.0, surface_offset - d.value) * d.normal;
+      positions.row(i) = (collider.pose().position + collider.pose().orientation * to).transpose();
     }
   }
 }

@@ -27,7 +27,8 @@ std::optional<Vector3> entry(const Sphere& sphere, const Vector3& from, const Ve
   const double b = from.dot(d);
   const double c = from.squaredNorm() - radius * radius;
   const double discriminant = b * b - a * c;
-  if (c <= 0 || b >= 0 || discriminant < 0) return std::nullopt;
+  if (b >= 0 || discriminant < 0 || from.norm() < sphere.radius) return std::nullopt;
+  if (c <= 0) return from;
   const double t = c / (-b + std::sqrt(discriminant));
   if (t > 1) return std::nullopt;
   return from + t * d;

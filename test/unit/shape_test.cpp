@@ -69,8 +69,8 @@ TEST(Shape, EntryPointIsWhereThePathFirstMeetsTheSphere) {
     const Vector3 from(draw(engine), draw(engine), draw(engine));
     const Vector3 to(draw(engine), draw(engine), draw(engine));
     const auto entry = entry_point(ball, from, to, offset);
-    if (from.norm() <= 0.51) {
-      EXPECT_FALSE(entry) << "it started within";
+    if (from.norm() < 0.5) {
+      EXPECT_FALSE(entry) << "it started in the solid";
       continue;
     }
     // Closest approach of the segment to the centre.
@@ -95,6 +95,9 @@ TEST(Shape, EntryPointOfDegeneratePaths) {
   const auto through = entry_point(ball, 1e3 * outside, -1e3 * outside, 0.01);
   ASSERT_TRUE(through);
   EXPECT_NEAR(through->x(), 0.51, 1e-9);
+  const Vector3 touching(0.505, 0, 0);
+  EXPECT_EQ(*entry_point(ball, touching, -touching, 0.01), touching);
+  EXPECT_FALSE(entry_point(ball, touching, 2 * touching, 0.01));
   EXPECT_FALSE(entry_point(ground, Vector3(0, 0, 1), Vector3(0, 0, -1), 0.01));
 }
 

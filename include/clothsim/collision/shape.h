@@ -32,8 +32,9 @@ using Shape = std::variant<Sphere, Plane>;
 Distance signed_distance(const Shape&, const Vector3& point, const Vector3& side);
 
 /// Where a point that moves in a straight line `from` -> `to`, in the shape's own frame, comes
-/// within `offset` [m] of the surface from outside. Empty where it stays out or starts within. A
-/// plane has no far side to come out of: always empty, its signed distance tells all.
+/// within `offset` [m] of the surface from outside; `from` where it is that near already and moves
+/// in. Empty where it stays out or starts in the solid. A plane has no far side to come out of:
+/// always empty, its signed distance tells all.
 std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vector3& to,
                                    double offset);
 
