@@ -98,8 +98,7 @@ void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
     const double length = d.norm();
     if (length == 0) return;  // slack, and no direction to hold
     const Vector3 direction = d / length;
-    const double rate = direction.dot(row(state.velocities, c.b) - row(state.velocities, c.a));
-    const double excess = length - longest_ * c.rest_length - reach * h_ * rate;
+    const double excess = length - longest_ * c.rest_length;
     const double fastest = (excess > 0 ? violation_share : 1.0) * -excess / h_;
     active_[static_cast<std::size_t>(c.colour)].push_back({id, c.a, c.b, direction, fastest});
   });
