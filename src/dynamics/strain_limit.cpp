@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/target_clones.h"
@@ -55,6 +56,13 @@ StrainLimit::StrainLimit(const Cloth& cloth) : longest_(1 + cloth.strain_limit.v
 
   flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
   reset();
+}
+
+void StrainLimit::take_over(StrainLimit&& last) {
+  assert(constraints_.size() == last.constraints_.size());
+  impulses_ = std::move(last.impulses_);
+  active_ = std::move(last.active_);
+  h_ = last.h_;
 }
 
 void StrainLimit::reset() {

@@ -43,6 +43,9 @@ class StrainLimit {
   /// in at most `max_sweeps` passes. Returns the passes taken.
   int correct(const Cloth& cloth, double tolerance, int max_sweeps, double h, State&);
 
+  /// Goes on with the impulses of `last`, a limit on the same springs.
+  void take_over(StrainLimit&& last);
+
   /// Forgets the impulses.
   void reset();
 
