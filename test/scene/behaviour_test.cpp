@@ -1,0 +1,288 @@
+// What users see when they turn a knob, on numbers.
+
+#include <cmath>
+#include <map>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/simulation/report.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+Scene with(const std::string& name, double ks, double density = 150) {
+  Scene scene = shipped_scene(name);
+  scene.cloth.material.ks = ks;
+  scene.cloth.material.density = density;
+  return scene;
+}
+
+/// Mean height of the points above the lowest pin's level, negative as they hang [m].
+double mean_height(const State& state) { return state.positions.col(2).mean() - 1; }
+
+double height_after(const Scene& scene, double seconds) {
+  Simulator simulator(scene);
+  run(simulator, seconds);
+  return mean_height(simulator.state());
+}
+
+class Hanging : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Hanging, SofterHangsLower) {
+  // The strain limit bounds how low: at ks 500 and below nearly every spring is at it.
+  double last = -1;
+  for (const double ks : {50.0, 500.0, 5000.0, 50000.0}) {
+    const double height = height_after(with(GetParam(), ks), ks < 5000 ? 3 : 4);
+    RecordProperty("mean_height_ks_" + std::to_string(static_cast<int>(ks)),
+                   std::to_string(height));
+    EXPECT_GT(height, last) << "ks " << ks;
+    last = height;
+  }
+}
+
+TEST_P(Hanging, HeavierHangsLower) {
+  double last = 0;
+  for (const double density : {10.0, 15.0, 150.0, 1500.0}) {
+    const double height = height_after(with(GetParam(), 5000, density), density > 150 ? 3 : 4);
+    RecordProperty("mean_height_density_" + std::to_string(static_cast<int>(density)),
+                   std::to_string(height));
+    EXPECT_LT(height, last - 0.0005) << "density " << density;
+    last = height;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Hanging, ::testing::Values("pinned2", "pinned4"));
+
+TEST(Pinned4, SofterWrinklesMore) {
+  // Along the free edge between two corners: the surplus of the curve's length over its chord,
+  // which sag and wrinkles make.
+  const auto surplus = [](double ks) {
+    Simulator simulator(with("pinned4", ks));
+    run(simulator, 3);
+    const Points& x = simulator.state().positions;
+    double length = 0;
+    for (int column = 1; column < 50; ++column)
+      length += (x.row(column) - x.row(column - 1)).norm();
+    return length - 1;
+  };
+  const double soft = surplus(500);
+  const double middle = surplus(5000);
+  const double stiff = surplus(50000);
+  EXPECT_GT(soft, middle + 0.01);
+  EXPECT_GT(middle, stiff + 0.01);
+  EXPECT_GT(stiff, 0);
+}
+
+/// Lowest and last mean height, and the largest energy at the end, of a run [m, J].
+struct Swing {
+  double lowest = 1;
+  double last = 0;
+  double mechanical_energy = 0;  // at the end, above the start
+  double kinetic_late = 0;       // mean over the last second [J]
+  Points rest;
+};
+
+Swing swing(double damping, double seconds, bool limited = true, int side = 50) {
+  Scene scene = shipped_scene("pinned2");
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
+  scene.cloth.material.damping = damping;
+  if (!limited) scene.cloth.material.strain_limit.reset();
+  Simulator simulator(scene);
+  const Cloth& cloth = simulator.cloth();
+  const auto energy = [&] {
+    const State& s = simulator.state();
+    return kinetic_energy(cloth, s) + elastic_energy(cloth, s.positions) +
+           gravitational_energy(cloth, scene.simulation.gravity, s.positions);
+  };
+  const double start = energy();
+  Swing result;
+  const int frames = static_cast<int>(std::lround(seconds * 90));
+  for (int frame = 0; frame < frames; ++frame) {
+    simulator.step();
+    result.last = mean_height(simulator.state());
+    result.lowest = std::min(result.lowest, result.last);
+    if (frame >= frames - 90) result.kinetic_late += kinetic_energy(cloth, simulator.state()) / 90;
+  }
+  result.mechanical_energy = energy() - start;
+  result.rest = simulator.state().positions;
+  return result;
+}
+
+TEST(Damping, ZeroKeepsSwingingWithItsEnergy) {
+  // Without the limit nothing takes energy: Verlet keeps it within (omega h)^2 / 8 of the energy
+  // that swings, here (2 * 0.8)^2 / 8 = 0.32 at most. Most of it is kept far better.
+  const Swing s = swing(0, 10, false, 20);
+  const double swinging = 150 * 9.8 * 0.5;
+  RecordProperty("energy_change_of_swing", std::to_string(s.mechanical_energy / swinging));
+  EXPECT_LT(std::abs(s.mechanical_energy), 0.05 * swinging);
+  EXPECT_GT(s.kinetic_late, 0.1 * swinging);
+}
+
+TEST(Damping, SmallSwingsLongLargeDoesNotOvershoot) {
+  const Swing small = swing(0.5, 5);
+  const Swing usual = swing(5.4, 5);
+  const Swing large = swing(27, 12);
+  RecordProperty("kinetic_late_small", std::to_string(small.kinetic_late));
+  RecordProperty("kinetic_late_usual", std::to_string(usual.kinetic_late));
+  EXPECT_GT(small.kinetic_late, 1) << "it still swings";
+  EXPECT_LT(usual.kinetic_late, 1e-3);
+  // Small drag swings past the shape it will rest in; large drag nears it from above.
+  EXPECT_LT(small.lowest, usual.last - 0.01);
+  EXPECT_GT(large.lowest, usual.last - 0.002);
+  EXPECT_NEAR(large.lowest, large.last, 1e-3);
+}
+
+TEST(Damping, RestShapeDoesNotDependOnIt) {
+  // Each within 2 mm of the converged shape, so within 4 mm of each other.
+  const Points light = swing(3, 9).rest;
+  const Points usual = swing(5.4, 6).rest;
+  const Points heavy = swing(27, 16).rest;
+  RecordProperty("light_mm", std::to_string(1e3 * farthest(light, usual)));
+  RecordProperty("heavy_mm", std::to_string(1e3 * farthest(heavy, usual)));
+  EXPECT_LT(farthest(light, usual), 4e-3);
+  EXPECT_LT(farthest(heavy, usual), 4e-3);
+}
+
+TEST(Sphere, SofterDrapesLowerAndCloser) {
+  // Closer: the mean gap to the ball of the points around it, below its middle.
+  double last_height = -2;
+  double last_reach = 0;
+  for (const double ks : {500.0, 5000.0, 50000.0}) {
+    Simulator simulator(with("sphere", ks));
+    double deepest = 0;
+    for (int frame = 0; frame < 4 * 90; ++frame) {
+      simulator.step();
+      if (frame % 9 == 0) deepest = std::max(deepest, deepest_penetration(simulator));
+    }
+    EXPECT_LE(deepest, 0) << "ks " << ks;
+    const Points& x = simulator.state().positions;
+    const double height = mean_height(simulator.state());
+    // Mean distance of the cloth from the ball's axis: how far it stands off.
+    const double reach =
+        (x.leftCols(2).rowwise() - Eigen::RowVector2d(0.5, 0.5)).rowwise().norm().mean();
+    RecordProperty("mean_height_ks_" + std::to_string(static_cast<int>(ks)),
+                   std::to_string(height));
+    RecordProperty("reach_ks_" + std::to_string(static_cast<int>(ks)), std::to_string(reach));
+    EXPECT_GT(height, last_height + 0.001) << "ks " << ks;
+    EXPECT_GT(reach, last_reach) << "ks " << ks;
+    last_height = height;
+    last_reach = reach;
+  }
+}
+
+/// How folded a cloth is: turns of its columns [rad], summed over the inner points of each column
+/// and averaged over the columns. A flat cloth has none, one full fold has pi.
+double folding(const Cloth& cloth, const Points& x) {
+  double sum = 0;
+  for (int column = 0; column < cloth.columns; ++column) {
+    for (int row = 1; row + 1 < cloth.rows; ++row) {
+      const Vector3 a = point(cloth, x, column, row) - point(cloth, x, column, row - 1);
+      const Vector3 b = point(cloth, x, column, row + 1) - point(cloth, x, column, row);
+      sum += std::atan2(a.cross(b).norm(), a.dot(b));
+    }
+  }
+  return sum / cloth.columns;
+}
+
+/// A pile after 5 s: at rest, in layers, finite; returns its folding.
+double check_pile(const Scene& scene) {
+  Simulator simulator(scene);
+  run(simulator, 5);
+  const State& state = simulator.state();
+  EXPECT_TRUE(state.positions.allFinite());
+  EXPECT_LT(rms_velocity(state), 0.01);
+  EXPECT_EQ(deepest_penetration(simulator), 0);
+  EXPECT_LT(worst_stretch(simulator.cloth(), state.positions), 0.105);
+  const Points& rest = simulator.cloth().rest_positions;
+  const double far = 4 * scene.cloth.thickness;
+  double closest = 1;
+  for (int a = 0; a < rest.rows(); ++a) {
+    for (int b = a + 1; b < rest.rows(); ++b) {
+      const double d2 = (state.positions.row(a) - state.positions.row(b)).squaredNorm();
+      if (d2 < closest * closest && (rest.row(a) - rest.row(b)).squaredNorm() >= far * far) {
+        closest = std::sqrt(d2);
+      }
+    }
+  }
+  EXPECT_GT(closest, 0.9 * 2 * scene.cloth.thickness);
+  return folding(simulator.cloth(), state.positions);
+}
+
+TEST(SelfCollision, StifferFoldsLess) {
+  std::map<int, double> folds;
+  for (const int ks : {50, 1000, 5000, 25000, 100000}) {
+    SCOPED_TRACE("ks " + std::to_string(ks));
+    folds[ks] = check_pile(with("self_collision", ks));
+    RecordProperty("folding_ks_" + std::to_string(ks), std::to_string(folds[ks]));
+  }
+  EXPECT_GT(folds[50], 1.3 * folds[5000]);
+  EXPECT_GT(folds[5000], 1.3 * folds[100000]);
+  EXPECT_GT(folds[100000], M_PI) << "it does not fold at all";
+}
+
+TEST(SelfCollision, HeavierFoldsMore) {
+  std::map<int, double> folds;
+  for (const int density : {10, 1000, 10000}) {
+    SCOPED_TRACE("density " + std::to_string(density));
+    folds[density] = check_pile(with("self_collision", 5000, density));
+    RecordProperty("folding_density_" + std::to_string(density), std::to_string(folds[density]));
+  }
+  EXPECT_GT(folds[1000], 1.3 * folds[10]);
+  EXPECT_GT(folds[10000], folds[1000]);
+}
+
+TEST(Wireframe, FamiliesAreWhatIsSwitchedOn) {
+  // Without shear, shear only, all: and the cloth falls and hangs with what it has.
+  const std::map<std::string, std::pair<std::array<bool, 3>, int>> cases = {
+      {"without shear", {{true, false, true}, 4900 + 4800}},
+      {"shear only", {{false, true, false}, 4802}},
+      {"all", {{true, true, true}, 14502}},
+  };
+  for (const auto& [name, expected] : cases) {
+    Scene scene = shipped_scene("pinned4");
+    scene.cloth.material.springs = expected.first;
+    Simulator simulator(scene);
+    EXPECT_EQ(simulator.cloth().num_springs(), expected.second) << name;
+    for_each_spring(simulator.cloth(), [&](const SpringRun& run, int, int) {
+      ASSERT_TRUE(expected.first[static_cast<std::size_t>(run.family)]) << name;
+    });
+    run(simulator, 0.5);
+    EXPECT_TRUE(simulator.state().positions.allFinite()) << name;
+    EXPECT_LT(mean_height(simulator.state()), -0.01) << name;
+  }
+}
+
+TEST(Wireframe, ShearSpringsKeepTheCornersSquare) {
+  // Without them a cell shears freely: pinned2's middle column and row lean apart.
+  const auto worst_shear = [](bool shear) {
+    Scene scene = shipped_scene("pinned2");
+    scene.cloth.material.springs[static_cast<std::size_t>(SpringFamily::shear)] = shear;
+    Simulator simulator(scene);
+    run(simulator, 3);
+    const Points& x = simulator.state().positions;
+    double sum = 0;
+    for (int row = 0; row < 49; ++row) {
+      for (int column = 0; column < 49; ++column) {
+        const Vector3 u =
+            point(simulator.cloth(), x, column + 1, row) - point(simulator.cloth(), x, column, row);
+        const Vector3 v =
+            point(simulator.cloth(), x, column, row + 1) - point(simulator.cloth(), x, column, row);
+        sum += std::abs(u.normalized().dot(v.normalized()));
+      }
+    }
+    return sum / (49 * 49);
+  };
+  const double with_shear = worst_shear(true);
+  const double without = worst_shear(false);
+  RecordProperty("with", std::to_string(with_shear));
+  RecordProperty("without", std::to_string(without));
+  EXPECT_GT(without, 2 * with_shear);
+}
+
+}  // namespace
+}  // namespace clothsim
