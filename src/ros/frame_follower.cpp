@@ -3,7 +3,7 @@
 #include <ros/console.h>
 #include <tf2/exceptions.h>
 
-#include <algorithm>
+#include <utility>
 
 #include "clothsim/ros/conversions.h"
 
@@ -27,8 +27,8 @@ bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
 
 }  // namespace
 
-FrameFollower::FrameFollower(const clothsim::Scene& scene, const std::string& world_frame)
-    : world_frame_(world_frame) {
+FrameFollower::FrameFollower(const clothsim::Scene& scene, std::string world_frame)
+    : world_frame_(std::move(world_frame)) {
   const auto add = [&](const std::string& frame, bool is_pin, size_t index) {
     if (frame.empty()) return;
     Follower follower;
@@ -55,26 +55,27 @@ void FrameFollower::look_up() {
 
 void FrameFollower::look_up(Follower& follower) {
   FrameStatus& status = follower.status;
-  geometry_msgs::TransformStamped transform;
+  bool known = true;
   try {
-    transform = buffer_.lookupTransform(world_frame_, status.frame, ros::Time(0));
+    const geometry_msgs::TransformStamped transform =
+        buffer_.lookupTransform(world_frame_, status.frame, ros::Time(0));
+    const clothsim::Pose pose = to_pose(transform.transform);
+    if (is_usable(pose)) {
+      follower.latest = pose;
+      follower.stamp = transform.header.stamp;
+      status.seen = true;
+    } else {
+      ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
+                        status.frame.c_str(), farthest);
+    }
   } catch (const tf2::TransformException&) {
-    status.lost = status.seen;  // before the first one there is nothing to lose
-    return;
+    known = false;
   }
 
-  const clothsim::Pose pose = to_pose(transform.transform);
-  if (!is_usable(pose)) {
-    ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
-                      status.frame.c_str(), farthest);
-    return;
-  }
-  follower.latest = pose;
-
-  const bool is_static = transform.header.stamp.isZero();
-  status.seen = true;
-  status.age = is_static ? 0 : (ros::Time::now() - transform.header.stamp).toSec();
-  status.lost = status.age > lost_after;
+  if (!status.seen) return;  // nothing to lose yet
+  const bool is_static = follower.stamp.isZero();
+  status.age = is_static ? 0 : (ros::Time::now() - follower.stamp).toSec();
+  status.lost = !known || status.age > lost_after;
 }
 
 void FrameFollower::move(clothsim::Simulator& simulator) {

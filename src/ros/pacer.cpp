@@ -24,7 +24,7 @@ Pacer::Pacer(double realtime_factor, bool owns_clock)
 ros::Time Pacer::pace() const {
   if (!owns_clock_) return ros::Time::now();
   const ros::SteadyTime now = ros::SteadyTime::now();
-  return ros::Time(now.sec, now.nsec);
+  return {now.sec, now.nsec};
 }
 
 ros::Time Pacer::now() const {

@@ -16,7 +16,7 @@ namespace {
 struct Config : clothsim::ClothSimConfig {
   Config() = default;
   Config(const clothsim::ClothSimConfig& config) : clothsim::ClothSimConfig(config) {}
-  void __clamp__() {}
+  void __clamp__() {}  // NOLINT(bugprone-reserved-identifier): the library's name
 };
 
 /// `config` with the values of `scene`. A strain limit that is off keeps its number.

@@ -25,7 +25,7 @@ struct FrameStatus {
 class FrameFollower {
  public:
   /// Listens to tf only if the scene names a frame.
-  FrameFollower(const clothsim::Scene&, const std::string& world_frame);
+  FrameFollower(const clothsim::Scene&, std::string world_frame);
 
   /// Reads the latest transforms.
   void look_up();
@@ -47,6 +47,7 @@ class FrameFollower {
     bool is_pin;
     int index;                              // of the scene's colliders or pins
     std::optional<clothsim::Pose> latest;   // of the frame in the world
+    ros::Time stamp;                        // of that; zero: a static transform
     std::optional<clothsim::Pose> applied;  // the one that the simulator has
     clothsim::Vector3 pin_offset{0, 0, 0};  // [m] of the pin in the frame
   };
