@@ -7,6 +7,7 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "clothsim/collision/intersections.h"
 #include "clothsim/model/errors.h"
@@ -28,12 +29,21 @@ const ros::WallDuration master_patience(0.001);
 /// The first is false when all is closed, the second true when closing begins.
 bool is_running() { return ros::ok() && !ros::isShuttingDown(); }
 
+/// Also refuses a scene whose values go together badly, with the full name of the parameter.
+clothsim::Simulator make_simulator(const ros::NodeHandle& node, const clothsim::Scene& scene) {
+  try {
+    return clothsim::Simulator(scene);
+  } catch (const clothsim::InvalidValue& error) {
+    throw std::runtime_error(error.message(node.getNamespace() + "/scene/", "/"));
+  }
+}
+
 }  // namespace
 
 Node::Node()
     : node_("~"),
       parameters_(read_parameters(node_)),
-      simulator_(parameters_.scene),
+      simulator_(make_simulator(node_, parameters_.scene)),
       paused_(parameters_.paused),
       follower_(parameters_.scene, parameters_.world_frame),
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
