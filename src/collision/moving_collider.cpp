@@ -1,7 +1,5 @@
 #include "clothsim/collision/moving_collider.h"
 
-#include <cmath>
-
 namespace clothsim {
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
@@ -18,8 +16,7 @@ void MovingCollider::place(const Pose& pose) {
 void MovingCollider::aim(const Pose& target, double duration) {
   target_ = target;
   velocity_ = (target.position - pose_.position) / duration;
-  Eigen::AngleAxisd turn(target.orientation * pose_.orientation.conjugate());
-  if (turn.angle() > M_PI) turn.angle() -= 2 * M_PI;  // the short way
+  const Eigen::AngleAxisd turn(target.orientation * pose_.orientation.conjugate());  // at most pi
   angular_velocity_ = turn.angle() / duration * turn.axis();
 }
 

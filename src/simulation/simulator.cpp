@@ -59,6 +59,7 @@ int substeps_of(const SimulationSpec& spec, const Cloth& cloth, const Integrator
 /// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
 void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
                     const std::vector<std::string>& key) {
+  if (spec.substeps) return;
   if (substeps_of(spec, cloth, integrator_of(spec), positions) < max_substeps) return;
   throw InvalidValue(
       key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
@@ -108,7 +109,8 @@ struct Simulator::Impl {
   }
 
   StepReport step();
-  void substep(double h, StepReport&);
+  /// False where the state has left the finite numbers.
+  bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
 
   Scene scene;
@@ -129,6 +131,7 @@ struct Simulator::Impl {
 StepReport Simulator::Impl::step() {
   const double dt = 1 / scene.simulation.frames_per_second;
   const State last_good = state;
+  const std::vector<MovingCollider> last_colliders = colliders;
 
   StepReport report;
   report.method = std::visit([](const auto& m) { return std::string(m.name); }, integrator);
@@ -141,34 +144,40 @@ StepReport Simulator::Impl::step() {
     state.velocities.row(point) = (pin_targets[i].transpose() - state.positions.row(point)) / dt;
   }
 
-  for (int k = 0; k < report.substeps; ++k) substep(h, report);
-
-  // They arrive, to the last bit.
-  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
-    state.velocities.row(pin_point(i)).setZero();
-  }
-  for (MovingCollider& collider : colliders) collider.arrive();
-  if (!is_good(state)) {
+  bool good = true;
+  for (int k = 0; good && k < report.substeps; ++k) good = substep(h, report);
+  if (!good || !is_good(state)) {
     state = last_good;
+    colliders = last_colliders;
     forget();
     throw Diverged("the state left the finite numbers in the frame after t = " +
                    std::to_string(state.time) + " s, with method " + report.method + " and " +
                    std::to_string(report.substeps) + " substeps a frame");
   }
+
+  // They arrive, to the last bit.
+  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
+  }
+  for (MovingCollider& collider : colliders) collider.arrive();
+
   state.time = last_good.time + dt;
   report.worst_stretch = worst_stretch(cloth, state.positions);
   report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
   return report;
 }
 
-void Simulator::Impl::substep(double h, StepReport& report) {
+bool Simulator::Impl::substep(double h, StepReport& report) {
   for (MovingCollider& collider : colliders) collider.advance(h);
   if (!colliders.empty()) start = state.positions;
 
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& method) { method.step(cloth, loads, h, state); }, integrator);
+
+  // Contact search needs numbers to sort.
+  if (!std::isfinite(state.positions.sum())) return false;
   if (strain_limit || point_contacts || !colliders.empty()) constrain(h, report);
+  return true;
 }
 
 void Simulator::Impl::constrain(double h, StepReport& report) {
@@ -216,6 +225,10 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   spec.material = material;
   Cloth cloth = make_grid(spec);
   check_feasible(simulation, cloth, impl_->state.positions, {"ks"});
+
+  // An impulse of pairs belongs to their masses.
+  const bool density_changed = material.density != impl_->scene.cloth.material.density;
+  if (density_changed && impl_->point_contacts) impl_->point_contacts->reset();
 
   const bool method_changed = simulation.method != impl_->scene.simulation.method;
   impl_->scene.cloth = std::move(spec);
