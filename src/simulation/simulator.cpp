@@ -158,6 +158,7 @@ StepReport Simulator::Impl::step() {
   // They arrive, to the last bit.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
     state.positions.row(pin_point(i)) = pin_targets[i].transpose();
+    state.velocities.row(pin_point(i)).setZero();
   }
   for (MovingCollider& collider : colliders) collider.arrive();
 

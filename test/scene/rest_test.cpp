@@ -155,8 +155,9 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
 }
 
 TEST(Sphere, NothingInsideAndNothingSlidingAway) {
-  // The drape settles by stick and slip: what hangs sinks for tens of seconds, by slips of some
-  // millimetres a second at most, against metres a second while it fell.
+  // What hangs sinks on for tens of seconds, in slips of some millimetres a second at most, against
+  // metres a second while it fell: friction solved to the default tolerance creeps, less at a
+  // tighter one.
   Simulator simulator(shipped_scene("sphere"));
   double deepest = 0;
   for (int frame = 0; frame < 14 * 90; ++frame) {

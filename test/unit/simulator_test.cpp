@@ -60,6 +60,41 @@ TEST(Simulator, TakesTheSubstepsItIsTold) {
   EXPECT_EQ(simulator.step().substeps, 17);
 }
 
+TEST(Simulator, TakesAsManySubstepsAsAreAllowed) {
+  Scene scene = hanging();
+  scene.simulation.substeps = max_substeps;
+  Simulator simulator(scene);
+  EXPECT_EQ(simulator.step().substeps, max_substeps);
+}
+
+TEST(Simulator, ADivergingFrameRollsBackCollidersToo) {
+  // Contact searches in every substep, so it must not be handed what is no longer a number.
+  Scene scene = with_ball();
+  scene.cloth.self_collision = true;
+  scene.cloth.material.ks = 1e12;
+  scene.simulation.substeps = 300;
+  Simulator simulator(scene);
+  const Pose start = simulator.collider_pose(0);
+  Pose target = start;
+  target.position.x() += 0.1;
+  simulator.move_collider(0, target);
+
+  bool diverged = false;
+  for (int frame = 0; frame < 20 && !diverged; ++frame) {
+    const State last = simulator.state();
+    const Pose last_pose = simulator.collider_pose(0);
+    try {
+      simulator.step();
+    } catch (const Diverged&) {
+      diverged = true;
+      EXPECT_EQ(simulator.state().positions, last.positions);
+      EXPECT_EQ(simulator.state().velocities, last.velocities);
+      EXPECT_EQ(simulator.collider_pose(0).position, last_pose.position);
+    }
+  }
+  EXPECT_TRUE(diverged);
+}
+
 TEST(Simulator, ResetGoesBackToTheStart) {
   Simulator simulator(with_ball());
   simulator.move_collider(0, {Vector3(0, 0, 2), Eigen::Quaterniond::Identity()});
