@@ -1,7 +1,6 @@
 #include "clothsim/dynamics/verlet.h"
 
-#include <cmath>
-
+#include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/target_clones.h"
 
 namespace clothsim {
@@ -26,11 +25,9 @@ void kick(int count, double h, const double* __restrict inv_mass, const double* 
 }
 
 void drift(const Cloth& cloth, double t, State& state) {
-  const double c = cloth.damping;
-  const double distance = c > 0 ? -std::expm1(-c * t) / c : t;  // travelled per unit of velocity
-  const double decay = std::exp(-c * t);
+  const Drag drag(cloth.damping, t);
   for (int axis = 0; axis < 3; ++axis) {
-    drift(cloth.num_points(), t, distance, decay, cloth.inv_mass.data(),
+    drift(cloth.num_points(), t, drag.distance, drag.decay, cloth.inv_mass.data(),
           state.positions.col(axis).data(), state.velocities.col(axis).data());
   }
 }

@@ -25,6 +25,13 @@ void check_range(const std::string& key, double value, const Range& range) {
   }
 }
 
+void check_range(const std::string& key, int value, const Range& range) {
+  if (value < range.min || value > range.max) {
+    throw InvalidValue({key}, std::to_string(value),
+                       "a whole number from " + to_text(range.min) + " to " + to_text(range.max));
+  }
+}
+
 void check_range(const std::string& key, const Vector3& value, const Range& range) {
   for (int axis = 0; axis < 3; ++axis) {
     inside(key, [&] { check_range(std::to_string(axis), value[axis], range); });

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/checks.h"
 
 namespace clothsim {
@@ -58,6 +57,14 @@ void validate(const std::vector<ColliderSpec>& colliders) {
 
 }  // namespace
 
+void check_method(const std::string& method) {
+  const std::vector<std::string> names = method_names();
+  if (method == "auto" || std::find(names.begin(), names.end(), method) != names.end()) return;
+  std::string known = "auto";
+  for (const std::string& name : names) known += ", " + name;
+  throw InvalidValue({"method"}, '"' + method + '"', "one of " + known);
+}
+
 void validate(const SimulationSpec& spec) {
   check_range("gravity", spec.gravity, gravity_range);
   check_range("frames_per_second", spec.frames_per_second, frames_per_second_range);
@@ -66,12 +73,8 @@ void validate(const SimulationSpec& spec) {
                        "auto or a whole number from 1 to " + std::to_string(max_substeps));
   }
   check_range("strain_tolerance", spec.strain_tolerance, strain_tolerance_range);
-  const std::vector<std::string> names = method_names();
-  if (spec.method != "auto" && std::find(names.begin(), names.end(), spec.method) == names.end()) {
-    std::string known = "auto";
-    for (const std::string& name : names) known += ", " + name;
-    throw InvalidValue({"method"}, '"' + spec.method + '"', "one of " + known);
-  }
+  check_method(spec.method);
+  inside("method_parameters", [&] { validate(spec.method_parameters, spec.method); });
 }
 
 void validate(const Scene& scene) {

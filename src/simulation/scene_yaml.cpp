@@ -136,15 +136,50 @@ void read_substeps(const YAML::Node& node, std::optional<int>& substeps) {
   }
 }
 
+/// The parameters of `method` from a map of them.
+MethodParameters read_method_parameters(const std::string& method, const YAML::Node& node) {
+  MethodParameters parameters = default_parameters(method);
+  const auto read = [&](auto& chosen) {
+    using Chosen = std::decay_t<decltype(chosen)>;
+    std::vector<Field> fields;
+    if constexpr (!std::is_same_v<Chosen, std::monostate>) {
+      Chosen::each(chosen, [&](const char* key, auto& value, const Range&) {
+        fields.push_back({key, into(value)});
+      });
+    }
+    if (fields.empty() && node.IsMap() && node.size() > 0) {
+      throw InvalidValue({}, "parameters",
+                         method == "auto"
+                             ? "none with method auto, which chooses a method and its parameters"
+                             : "none: method " + method + " has no parameters");
+    }
+    read_map(node, fields);
+  };
+  std::visit(read, parameters);
+  return parameters;
+}
+
 SimulationSpec read_simulation(const YAML::Node& node) {
   SimulationSpec spec;
+  YAML::Node parameters;  // can be read when the method is known
+  bool has_parameters = false;
   read_map(node,
            {{"gravity", into(spec.gravity)},
             {"frames_per_second", into(spec.frames_per_second)},
             {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
             {"strain_tolerance", into(spec.strain_tolerance)},
             {"method", into(spec.method)},
+            {"method_parameters",
+             [&](const YAML::Node& value) {
+               parameters.reset(value);
+               has_parameters = true;
+             }},
             {"seed", into(spec.seed)}});
+  check_method(spec.method);
+  if (has_parameters) {
+    inside("method_parameters",
+           [&] { spec.method_parameters = read_method_parameters(spec.method, parameters); });
+  }
   return spec;
 }
 

@@ -42,7 +42,8 @@ bool is_good(const State& state) {  // false for NaN
 }
 
 Integrator integrator_of(const SimulationSpec& spec) {
-  return make_integrator(spec.method == "auto" ? default_method : spec.method);
+  return make_integrator(spec.method == "auto" ? default_method : spec.method,
+                         spec.method_parameters);
 }
 
 double shortest_spring(const Cloth& cloth) {
@@ -234,7 +235,9 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   const bool density_changed = material.density != impl_->scene.cloth.material.density;
   if (density_changed && impl_->point_contacts) impl_->point_contacts->reset();
 
-  const bool method_changed = simulation.method != impl_->scene.simulation.method;
+  const SimulationSpec& last = impl_->scene.simulation;
+  const bool method_changed = simulation.method != last.method ||
+                              !same(simulation.method_parameters, last.method_parameters);
   impl_->scene.cloth = std::move(spec);
   impl_->scene.simulation = simulation;
   impl_->cloth = std::move(cloth);

@@ -13,10 +13,10 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.8;
 
-/// Share used for springs under tension. Here the limit's sweeps, not stability, set the step: at
-/// half the limit the directions of the springs hold through a step and a few sweeps do; nearer to
-/// it they turn so far that hundreds do not.
-constexpr double tension_margin = 0.5;
+/// Largest h omega across springs under tension. Here the limit's sweeps, not stability, set the
+/// step, whatever the method: at half of Verlet's limit the directions of the springs hold through
+/// a step and a few sweeps do; nearer to it they turn so far that hundreds do not.
+constexpr double tension_limit = 1;
 
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l).
@@ -32,8 +32,7 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
                    double stability_limit, double dt) {
   double steps = dt * omega_max_bound(cloth, positions) / (spring_margin * stability_limit);
   if (cloth.strain_limit) {
-    steps = std::max(steps,
-                     dt * tension_frequency(cloth, gravity) / (tension_margin * stability_limit));
+    steps = std::max(steps, dt * tension_frequency(cloth, gravity) / tension_limit);
   }
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }

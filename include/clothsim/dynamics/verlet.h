@@ -14,11 +14,20 @@ namespace clothsim {
 /// since the last one; kick, drift, kick (its conjugate, with the same limit and frequency) would
 /// need a second. Drag is solved exactly within each drift: alone, it gives v0 exp(-c t) and
 /// x0 + v0 (1 - exp(-c t)) / c whatever the step. Pins move at their own velocity.
-struct VelocityVerlet {
+class VelocityVerlet {
+ public:
   static constexpr const char* name = "verlet";
   static constexpr int order = 2;
   static constexpr double stability_limit = 2;  // h omega_max
   static constexpr double reach = 0.5;  // share of h that a point drifts with the kick's impulse
+
+  struct Parameters {
+    template <typename Self, typename Visit>
+    static void each(Self&, Visit&&) {}
+  };
+
+  VelocityVerlet() = default;
+  explicit VelocityVerlet(const Parameters&) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&);

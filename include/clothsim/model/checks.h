@@ -18,6 +18,9 @@ struct Range {
 /// Throws InvalidValue when `value` is outside `range` or not finite.
 void check_range(const std::string& key, double value, const Range& range);
 
+/// The same for a whole number between bounds of `range`, which are whole too.
+void check_range(const std::string& key, int value, const Range& range);
+
 /// The same for each component, with keys {key, "0"} to {key, "2"}.
 void check_range(const std::string& key, const Vector3& value, const Range& range);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clothsim/collision/collider.h"
+#include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/cloth_spec.h"
 
 namespace clothsim {
@@ -19,6 +20,7 @@ struct SimulationSpec {
   std::optional<int> substeps;      // a frame; empty: as many as the method needs
   double strain_tolerance = 0.004;  // stretch allowed over cloth.strain_limit, of the rest length
   std::string method = "auto";      // or a name of method_names()
+  MethodParameters method_parameters;  // of that method; none: its defaults
   std::uint64_t seed = 1;
 };
 
@@ -28,6 +30,9 @@ struct Scene {
   std::vector<ColliderSpec> colliders;
   SimulationSpec simulation;
 };
+
+/// Throws InvalidValue with the key {"method"} unless it is `auto` or a name of method_names().
+void check_method(const std::string& method);
 
 /// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
 void validate(const SimulationSpec&);

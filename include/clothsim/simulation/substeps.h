@@ -5,10 +5,11 @@
 
 namespace clothsim {
 
-/// Substeps that an explicit method needs for a frame of `dt` [s]: enough to stay inside
-/// h omega_max < `stability_limit` at the present stretch, and, with a strain limit, to follow the
-/// tension that the limit puts into the springs. A function of its arguments alone, so that a run
-/// goes on the same way from any state. At most max_substeps, whatever the material.
+/// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
+/// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
+/// and, with a strain limit, to follow the tension that the limit puts into the springs. A function
+/// of its arguments alone, so that a run goes on the same way from any state. At most max_substeps,
+/// whatever the material.
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt);
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/model/cloth.h"
+
+namespace clothsim {
+
+/// Tells a method when what it keeps from earlier steps (a factor, colours, history) no longer
+/// holds.
+class ClothWatch {
+ public:
+  /// Do springs, masses, pins, drag or the step h [s] differ from those of the last call? True at
+  /// the first call.
+  bool changed(const Cloth&, double h);
+
+ private:
+  double h_ = 0;
+  double damping_ = 0;
+  Scalars mass_;
+  Scalars inv_mass_;
+  std::vector<SpringRun> springs_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cmath>
+
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// Drag v' = -c v over t [s], solved exactly.
+struct Drag {
+  Drag(double c, double t)
+      : decay(std::exp(-c * t)), distance(c > 0 ? -std::expm1(-c * t) / c : t) {}
+
+  double decay;     // share of the velocity that is left
+  double distance;  // travelled per unit of velocity, and velocity per unit of acceleration [s]
+};
+
+/// First half of the methods of implicit Euler's family: a step of h [s] without springs,
+/// v = v exp(-c h) + g (1 - exp(-c h)) / c, then x += h v. Pins keep their velocity.
+void coast(const Cloth&, const Loads&, double h, State&);
+
+/// Inertia m_i / (h (1 - exp(-c h)) / c) [N/m] of the points against springs that move them after
+/// coast(): m / h^2 without drag. Zero at pins.
+Scalars coast_weights(const Cloth&, double h);
+
+}  // namespace clothsim

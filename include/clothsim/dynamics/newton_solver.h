@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/model/cloth.h"
+
+namespace clothsim {
+
+/// Finds where springs pull points that inertia holds: the displacements d of the free points that
+/// minimise the incremental potential
+///   sum_i w_i |d_i|^2 / 2 + sum over springs k (l(y + d) - L0)^2 / 2,
+/// as every implicit step does (Martin et al. 2011, "Example-based elastic materials", 3.2).
+///
+/// Newton's method with clamped spring Hessians, so that the matrix is positive definite, and
+/// backtracking on the potential (Nocedal & Wright, Numerical Optimization, 3.1). The matrix is
+/// factorised by Eigen's sparse L D L^T; its ordering and pattern are kept while the springs join
+/// the same points. Every step taken leaves the momentum sum of w d at zero without pins.
+class NewtonSolver {
+ public:
+  struct Parameters {
+    double tolerance = 1e-6;  // largest Newton step at which it stops, of the shortest rest length
+    int max_iterations = 20;
+
+    template <typename Self, typename Visit>
+    static void each(Self& self, Visit&& visit) {
+      visit("tolerance", self.tolerance, Range{1e-14, 1, ""});
+      visit("max_iterations", self.max_iterations, Range{1, 1000, ""});
+    }
+  };
+
+  explicit NewtonSolver(const Parameters&);
+  ~NewtonSolver();
+  NewtonSolver(NewtonSolver&&) noexcept;
+  NewtonSolver& operator=(NewtonSolver&&) noexcept;
+
+  /// `weights` [N/m] by point, above zero at free points; `y` [m], N x 3. Writes d [m], N x 3, zero
+  /// at pins; not a number where the numbers given leave no positive definite matrix. Returns the
+  /// Newton steps taken.
+  int solve(const Cloth&, const Scalars& weights, const Points& y, Points& d);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace clothsim

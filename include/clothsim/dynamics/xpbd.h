@@ -1,0 +1,62 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "clothsim/dynamics/cloth_watch.h"
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/checks.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// Extended position based dynamics: implicit Euler solved spring by spring, Gauss-Seidel on the
+/// springs' multipliers lambda, dlambda = (-C - a lambda) / (w_1 + w_2 + a) with C = l - L0 and
+/// a = 1 / (k h^2). Macklin et al. 2016, "XPBD"; small steps with one iteration each rather than
+/// many iterations: Macklin et al. 2019, "Small steps in physics simulation".
+///
+/// Multipliers start at zero in each step and are kept over its iterations. Springs are swept by
+/// colour, no two of a colour sharing a point. Drag as in implicit Euler.
+class Xpbd {
+ public:
+  static constexpr const char* name = "xpbd";
+  static constexpr int order = 1;
+  static constexpr double stability_limit = std::numeric_limits<double>::infinity();
+  static constexpr double reach = 1;  // share of h that a point moves with an impulse of the step
+
+  struct Parameters {
+    int iterations = 1;
+
+    template <typename Self, typename Visit>
+    static void each(Self& self, Visit&& visit) {
+      visit("iterations", self.iterations, Range{1, 100000, ""});
+    }
+  };
+
+  Xpbd() : Xpbd(Parameters()) {}
+  explicit Xpbd(const Parameters& parameters) : parameters_(parameters) {}
+
+  /// Advances positions and velocities by h [s]; the caller keeps the time.
+  void step(const Cloth&, const Loads&, double h, State&);
+
+ private:
+  struct Constraint {
+    int a;
+    int b;
+    double rest_length;  // [m]
+    double compliance;   // 1 / (k h^2), [m/J]
+    double share;        // 1 / (w_a + w_b + compliance)
+  };
+
+  void build(const Cloth&, double h);
+  void sweep(const Cloth&, Points& positions);
+
+  Parameters parameters_;
+  ClothWatch watch_;
+  std::vector<Constraint> constraints_;  // by colour
+  std::vector<double> lambda_;           // as constraints_
+  Points start_;                         // positions before the sweeps [m], N x 3
+};
+
+}  // namespace clothsim

@@ -1,0 +1,14 @@
+#include "clothsim/dynamics/implicit_euler.h"
+
+#include "clothsim/dynamics/drag.h"
+
+namespace clothsim {
+
+void ImplicitEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+  coast(cloth, loads, h, state);
+  solver_.solve(cloth, coast_weights(cloth, h), state.positions, displacement_);
+  state.positions += displacement_;
+  state.velocities += displacement_ / h;
+}
+
+}  // namespace clothsim

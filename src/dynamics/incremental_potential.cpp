@@ -1,0 +1,35 @@
+#include "clothsim/dynamics/incremental_potential.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/forces.h"
+
+namespace clothsim {
+
+double incremental_potential(const Cloth& cloth, const Scalars& weights, const Points& y,
+                             const Points& d) {
+  return weights.dot(d.rowwise().squaredNorm()) / 2 + elastic_energy(cloth, y + d);
+}
+
+void potential_gradient(const Cloth& cloth, const Scalars& weights, const Points& positions,
+                        const Points& d, Points& gradient) {
+  const Loads none{Vector3::Zero()};
+  compute_forces(cloth, none, positions, gradient);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] > 0) {
+      gradient.row(i) = weights[i] * d.row(i) - gradient.row(i);
+    } else {
+      gradient.row(i).setZero();
+    }
+  }
+}
+
+double shortest_rest_length(const Cloth& cloth) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
+  return shortest;
+}
+
+}  // namespace clothsim

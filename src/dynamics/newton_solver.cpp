@@ -1,0 +1,119 @@
+#include "clothsim/dynamics/newton_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/hessian.h"
+#include "clothsim/dynamics/incremental_potential.h"
+#include "clothsim/dynamics/spring_system.h"
+#include "clothsim/dynamics/springs.h"
+
+namespace clothsim {
+namespace {
+
+/// Share of the fall that the slope foretells with which a step is content (Armijo).
+constexpr double least_fall = 1e-4;
+
+/// Shortest step tried, of Newton's. Below, rounding decides.
+constexpr double shortest_step = 1e-6;
+
+}  // namespace
+
+struct NewtonSolver::Impl {
+  explicit Impl(const Parameters& p) : parameters(p) {}
+
+  int solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
+  bool find_step(const Cloth& cloth, const Scalars& weights);
+  bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
+
+  Parameters parameters;
+  SpringSystem<3> system;
+  Points positions;  // y + d [m]
+  Points gradient;   // of the potential [N]
+  Points step;       // Newton's [m]
+  Points trial;      // [m]
+  Eigen::Matrix<double, 3, Eigen::Dynamic> rhs;
+};
+
+/// Newton's step from `positions` and `gradient`. False where the numbers leave none.
+bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights) {
+  system.begin(cloth);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const double inertia = cloth.inv_mass[i] > 0 ? weights[i] : 1.0;
+    system.add_to_point(i, inertia * Eigen::Matrix3d::Identity());
+  }
+  int id = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Vector3 between = positions.row(b) - positions.row(a);
+    const Eigen::Matrix3d block = spring_hessian(run.stiffness, run.rest_length, between, 0);
+    const bool free_a = cloth.inv_mass[a] > 0;
+    const bool free_b = cloth.inv_mass[b] > 0;
+    if (free_a && free_b) {
+      system.add_spring(id, a, b, block);
+    } else if (free_a || free_b) {
+      system.add_to_point(free_a ? a : b, block);
+    }
+    ++id;
+  });
+  if (!system.factorize()) return false;
+
+  rhs = -gradient.transpose();
+  const Eigen::VectorXd solution = system.solve(rhs.reshaped());
+  step = solution.reshaped(3, cloth.num_points()).transpose();
+  return step.allFinite();
+}
+
+/// Takes as much of `step` as makes the potential fall. False where none does.
+bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, const Points& y,
+                                 Points& d) {
+  const double before = incremental_potential(cloth, weights, y, d);
+  const double slope = gradient.cwiseProduct(step).sum();
+  const double rounding = 1e-13 * before;
+  for (double share = 1; share >= shortest_step; share /= 2) {
+    trial = d + share * step;
+    const double after = incremental_potential(cloth, weights, y, trial);
+    if (after <= before + least_fall * share * slope + rounding) {
+      std::swap(d, trial);
+      return true;
+    }
+  }
+  return false;
+}
+
+int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const Points& y,
+                              Points& d) {
+  d.setZero(cloth.num_points(), 3);
+  if (cloth.springs.empty()) return 0;
+
+  gradient.resize(cloth.num_points(), 3);
+  const double small = parameters.tolerance * shortest_rest_length(cloth);
+  for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {
+    positions = y + d;
+    potential_gradient(cloth, weights, positions, d, gradient);
+    if (!find_step(cloth, weights)) {
+      d.setConstant(std::numeric_limits<double>::quiet_NaN());
+      return iteration;
+    }
+    if (step.cwiseAbs().maxCoeff() <= small) {
+      d += step;
+      return iteration;
+    }
+    if (!descend(cloth, weights, y, d)) return iteration;
+  }
+  return parameters.max_iterations;
+}
+
+NewtonSolver::NewtonSolver(const Parameters& parameters)
+    : impl_(std::make_unique<Impl>(parameters)) {}
+NewtonSolver::~NewtonSolver() = default;
+NewtonSolver::NewtonSolver(NewtonSolver&&) noexcept = default;
+NewtonSolver& NewtonSolver::operator=(NewtonSolver&&) noexcept = default;
+
+int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d) {
+  return impl_->solve(cloth, weights, y, d);
+}
+
+}  // namespace clothsim

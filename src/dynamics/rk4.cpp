@@ -1,0 +1,77 @@
+#include "clothsim/dynamics/rk4.h"
+
+#include "clothsim/dynamics/drag.h"
+#include "clothsim/dynamics/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// to = from + t rate.
+CLOTHSIM_TARGET_CLONES
+void advance(Eigen::Index count, double t, const double* from, const double* rate, double* to) {
+  for (Eigen::Index i = 0; i < count; ++i) to[i] = from[i] + t * rate[i];
+}
+
+/// to = decay from + t f / m; pins keep their velocity.
+CLOTHSIM_TARGET_CLONES
+void kick(int count, double decay, double t, const double* inv_mass, const double* from,
+          const double* f, double* to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = (inv_mass[i] > 0 ? decay : 1.0) * from[i] + t * inv_mass[i] * f[i];
+  }
+}
+
+void advance(double t, const Points& from, const Points& rate, Points& to) {
+  advance(from.size(), t, from.data(), rate.data(), to.data());
+}
+
+void kick(const Cloth& cloth, double decay, double t, const Points& from, const Points& forces,
+          Points& to) {
+  for (int axis = 0; axis < 3; ++axis) {
+    kick(cloth.num_points(), decay, t, cloth.inv_mass.data(), from.col(axis).data(),
+         forces.col(axis).data(), to.col(axis).data());
+  }
+}
+
+}  // namespace
+
+void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+  for (Points* points : {&forces_, &x_, &v_, &end_positions_, &end_velocities_}) {
+    points->resize(cloth.num_points(), 3);
+  }
+  const double half = Drag(cloth.damping, h / 2).decay;
+  const double whole = Drag(cloth.damping, h).decay;
+  const Points& x0 = state.positions;
+  const Points& v0 = state.velocities;
+
+  // Slopes at the start.
+  compute_forces(cloth, loads, x0, forces_);
+  advance(h / 6, x0, v0, end_positions_);
+  kick(cloth, whole, h / 6 * whole, v0, forces_, end_velocities_);
+
+  // In the middle, by those.
+  advance(h / 2, x0, v0, x_);
+  kick(cloth, half, h / 2 * half, v0, forces_, v_);
+  compute_forces(cloth, loads, x_, forces_);
+  advance(h / 3, end_positions_, v_, end_positions_);
+  kick(cloth, 1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+
+  // In the middle again.
+  advance(h / 2, x0, v_, x_);
+  kick(cloth, half, h / 2, v0, forces_, v_);
+  compute_forces(cloth, loads, x_, forces_);
+  advance(h / 3, end_positions_, v_, end_positions_);
+  kick(cloth, 1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+
+  // At the end.
+  advance(h, x0, v_, x_);
+  kick(cloth, whole, h * half, v0, forces_, v_);
+  compute_forces(cloth, loads, x_, forces_);
+  advance(h / 6, end_positions_, v_, end_positions_);
+  kick(cloth, 1, h / 6, end_velocities_, forces_, end_velocities_);
+
+  std::swap(state.positions, end_positions_);
+  std::swap(state.velocities, end_velocities_);
+}
+
+}  // namespace clothsim

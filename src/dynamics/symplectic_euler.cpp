@@ -1,0 +1,34 @@
+#include "clothsim/dynamics/symplectic_euler.h"
+
+#include "clothsim/dynamics/drag.h"
+#include "clothsim/dynamics/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// v = v decay + time f / m, x += h v; pins keep their velocity.
+CLOTHSIM_TARGET_CLONES
+void kick_and_drift(int count, double h, double time, double decay,
+                    const double* __restrict inv_mass, const double* __restrict f,
+                    double* __restrict x, double* __restrict v) {
+  for (int i = 0; i < count; ++i) {
+    v[i] = (inv_mass[i] > 0 ? decay : 1.0) * v[i] + time * inv_mass[i] * f[i];
+    x[i] += h * v[i];
+  }
+}
+
+}  // namespace
+
+void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+  forces_.resize(cloth.num_points(), 3);
+  compute_forces(cloth, loads, state.positions, forces_);
+
+  const Drag drag(cloth.damping, h);
+  for (int axis = 0; axis < 3; ++axis) {
+    kick_and_drift(cloth.num_points(), h, drag.distance, drag.decay, cloth.inv_mass.data(),
+                   forces_.col(axis).data(), state.positions.col(axis).data(),
+                   state.velocities.col(axis).data());
+  }
+}
+
+}  // namespace clothsim
