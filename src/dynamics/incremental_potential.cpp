@@ -1,7 +1,6 @@
 #include "clothsim/dynamics/incremental_potential.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
@@ -26,10 +25,10 @@ void potential_gradient(const Cloth& cloth, const Scalars& weights, const Points
   }
 }
 
-double shortest_rest_length(const Cloth& cloth) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
-  return shortest;
+double longest_rest_length(const Cloth& cloth) {
+  double longest = 0;
+  for (const SpringRun& run : cloth.springs) longest = std::max(longest, run.rest_length);
+  return longest;
 }
 
 }  // namespace clothsim

@@ -89,7 +89,7 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
   if (cloth.springs.empty()) return 0;
 
   gradient.resize(cloth.num_points(), 3);
-  const double small = parameters.tolerance * shortest_rest_length(cloth);
+  const double small = parameters.tolerance * longest_rest_length(cloth);
   for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {
     positions = y + d;
     potential_gradient(cloth, weights, positions, d, gradient);

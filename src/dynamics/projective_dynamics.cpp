@@ -105,7 +105,7 @@ ProjectiveDynamics& ProjectiveDynamics::operator=(ProjectiveDynamics&&) noexcept
 void ProjectiveDynamics::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   if (impl_->watch.changed(cloth, h)) {
     impl_->weights = coast_weights(cloth, h);
-    impl_->small = impl_->parameters.tolerance * shortest_rest_length(cloth);
+    impl_->small = impl_->parameters.tolerance * longest_rest_length(cloth);
     impl_->factorize(cloth);
   }
 

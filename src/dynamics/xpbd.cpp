@@ -50,13 +50,38 @@ void Xpbd::sweep(const Cloth& cloth, Points& positions) {
   }
 }
 
+/// With r the way to start + w sum of lambda u: points go r / (1 + 2 w sum of |lambda| / l), since
+/// a spring under tension lambda that is turned by a distance across it turns its push back by
+/// lambda / l of that, and its other end may do the same. This converges however long the step.
+void Xpbd::realign(const Cloth& cloth, Points& positions) {
+  target_ = start_;
+  turn_.setOnes(cloth.num_points());
+  for (std::size_t c = 0; c < constraints_.size(); ++c) {
+    const Constraint& spring = constraints_[c];
+    const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
+    const double length = d.norm();
+    if (length == 0) continue;
+    const double push = lambda_[c] / length;
+    const double w_a = cloth.inv_mass[spring.a];
+    const double w_b = cloth.inv_mass[spring.b];
+    target_.row(spring.a) -= w_a * push * d.transpose();
+    target_.row(spring.b) += w_b * push * d.transpose();
+    turn_[spring.a] += 2 * w_a * std::abs(push);
+    turn_[spring.b] += 2 * w_b * std::abs(push);
+  }
+  positions.array() += (target_ - positions).array().colwise() / turn_.array();
+}
+
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   if (watch_.changed(cloth, h)) build(cloth, h);
 
   coast(cloth, loads, h, state);
   start_ = state.positions;
   lambda_.assign(constraints_.size(), 0);
-  for (int i = 0; i < parameters_.iterations; ++i) sweep(cloth, state.positions);
+  for (int i = 0; i < parameters_.iterations; ++i) {
+    if (i > 0) realign(cloth, state.positions);
+    sweep(cloth, state.positions);
+  }
   state.velocities += (state.positions - start_) / h;
 }
 

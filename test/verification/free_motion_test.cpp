@@ -39,6 +39,12 @@ State spinning(const ClothSpec& spec, const Cloth& cloth, double spin) {
   return state;
 }
 
+/// Share of g h^2 by which a method of two steps falls short: its first step is of order 1 and
+/// h / 2 (g h) off, which x' = (4 x - x_last) / 3 turns into 3 / 2 of that. Zero for one-step
+/// methods.
+template <typename Method>
+constexpr double start_up = std::is_same_v<Method, Bdf2> ? 0.75 : 0;
+
 template <typename Method>
 class FreeMotion : public ::testing::Test {};
 TYPED_TEST_SUITE(FreeMotion, EachMethod);
@@ -56,7 +62,7 @@ TYPED_TEST(FreeMotion, FreeFallIsAParabola) {
   run(method, cloth, Loads{}, h, steps, state);
 
   const double rounding = 1e-11;
-  const double scheme = TypeParam::order == 1 ? g * t * h : 0;
+  const double scheme = TypeParam::order == 1 ? g * t * h : start_up<TypeParam> * g * h * h;
   Points exact = cloth.rest_positions;
   exact.col(2).array() -= g * t * t / 2;
   EXPECT_LT(farthest(state.positions, exact), rounding + scheme);
@@ -85,7 +91,7 @@ TYPED_TEST(FreeMotion, FallWithDragNearsItsEndSpeed) {
   const double z = 1 - end_speed * (t - (1 - std::exp(-c * t)) / c);
   const double share = TypeParam::order == 1 ? c * h : c * c * h * h / 24 * 1.01;
   EXPECT_NEAR(state.velocities(4, 2), v, share * std::abs(v));
-  EXPECT_NEAR(state.positions(4, 2), z, share * end_speed * t);
+  EXPECT_NEAR(state.positions(4, 2), z, share * end_speed * t + start_up<TypeParam> * g * h * h);
 }
 
 TYPED_TEST(FreeMotion, DragAloneIsExactWhateverTheStep) {

@@ -25,6 +25,23 @@ struct TypesOf<std::variant<Methods...>> {
 };
 using EachMethod = TypesOf<Integrator>::List;
 
+/// A method that iterates until rounding, or at least 100 times, so that only its scheme is left.
+template <typename Method>
+Method converged() {
+  struct Tighten {
+    void operator()(const std::string& key, double& value, const Range&) const {
+      if (key == "tolerance") value = 1e-13;
+    }
+    void operator()(const std::string& key, int& value, const Range&) const {
+      if (key == "iterations") value = std::is_same_v<Method, Xpbd> ? 100 : 1000;
+      if (key == "max_iterations") value = 1000;
+    }
+  };
+  typename Method::Parameters parameters;
+  Method::Parameters::each(parameters, Tighten());
+  return Method(parameters);
+}
+
 /// A default scene of config/scenes.
 inline Scene shipped_scene(const std::string& name) {
   return read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/" + name + ".yaml"));

@@ -15,7 +15,7 @@ double incremental_potential(const Cloth&, const Scalars& weights, const Points&
 void potential_gradient(const Cloth&, const Scalars& weights, const Points& positions,
                         const Points& d, Points& gradient);
 
-/// Shortest rest length of all springs [m]; infinity without springs.
-double shortest_rest_length(const Cloth&);
+/// Longest rest length of all springs [m]; zero without springs.
+double longest_rest_length(const Cloth&);
 
 }  // namespace clothsim

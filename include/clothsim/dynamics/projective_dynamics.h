@@ -29,7 +29,7 @@ class ProjectiveDynamics {
 
   struct Parameters {
     int iterations = 20;      // at most
-    double tolerance = 1e-6;  // largest iteration at which it stops, of the shortest rest length
+    double tolerance = 1e-6;  // largest iteration at which it stops, of the longest rest length
     int window = 5;           // iterates combined; 0: no acceleration
 
     template <typename Self, typename Visit>

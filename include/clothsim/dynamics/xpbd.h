@@ -18,6 +18,10 @@ namespace clothsim {
 ///
 /// Multipliers start at zero in each step and are kept over its iterations. Springs are swept by
 /// colour, no two of a colour sharing a point. Drag as in implicit Euler.
+///
+/// As published, a push stays where a spring pointed when it was given, and the limit of many
+/// iterations is not quite implicit Euler's. So each iteration but the first brings points to where
+/// the multipliers put them along the springs as they point now.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
@@ -51,12 +55,15 @@ class Xpbd {
 
   void build(const Cloth&, double h);
   void sweep(const Cloth&, Points& positions);
+  void realign(const Cloth&, Points& positions);
 
   Parameters parameters_;
   ClothWatch watch_;
   std::vector<Constraint> constraints_;  // by colour
   std::vector<double> lambda_;           // as constraints_
   Points start_;                         // positions before the sweeps [m], N x 3
+  Points target_;                        // where multipliers put the points [m], N x 3
+  Scalars turn_;                         // stiffness against turning, times inverse mass, N
 };
 
 }  // namespace clothsim

@@ -1,0 +1,76 @@
+// The shipped scenes with every method of the list.
+
+#include "clothsim/dynamics/stretch.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+struct Run {
+  std::string scene;
+  std::string method;
+};
+
+std::ostream& operator<<(std::ostream& out, const Run& r) {
+  return out << r.scene << ", " << r.method;
+}
+
+std::vector<Run> runs() {
+  std::vector<Run> all;
+  for (const char* scene : {"pinned2", "sphere", "self_collision"}) {
+    for (const std::string& method : method_names()) all.push_back({scene, method});
+  }
+  return all;
+}
+
+/// On a cloth of 16 x 16 points, which keeps it short.
+Scene small(const Run& r) {
+  Scene scene = shipped_scene(r.scene);
+  for (Pin& pin : scene.cloth.pinned) {
+    pin.column = pin.column * 15 / (scene.cloth.columns - 1);
+    pin.row = pin.row * 15 / (scene.cloth.rows - 1);
+  }
+  scene.cloth.columns = scene.cloth.rows = 16;
+  scene.cloth.thickness *= 3;
+  scene.simulation.method = r.method;
+  return scene;
+}
+
+class EveryMethodOn : public ::testing::TestWithParam<Run> {};
+
+TEST_P(EveryMethodOn, RunsAndKeepsItsConstraints) {
+  Simulator simulator(small(GetParam()));
+  const double tolerance = simulator.scene().simulation.strain_tolerance;
+  StepReport report;
+  for (int frame = 0; frame < 60; ++frame) {
+    report = simulator.step();
+    ASSERT_TRUE(simulator.state().positions.allFinite()) << frame;
+    ASSERT_TRUE(simulator.state().velocities.allFinite()) << frame;
+    ASSERT_LT(fastest(simulator.state()), 50) << frame;
+  }
+  EXPECT_EQ(report.method, GetParam().method);
+  // Repairs of contact come last and may stretch springs a little.
+  EXPECT_LT(report.worst_stretch, 0.1 + 5 * tolerance);
+  EXPECT_GE(simulator.state().positions.col(2).minCoeff(), -1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryMethodOn, ::testing::ValuesIn(runs()));
+
+TEST(ManyMethods, GiveOneRestShape) {
+  // The scheme does not show where nothing moves: with the strain limit, on which impulses work.
+  const auto rest = [](const std::string& method) {
+    Simulator simulator(small({"pinned2", method}));
+    run(simulator, 6);
+    return simulator.state().positions;
+  };
+  const Points expected = rest("verlet");
+  for (const std::string& method : method_names()) {
+    if (method == Xpbd::name) continue;  // one iteration a step has a rest shape of its own
+    EXPECT_LT(farthest(rest(method), expected), 5e-3) << method;
+  }
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,174 @@
+// The implicit solver, and the parts it stands on.
+
+#include "clothsim/dynamics/newton_solver.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "clothsim/dynamics/hessian.h"
+#include "clothsim/dynamics/incremental_potential.h"
+#include "clothsim/dynamics/spring_system.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+ClothSpec pinned_spec(int columns, int rows) {
+  ClothSpec spec = square_spec(columns);
+  spec.rows = rows;
+  spec.pinned = {{0, 0, ""}, {columns - 1, rows - 1, ""}};
+  return spec;
+}
+
+/// m / h^2 at free points.
+Scalars weights_of(const Cloth& cloth, double h) {
+  return (cloth.inv_mass.array() > 0).select(cloth.mass.array() / (h * h), 0);
+}
+
+Points free_points(const Cloth& cloth, Points points) {
+  for (const int pin : cloth.pinned) points.row(pin).setZero();
+  return points;
+}
+
+TEST(IncrementalPotential, GradientIsItsDerivative) {
+  const Cloth cloth = make_grid(pinned_spec(4, 5));
+  const Scalars weights = weights_of(cloth, 0.01);
+  const Points y = shaken(cloth, 0.05, 1);
+  const Points d = free_points(cloth, random_points(20, 0.02, 2));
+  Points gradient(20, 3);
+  potential_gradient(cloth, weights, y + d, d, gradient);
+  for (const int pin : cloth.pinned) EXPECT_EQ(gradient.row(pin).norm(), 0);
+
+  // Central differences are off by e^2 / 6 of the third derivative, k / L0 at most, and rounding.
+  const double e = 1e-5;
+  for (int seed = 3; seed < 13; ++seed) {
+    const Points direction = free_points(cloth, random_points(20, 1, static_cast<unsigned>(seed)));
+    const double slope = (incremental_potential(cloth, weights, y, d + e * direction) -
+                          incremental_potential(cloth, weights, y, d - e * direction)) /
+                         (2 * e);
+    EXPECT_NEAR(slope, gradient.cwiseProduct(direction).sum(), 1e-6 * gradient.norm());
+  }
+}
+
+/// The whole matrix of a system of springs with blocks of 3, put together entry by entry.
+Eigen::MatrixXd dense_matrix(const Cloth& cloth, const Points& x, double weight) {
+  Eigen::MatrixXd matrix = weight * Eigen::MatrixXd::Identity(3 * x.rows(), 3 * x.rows());
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Vector3 d = x.row(b) - x.row(a);
+    const Eigen::Matrix3d block = spring_hessian(run.stiffness, run.rest_length, d, 0);
+    matrix.block<3, 3>(3 * a, 3 * a) += block;
+    matrix.block<3, 3>(3 * b, 3 * b) += block;
+    matrix.block<3, 3>(3 * a, 3 * b) -= block;
+    matrix.block<3, 3>(3 * b, 3 * a) -= block;
+  });
+  return matrix;
+}
+
+TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
+  // Also when used again for a cloth with other springs, of as many points.
+  SpringSystem<3> system;
+  std::vector<ClothSpec> specs = {square_spec(5), square_spec(5), square_spec(3)};
+  specs[1].material.springs = {true, false, true};
+  specs[2].columns = 12;
+  specs[2].rows = 2;
+  for (const ClothSpec& spec : specs) {
+    const Cloth cloth = make_grid(spec);
+    const int n = cloth.num_points();
+    const Points x = shaken(cloth, 0.05, 1);
+    const double weight = 3;
+    system.begin(cloth);
+    for (int i = 0; i < n; ++i) system.add_to_point(i, weight * Eigen::Matrix3d::Identity());
+    int id = 0;
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      const Vector3 d = x.row(b) - x.row(a);
+      system.add_spring(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
+    });
+    ASSERT_TRUE(system.factorize());
+    const Eigen::VectorXd rhs = random_points(n, 1, 2).reshaped();
+    const Eigen::VectorXd solution = system.solve(rhs);
+    const Eigen::VectorXd expected = dense_matrix(cloth, x, weight).llt().solve(rhs);
+    EXPECT_LT((solution - expected).norm(), 1e-9 * expected.norm());
+  }
+}
+
+TEST(SpringSystem, SaysWhenTheMatrixIsNotPositiveDefinite) {
+  const Cloth cloth = make_grid(square_spec(3));
+  SpringSystem<1> system;
+  const auto factorizes = [&](double diagonal) {
+    system.begin(cloth);
+    for (int i = 0; i < 9; ++i) {
+      system.add_to_point(i, SpringSystem<1>::Block(i == 4 ? diagonal : 1));
+    }
+    return system.factorize();
+  };
+  EXPECT_TRUE(factorizes(1));
+  EXPECT_FALSE(factorizes(-1));
+  EXPECT_FALSE(factorizes(std::nan("")));
+}
+
+TEST(NewtonSolver, LeavesNoForce) {
+  // From steps short against the fastest swing to a hundred times longer, near rest and far from
+  // it.
+  const Cloth cloth = make_grid(pinned_spec(7, 6));
+  const double omega = std::sqrt(8 * 5000 / cloth.mass[0]);
+  NewtonSolver::Parameters parameters;
+  parameters.tolerance = 1e-10;
+  parameters.max_iterations = 500;
+  NewtonSolver solver(parameters);
+  for (const double omega_h : {0.1, 1.0, 10.0, 100.0}) {
+    for (const double size : {0.01, 0.3}) {
+      const Scalars weights = weights_of(cloth, omega_h / omega);
+      const Points y = shaken(cloth, size, 1);
+      Points d;
+      const int iterations = solver.solve(cloth, weights, y, d);
+      EXPECT_LT(iterations, 500) << "omega h " << omega_h << ", size " << size;
+
+      // What is left is the last step's share of the stiffest spring.
+      Points gradient(y.rows(), 3);
+      potential_gradient(cloth, weights, y + d, d, gradient);
+      Points before(y.rows(), 3);
+      potential_gradient(cloth, weights, y, 0 * d, before);
+      EXPECT_LT(gradient.norm(), 1e-7 * before.norm()) << omega_h << ' ' << size;
+      EXPECT_LT(incremental_potential(cloth, weights, y, d),
+                incremental_potential(cloth, weights, y, 0 * d));
+      for (const int pin : cloth.pinned) EXPECT_EQ(d.row(pin).norm(), 0);
+    }
+  }
+}
+
+TEST(NewtonSolver, KeepsMomentumHoweverFewTheSteps) {
+  const Cloth cloth = make_grid(square_spec(6));
+  const Scalars weights = weights_of(cloth, 0.05);
+  const Points y = shaken(cloth, 0.3, 1);
+  for (const int most : {1, 2, 5}) {
+    NewtonSolver::Parameters parameters;
+    parameters.max_iterations = most;
+    Points d;
+    EXPECT_LE(NewtonSolver(parameters).solve(cloth, weights, y, d), most);
+    EXPECT_GT(d.norm(), 1e-3);
+    EXPECT_LT((d.transpose() * weights).norm(), 1e-9 * weights.sum() * d.norm());
+  }
+}
+
+TEST(NewtonSolver, ASpringOfItsRestLengthStays) {
+  const Cloth cloth = make_grid(square_spec(4));
+  Points d;
+  NewtonSolver solver{NewtonSolver::Parameters()};
+  EXPECT_EQ(solver.solve(cloth, weights_of(cloth, 0.01), cloth.rest_positions, d), 1);
+  EXPECT_LT(d.norm(), 1e-14);
+}
+
+TEST(NewtonSolver, SaysNotANumberWhereThereIsNone) {
+  const Cloth cloth = make_grid(square_spec(4));
+  Points y = cloth.rest_positions;
+  y(5, 1) = std::nan("");
+  Points d;
+  NewtonSolver solver{NewtonSolver::Parameters()};
+  solver.solve(cloth, weights_of(cloth, 0.01), y, d);
+  EXPECT_FALSE(d.allFinite());
+}
+
+}  // namespace
+}  // namespace clothsim

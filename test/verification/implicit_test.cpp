@@ -1,0 +1,97 @@
+// Methods of implicit Euler's family on cloths: energy, and one solution for all its solvers.
+
+#include <cmath>
+
+#include "clothsim/dynamics/energy.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+double total_energy(const Cloth& cloth, const Loads& loads, const State& state) {
+  return kinetic_energy(cloth, state) + elastic_energy(cloth, state.positions) +
+         gravitational_energy(cloth, loads.gravity, state.positions);
+}
+
+/// A cloth hung by two corners with some speed at its start.
+struct Hung {
+  explicit Hung(int side, double ks) {
+    ClothSpec spec = square_spec(side, ks);
+    spec.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
+    cloth = make_grid(spec);
+    state.positions = shaken(cloth, 0.01, 1);
+    state.velocities = random_points(cloth.num_points(), 0.5, 2);
+    for (const int pin : cloth.pinned) {
+      state.positions.row(pin) = cloth.rest_positions.row(pin);
+      state.velocities.row(pin).setZero();
+    }
+  }
+  Cloth cloth;
+  State state;
+};
+
+TEST(ImplicitEulerEnergy, NeverRises) {
+  // From x' minimising |x' - x - h v|^2 / 2 h^2 + E, for energies E that are convex between the
+  // steps; checked from steps short against the fastest swing to 50 times longer, without drag.
+  const Loads loads;
+  for (const double ks : {50.0, 5000.0, 5e6}) {
+    for (const double h : {1e-3, 1e-2, 5e-2}) {
+      Hung hung(8, ks);
+      ImplicitEuler method;
+      double energy = total_energy(hung.cloth, loads, hung.state);
+      const double scale = hung.cloth.mass.sum() * 9.8;
+      for (int n = 0; n < 100; ++n) {
+        method.step(hung.cloth, loads, h, hung.state);
+        const double now = total_energy(hung.cloth, loads, hung.state);
+        ASSERT_LT(now, energy + 1e-9 * scale) << "ks " << ks << ", h " << h << ", step " << n;
+        energy = now;
+      }
+    }
+  }
+}
+
+/// Positions after `steps` steps of 5 ms; h omega_max is near 2.
+template <typename Method>
+Points after(Method method, int steps) {
+  Hung hung(8, 20000);
+  run(method, hung.cloth, Loads(), 5e-3, steps, hung.state);
+  return hung.state.positions;
+}
+
+template <typename Method>
+class SolverOfImplicitEuler : public ::testing::Test {};
+using Solvers = ::testing::Types<ProjectiveDynamics, Xpbd>;
+TYPED_TEST_SUITE(SolverOfImplicitEuler, Solvers);
+
+TYPED_TEST(SolverOfImplicitEuler, ConvergesToItAsIterationsGrow) {
+  const int steps = 20;
+  const Points exact = after(converged<ImplicitEuler>(), steps);
+  double last = std::numeric_limits<double>::infinity();
+  for (const int iterations : {1, 4, 16, 64}) {
+    typename TypeParam::Parameters parameters;
+    parameters.iterations = iterations;
+    if constexpr (std::is_same_v<TypeParam, ProjectiveDynamics>) parameters.tolerance = 0;
+    const double error = farthest(after(TypeParam(parameters), steps), exact);
+    this->RecordProperty("error_" + std::to_string(iterations), std::to_string(error));
+    EXPECT_LT(error, 0.5 * last) << iterations;
+    last = error;
+  }
+  EXPECT_LT(farthest(after(converged<TypeParam>(), steps), exact), 1e-9);
+}
+
+TEST(AndersonAcceleration, TakesFewerIterationsOfProjectiveDynamics) {
+  const Points exact = after(converged<ImplicitEuler>(), 5);
+  const auto error = [&](int window) {
+    ProjectiveDynamics::Parameters parameters;
+    parameters.iterations = 20;
+    parameters.tolerance = 0;
+    parameters.window = window;
+    return farthest(after(ProjectiveDynamics(parameters), 5), exact);
+  };
+  EXPECT_LT(error(5), 0.2 * error(0));
+}
+
+}  // namespace
+}  // namespace clothsim
