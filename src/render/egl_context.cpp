@@ -72,11 +72,8 @@ std::vector<Candidate> candidates(std::optional<int> only) {
     return Candidate{device_name(i, devices[i]), EGL_PLATFORM_DEVICE_EXT, devices[i]};
   };
   if (only) {
-    if (*only < 0 || static_cast<std::size_t>(*only) >= devices.size()) {
-      throw InvalidValue({"egl_device"}, std::to_string(*only),
-                         "an index below " + std::to_string(devices.size()) +
-                             ", the number of EGL devices on this machine");
-    }
+    check_egl_device(*only);
+    if (devices.empty()) return {};
     return {at(static_cast<std::size_t>(*only))};
   }
 
@@ -156,6 +153,16 @@ std::vector<std::string> egl_devices() {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < devices.size(); ++i) names.push_back(device_name(i, devices[i]));
   return names;
+}
+
+void check_egl_device(int index) {
+  const std::size_t count = query_devices().size();
+  const bool exists = index >= 0 && (count == 0 || static_cast<std::size_t>(index) < count);
+  if (!exists) {
+    throw InvalidValue({"egl_device"}, std::to_string(index),
+                       "an index from 0 to " + std::to_string(count == 0 ? 0 : count - 1) +
+                           " of this machine's EGL devices");
+  }
 }
 
 EglContext::EglContext(std::optional<int> device) {

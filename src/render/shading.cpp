@@ -24,11 +24,6 @@ void check(const Phong& p) {
   check_range("power", p.power, exponent);
 }
 
-template <class Pointer>
-void require_loaded(const Pointer& pointer, const char* key, const char* expected) {
-  if (!pointer) throw InvalidValue({key}, "nothing", expected);
-}
-
 void check(const Wireframe& s) {
   for (const Color& color : s.colors) check_range("colors", color, channel);
 }
@@ -41,23 +36,16 @@ void check(const BlinnPhong& s) {
   check_range("color", s.color, channel);
   check(s.phong);
 }
-void check(const Textured& s) { require_loaded(s.image, "texture", "an image file"); }
+void check(const Textured&) {}
 void check(const Bump& s) {
   check_range("color", s.color, channel);
   check(s.phong);
-  require_loaded(s.height_map, "height_map", "an image file");
   check_range("height_scaling", s.height_scaling, height);
   check_range("normal_scaling", s.normal_scaling, scaling);
 }
-void check(const Mirror& s) {
-  require_loaded(s.environment, "environment", "a folder of six images, or a panorama");
-}
-void check(const PhongTexture& s) {
-  require_loaded(s.image, "texture", "an image file");
-  check(s.phong);
-}
+void check(const Mirror&) {}
+void check(const PhongTexture& s) { check(s.phong); }
 void check(const Translucent& s) {
-  require_loaded(s.image, "texture", "an image file");
   check(s.phong);
   check_range("alpha", s.alpha, channel);
 }
@@ -67,6 +55,32 @@ void check(const Cartoon& s) {
   check_range("levels", s.levels, level_count);
   check_range("ambient", s.ambient, coefficient);
 }
+
+template <class Pointer>
+void require_loaded(const Pointer& pointer, const char* key, const char* expected) {
+  if (!pointer) throw InvalidValue({key}, "nothing", expected);
+}
+
+struct CheckImages {
+  template <class Kind>
+  void operator()(const Kind&) const {}
+  void operator()(const Textured& s) const { check_texture(s.image); }
+  void operator()(const PhongTexture& s) const { check_texture(s.image); }
+  void operator()(const Translucent& s) const { check_texture(s.image); }
+  void operator()(const Bump& s) const { check_height_map(s); }
+  void operator()(const Displacement& s) const { check_height_map(s); }
+  void operator()(const Mirror& s) const {
+    require_loaded(s.environment, "environment", "a folder of six images, or a panorama");
+  }
+
+ private:
+  static void check_texture(const std::shared_ptr<const Image>& image) {
+    require_loaded(image, "texture", "an image file");
+  }
+  static void check_height_map(const Bump& s) {
+    require_loaded(s.height_map, "height_map", "an image file");
+  }
+};
 
 /// Calls f with a default value of each alternative of Shading.
 template <class F, std::size_t... I>
@@ -106,6 +120,11 @@ Shading make_shading(const std::string& name) {
 }
 
 void validate(const Shading& shading) {
+  std::visit(CheckImages{}, shading);
+  validate_numbers(shading);
+}
+
+void validate_numbers(const Shading& shading) {
   std::visit([](const auto& s) { check(s); }, shading);
 }
 

@@ -1,5 +1,7 @@
 #include "clothsim/ros/conversions.h"
 
+#include <sensor_msgs/distortion_models.h>
+
 #include <array>
 #include <vector>
 
@@ -84,6 +86,20 @@ sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth& cloth,
   return msg;
 }
 
+sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera& camera,
+                                       const std_msgs::Header& header) {
+  sensor_msgs::CameraInfo msg;
+  msg.header = header;
+  msg.width = static_cast<std::uint32_t>(camera.width);
+  msg.height = static_cast<std::uint32_t>(camera.height);
+  msg.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
+  msg.D.assign(5, 0);
+  msg.K = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
+  msg.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  msg.P = {camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0};
+  return msg;
+}
+
 geometry_msgs::Point to_point_msg(const clothsim::Vector3& point) {
   geometry_msgs::Point msg;
   msg.x = point.x();
@@ -103,6 +119,16 @@ geometry_msgs::Pose to_pose_msg(const clothsim::Pose& pose) {
   msg.orientation.y = pose.orientation.y();
   msg.orientation.z = pose.orientation.z();
   msg.orientation.w = pose.orientation.w();
+  return msg;
+}
+
+geometry_msgs::Transform to_transform_msg(const clothsim::Pose& pose) {
+  const geometry_msgs::Pose same = to_pose_msg(pose);
+  geometry_msgs::Transform msg;
+  msg.translation.x = same.position.x;
+  msg.translation.y = same.position.y;
+  msg.translation.z = same.position.z;
+  msg.rotation = same.orientation;
   return msg;
 }
 

@@ -8,9 +8,6 @@ using diagnostic_msgs::DiagnosticStatus;
 /// Share of the real-time factor asked for below which the node warns.
 constexpr double slow_share = 0.95;
 
-/// A shorter time holds too few frames to judge the rate by [s].
-constexpr double shortest_measured = 0.5;
-
 void fill_speed(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper& out) {
   out.add("real-time factor asked", status.factor_asked);
   if (!status.factor_reached) return;
@@ -49,25 +46,43 @@ void fill(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper&
   for (const FrameStatus& frame : status.frames) fill_frame(frame, out);
 }
 
+std::string names(const clothsim::Outputs& outputs) {
+  std::string text;
+  const auto add = [&text](bool is_there, const char* name) {
+    if (is_there) text += (text.empty() ? "" : ", ") + std::string(name);
+  };
+  add(outputs.color, "color");
+  add(outputs.depth, "depth");
+  add(outputs.mask, "mask");
+  return text.empty() ? "none" : text;
+}
+
+void fill_camera(const CameraStatus& camera, diagnostic_updater::DiagnosticStatusWrapper& out) {
+  const clothsim::RenderStatus& render = camera.render;
+  const std::string subscribed = names(camera.subscribed);
+  out.summary(DiagnosticStatus::OK, "images: " + subscribed);
+  if (!render.failure.empty())
+    out.mergeSummary(DiagnosticStatus::WARN, "no images: " + render.failure);
+  out.add("images subscribed", subscribed);
+  out.add("pictures drawn", render.drawn);
+  out.add("pictures dropped", render.dropped);
+  if (camera.rate) out.addf("pictures per second", "%.1f", *camera.rate);
+  out.add("OpenGL", render.device.empty() ? "not in use" : render.device);
+  const auto add_time = [&out](const char* key, double seconds) {
+    out.addf(key, "%.2f", 1e3 * seconds);
+  };
+  add_time("upload [ms]", render.times.upload);
+  add_time("draw [ms]", render.times.draw);
+  add_time("read back [ms]", render.times.read);
+  if (camera.frame) fill_frame(*camera.frame, out);
+}
+
 }  // namespace
-
-void RateMeter::restart(double now) {
-  start_ = now;
-  simulated_ = 0;
-}
-
-std::optional<double> RateMeter::take(double now) {
-  const double passed = now - start_;
-  const double simulated = simulated_;
-  if (passed >= 0 && passed < shortest_measured) return std::nullopt;
-  restart(now);
-  if (passed < 0) return std::nullopt;  // time jumped
-  return simulated / passed;
-}
 
 Diagnostics::Diagnostics() {
   updater_.setHardwareID("none");
   updater_.add("simulation", [this](auto& out) { fill(status_, out); });
+  updater_.add("camera", [this](auto& out) { fill_camera(status_.camera, out); });
 }
 
 void Diagnostics::publish(const NodeStatus& status) {

@@ -1,25 +1,7 @@
 #include "clothsim/ros/frame_follower.h"
 
-#include <ros/console.h>
-#include <tf2/exceptions.h>
-
-#include <utility>
-
-#include "clothsim/ros/conversions.h"
-
 namespace clothsim_ros {
 namespace {
-
-/// A frame whose latest transform is older is lost [s]. Slower publishers than 1 Hz are no motion.
-constexpr double lost_after = 1;
-
-/// Positions farther out are no place for a cloth [m]; the scene has the same limit.
-constexpr double farthest = 1e6;
-
-bool is_usable(const clothsim::Pose& pose) {
-  return pose.orientation.coeffs().allFinite() &&
-         (pose.position.array().abs() <= farthest).all();  // false for NaN
-}
 
 bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
@@ -27,61 +9,23 @@ bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
 
 }  // namespace
 
-FrameFollower::FrameFollower(const clothsim::Scene& scene, std::string world_frame)
-    : world_frame_(std::move(world_frame)) {
+FrameFollower::FrameFollower(const clothsim::Scene& scene, TfListener& tf) {
   const auto add = [&](const std::string& frame, bool is_pin, size_t index) {
     if (frame.empty()) return;
-    Follower follower;
-    follower.status.frame = frame;
-    follower.is_pin = is_pin;
-    follower.index = static_cast<int>(index);
-    followers_.push_back(follower);
+    followers_.push_back({TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {0, 0, 0}});
   };
   for (size_t i = 0; i < scene.colliders.size(); ++i) add(scene.colliders[i].frame, false, i);
   for (size_t i = 0; i < scene.cloth.pinned.size(); ++i) add(scene.cloth.pinned[i].frame, true, i);
-  if (!followers_.empty()) listener_.emplace(buffer_);
 }
 
 void FrameFollower::look_up() {
-  for (Follower& follower : followers_) {
-    const bool was_lost = follower.status.lost;
-    look_up(follower);
-    if (follower.status.lost && !was_lost) {
-      ROS_WARN("Lost tf frame %s: what it carries stays where it was",
-               follower.status.frame.c_str());
-    }
-  }
-}
-
-void FrameFollower::look_up(Follower& follower) {
-  FrameStatus& status = follower.status;
-  bool known = true;
-  try {
-    const geometry_msgs::TransformStamped transform =
-        buffer_.lookupTransform(world_frame_, status.frame, ros::Time(0));
-    const clothsim::Pose pose = to_pose(transform.transform);
-    if (is_usable(pose)) {
-      follower.latest = pose;
-      follower.stamp = transform.header.stamp;
-      status.seen = true;
-    } else {
-      ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
-                        status.frame.c_str(), farthest);
-    }
-  } catch (const tf2::TransformException&) {
-    known = false;
-  }
-
-  if (!status.seen) return;  // nothing to lose yet
-  const bool is_static = follower.stamp.isZero();
-  status.age = is_static ? 0 : (ros::Time::now() - follower.stamp).toSec();
-  status.lost = !known || status.age > lost_after;
+  for (Follower& follower : followers_) follower.frame.look_up();
 }
 
 void FrameFollower::move(clothsim::Simulator& simulator) {
   for (Follower& follower : followers_) {
-    if (!follower.latest) continue;
-    const clothsim::Pose& pose = *follower.latest;
+    if (!follower.frame.pose()) continue;
+    const clothsim::Pose& pose = *follower.frame.pose();
     const bool is_first = !follower.applied;
     if (!is_first && same(pose, *follower.applied)) continue;
 
@@ -109,7 +53,7 @@ void FrameFollower::reset() {
 
 std::vector<FrameStatus> FrameFollower::status() const {
   std::vector<FrameStatus> all;
-  for (const Follower& follower : followers_) all.push_back(follower.status);
+  for (const Follower& follower : followers_) all.push_back(follower.frame.status());
   return all;
 }
 

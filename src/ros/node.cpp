@@ -29,12 +29,13 @@ const ros::WallDuration master_patience(0.001);
 /// The first is false when all is closed, the second true when closing begins.
 bool is_running() { return ros::ok() && !ros::isShuttingDown(); }
 
-/// Also refuses a scene whose values go together badly, with the full name of the parameter.
-clothsim::Simulator make_simulator(const ros::NodeHandle& node, const clothsim::Scene& scene) {
+/// Calls `make`; an InvalidValue it throws gets the full name of the parameter.
+template <class Make>
+auto with_full_name(const ros::NodeHandle& node, const std::string& parameter, Make make) {
   try {
-    return clothsim::Simulator(scene);
+    return make();
   } catch (const clothsim::InvalidValue& error) {
-    throw std::runtime_error(error.message(node.getNamespace() + "/scene/", "/"));
+    throw std::runtime_error(error.message(node.getNamespace() + "/" + parameter + "/", "/"));
   }
 }
 
@@ -43,12 +44,18 @@ clothsim::Simulator make_simulator(const ros::NodeHandle& node, const clothsim::
 Node::Node()
     : node_("~"),
       parameters_(read_parameters(node_)),
-      simulator_(make_simulator(node_, parameters_.scene)),
+      simulator_(with_full_name(node_, "scene",
+                                [this] { return clothsim::Simulator(parameters_.scene); })),
       paused_(parameters_.paused),
-      follower_(parameters_.scene, parameters_.world_frame),
+      tf_(parameters_.world_frame),
+      follower_(parameters_.scene, tf_),
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
-      reconfigure_(node_, simulator_) {
+      photographer_(with_full_name(
+          node_, "camera",
+          [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
+      reconfigure_(node_, simulator_),
+      view_reconfigure_(node_, photographer_, parameters_.scene) {
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
@@ -68,6 +75,7 @@ void Node::run() {
         paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
     ros::getGlobalCallbackQueue()->callAvailable(std::min(wait, longest_wait));
     outputs_.refresh();
+    if (paused_) photographer_.refresh();
 
     const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
     if (due && is_running()) simulate_frame(Turn::due);
@@ -99,6 +107,7 @@ bool Node::simulate_frame(Turn turn) {
 void Node::publish_frame(const ros::Time& stamp) {
   publish_clock();  // first, so that no state comes from the future
   outputs_.publish(stamp, frame_number_);
+  photographer_.update(stamp);
 }
 
 void Node::publish_clock() {
@@ -125,6 +134,7 @@ void Node::publish_diagnostics() {
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);
   }
   status.frames = follower_.status();
+  status.camera = photographer_.status();
   diagnostics_.publish(status);
 }
 
@@ -169,8 +179,10 @@ bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& resp
       response.message = failure_;
       return true;
     }
+    photographer_.wait();  // no picture is dropped, so that each run has the same ones
     publish_diagnostics();
   }
+  photographer_.finish();
   response.success = true;
   response.state = outputs_.state();
   return true;

@@ -5,8 +5,10 @@
 #include <stdexcept>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/render/egl_context.h"
 #include "clothsim/simulation/scene_yaml.h"
 #include "clothsim/simulation/yaml_values.h"
+#include "clothsim/view/view_yaml.h"
 
 namespace clothsim_ros {
 namespace {
@@ -41,6 +43,13 @@ void read_optional(const ros::NodeHandle& node, const std::string& key,
   clothsim::inside(key, [&] { read(to_yaml(value)); });
 }
 
+/// image_transport's parameters stand beside the view's, below the names of the image topics.
+YAML::Node without_topics(YAML::Node camera) {
+  if (camera.IsMap())
+    for (const char* topic : {"color", "depth", "mask"}) camera.remove(topic);
+  return camera;
+}
+
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
   bool has_scene = false;
@@ -49,6 +58,14 @@ NodeParameters read(const ros::NodeHandle& node) {
     has_scene = true;
   });
   if (!has_scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
+
+  YAML::Node camera(YAML::NodeType::Map);
+  read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
+  clothsim::inside("camera", [&] {
+    parameters.view = clothsim::read_view(without_topics(camera));
+    clothsim::check_colliders(parameters.view, parameters.scene);
+    if (parameters.view.egl_device) clothsim::check_egl_device(*parameters.view.egl_device);
+  });
 
   read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
   read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));

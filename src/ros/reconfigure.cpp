@@ -1,23 +1,13 @@
 #include "clothsim/ros/reconfigure.h"
 
 #include <clothsim/ClothSimConfig.h>
-#include <dynamic_reconfigure/server.h>
 
-#include <array>
-#include <string>
-
-#include "clothsim/model/errors.h"
+#include "clothsim/ros/live_values.h"
 
 namespace clothsim_ros {
 namespace {
 
-/// The limits of the .cfg are for sliders. The server would move a value beyond them to the limit
-/// without a word; the scene's own checks are to accept or refuse it as it is.
-struct Config : clothsim::ClothSimConfig {
-  Config() = default;
-  Config(const clothsim::ClothSimConfig& config) : clothsim::ClothSimConfig(config) {}
-  void __clamp__() {}  // NOLINT(bugprone-reserved-identifier): the library's name
-};
+using Config = clothsim::ClothSimConfig;
 
 /// `config` with the values of `scene`. A strain limit that is off keeps its number.
 Config from_scene(const clothsim::Scene& scene, Config config) {
@@ -61,44 +51,17 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
   return scene;
 }
 
-/// The message with the name of the live parameter: {"simulation", "gravity", "2"} is gravity_z.
-std::string live_message(const clothsim::InvalidValue& error, const std::string& ns) {
-  const std::vector<std::string>& key = error.key();
-  std::string name = key.back();
-  if (key.size() >= 2 && key[key.size() - 2] == "gravity") {
-    name = std::string("gravity_") + "xyz"[std::stoul(name)];
-  }
-  const std::string full_name = ns + "/" + name;
-  const std::string scene_name = error.message("", "/");
-  return full_name + scene_name.substr(scene_name.find(": got"));
-}
-
 }  // namespace
 
 struct Reconfigure::Impl {
-  Impl(const ros::NodeHandle& node_handle, clothsim::Simulator& sim)
-      : node(node_handle), simulator(sim), server(mutex, node) {
-    accepted = from_scene(simulator.scene(), Config::__getDefault__());
-    server.updateConfig(accepted);
-    server.setCallback([this](Config& config, std::uint32_t) { apply(config); });
-  }
+  Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator)
+      : values(node, from_scene(simulator.scene(), Config::__getDefault__()),
+               [&simulator](const Config& config) {
+                 const clothsim::Scene scene = to_scene(config, simulator.scene());
+                 simulator.set(scene.cloth.material, scene.simulation);
+               }) {}
 
-  void apply(Config& config) {
-    try {
-      const clothsim::Scene scene = to_scene(config, simulator.scene());
-      simulator.set(scene.cloth.material, scene.simulation);
-      accepted = config;
-    } catch (const clothsim::InvalidValue& error) {
-      ROS_ERROR("%s", live_message(error, node.getNamespace()).c_str());
-      config = accepted;
-    }
-  }
-
-  ros::NodeHandle node;
-  clothsim::Simulator& simulator;
-  Config accepted;  // the simulator's values
-  boost::recursive_mutex mutex;
-  dynamic_reconfigure::Server<Config> server;
+  LiveValues<Config> values;
 };
 
 Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simulator)

@@ -35,7 +35,7 @@ void check_colliders(const View& view, const Scene& scene) {
 PreparedView prepare(const View& view, ImageStore& images) {
   PreparedView ready;
   ready.camera = view.camera;
-  if (view.frame.empty()) ready.camera.pose = look_at(view.eye, view.target);
+  ready.camera.pose = look_at(view.eye, view.target);
   validate(ready.camera);
   ready.light = view.light;
   inside("light", [&] { validate(ready.light); });

@@ -16,13 +16,17 @@ class NoContext : public std::runtime_error {
 /// One line for each EGL device of the machine, in the order of their index.
 std::vector<std::string> egl_devices();
 
+/// Throws InvalidValue with the key {"egl_device"} for an index that does not exist. Where EGL has
+/// no devices at all, nothing is wrong with the index: making a context then says what is.
+void check_egl_device(int index);
+
 /// An OpenGL 3.3 core context without window or display server, current in the thread that makes
 /// it. Use and destroy it in that thread.
 class EglContext {
  public:
   /// Tries hardware devices first, then software ones, then Mesa's surfaceless platform; with a
-  /// `device` only that index of egl_devices(). Throws NoContext, and InvalidValue for an index
-  /// that does not exist.
+  /// `device` only that index of egl_devices(). Throws NoContext, and what check_egl_device()
+  /// throws.
   explicit EglContext(std::optional<int> device = std::nullopt);
   ~EglContext();
   EglContext(const EglContext&) = delete;

@@ -119,4 +119,7 @@ Shading make_shading(const std::string& name);
 /// that is missing.
 void validate(const Shading&);
 
+/// The same, but for the images.
+void validate_numbers(const Shading&);
+
 }  // namespace clothsim

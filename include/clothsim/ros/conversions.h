@@ -4,6 +4,7 @@
 #include <clothsim/ClothTopology.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Transform.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
 
@@ -12,6 +13,7 @@
 #include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/render/camera.h"
 
 // Pure functions between the core's types and ROS messages.
 
@@ -28,9 +30,14 @@ clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::
 sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,
                                         const std_msgs::Header&);
 
+/// Pinhole without distortion; K and P hold the same.
+sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::Header&);
+
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
+
+geometry_msgs::Transform to_transform_msg(const clothsim::Pose&);
 
 /// Normalises the rotation. Not finite where the message is not, or its rotation is zero.
 clothsim::Pose to_pose(const geometry_msgs::Transform&);

@@ -6,26 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/ros/frame_follower.h"
+#include "clothsim/ros/photographer.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
-
-/// Simulated time against the time that passed.
-class RateMeter {
- public:
-  /// Forgets what was before `now` [s], as after a pause.
-  void restart(double now);
-
-  void add(double simulated) { simulated_ += simulated; }
-
-  /// Simulated seconds per second since the last call; empty where too little time passed.
-  std::optional<double> take(double now);
-
- private:
-  double start_ = 0;      // [s]
-  double simulated_ = 0;  // [s] since then
-};
 
 /// What the node says of itself.
 struct NodeStatus {
@@ -36,6 +20,7 @@ struct NodeStatus {
   clothsim::StepReport report;            // of the last frame
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;
+  CameraStatus camera;
 };
 
 /// Sends a NodeStatus to /diagnostics.

@@ -15,7 +15,9 @@
 #include "clothsim/ros/outputs.h"
 #include "clothsim/ros/pacer.h"
 #include "clothsim/ros/parameters.h"
+#include "clothsim/ros/photographer.h"
 #include "clothsim/ros/reconfigure.h"
+#include "clothsim/ros/view_reconfigure.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
@@ -52,10 +54,13 @@ class Node {
   bool paused_;
   std::string failure_;  // why the simulation stopped
 
+  TfListener tf_;
   FrameFollower follower_;
   Pacer pacer_;
   Outputs outputs_;
+  Photographer photographer_;
   Reconfigure reconfigure_;
+  ViewReconfigure view_reconfigure_;
   RateMeter rate_;
   Diagnostics diagnostics_;
   ros::SteadyTime next_diagnostics_;

@@ -6,12 +6,14 @@
 #include <string>
 
 #include "clothsim/simulation/scene.h"
+#include "clothsim/view/view.h"
 
 namespace clothsim_ros {
 
 /// What the node reads from the parameter server, once, at its start.
 struct NodeParameters {
   clothsim::Scene scene;
+  clothsim::View view;  // of ~camera
   std::string world_frame = "map";
   double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
   bool paused = false;

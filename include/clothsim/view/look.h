@@ -26,7 +26,8 @@ struct Look {
 };
 
 /// The shader with its own parameters and images. Throws InvalidValue with a key such as
-/// {"texture"}.
+/// {"texture"}, also for what belongs to other shaders, so that any shader can be chosen next; of
+/// their images, the package's own are not read.
 Shading make_shading(const Look&, ImageStore&);
 
 }  // namespace clothsim

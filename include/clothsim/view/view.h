@@ -22,10 +22,10 @@ struct ColliderLook {
 
 /// All that a picture of a scene needs beside the scene.
 struct View {
-  Camera camera;                   // its pose follows from eye and target
+  Camera camera;                   // without a pose: it follows from eye and target
   Vector3 eye{1.9, -1.5, 1.5};     // [m]
   Vector3 target{0.5, 0.5, 0.55};  // [m]
-  std::string frame;  // tf frame that carries the camera instead, in optical convention
+  std::string frame;  // tf frame that carries the camera once it is seen, in optical convention
   Light light;
   Color background{0.1, 0.1, 0.12};
   std::string sky;  // as Look::environment; empty: the colour

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "clothsim/render/renderer.h"
+
+namespace clothsim {
+
+/// A picture to take.
+struct RenderJob {
+  Snapshot snapshot;
+  Camera camera;
+  Outputs outputs;
+  std::function<void(const Images&)> done;  // called in the render thread
+};
+
+/// What a render thread did so far.
+struct RenderStatus {
+  std::string device;   // where the OpenGL context came from; empty: there is none yet
+  std::string failure;  // why the last picture could not be taken, or that there is no OpenGL
+  int drawn = 0;        // pictures
+  int dropped = 0;      // pictures that a newer one replaced before they were drawn
+  RenderTimes times;    // of the last picture
+};
+
+/// Draws in a thread of its own, which owns the OpenGL context from its making to its end.
+class RenderThread {
+ public:
+  /// The context is made in the background; status() tells of a failure.
+  explicit RenderThread(const RendererOptions&);
+
+  /// Finishes the picture that is being drawn.
+  ~RenderThread();
+
+  /// Takes the place of a job that waits, so that the newest is drawn next. Without OpenGL nothing
+  /// happens.
+  void submit(RenderJob);
+
+  /// Waits until all that was submitted is drawn, or has failed.
+  void wait();
+
+  RenderStatus status() const;
+
+ private:
+  void run();
+  void draw(Renderer&, const RenderJob&, Images&);
+
+  RendererOptions options_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<RenderJob> waiting_;
+  bool busy_ = true;   // with a job, or making the context
+  bool alive_ = true;  // false: there is no context
+  bool end_ = false;
+  RenderStatus status_;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace clothsim

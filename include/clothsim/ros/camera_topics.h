@@ -1,0 +1,43 @@
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <ros/node_handle.h>
+
+#include <array>
+#include <functional>
+#include <string>
+
+#include "clothsim/render/renderer.h"
+
+namespace clothsim_ros {
+
+/// The topics ~camera/color, ~camera/depth and ~camera/mask, each with image_raw, by
+/// image_transport, and camera_info.
+class CameraTopics {
+ public:
+  /// `subscriber_came` is called with the node's other callbacks.
+  CameraTopics(const ros::NodeHandle&, const std::function<void()>& subscriber_came);
+
+  /// The images that somebody listens to.
+  clothsim::Outputs wanted() const;
+
+  /// Whether somebody listens to an image or a camera_info.
+  bool subscribed() const;
+
+  /// Sends the images that are there, and all camera_infos, with one header. From any thread.
+  void publish(const std_msgs::Header&, const clothsim::Camera&, const clothsim::Images&) const;
+
+ private:
+  struct Topic {
+    image_transport::Publisher image;
+    ros::Publisher info;
+  };
+
+  void send(const Topic&, const std_msgs::Header&, const std::string& encoding,
+            const clothsim::Images&, const void* pixels, std::size_t bytes) const;
+
+  image_transport::ImageTransport transport_;
+  std::array<Topic, 3> topics_;  // colour, depth, mask
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <ros/console.h>
+#include <ros/node_handle.h>
+
+#include <functional>
+#include <string>
+
+#include "clothsim/model/errors.h"
+
+namespace clothsim_ros {
+
+/// The message of an error with the name of the live parameter: in namespace `ns`, the key
+/// {"simulation", "gravity", "2"} is `ns`/gravity_z, {"cloth", "color", "0"} is `ns`/color_r.
+std::string live_message(const clothsim::InvalidValue&, const std::string& ns);
+
+/// Values that dynamic_reconfigure changes, in the namespace of a node handle. `Generated` is the
+/// class made from a .cfg file.
+template <class Generated>
+class LiveValues {
+ public:
+  /// The limits of the .cfg are for sliders. The server would move a value beyond them to the limit
+  /// without a word; `apply` is to accept or refuse it as it is.
+  struct Config : Generated {
+    Config() = default;
+    Config(const Generated& config) : Generated(config) {}
+    void __clamp__() {}  // NOLINT(bugprone-reserved-identifier): the library's name
+  };
+
+  /// Starts from `start`, whatever an earlier node left on the parameter server, and applies it.
+  /// `apply` throws InvalidValue to refuse a request, which is logged and answered with the values
+  /// that hold.
+  LiveValues(const ros::NodeHandle& node, const Generated& start,
+             std::function<void(const Generated&)> apply)
+      : accepted_(start), server_(mutex_, node) {
+    server_.updateConfig(accepted_);
+    server_.setCallback([this, apply, ns = node.getNamespace()](Config& config, std::uint32_t) {
+      try {
+        apply(config);
+        accepted_ = config;
+      } catch (const clothsim::InvalidValue& error) {
+        ROS_ERROR("%s", live_message(error, ns).c_str());
+        config = accepted_;
+      }
+    });
+  }
+
+ private:
+  Config accepted_;
+  boost::recursive_mutex mutex_;
+  dynamic_reconfigure::Server<Config> server_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+
+namespace clothsim_ros {
+
+/// How much of something happens in a second, such as simulated time.
+class RateMeter {
+ public:
+  /// Forgets what was before `now` [s], as after a pause.
+  void restart(double now);
+
+  void add(double amount) { sum_ += amount; }
+
+  /// Amount per second since the last call; empty where too little time passed.
+  std::optional<double> take(double now);
+
+ private:
+  double start_ = 0;  // [s]
+  double sum_ = 0;    // since then
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <optional>
+#include <string>
+
+#include "clothsim/collision/collider.h"
+
+namespace clothsim_ros {
+
+/// The transforms to the world that tf knows of. Listens only once it is asked to.
+class TfListener {
+ public:
+  explicit TfListener(std::string world_frame) : world_frame_(std::move(world_frame)) {}
+
+  void listen();
+
+  const std::string& world_frame() const { return world_frame_; }
+  const tf2::BufferCore& buffer() const { return buffer_; }
+
+ private:
+  std::string world_frame_;
+  tf2::BufferCore buffer_;
+  std::optional<tf2_ros::TransformListener> listener_;
+};
+
+/// What is known of a tf frame that carries a collider, a pin or the camera.
+struct FrameStatus {
+  std::string frame;
+  bool seen = false;  // a transform to the world came
+  bool lost = false;  // seen, but nothing newer came for a while
+  double age = 0;     // [s] of the latest transform; 0 for a static one
+};
+
+/// The latest pose of a tf frame. A frame that is lost keeps its last one.
+class TfFrame {
+ public:
+  /// Makes `tf` listen. It must outlive this.
+  TfFrame(std::string frame, TfListener& tf);
+
+  /// Reads the latest transform. Logs when the frame is lost, and a transform that is no use.
+  void look_up();
+
+  /// Of the frame in the world; empty until it is seen.
+  const std::optional<clothsim::Pose>& pose() const { return pose_; }
+
+  const FrameStatus& status() const { return status_; }
+
+ private:
+  bool read();
+
+  TfListener* tf_;
+  FrameStatus status_;
+  std::optional<clothsim::Pose> pose_;
+  ros::Time stamp_;  // of that; zero: a static transform
+};
+
+}  // namespace clothsim_ros

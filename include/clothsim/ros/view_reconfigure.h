@@ -1,0 +1,25 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <memory>
+
+#include "clothsim/ros/photographer.h"
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim_ros {
+
+/// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider,
+/// ~light and ~viewpoint. Changes hold from the next picture on.
+class ViewReconfigure {
+ public:
+  /// Starts from the photographer's view. The photographer must outlive this.
+  ViewReconfigure(const ros::NodeHandle&, Photographer&, const clothsim::Scene&);
+  ~ViewReconfigure();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,68 @@
+#include "clothsim/ros/camera_topics.h"
+
+#include <ros/single_subscriber_publisher.h>
+#include <sensor_msgs/fill_image.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+
+#include "clothsim/ros/conversions.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// Images that wait for a slow subscriber before the oldest is dropped. One of 640 x 480 with depth
+/// takes 1.2 MB.
+constexpr std::uint32_t queue = 10;
+
+}  // namespace
+
+CameraTopics::CameraTopics(const ros::NodeHandle& node,
+                           const std::function<void()>& subscriber_came)
+    : transport_(ros::NodeHandle(node, "camera")) {
+  ros::NodeHandle camera(node, "camera");
+  const std::array<std::string, 3> names = {"color", "depth", "mask"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    topics_[i].image = transport_.advertise(names[i] + "/image_raw", queue,
+                                            [subscriber_came](const auto&) { subscriber_came(); });
+    topics_[i].info = camera.advertise<sensor_msgs::CameraInfo>(
+        names[i] + "/camera_info", queue,
+        [subscriber_came](const ros::SingleSubscriberPublisher&) { subscriber_came(); });
+  }
+}
+
+clothsim::Outputs CameraTopics::wanted() const {
+  const auto listens = [](const Topic& topic) { return topic.image.getNumSubscribers() > 0; };
+  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2])};
+}
+
+bool CameraTopics::subscribed() const {
+  return std::any_of(topics_.begin(), topics_.end(), [](const Topic& topic) {
+    return topic.image.getNumSubscribers() > 0 || topic.info.getNumSubscribers() > 0;
+  });
+}
+
+void CameraTopics::publish(const std_msgs::Header& header, const clothsim::Camera& camera,
+                           const clothsim::Images& images) const {
+  namespace encodings = sensor_msgs::image_encodings;
+  send(topics_[0], header, encodings::RGB8, images, images.color.data(), images.color.size());
+  send(topics_[1], header, encodings::TYPE_32FC1, images, images.depth.data(),
+       images.depth.size() * sizeof(float));
+  send(topics_[2], header, encodings::MONO8, images, images.mask.data(), images.mask.size());
+  const sensor_msgs::CameraInfo info = to_camera_info(camera, header);
+  for (const Topic& topic : topics_) topic.info.publish(info);
+}
+
+void CameraTopics::send(const Topic& topic, const std_msgs::Header& header,
+                        const std::string& encoding, const clothsim::Images& images,
+                        const void* pixels, std::size_t bytes) const {
+  if (bytes == 0) return;
+  const auto msg = boost::make_shared<sensor_msgs::Image>();
+  msg->header = header;
+  const auto height = static_cast<std::uint32_t>(images.height);
+  sensor_msgs::fillImage(*msg, encoding, height, static_cast<std::uint32_t>(images.width),
+                         static_cast<std::uint32_t>(bytes) / height, pixels);
+  topic.image.publish(sensor_msgs::ImageConstPtr(msg));
+}
+
+}  // namespace clothsim_ros

@@ -1,0 +1,156 @@
+#include "clothsim/ros/photographer.h"
+
+#include <ros/console.h>
+#include <ros/this_node.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "clothsim/ros/conversions.h"
+#include "clothsim/view/resources.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// Frames come at multiples of their duration; sums of these are exact to this [s].
+constexpr double time_tolerance = 1e-6;
+
+/// `/a/clothsim` carries its camera on `a_clothsim_camera_optical`.
+std::string own_frame_name() {
+  std::string name = ros::this_node::getName().substr(1);
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name + "_camera_optical";
+}
+
+bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+bool any(const clothsim::Outputs& outputs) {
+  return outputs.color || outputs.depth || outputs.mask;
+}
+
+}  // namespace
+
+Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulator& simulator,
+                           TfListener& tf, const clothsim::View& view, const ros::Time& now)
+    : simulator_(simulator),
+      tf_(tf),
+      images_(clothsim::textures_folder()),
+      shaders_(clothsim::shaders_folder()),
+      own_frame_(own_frame_name()),
+      stamp_(now),
+      topics_(node, [this] { taken_ = false; }) {
+  set_view(view);
+}
+
+void Photographer::set_view(const clothsim::View& view) {
+  prepared_ = clothsim::prepare(view, images_);
+  if (view.frame.empty()) {
+    frame_.reset();
+  } else if (!frame_ || frame_->status().frame != view.frame) {
+    frame_.emplace(view.frame, tf_);
+  }
+  view_ = view;
+  move_camera();
+  taken_ = false;
+}
+
+bool Photographer::move_camera() {
+  if (!frame_) return false;
+  frame_->look_up();
+  if (!frame_->pose() || same(*frame_->pose(), prepared_.camera.pose)) return false;
+  prepared_.camera.pose = *frame_->pose();
+  return true;
+}
+
+void Photographer::update(const ros::Time& stamp) {
+  stamp_ = stamp;
+  taken_ = false;
+  if (!topics_.subscribed()) return;
+
+  // Also due: the first one after a reset, and after a change of the rate.
+  const double time = simulator_.state().time;
+  const double period = 1 / view_.rate;
+  if (next_ > time + period) next_ = time;
+  if (next_ > time + time_tolerance) return;
+  next_ = std::max(next_, time - period) + period;
+  take();
+}
+
+void Photographer::take() {
+  taken_ = true;
+  next_refresh_ = ros::SteadyTime::now() + ros::WallDuration(1 / view_.rate);
+  move_camera();
+  broadcast_own_frame();
+
+  clothsim::RenderJob job;
+  job.outputs = topics_.wanted();
+  if (!any(job.outputs)) {  // a camera_info needs no picture
+    topics_.publish(header(), prepared_.camera, {});
+    return;
+  }
+  if (!renderer_) {
+    renderer_.emplace(clothsim::RendererOptions{shaders_, view_.egl_device, view_.samples, false});
+  }
+  job.snapshot = snapshots_.make(simulator_, prepared_);
+  job.camera = prepared_.camera;
+  job.done = [this, header = header(), camera = job.camera](const clothsim::Images& images) {
+    topics_.publish(header, camera, images);
+  };
+  renderer_->submit(std::move(job));
+}
+
+void Photographer::wait() {
+  if (renderer_) renderer_->wait();
+}
+
+void Photographer::finish() {
+  if (!taken_ && topics_.subscribed()) take();
+  wait();
+}
+
+void Photographer::refresh() {
+  if (!topics_.subscribed() || ros::SteadyTime::now() < next_refresh_) return;
+  if (move_camera()) taken_ = false;
+  if (!taken_) take();
+}
+
+std_msgs::Header Photographer::header() const {
+  std_msgs::Header header;
+  header.stamp = stamp_;
+  header.frame_id = frame_ && frame_->pose() ? frame_->status().frame : own_frame_;
+  return header;
+}
+
+void Photographer::broadcast_own_frame() {
+  const clothsim::Pose& pose = prepared_.camera.pose;
+  if (frame_ && frame_->pose()) return;
+  if (broadcast_ && same(*broadcast_, pose)) return;
+  if (!broadcaster_) broadcaster_.emplace();
+  geometry_msgs::TransformStamped msg;
+  msg.header.stamp = stamp_;
+  msg.header.frame_id = tf_.world_frame();
+  msg.child_frame_id = own_frame_;
+  msg.transform = to_transform_msg(pose);
+  broadcaster_->sendTransform(msg);
+  broadcast_ = pose;
+}
+
+CameraStatus Photographer::status() {
+  CameraStatus status;
+  if (renderer_) status.render = renderer_->status();
+  status.subscribed = topics_.wanted();
+  if (frame_) status.frame = frame_->status();
+
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  rate_.add(status.render.drawn - std::exchange(counted_, status.render.drawn));
+  status.rate = rate_.take(now.toSec());
+
+  const std::string& failure = status.render.failure;
+  if (failure != logged_ && !failure.empty()) ROS_WARN("No images: %s", failure.c_str());
+  logged_ = failure;
+  return status;
+}
+
+}  // namespace clothsim_ros

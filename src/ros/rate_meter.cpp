@@ -1,0 +1,25 @@
+#include "clothsim/ros/rate_meter.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// A shorter time holds too little to judge the rate by [s].
+constexpr double shortest_measured = 0.5;
+
+}  // namespace
+
+void RateMeter::restart(double now) {
+  start_ = now;
+  sum_ = 0;
+}
+
+std::optional<double> RateMeter::take(double now) {
+  const double passed = now - start_;
+  const double sum = sum_;
+  if (passed >= 0 && passed < shortest_measured) return std::nullopt;
+  restart(now);
+  if (passed < 0) return std::nullopt;  // time jumped
+  return sum / passed;
+}
+
+}  // namespace clothsim_ros

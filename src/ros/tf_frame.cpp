@@ -1,0 +1,64 @@
+#include "clothsim/ros/tf_frame.h"
+
+#include <ros/console.h>
+#include <tf2/exceptions.h>
+
+#include <utility>
+
+#include "clothsim/ros/conversions.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// A frame whose latest transform is older is lost [s]. Slower publishers than 1 Hz are no motion.
+constexpr double lost_after = 1;
+
+/// Positions farther out are no place for a cloth [m]; the scene has the same limit.
+constexpr double farthest = 1e6;
+
+bool is_usable(const clothsim::Pose& pose) {
+  return pose.orientation.coeffs().allFinite() &&
+         (pose.position.array().abs() <= farthest).all();  // false for NaN
+}
+
+}  // namespace
+
+void TfListener::listen() {
+  if (!listener_) listener_.emplace(buffer_);
+}
+
+TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) {
+  status_.frame = std::move(frame);
+  tf.listen();
+}
+
+void TfFrame::look_up() {
+  const bool known = read();
+  if (!status_.seen) return;  // nothing to lose yet
+  const bool was_lost = status_.lost;
+  status_.age = stamp_.isZero() ? 0 : (ros::Time::now() - stamp_).toSec();
+  status_.lost = !known || status_.age > lost_after;
+  if (status_.lost && !was_lost)
+    ROS_WARN("Lost tf frame %s: what it carries stays where it was", status_.frame.c_str());
+}
+
+bool TfFrame::read() {
+  try {
+    const geometry_msgs::TransformStamped transform =
+        tf_->buffer().lookupTransform(tf_->world_frame(), status_.frame, ros::Time(0));
+    const clothsim::Pose pose = to_pose(transform.transform);
+    if (is_usable(pose)) {
+      pose_ = pose;
+      stamp_ = transform.header.stamp;
+      status_.seen = true;
+    } else {
+      ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
+                        status_.frame.c_str(), farthest);
+    }
+    return true;
+  } catch (const tf2::TransformException&) {
+    return false;
+  }
+}
+
+}  // namespace clothsim_ros

@@ -1,0 +1,157 @@
+#include "clothsim/ros/view_reconfigure.h"
+
+#include <clothsim/LightConfig.h>
+#include <clothsim/ShadingConfig.h>
+#include <clothsim/ViewpointConfig.h>
+
+#include <algorithm>
+#include <cctype>
+#include <list>
+#include <set>
+#include <string>
+
+#include "clothsim/ros/live_values.h"
+#include "clothsim/view/view_yaml.h"
+
+namespace clothsim_ros {
+namespace {
+
+using clothsim::LightConfig;
+using clothsim::ShadingConfig;
+using clothsim::View;
+using clothsim::ViewpointConfig;
+
+// Visit each pair of a live value and a value of the view. One list serves both directions, as
+// `visit` is to_config or to_view.
+
+template <class Vector, class Visit>
+void visit_vector(Vector& vector, double& x, double& y, double& z, Visit visit) {
+  visit(x, vector[0]);
+  visit(y, vector[1]);
+  visit(z, vector[2]);
+}
+
+template <class Visit>
+void visit_look(ShadingConfig& config, clothsim::Look& look, Visit visit) {
+  visit(config.shader, look.shader);
+  visit_vector(look.color, config.color_r, config.color_g, config.color_b, visit);
+  visit(config.ka, look.phong.ka);
+  visit(config.kd, look.phong.kd);
+  visit(config.ks, look.phong.ks);
+  visit(config.power, look.phong.power);
+  visit(config.ambient, look.phong.ambient);
+  visit(config.diffuse, look.phong.diffuse);
+  visit(config.specular, look.phong.specular);
+  visit(config.texture, look.texture);
+  visit(config.height_map, look.height_map);
+  visit(config.environment, look.environment);
+  visit(config.height_scaling, look.height_scaling);
+  visit(config.normal_scaling, look.normal_scaling);
+  visit(config.alpha, look.alpha);
+  visit(config.by_light, look.by_light);
+  visit(config.levels, look.levels);
+  visit(config.structural, look.springs[0]);
+  visit(config.shear, look.springs[1]);
+  visit(config.bending, look.springs[2]);
+}
+
+template <class Visit>
+void visit_collider(ShadingConfig& config, clothsim::ColliderLook& collider, Visit visit) {
+  visit_look(config, collider.look, visit);
+  visit(config.segments, collider.segments);
+  visit(config.extent, collider.extent);
+}
+
+template <class Visit>
+void visit_light(LightConfig& config, View& view, Visit visit) {
+  visit_vector(view.light.position, config.position_x, config.position_y, config.position_z, visit);
+  visit(config.intensity, view.light.intensity);
+  visit(config.ambient, view.light.ambient);
+  visit_vector(view.background, config.background_r, config.background_g, config.background_b,
+               visit);
+  visit(config.sky, view.sky);
+}
+
+template <class Visit>
+void visit_viewpoint(ViewpointConfig& config, View& view, Visit visit) {
+  visit_vector(view.eye, config.eye_x, config.eye_y, config.eye_z, visit);
+  visit_vector(view.target, config.target_x, config.target_y, config.target_z, visit);
+  visit(config.frame, view.frame);
+  visit(config.rate, view.rate);
+  visit(config.width, view.camera.width);
+  visit(config.height, view.camera.height);
+  visit(config.fx, view.camera.fx);
+  visit(config.fy, view.camera.fy);
+  visit(config.cx, view.camera.cx);
+  visit(config.cy, view.camera.cy);
+  visit(config.near, view.camera.near);
+  visit(config.far, view.camera.far);
+}
+
+const auto to_config = [](auto& config, const auto& value) { config = value; };
+const auto to_view = [](const auto& config, auto& value) { value = config; };
+
+/// `name` as a part of a ROS name that is not in `taken`.
+std::string ros_name(std::string name, std::set<std::string>& taken) {
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char c) { return c >= 128 || (!std::isalnum(c) && c != '_'); }, '_');
+  if (!std::isalpha(static_cast<unsigned char>(name[0]))) name = "collider_" + name;
+  while (!taken.insert(name).second) name += "_";
+  return name;
+}
+
+}  // namespace
+
+struct ViewReconfigure::Impl {
+  Impl(const ros::NodeHandle& node_handle, Photographer& p, const clothsim::Scene& scene)
+      : node(node_handle), photographer(p) {
+    add(light, "light", [](LightConfig& config, View& view, auto direction) {
+      visit_light(config, view, direction);
+    });
+    add(viewpoint, "viewpoint", [](ViewpointConfig& config, View& view, auto direction) {
+      visit_viewpoint(config, view, direction);
+    });
+    add(shading, "shading/cloth", [](ShadingConfig& config, View& view, auto direction) {
+      visit_look(config, view.cloth, direction);
+    });
+
+    std::set<std::string> taken{"cloth"};
+    for (const clothsim::ColliderSpec& collider : scene.colliders) {
+      const auto visit = [name = collider.name](ShadingConfig& config, View& view, auto direction) {
+        // A collider that the view does not name looks like all.
+        const auto look = view.colliders.emplace(name, view.collider).first;
+        visit_collider(config, look->second, direction);
+      };
+      add(shading, "shading/" + ros_name(collider.name, taken), visit);
+    }
+  }
+
+  /// Serves what `visit` visits in namespace `ns`.
+  template <class Generated, class Visit>
+  void add(std::list<LiveValues<Generated>>& servers, const std::string& ns, Visit visit) {
+    Generated start = Generated::__getDefault__();
+    View view = photographer.view();
+    visit(start, view, to_config);
+    servers.emplace_back(ros::NodeHandle(node, ns), start, [this, visit](Generated config) {
+      View changed = photographer.view();
+      visit(config, changed, to_view);
+      clothsim::validate(changed);
+      photographer.set_view(changed);
+    });
+  }
+
+  ros::NodeHandle node;
+  Photographer& photographer;
+  std::list<LiveValues<LightConfig>> light;
+  std::list<LiveValues<ViewpointConfig>> viewpoint;
+  std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
+};
+
+ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Photographer& photographer,
+                                 const clothsim::Scene& scene)
+    : impl_(std::make_unique<Impl>(node, photographer, scene)) {}
+
+ViewReconfigure::~ViewReconfigure() = default;
+
+}  // namespace clothsim_ros
