@@ -15,7 +15,7 @@ class Linear {
   Linear(int points, double rate) : offset_(random_points(points, 1, 1)) {
     const Eigen::Index n = offset_.size();
     Eigen::VectorXd rates(n);
-    for (Eigen::Index i = 0; i < n; ++i) rates[i] = rate * static_cast<double>(i + 1) / n;
+    for (Eigen::Index i = 0; i < n; ++i) rates[i] = rate * double(i + 1) / double(n);
     rates_ = rates;
   }
   Points change(const Points& x) const {

@@ -53,7 +53,9 @@ TEST(SpringHessian, ClampedIsPositiveSemidefiniteAndElseTheSame) {
     };
     EXPECT_GE(least(clamped), -1e-12 * k);
     EXPECT_GE(least(clamped - exact), -1e-12 * k) << "it only adds";
-    if (d.norm() > rest_length) EXPECT_EQ(clamped, exact);
+    if (d.norm() > rest_length) {
+      EXPECT_EQ(clamped, exact);
+    }
     if (least(exact) < -1e-6 * k) ++indefinite;
     // Along the spring it is the same at any length.
     EXPECT_NEAR(d.normalized().dot(clamped * d.normalized()), k, 1e-12 * k);
