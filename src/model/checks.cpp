@@ -28,7 +28,8 @@ void check_range(const std::string& key, double value, const Range& range) {
 void check_range(const std::string& key, int value, const Range& range) {
   if (value < range.min || value > range.max) {
     throw InvalidValue({key}, std::to_string(value),
-                       "a whole number from " + to_text(range.min) + " to " + to_text(range.max));
+                       "a whole number from " + std::to_string(std::llround(range.min)) + " to " +
+                           std::to_string(std::llround(range.max)));
   }
 }
 

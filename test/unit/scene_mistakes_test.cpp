@@ -47,7 +47,34 @@ INSTANTIATE_TEST_SUITE_P(
                 "frame, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
-                "substeps, strain_tolerance, method, seed"}));
+                "substeps, strain_tolerance, method, method_parameters, seed"},
+        Mistake{"simulation={method: bdf2, method_parameters: {iterations: 3}}",
+                "simulation.method_parameters.iterations: got an unknown key, expected one of "
+                "tolerance, max_iterations"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    MethodParameters, SceneMistake,
+    testing::Values(
+        Mistake{"simulation={method: xpbd, method_parameters: 5}",
+                "simulation.method_parameters: got 5, expected a map"},
+        Mistake{"simulation={method: xpbd, method_parameters: {iterations: 0}}",
+                "simulation.method_parameters.iterations: got 0, expected a whole number from 1 to "
+                "100000"},
+        Mistake{"simulation={method: xpbd, method_parameters: {iterations: 1.5}}",
+                "simulation.method_parameters.iterations: got 1.5, expected a whole number"},
+        Mistake{"simulation={method: bdf2, method_parameters: {tolerance: tight}}",
+                "simulation.method_parameters.tolerance: got tight, expected a finite number"},
+        Mistake{"simulation={method: bdf2, method_parameters: {tolerance: 2}}",
+                "simulation.method_parameters.tolerance: got 2, expected a number of at most 1"},
+        Mistake{"simulation={method: verlet, method_parameters: {iterations: 3}}",
+                "simulation.method_parameters: got parameters, expected none: method verlet has no "
+                "parameters"},
+        Mistake{"simulation={method: auto, method_parameters: {iterations: 3}}",
+                "simulation.method_parameters: got parameters, expected none with method auto, "
+                "which chooses a method and its parameters"},
+        Mistake{"simulation={method: magic, method_parameters: {iterations: 3}}",
+                "simulation.method: got \"magic\", expected one of auto, verlet, "
+                "symplectic_euler, rk4, implicit_euler, bdf2, projective_dynamics, xpbd"}));
 
 INSTANTIATE_TEST_SUITE_P(
     WrongType, SceneMistake,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/simulation/scene_yaml.h"
 
@@ -87,6 +88,16 @@ inline std::string print(const Scene& scene) {
   out << scene.simulation.frames_per_second << ' ' << scene.simulation.substeps.value_or(0) << ' '
       << scene.simulation.strain_tolerance << ' ' << scene.simulation.method << ' '
       << scene.simulation.seed;
+  std::visit(
+      [&](const auto& parameters) {
+        using Parameters = std::decay_t<decltype(parameters)>;
+        if constexpr (!std::is_same_v<Parameters, std::monostate>) {
+          Parameters::each(parameters, [&](const char* key, const auto& value, const Range&) {
+            out << ' ' << key << ' ' << value;
+          });
+        }
+      },
+      scene.simulation.method_parameters);
   return out.str();
 }
 

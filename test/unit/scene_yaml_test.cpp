@@ -37,6 +37,24 @@ TEST(SceneYaml, ReadsEveryKey) {
             "[1 2 3] 60 7 0.5 verlet 9223372036854775807");
 }
 
+TEST(SceneYaml, ReadsTheParametersOfTheMethod) {
+  // In either order of the keys; what is left out keeps its default.
+  for (const char* text :
+       {"{cloth: {}, simulation: {method: bdf2, method_parameters: {max_iterations: 3}}}",
+        "{cloth: {}, simulation: {method_parameters: {max_iterations: 3}, method: bdf2}}"}) {
+    const Scene scene = read_scene(YAML::Load(text));
+    const auto& parameters = std::get<Bdf2::Parameters>(scene.simulation.method_parameters);
+    EXPECT_EQ(parameters.max_iterations, 3);
+    EXPECT_EQ(parameters.tolerance, Bdf2::Parameters().tolerance);
+  }
+  // None to name is as good as not named.
+  for (const std::string& method : method_names()) {
+    EXPECT_NO_THROW(
+        read_changed({"simulation.method=" + method, "simulation.method_parameters={}"}));
+  }
+  EXPECT_NO_THROW(read_changed({"simulation.method_parameters={}"}));
+}
+
 TEST(SceneYaml, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(print(read_scene(YAML::Load("cloth: {}"))), print(Scene()));
 }

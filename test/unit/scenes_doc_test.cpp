@@ -52,7 +52,7 @@ struct Map {
   std::string before, after;
 };
 
-const std::vector<Map> maps = {
+const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
     {{"cloth.pinned"}, "cloth: {pinned: [{", "}]}"},
     {{"cloth.springs"}, "cloth: {springs: {", "}}"},
@@ -60,6 +60,29 @@ const std::vector<Map> maps = {
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
 };
+
+/// Those, and one for each method that has parameters.
+std::vector<Map> all_maps() {
+  std::vector<Map> all = fixed_maps;
+  for (const std::string& method : method_names()) {
+    bool has_parameters = false;
+    std::visit(
+        [&](const auto& parameters) {
+          using Parameters = std::decay_t<decltype(parameters)>;
+          if constexpr (!std::is_same_v<Parameters, std::monostate>) {
+            Parameters::each(parameters, [&](auto&&...) { has_parameters = true; });
+          }
+        },
+        default_parameters(method));
+    if (!has_parameters) continue;
+    all.push_back({{"simulation.method_parameters: " + method},
+                   "{cloth: {}, simulation: {method: " + method + ", method_parameters: {",
+                   "}}}"});
+  }
+  return all;
+}
+
+const std::vector<Map> maps = all_maps();
 
 /// Calls `visit(row, map)` for each row of each map.
 template <class Visit>
