@@ -35,6 +35,12 @@ void kick(const Cloth& cloth, double decay, double t, const Points& from, const 
 
 }  // namespace
 
+double RungeKutta4::reach(double damping, double h) {
+  // Displacement over velocity that a constant force gives in one step.
+  const double half = Drag(damping, h / 2).decay;
+  return (1 + 2 * half) / (1 + 4 * half + half * half);
+}
+
 void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   for (Points* points : {&forces_, &x_, &v_, &end_positions_, &end_velocities_}) {
     points->resize(cloth.num_points(), 3);

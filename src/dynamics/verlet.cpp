@@ -34,6 +34,11 @@ void drift(const Cloth& cloth, double t, State& state) {
 
 }  // namespace
 
+double VelocityVerlet::reach(double damping, double h) {
+  const Drag after_kick(damping, h / 2);
+  return after_kick.distance / (after_kick.decay * h);
+}
+
 void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   forces_.resize(cloth.num_points(), 3);
 

@@ -22,12 +22,16 @@ namespace {
 
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds. The most is met only after a shock.
+/// seconds. The most is met only in a shock.
 constexpr int min_sweeps = 4;
 constexpr int max_sweeps = 200;
 
-/// How much closer contact is solved than the strain limit: what friction leaves over, creeps.
-constexpr double contact_precision = 50;
+/// How much closer than the strain tolerance a substep's rates are solved: what is left of them
+/// adds up, from step to step.
+constexpr double precision = 20;
+
+/// How much closer contact is solved than that: what friction leaves over, creeps.
+constexpr double contact_precision = 2.5;
 
 /// The method `auto` stands for.
 constexpr const char* default_method = VelocityVerlet::name;
@@ -186,7 +190,8 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 }
 
 void Simulator::Impl::constrain(double h, StepReport& report) {
-  const double reach = std::visit([](const auto& m) { return m.reach; }, integrator);
+  const double reach =
+      std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, integrator);
   const double tolerance = scene.simulation.strain_tolerance;
 
   // Impulses that keep springs within their limit and points off colliders.
@@ -195,7 +200,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (strain_limit) strain_limit->begin(cloth, reach, state);
   if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
   collider_contacts.begin(colliders, cloth, h, reach, start, predicted, state);
-  const double small = tolerance * shortest_spring(cloth);  // [m]
+  const double small = tolerance * shortest_spring(cloth) / precision;  // [m]
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;
@@ -210,7 +215,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) {
-    report.corrections += strain_limit->correct(cloth, tolerance, max_sweeps, h, state);
+    report.corrections += strain_limit->correct(cloth, tolerance, max_sweeps, state.positions);
   }
   if (point_contacts) point_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);

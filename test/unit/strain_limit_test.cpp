@@ -64,7 +64,7 @@ TEST(StrainLimit, LeavesSlackClothAlone) {
   strain_limit.predict(cloth, h, reach, state);
   strain_limit.begin(cloth, reach, state);
   EXPECT_EQ(strain_limit.sweep(cloth, state.velocities), 0);
-  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 100, h, state), 0);
+  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 100, state.positions), 0);
   EXPECT_EQ(state.positions, before.positions);
   EXPECT_EQ(state.velocities, before.velocities);
 }
@@ -100,7 +100,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
     strain_limit.begin(cloth, reach, state);
     residual = strain_limit.sweep(cloth, state.velocities);
     state.positions += reach * h * (state.velocities - predicted);
-    strain_limit.correct(cloth, 1e-6, 100, h, state);
+    strain_limit.correct(cloth, 1e-6, 100, state.positions);
   }
   EXPECT_LT(residual, 1e-6 * 9.8 * h * h);
   EXPECT_NEAR(state.velocities(0, 2), 0, 1e-6 * 9.8 * h);
@@ -114,7 +114,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
 }
 
 TEST(StrainLimit, CorrectShortensToItsTolerance) {
-  // From far over the limit; pins hold, momentum of a free cloth stays, velocities follow.
+  // From far over the limit; pins hold, the centre of mass of a free cloth stays.
   const double tolerance = 1e-4;
   for (const bool pinned : {false, true}) {
     ClothSpec spec = limited(square_spec(8));
@@ -124,11 +124,10 @@ TEST(StrainLimit, CorrectShortensToItsTolerance) {
     ASSERT_GT(worst_stretch(cloth, state.positions), 0.2);
     const Points before = state.positions;
     StrainLimit strain_limit(cloth);
-    const int sweeps = strain_limit.correct(cloth, tolerance, 20000, h, state);
+    const int sweeps = strain_limit.correct(cloth, tolerance, 20000, state.positions);
     EXPECT_GT(sweeps, 0);
     EXPECT_LE(worst_stretch(cloth, state.positions), limit + tolerance + 1e-12);
     const Points moved = state.positions - before;
-    EXPECT_LT(farthest(state.velocities, moved / h), 1e-9 * fastest(state));
     if (pinned) {
       EXPECT_EQ(moved.row(0).norm() + moved.row(7).norm(), 0);
     } else {
@@ -141,7 +140,7 @@ TEST(StrainLimit, CorrectStopsAtItsSweepsAndSaysSo) {
   const Cloth cloth = make_grid(limited(square_spec(8)));
   State state{1.5 * cloth.rest_positions, Points::Zero(64, 3), 0};
   StrainLimit strain_limit(cloth);
-  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 3, h, state), 3);
+  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 3, state.positions), 3);
   EXPECT_GT(worst_stretch(cloth, state.positions), limit);
 }
 
@@ -159,7 +158,7 @@ TEST(StrainLimit, DegenerateSpringsGiveNoNan) {
       strain_limit.predict(cloth, h, reach, state);
       strain_limit.begin(cloth, reach, state);
       strain_limit.sweep(cloth, state.velocities);
-      strain_limit.correct(cloth, 1e-3, 50, h, state);
+      strain_limit.correct(cloth, 1e-3, 50, state.positions);
     }
     EXPECT_TRUE(state.positions.allFinite());
     EXPECT_TRUE(state.velocities.allFinite());
@@ -173,7 +172,7 @@ TEST(StrainLimit, ZeroLimitIsInextensible) {
   const Cloth cloth = make_grid(spec);
   State state{1.02 * cloth.rest_positions, Points::Zero(25, 3), 0};
   StrainLimit strain_limit(cloth);
-  strain_limit.correct(cloth, 1e-4, 20000, h, state);
+  strain_limit.correct(cloth, 1e-4, 20000, state.positions);
   EXPECT_LE(worst_stretch(cloth, state.positions), 1e-4 + 1e-12);
 }
 

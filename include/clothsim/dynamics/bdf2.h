@@ -1,7 +1,6 @@
 #pragma once
 
 #include <limits>
-#include <vector>
 
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/dynamics/forces.h"
@@ -15,11 +14,11 @@ namespace clothsim {
 /// Second order, stable at any step, damps fast swings. Hairer & Wanner, Solving Ordinary
 /// Differential Equations II, V.1; for cloth, Choi & Ko 2002, "Stable but responsive cloth".
 ///
-/// History belongs to a point. Without one (at the start, after h or the material has changed) it
-/// takes a step of implicit Euler, which costs no order. Constraints that pull on and on change
-/// each state handed back by about as much as the one before: they act as forces do, and history
-/// stays. A change more than three times larger or smaller than the last, or turned, is a hit, and
-/// that point's history is dropped: else a third of the jump would come again in the next step.
+/// History belongs to a point and holds while nothing but the method moves it. A point without (at
+/// the start, after h or the material has changed, and when the caller has given it an impulse
+/// since the last step, as contact and the strain limit do) takes a step of implicit Euler: the
+/// difference v - v_last would give a third of that impulse again. Single such steps cost no order;
+/// points that are held all the time move at order 1, as impulses do.
 ///
 /// Drag: v is replaced by exp(c t) v, and the force's weight 2 h / 3 by (1 - e)(3 - e) / 3 c with
 /// e = exp(-c h), so that drag alone and the end speed of a fall are exact for velocities.
@@ -28,7 +27,7 @@ class Bdf2 {
   static constexpr const char* name = "bdf2";
   static constexpr int order = 2;
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
-  static constexpr double reach = 2.0 / 3;  // share of h that a point moves with a step's impulse
+  static double reach(double, double) { return 1; }  // see Integrator; of a point that is held
 
   struct Parameters : NewtonSolver::Parameters {};
 
@@ -39,22 +38,11 @@ class Bdf2 {
   void step(const Cloth&, const Loads&, double h, State&);
 
  private:
-  /// What the caller did to a state since it was returned.
-  struct Changes {
-    Points positions;   // [m], N x 3
-    Points velocities;  // [m/s], N x 3
-  };
-
-  void drop_history_of_hit_points(const State&);
-
   NewtonSolver solver_;
   ClothWatch watch_;
-  std::vector<char> has_history_;  // by point
-  State last_;                     // as the last step found it
-  State returned_;                 // as the last step left it
-  Changes changes_;                // made after the step before the last
-  Scalars weights_;                // [N/m], N
-  Points displacement_;            // by the springs [m], N x 3
+  State last_;           // as the last step found it
+  State returned_;       // as the last step left it
+  Points displacement_;  // by the springs [m], N x 3
 };
 
 }  // namespace clothsim

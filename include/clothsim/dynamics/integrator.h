@@ -17,7 +17,9 @@ namespace clothsim {
 /// The closed list of methods. Names, parameters, error messages and tests derive from it. Each
 /// alternative has
 /// - `name`, `order`, `stability_limit` (largest h omega_max, infinity where there is none);
-/// - `reach`, the share of h that a point moves with an impulse given in the step;
+/// - `reach(damping, h)`, the share of h by which an impulse p given in the step displaces a point
+///   whose velocity at the end it changes by p / m: such that a force and the impulse that undoes
+///   it leave no displacement behind, drag included;
 /// - `step(const Cloth&, const Loads&, double h, State&)`;
 /// - `Parameters`, a struct of double and int with defaults, whose
 ///   `each(parameters, visit)` calls `visit(const char* key, value, const Range&)` for each, and

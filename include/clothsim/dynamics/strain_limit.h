@@ -16,10 +16,11 @@ namespace clothsim {
 /// Gauss-Seidel, kept from step to step and free to shrink again, so a hanging cloth starts each
 /// step almost solved and its rest shape does not depend on the order of the springs. Acting on
 /// velocities instead of lengths is what makes kept impulses stable when a step's sweeps stop
-/// early. What length violation is left is then taken out of positions, with velocities that follow
-/// (v += dx / h). Every impulse is equal and opposite, so momentum is conserved; impulses act along
-/// the springs as they lie in the middle of the step, so angular momentum is too, but for the last
-/// repair of lengths.
+/// early. Every impulse is equal and opposite, so momentum is conserved; impulses act along the
+/// springs as they lie in the middle of the step, so angular momentum is too.
+///
+/// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
+/// velocities have been solved already, and following this too would shake a soft cloth for ever.
 ///
 /// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
@@ -29,7 +30,7 @@ class StrainLimit {
   explicit StrainLimit(const Cloth& cloth);
 
   /// Gives the points, after a step of h [s], the impulses of the last step along the directions
-  /// of then. `reach`: the share of h that a point has moved with an impulse given in the step.
+  /// of then. `reach`: the method's own, see Integrator.
   void predict(const Cloth& cloth, double h, double reach, State&);
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
@@ -41,7 +42,7 @@ class StrainLimit {
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_sweeps` passes. Returns the passes taken.
-  int correct(const Cloth& cloth, double tolerance, int max_sweeps, double h, State&);
+  int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions);
 
   /// Goes on with the impulses of `last`, a limit on the same springs.
   void take_over(StrainLimit&& last);
@@ -81,7 +82,6 @@ class StrainLimit {
   std::array<std::vector<Active>, num_colours> active_;  // by colour
   std::array<std::vector<Active>, num_colours> last_active_;  // of the step before
   std::array<std::vector<int>, num_colours> over_;  // constraint ids, scratch of correct()
-  Points start_;                                    // scratch of correct()
 };
 
 }  // namespace clothsim

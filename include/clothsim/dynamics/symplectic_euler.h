@@ -16,7 +16,7 @@ class SymplecticEuler {
   static constexpr const char* name = "symplectic_euler";
   static constexpr int order = 1;
   static constexpr double stability_limit = 2;  // h omega_max
-  static constexpr double reach = 1;  // share of h that a point moves with an impulse of the step
+  static double reach(double, double) { return 1; }  // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>

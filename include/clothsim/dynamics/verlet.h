@@ -19,7 +19,7 @@ class VelocityVerlet {
   static constexpr const char* name = "verlet";
   static constexpr int order = 2;
   static constexpr double stability_limit = 2;  // h omega_max
-  static constexpr double reach = 0.5;  // share of h that a point drifts with the kick's impulse
+  static double reach(double damping, double h);  // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>
