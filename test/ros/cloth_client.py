@@ -57,6 +57,9 @@ class Recorder:
             return next((m for m in reversed(self.all()) if condition(m)), None)
         return wait_for(newest, what)
 
+    def connected(self):
+        return self._subscriber.get_num_connections() > 0
+
     def close(self):
         self._subscriber.unregister()
 

@@ -1,0 +1,102 @@
+"""What the tests of the node's images share: subscribing, pictures as arrays, diagnostics."""
+
+import numpy as np
+from cv_bridge import CvBridge
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import CameraInfo, Image
+
+from cloth_client import Recorder, wait_for
+
+KINDS = {"color": "rgb8", "depth": "32FC1", "mask": "mono8"}
+
+
+class Frame:
+    """Colour, depth and mask of one stamp, each with its camera_info."""
+
+    def __init__(self, images, infos):
+        self.images, self.infos = images, infos
+        self.color, self.depth, self.mask = (
+            CvBridge().imgmsg_to_cv2(images[kind], KINDS[kind]) for kind in KINDS)
+
+
+class Camera:
+    """The image topics of a clothsim node."""
+
+    def __init__(self, name="/clothsim"):
+        topic = name + "/camera/%s/%s"
+        self._images = {k: Recorder(topic % (k, "image_raw"), Image) for k in KINDS}
+        self._infos = {k: Recorder(topic % (k, "camera_info"), CameraInfo) for k in KINDS}
+
+    def _recorders(self):
+        return [*self._images.values(), *self._infos.values()]
+
+    def clear(self):
+        for recorder in self._recorders():
+            recorder.clear()
+
+    def close(self):
+        for recorder in self._recorders():
+            recorder.close()
+
+    def wait_for_connections(self):
+        wait_for(lambda: all(r.connected() for r in self._recorders()), "the image topics")
+
+    def stamps(self):
+        """Of the colour images, in order, each once."""
+        return sorted({m.header.stamp for m in self._images["color"].all()})
+
+    def wait_for_frame_after(self, stamp):
+        """Waits until all topics have something newer."""
+        for recorder in self._recorders():
+            recorder.wait("a newer image", lambda m: m.header.stamp > stamp)
+
+    def frame(self, stamp):
+        """The pictures of that stamp, waiting for them."""
+        def at(recorders, what):
+            return {k: r.wait("%s %s at %s" % (k, what, stamp), lambda m: m.header.stamp == stamp)
+                    for k, r in recorders.items()}
+        return Frame(at(self._images, "image"), at(self._infos, "camera_info"))
+
+    def color(self, what, condition):
+        """The newest colour image, as an array, for which the condition holds."""
+        def array(message):
+            return CvBridge().imgmsg_to_cv2(message, "rgb8")
+        return array(self._images["color"].wait(what, lambda m: condition(array(m))))
+
+
+class Status:
+    def __init__(self, message):
+        self.level, self.message = message.level, message.message
+        self.values = {v.key: v.value for v in message.values}
+
+
+class CameraDiagnostics:
+    """The node's status `camera` of /diagnostics."""
+
+    def __init__(self, name="clothsim"):
+        self._name = name + ": camera"
+        self._recorder = Recorder("/diagnostics", DiagnosticArray)
+
+    def next(self, condition=lambda status: True, what="of the camera"):
+        """A Status that comes from now on for which the condition holds. The first one may have
+        been on its way before the call."""
+        def statuses():
+            return [Status(s) for array in self._recorder.all() for s in array.status
+                    if s.name == self._name]
+
+        self._recorder.clear()
+        return wait_for(lambda: next((s for s in statuses() if condition(s)), None),
+                        "diagnostics " + what)
+
+    def drawn(self):
+        """How many pictures the node has drawn."""
+        self.next()
+        return int(self.next().values["pictures drawn"])
+
+
+def edges(mask):
+    """Pixels with a neighbour of another id."""
+    grown = np.pad(mask, 1, mode="edge")
+    rows, columns = mask.shape
+    return np.any([grown[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns] != mask
+                   for dy in (-1, 0, 1) for dx in (-1, 0, 1)], axis=0)

@@ -1,0 +1,429 @@
+#!/usr/bin/python3
+"""The node's images: what they hold, when they come, and what can be changed while they do."""
+
+import os
+import tempfile
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticStatus
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import TransformStamped
+from image_geometry import PinholeCameraModel
+from rosgraph_msgs.msg import Log
+import tf2_ros
+
+from camera_client import KINDS, Camera, CameraDiagnostics, edges
+from cloth_client import PATIENCE, Cloth, Recorder, positions, wait_for
+
+WIDTH, HEIGHT = 320, 240
+K = [520, 0, 140.25, 0, 450, 126.5, 0, 0, 1]
+EYE = np.array([1.9, -1.5, 2.2])  # [m]
+TARGET = np.array([0.5, 0.5, 0.55])  # [m]
+NOTHING, CLOTH, SPHERE = 0, 1, 2
+SPHERE_CENTRE, SPHERE_RADIUS = np.array([0.5, 0.5, 0.2]), 0.2  # [m]
+OWN_FRAME = "clothsim_camera_optical"
+
+
+def axes(eye, target):
+    """Right, down and forward of a camera that looks from eye to target, as columns."""
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    return np.column_stack([right, np.cross(forward, right), forward])
+
+
+def quaternion(rotation):
+    """x, y, z, w of a rotation matrix."""
+    values, vectors = np.linalg.eigh(np.array([
+        [rotation[0, 0] - rotation[1, 1] - rotation[2, 2], 0, 0, 0],
+        [rotation[1, 0] + rotation[0, 1], rotation[1, 1] - rotation[0, 0] - rotation[2, 2], 0, 0],
+        [rotation[2, 0] + rotation[0, 2], rotation[2, 1] + rotation[1, 2],
+         rotation[2, 2] - rotation[0, 0] - rotation[1, 1], 0],
+        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
+         rotation[1, 0] - rotation[0, 1], np.trace(rotation)]]))
+    return vectors[:, values.argmax()]
+
+
+def model(info):
+    camera = PinholeCameraModel()
+    camera.fromCameraInfo(info)
+    return camera
+
+
+def project(camera, points, eye=EYE, target=TARGET):
+    """Pixels (N x 2) by image_geometry, and distances along z [m]."""
+    local = (points - eye) @ axes(eye, target)
+    return np.array([camera.project3dToPixel(p) for p in local]), local[:, 2]
+
+
+class CameraTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.diagnostics = CameraDiagnostics()
+        cls.log = Recorder("/rosout", Log)
+        cls.shading = Client("/clothsim/shading/cloth", timeout=PATIENCE)
+        cls.sphere_shading = Client("/clothsim/shading/sphere", timeout=PATIENCE)
+        cls.light = Client("/clothsim/light", timeout=PATIENCE)
+        cls.viewpoint = Client("/clothsim/viewpoint", timeout=PATIENCE)
+        cls.clients = [cls.shading, cls.sphere_shading, cls.light, cls.viewpoint]
+        cls.start = [c.get_configuration(timeout=PATIENCE) for c in cls.clients]
+        cls.start = [{k: v for k, v in c.items() if k != "groups"} for c in cls.start]
+
+    def setUp(self):
+        self.cloth.pause()
+        for client, start in zip(self.clients, self.start):
+            client.update_configuration(start)
+        self.cloth.reset()
+        self.camera = None
+
+    def tearDown(self):
+        if self.camera:
+            self.camera.close()
+
+    def subscribe(self):
+        self.camera = Camera()
+        self.camera.wait_for_connections()
+
+    def step(self, frames):
+        """The state after some frames and the pictures of its stamp."""
+        state = self.cloth.step(frames)
+        return state, self.camera.frame(state.header.stamp)
+
+    # ---- What an image holds ----
+
+    def test_messages(self):
+        self.subscribe()
+        state, frame = self.step(3)
+        bytes_per_pixel = {"color": 3, "depth": 4, "mask": 1}
+        for kind, encoding in KINDS.items():
+            image, info = frame.images[kind], frame.infos[kind]
+            self.assertEqual(image.encoding, encoding)
+            self.assertEqual((image.width, image.height), (WIDTH, HEIGHT))
+            self.assertEqual(image.step, WIDTH * bytes_per_pixel[kind])
+            self.assertEqual(len(image.data), HEIGHT * image.step)
+            self.assertEqual(image.is_bigendian, 0)
+            self.assertEqual(image.header.stamp, state.header.stamp)
+            self.assertEqual(image.header.frame_id, OWN_FRAME)
+            self.assertEqual((info.header.stamp, info.header.frame_id),
+                             (image.header.stamp, image.header.frame_id))
+            self.assertEqual((info.width, info.height), (WIDTH, HEIGHT))
+            self.assertEqual(list(info.K), K)
+            self.assertEqual(list(info.P), K[:3] + [0] + K[3:6] + [0] + K[6:] + [0])
+            self.assertEqual(list(info.R), [1, 0, 0, 0, 1, 0, 0, 0, 1])
+            self.assertEqual(info.distortion_model, "plumb_bob")
+            self.assertEqual(list(info.D), [0] * 5)
+
+    def test_tf_knows_the_optical_frame(self):
+        self.subscribe()
+        self.step(1)
+        buffer = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(buffer)
+        wait_for(lambda: buffer.can_transform("map", OWN_FRAME, rospy.Time(0)), "the camera's frame")
+        t = buffer.lookup_transform("map", OWN_FRAME, rospy.Time(0)).transform
+        listener.unregister()
+        np.testing.assert_allclose([t.translation.x, t.translation.y, t.translation.z], EYE)
+        q = np.array([t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w])
+        self.assertAlmostEqual(abs(q @ quaternion(axes(EYE, TARGET))), 1, delta=1e-9)
+
+    def agreement(self, state, frame):
+        """Share of the state's points that depth and mask show where image_geometry puts them, or
+        behind something nearer; and share of the mask's cloth that is near one of them."""
+        # Not those on the rim, which are on the edge of a pixel as often as not.
+        points = positions(state).astype(float).reshape(50, 50, 3)[1:-1, 1:-1].reshape(-1, 3)
+        pixels, distance = project(model(frame.infos["mask"]), points)
+        columns, rows = np.rint(pixels).astype(int).T
+        seen = (columns >= 0) & (columns < WIDTH) & (rows >= 0) & (rows < HEIGHT)
+        columns, rows, distance = columns[seen], rows[seen], distance[seen]
+        self.assertGreater(len(rows), 1000)
+
+        # Cloth that is seen edge on is this much farther away half a pixel on [m].
+        slack = 0.03
+        depth, mask = frame.depth[rows, columns], frame.mask[rows, columns]
+        at_place = (mask == CLOTH) & (np.abs(distance - depth) < slack)
+        hidden = (mask != NOTHING) & (distance > depth)
+
+        # Neighbours are up to 4 pixels apart, and the rim as far from the outermost.
+        near = np.zeros((HEIGHT + 10, WIDTH + 10), bool)
+        for dy in range(11):
+            for dx in range(11):
+                near[rows + dy, columns + dx] = True
+        return np.mean(at_place | hidden), np.mean(near[5:-5, 5:-5][frame.mask == CLOTH])
+
+    def check_frame(self, frame):
+        """Colour, depth and mask show one state: the red cloth is red wherever the mask says that
+        it is cloth, and nowhere else."""
+        self.assertTrue(np.array_equal(np.isinf(frame.depth), frame.mask == NOTHING))
+        red = (frame.color[..., 0] > 40) & (frame.color[..., 1] < 10)
+        clear = ~edges(frame.mask)
+        self.assertGreater(np.sum(red), 1000)
+        self.assertTrue(np.array_equal(red[clear], (frame.mask == CLOTH)[clear]))
+
+    def use_clear_colors(self):
+        """No red sphere, no dark cloth."""
+        self.light.update_configuration({"ambient": 0.0, "intensity": 100.0, "position_x": 1.9,
+                                         "position_y": -1.5, "position_z": 2.2})
+        self.sphere_shading.update_configuration({"color_r": 0.0, "ks": 0.0})
+
+    def check_shown(self, states, frames):
+        """Each frame shows its own state, and none the one before, as the cloth moves."""
+        for state, frame, before in zip(states[1:], frames[1:], states):
+            self.check_frame(frame)
+            for share in self.agreement(state, frame):
+                self.assertGreater(share, 0.98)
+            self.assertLess(min(self.agreement(before, frame)), 0.96)
+
+    def test_images_show_the_state_of_their_stamp(self):
+        self.use_clear_colors()
+        self.subscribe()
+        self.cloth.step(16)
+        self.check_shown(*zip(*[self.step(6) for _ in range(6)]))
+
+    def test_images_of_a_running_simulation_show_one_state(self):
+        self.use_clear_colors()
+        self.cloth.step(16)
+        self.subscribe()
+        self.camera.clear()
+        self.cloth.states.clear()
+        self.cloth.pause(False)
+        wait_for(lambda: len(self.camera.stamps()) >= 6, "pictures of a running simulation")
+        self.cloth.pause()
+        recorded = {s.header.stamp: s for s in self.cloth.states.all()}
+        stamps = [stamp for stamp in self.camera.stamps() if stamp in recorded][:5]
+        self.check_shown([recorded[s] for s in stamps], [self.camera.frame(s) for s in stamps])
+
+    def test_depth_of_the_sphere(self):
+        self.subscribe()
+        _, frame = self.step(1)  # the cloth is still far above
+        camera = model(frame.infos["depth"])
+        rows, columns = np.nonzero((frame.mask == SPHERE) & ~edges(frame.mask))
+        self.assertGreater(len(rows), 50)
+        for row, column in zip(rows, columns):
+            ray = np.array(camera.projectPixelTo3dRay((column, row)))
+            ray = axes(EYE, TARGET) @ (ray / ray[2])
+            # |eye + z ray - centre| = radius, nearer solution
+            a, offset = ray @ ray, EYE - SPHERE_CENTRE
+            b, c = ray @ offset, offset @ offset - SPHERE_RADIUS ** 2
+            z = (-b - np.sqrt(b * b - a * c)) / a
+            self.assertAlmostEqual(frame.depth[row, column], z, delta=1e-4)
+
+    # ---- When images come ----
+
+    def test_nothing_is_drawn_without_subscribers(self):
+        self.cloth.pause(False)
+        before = self.diagnostics.drawn()
+        self.cloth.states.clear()
+        wait_for(lambda: len(self.cloth.states.all()) > 90, "90 frames")
+        self.assertEqual(self.diagnostics.drawn(), before)
+
+        self.subscribe()
+        more = self.diagnostics.drawn()
+        self.assertGreater(more, before)
+
+        self.camera.close()
+        self.diagnostics.next(lambda s: s.values["images subscribed"] == "none")
+        before = self.diagnostics.drawn()
+        self.cloth.states.clear()
+        wait_for(lambda: len(self.cloth.states.all()) > 90, "90 frames")
+        self.assertEqual(self.diagnostics.drawn(), before)
+
+    def test_diagnostics_name_the_device(self):
+        self.subscribe()
+        status = self.diagnostics.next(lambda s: int(s.values["pictures drawn"]) > 0)
+        self.assertEqual(status.level, DiagnosticStatus.OK)
+        self.assertIn("OpenGL", status.values["OpenGL"])
+        self.assertGreaterEqual(int(status.values["pictures dropped"]), 0)
+
+    def test_lockstep(self):
+        """The pictures of a step's last frame are published when it returns, and those that are
+        due in between: 20 a second, so each fifth of 90 frames, or fourth where that is nearer."""
+        self.subscribe()
+        for frames in (1, 1, 2, 5):
+            self.step(frames)
+        self.cloth.reset()
+        self.camera.clear()
+        self.cloth.states.clear()
+        state, _ = self.step(90)
+        stamps = self.camera.stamps()
+        self.assertEqual(stamps[-1], state.header.stamp)
+        number = {s.header.stamp: s.step for s in self.cloth.states.all()}
+        steps = [number[stamp] for stamp in stamps if number.get(stamp, 0) > 0]
+        self.assertEqual(steps[-1], 90)
+        self.assertIn(len(steps), (20, 21))
+        self.assertEqual({b - a for a, b in zip(steps[:-1], steps[1:-1])}, {4, 5})
+
+    def test_same_steps_same_pictures(self):
+        self.subscribe()
+
+        def pictures():
+            self.cloth.reset()
+            frames = [self.step(10)[1] for _ in range(3)]
+            return [(f.color.tobytes(), f.depth.tobytes(), f.mask.tobytes()) for f in frames]
+        self.assertEqual(pictures(), pictures())
+
+    def test_a_paused_simulation_is_shown_to_a_new_subscriber(self):
+        stamp = self.cloth.step(30).header.stamp
+        self.subscribe()
+        self.camera.frame(stamp)
+
+    # ---- What can be changed ----
+
+    def test_shader_changes_live(self):
+        self.cloth.step(1)
+        self.subscribe()
+        # Seen from above, the flat cloth's normal is +z: (1 + n) / 2 is (0.5, 0.5, 1).
+        self.shading.update_configuration({"shader": "normal"})
+
+        def mostly_blue(image):
+            return np.mean(np.all(np.abs(image.astype(int) - [128, 128, 255]) <= 2, axis=2)) > 0.1
+        self.camera.color("a cloth in the colour of its normal", mostly_blue)
+
+        self.shading.update_configuration({"shader": "diffuse", "color_r": 0.0, "color_g": 1.0})
+        self.camera.color("a green cloth", lambda image: np.mean(
+            (image[..., 1] > 30) & (image[..., 0] == 0) & (image[..., 2] == 0)) > 0.1)
+        self.assertFalse(self.has_blue_normal())
+
+    def has_blue_normal(self):
+        self.camera.clear()
+        _, frame = self.step(1)
+        return bool(np.any(np.all(np.abs(frame.color.astype(int) - [128, 128, 255]) <= 2, axis=2)))
+
+    def test_each_shader_of_the_dialog(self):
+        """And no other."""
+        self.subscribe()
+        pictures = set()
+        names = self.shader_names()
+        self.assertEqual(len(names), 11)
+        for name in names:
+            self.assertEqual(self.shading.update_configuration({"shader": name})["shader"], name)
+            self.cloth.reset()
+            pictures.add(self.step(1)[1].color.tobytes())
+        self.assertEqual(len(pictures), len(names))
+        self.log.clear()
+        self.shading.update_configuration({"shader": "shiny"})
+        refusal = self.log.wait("a refusal", lambda log: "shader: got shiny" in log.msg).msg
+        self.assertEqual(refusal.split("one of ")[1].split(", "), names)
+
+    def shader_names(self):
+        description = wait_for(self.shading.get_parameter_descriptions, "the parameters")
+        edit = next(p for p in description if p["name"] == "shader")["edit_method"]
+        return [option["value"] for option in eval(edit)["enum"]]
+
+    def test_light_and_background_change_live(self):
+        self.subscribe()
+        self.light.update_configuration({"background_r": 0.0, "background_g": 0.0,
+                                         "background_b": 1.0})
+        self.camera.color("a blue background", lambda image: tuple(image[0, 0]) == (0, 0, 255))
+        self.light.update_configuration({"intensity": 1.0})
+        dark = self.camera.color("a dim cloth", lambda image: 20 < image[..., 0].max() < 200)
+        self.light.update_configuration({"intensity": 40.0})
+        self.camera.color("a brighter cloth",
+                          lambda image: image[..., 0].max() > dark[..., 0].max() + 20)
+
+    def test_camera_changes_live(self):
+        self.subscribe()
+        self.viewpoint.update_configuration({"width": 80, "height": 60, "cx": 39.5, "cy": 29.5,
+                                             "eye_z": 4.0, "target_z": 0.0})
+        _, frame = self.step(1)
+        self.assertEqual(frame.color.shape, (60, 80, 3))
+        self.assertEqual(frame.depth.shape, (60, 80))
+        self.assertEqual(frame.infos["color"].K[2], 39.5)
+        ray = (frame.infos["color"].P[2], frame.infos["color"].P[6])
+        self.assertEqual(ray, (39.5, 29.5))
+
+    def test_refused_values_change_nothing(self):
+        self.subscribe()
+        broken = tempfile.NamedTemporaryFile(suffix=".png")
+        broken.write(b"no image")
+        broken.flush()
+        expected = self.step(1)[1].color.tobytes()
+        cases = [(self.shading, "shading/cloth", "texture", "/no/such/file.png"),
+                 (self.shading, "shading/cloth", "texture", broken.name),
+                 (self.shading, "shading/cloth", "height_map", broken.name),
+                 (self.shading, "shading/cloth", "environment", "/no/such/folder"),
+                 (self.shading, "shading/cloth", "color_g", 2.0),
+                 (self.shading, "shading/cloth", "alpha", float("nan")),
+                 (self.shading, "shading/cloth", "levels", 0),
+                 (self.sphere_shading, "shading/sphere", "segments", 2),
+                 (self.light, "light", "intensity", -1.0),
+                 (self.light, "light", "position_z", float("inf")),
+                 (self.light, "light", "background_b", -0.5),
+                 (self.light, "light", "sky", "/no/such/folder"),
+                 (self.viewpoint, "viewpoint", "fx", 0.0),
+                 (self.viewpoint, "viewpoint", "width", 100000),
+                 (self.viewpoint, "viewpoint", "eye_x", float("nan")),
+                 (self.viewpoint, "viewpoint", "frame", "/camera"),
+                 (self.viewpoint, "viewpoint", "rate", 0.0)]
+        for client, ns, key, bad in cases:
+            self.log.clear()
+            before = client.get_configuration(timeout=PATIENCE)[key]
+            answer = client.update_configuration({key: bad})
+            self.assertEqual(answer[key], before, key)
+            name = "/clothsim/%s/%s: got " % (ns, key)
+            message = self.log.wait("a message with " + name, lambda log: log.msg.startswith(name))
+            self.assertIn("expected", message.msg)
+        self.cloth.reset()
+        self.assertEqual(self.step(1)[1].color.tobytes(), expected)
+
+    def test_a_texture_of_ones_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "green.ppm")
+            with open(path, "wb") as file:
+                file.write(b"P6 1 1 255\n" + bytes([0, 255, 0]))
+            self.subscribe()
+            self.shading.update_configuration({"shader": "texture", "texture": path})
+            self.camera.color("a green cloth", lambda image: np.mean(
+                np.all(image == [0, 255, 0], axis=2)) > 0.1)
+
+    # ---- A camera on a tf frame ----
+
+    def send_frame(self, broadcaster, eye, target, frame="hand_optical"):
+        t = TransformStamped()
+        t.header.stamp, t.header.frame_id, t.child_frame_id = rospy.Time.now(), "map", frame
+        t.transform.translation.x, t.transform.translation.y, t.transform.translation.z = eye
+        r = t.transform.rotation
+        r.x, r.y, r.z, r.w = quaternion(axes(eye, target))
+        broadcaster.sendTransform(t)
+
+    def test_camera_on_a_frame(self):
+        self.subscribe()
+        broadcaster = tf2_ros.TransformBroadcaster()
+        self.viewpoint.update_configuration({"frame": "hand_optical"})
+        _, frame = self.step(1)
+        self.assertEqual(frame.images["color"].header.frame_id, OWN_FRAME)  # not seen yet
+        status = self.diagnostics.next(lambda s: "tf age of hand_optical [s]" in s.values)
+        self.assertEqual(status.values["tf age of hand_optical [s]"], "not seen yet")
+
+        # While the simulation is paused, the sphere's middle is where each pose puts it.
+        for eye in (np.array([2.0, 0.5, 0.9]), np.array([0.5, 2.2, 0.4])):
+            target = np.array([0.45, 0.55, 0.3])
+
+            def sees_the_sphere(eye=eye, target=target):
+                self.send_frame(broadcaster, eye, target)
+                self.camera.clear()
+                _, picture = self.step(1)
+                self.assertIn(picture.images["mask"].header.frame_id, (OWN_FRAME, "hand_optical"))
+                rows, columns = np.nonzero(picture.mask == SPHERE)
+                if len(rows) == 0 or picture.images["mask"].header.frame_id == OWN_FRAME:
+                    return False
+                pixel, _ = project(model(picture.infos["mask"]), SPHERE_CENTRE[None], eye, target)
+                return np.allclose([columns.mean(), rows.mean()], pixel[0], atol=1.5)
+            wait_for(sees_the_sphere, "a picture from %s" % eye)
+
+        # Nobody sends the frame: the camera stays where it was, and a warning comes.
+        self.diagnostics.next(lambda s: s.level == DiagnosticStatus.WARN
+                              and "lost tf frame hand_optical" in s.message, "of a lost frame")
+        _, picture = self.step(1)
+        self.assertEqual(picture.images["mask"].header.frame_id, "hand_optical")
+
+        self.viewpoint.update_configuration({"frame": ""})
+        self.assertEqual(self.step(1)[1].images["mask"].header.frame_id, OWN_FRAME)
+
+
+if __name__ == "__main__":
+    rospy.init_node("camera_test")
+    rostest.rosrun("clothsim", "camera", CameraTest)
