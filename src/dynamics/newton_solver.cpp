@@ -17,6 +17,9 @@ namespace {
 /// Share of the fall that the slope foretells with which a step is content (Armijo).
 constexpr double least_fall = 1e-4;
 
+/// Share of a point's inertia that its springs may use up.
+constexpr double shared_inertia = 0.9;
+
 /// Shortest step tried, of Newton's. Below, rounding decides.
 constexpr double shortest_step = 1e-6;
 
@@ -26,17 +29,33 @@ struct NewtonSolver::Impl {
   explicit Impl(const Parameters& p) : parameters(p) {}
 
   int solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
+  void share_inertia(const Cloth& cloth, const Scalars& weights);
   bool find_step(const Cloth& cloth, const Scalars& weights);
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
 
   Parameters parameters;
   SpringSystem<3> system;
+  Scalars spare;     // inertia for each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
   Points gradient;   // of the potential [N]
   Points step;       // Newton's [m]
   Points trial;      // [m]
   Eigen::Matrix<double, 3, Eigen::Dynamic> rhs;
 };
+
+/// A spring shorter than at rest pushes across itself with a stiffness -s. Two ends of inertia p
+/// and q bear that, and the matrix stays positive definite, for s < p q / (p + q), with p and q
+/// shares of theirs that add up to less than all.
+void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weights) {
+  Scalars springs = Scalars::Zero(cloth.num_points());
+  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+    ++springs[a];
+    ++springs[b];
+  });
+  spare = (cloth.inv_mass.array() > 0)
+              .select(shared_inertia * weights.array() / springs.array().max(1),
+                      std::numeric_limits<double>::infinity());
+}
 
 /// Newton's step from `positions` and `gradient`. False where the numbers leave none.
 bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights) {
@@ -48,7 +67,11 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights) {
   int id = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     const Vector3 between = positions.row(b) - positions.row(a);
-    const Eigen::Matrix3d block = spring_hessian(run.stiffness, run.rest_length, between, 0);
+    // What the ends' inertia has left for each spring bears some push across it.
+    const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
+    const double least_across = run.stiffness > 0 ? -bearable / run.stiffness : 0;
+    const Eigen::Matrix3d block =
+        spring_hessian(run.stiffness, run.rest_length, between, least_across);
     const bool free_a = cloth.inv_mass[a] > 0;
     const bool free_b = cloth.inv_mass[b] > 0;
     if (free_a && free_b) {
@@ -88,6 +111,7 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
   d.setZero(cloth.num_points(), 3);
   if (cloth.springs.empty()) return 0;
 
+  share_inertia(cloth, weights);
   gradient.resize(cloth.num_points(), 3);
   const double small = parameters.tolerance * longest_rest_length(cloth);
   for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {

@@ -19,7 +19,7 @@ namespace clothsim {
 class NewtonSolver {
  public:
   struct Parameters {
-    double tolerance = 1e-6;  // largest Newton step at which it stops, of the longest rest length
+    double tolerance = 1e-3;  // largest Newton step at which it stops, of the longest rest length
     int max_iterations = 20;
 
     template <typename Self, typename Visit>
