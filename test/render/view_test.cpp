@@ -87,6 +87,10 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{cloth: {shader: shiny}}", "cloth.shader: got shiny");
   expect_refused("{cloth: {power: 0}}", "cloth.power: got 0");
   expect_refused("{cloth: {shader: texture, texture: no.png}}", "cloth.texture: got \"no.png\"");
+  expect_refused("{cloth: {alpha: 2}}", "cloth.alpha: got 2");  // of a shader that is not chosen
+  expect_refused("{cloth: {levels: 0}}", "cloth.levels: got 0");
+  expect_refused("{cloth: {texture: no.png}}", "cloth.texture: got \"no.png\"");
+  expect_refused("{cloth: {environment: no/such/sky}}", "cloth.environment: got \"no/such");
   expect_refused("{collider: {segments: 2}}", "collider.segments: got 2");
   expect_refused("{colliders: {ball: {color: [2, 0, 0]}}}", "colliders.ball.color.0: got 2");
 }
