@@ -171,6 +171,39 @@ TEST(Simulator, ChangesSimulationBetweenFrames) {
   EXPECT_NEAR(simulator.state().velocities(63, 2), 0, 1e-12);
 }
 
+TEST(Simulator, ChangesMethodAndItsParametersBetweenFrames) {
+  Scene scene = hanging();
+  scene.cloth.material.strain_limit.reset();
+  scene.simulation.method = "xpbd";
+  Simulator simulator(scene);
+  Simulator twin(scene);
+  EXPECT_EQ(simulator.step().method, "xpbd");
+  twin.step();
+
+  SimulationSpec simulation = simulator.scene().simulation;
+  Xpbd::Parameters parameters;
+  parameters.iterations = 0;
+  simulation.method_parameters = parameters;
+  try {
+    simulator.set_simulation(simulation);
+    FAIL() << "accepted";
+  } catch (const InvalidValue& error) {
+    EXPECT_EQ(error.key(), (std::vector<std::string>{"method_parameters", "iterations"}));
+  }
+  parameters.iterations = 30;
+  simulation.method_parameters = parameters;
+  simulator.set_simulation(simulation);
+  simulator.step();
+  twin.step();
+  EXPECT_GT((simulator.state().positions - twin.state().positions).norm(), 1e-6) << "not taken";
+
+  simulation.method = "bdf2";
+  EXPECT_THROW(simulator.set_simulation(simulation), InvalidValue) << "parameters of another";
+  simulation.method_parameters = {};
+  simulator.set_simulation(simulation);
+  EXPECT_EQ(simulator.step().method, "bdf2");
+}
+
 TEST(Simulator, PinsArriveExactly) {
   Simulator simulator(hanging());
   const Vector3 target(0.1234, -0.05, 1.03);
@@ -219,6 +252,20 @@ TEST(CountSubsteps, FollowsTheFrequency) {
   EXPECT_EQ(count(0.01), 1);
   spec.material.strain_limit = 0.1;
   EXPECT_GT(count(0.1), 5) << "the limit holds springs that have no stiffness";
+}
+
+TEST(CountSubsteps, OneWithoutAStabilityLimitUnlessTensionAsksForMore) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  ClothSpec spec = square_spec(8, 4e6);
+  const auto count = [&](double limit) {
+    const Cloth cloth = make_grid(spec);
+    return count_substeps(cloth, Vector3(0, 0, -9.8), cloth.rest_positions, limit, 0.1);
+  };
+  EXPECT_EQ(count(infinite), 1);
+  spec.material.ks = 0;
+  spec.material.strain_limit = 0.1;
+  EXPECT_GT(count(infinite), 5);
+  EXPECT_EQ(count(infinite), count(2)) << "tension is the same for all methods";
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class RungeKutta4 {
   static constexpr const char* name = "rk4";
   static constexpr int order = 4;
   static constexpr double stability_limit = 2.8284271247461903;  // h omega_max, 2 sqrt(2)
-  static double reach(double damping, double h);  // see Integrator
+  static double reach(double damping, double h);                 // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>

@@ -15,7 +15,7 @@ class SymplecticEuler {
  public:
   static constexpr const char* name = "symplectic_euler";
   static constexpr int order = 1;
-  static constexpr double stability_limit = 2;  // h omega_max
+  static constexpr double stability_limit = 2;       // h omega_max
   static double reach(double, double) { return 1; }  // see Integrator
 
   struct Parameters {

@@ -18,7 +18,7 @@ class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
   static constexpr int order = 2;
-  static constexpr double stability_limit = 2;  // h omega_max
+  static constexpr double stability_limit = 2;    // h omega_max
   static double reach(double damping, double h);  // see Integrator
 
   struct Parameters {
