@@ -13,6 +13,10 @@ constexpr double skin_share = 0.5;
 /// Rest distance below which a pair is left out, in contact distances.
 constexpr double rest_exclusion = 2;
 
+/// Share of an overlap that correct() takes out in a step. All of it would shake piles where the
+/// springs pull back what is pushed out.
+constexpr double overlap_share = 0.3;
+
 Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
 
 double contact_distance(const Cloth& cloth) { return 2 * cloth.thickness; }
@@ -119,7 +123,8 @@ void PointContacts::correct(const Cloth& cloth, Points& positions) const {
     const double length = d.norm();
     if (length >= nearest || length == 0) continue;
     const double inv_mass = cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b];
-    push_apart(cloth, pair, (nearest - length) / (inv_mass * length) * d, positions);
+    const double overlap = nearest - length;
+    push_apart(cloth, pair, overlap_share * overlap / (inv_mass * length) * d, positions);
   }
 }
 

@@ -1,7 +1,9 @@
 // The shipped scenes come to rest, and rest in the right shape.
 
 #include <cmath>
+#include <ctime>
 
+#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
@@ -13,44 +15,52 @@ namespace {
 
 using namespace testing;
 
-/// Passes over strain limit and contact that a run took, a substep.
+/// What a run took: passes over strain limit and contact a substep, processor time a second.
 struct Work {
   double sweeps = 0;
   double corrections = 0;
+  double cpu_seconds = 0;
+  double worst_stretch = 0;  // of all frames
 };
 
 Work run_and_count(Simulator& simulator, double seconds) {
   const int frames = static_cast<int>(std::lround(seconds / simulator.frame_duration()));
   Work work;
   double substeps = 0;
+  const std::clock_t start = std::clock();
   for (int frame = 0; frame < frames; ++frame) {
     const StepReport report = simulator.step();
     work.sweeps += report.sweeps;
     work.corrections += report.corrections;
+    work.worst_stretch = std::max(work.worst_stretch, report.worst_stretch);
     substeps += report.substeps;
   }
-  return {work.sweeps / substeps, work.corrections / substeps};
+  work.cpu_seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / seconds;
+  work.sweeps /= substeps;
+  work.corrections /= substeps;
+  return work;
 }
 
-/// Length over its limit, of the rest length, that counts as none: 0.4 um a spring, 0.02 mm if all
-/// 50 from pin to hem were over alike.
+/// Length over its limit, of the rest length, at which the independent solver stops: 0.4 um a
+/// spring, 0.02 mm if all 50 from pin to hem were over alike.
 constexpr double most_over = 2e-5;
 
 /// The shape at rest found another way, by the method of multipliers: beyond the limit a spring
 /// pulls with max(0, m + kp (l - l_max)), where m grows by a share of that until no length is over.
-/// Damped motion finds the balance. Independent of the simulator's strain limit.
+/// Damped motion from the flat cloth finds the balance. Independent of the simulator's strain
+/// limit.
 struct Converged {
   Points positions;
   double violation;  // largest length over its limit, of the rest length
   double velocity;   // rms [m/s]
 };
 
-Converged converge(const Cloth& limited, const Points& start, double limit, double seconds) {
+Converged converge(const Cloth& limited, double limit, double seconds) {
   constexpr double penalty = 60;  // kp over the spring's stiffness
   Cloth cloth = limited;
   cloth.damping = 8;
   std::vector<double> multipliers(static_cast<std::size_t>(cloth.num_springs()), 0.0);
-  State state{start, Points::Zero(cloth.num_points(), 3), 0};
+  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   const double stiffness = cloth.springs.front().stiffness * (1 + penalty);
   const double h = 0.7 / std::sqrt(8 * stiffness / cloth.mass[0]);
   // The share of kp (l - l_max) that m grows by in a step: the sum and the spring swing up where
@@ -84,25 +94,43 @@ Converged converge(const Cloth& limited, const Points& start, double limit, doub
 
 class HangingScene : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(HangingScene, RestsWithin2mmOfTheConvergedShape) {
+TEST_P(HangingScene, HoldsItsLimitInEveryFrameAndRestsWithin2mmOfTheConvergedShape) {
   Simulator simulator(shipped_scene(GetParam()));
+  const auto record = [&](const std::string& what, const Work& work) {
+    RecordProperty("sweeps_per_substep" + what, std::to_string(work.sweeps));
+    RecordProperty("corrections_per_substep" + what, std::to_string(work.corrections));
+    RecordProperty("cpu_seconds_per_second" + what, std::to_string(work.cpu_seconds));
+  };
   const Work work = run_and_count(simulator, 6);
+  record("", work);
+  EXPECT_LT(work.worst_stretch, 0.1 + 0.0041) << "in some frame";
   const State rest = simulator.state();
   EXPECT_LT(rms_velocity(rest), 1e-3);
-  EXPECT_LT(worst_stretch(simulator.cloth(), rest.positions), 0.105);
-  RecordProperty("rms_velocity", std::to_string(rms_velocity(rest)));
-  RecordProperty("worst_stretch", std::to_string(worst_stretch(simulator.cloth(), rest.positions)));
-  RecordProperty("sweeps_per_substep", std::to_string(work.sweeps));
-  RecordProperty("corrections_per_substep", std::to_string(work.corrections));
+  EXPECT_LT(worst_stretch(simulator.cloth(), rest.positions), 0.102);
 
-  const Converged converged = converge(simulator.cloth(), rest.positions, 0.1, 15);
-  RecordProperty("converged_violation", std::to_string(converged.violation * 1e6) + "e-6");
-  RecordProperty("converged_velocity", std::to_string(converged.velocity * 1e6) + "e-6");
-  EXPECT_LT(converged.violation, most_over);
-  EXPECT_LT(converged.velocity, 1e-6);
-  const double apart = farthest(rest.positions, converged.positions);
+  // The converged shape: the tolerance driven to 1e-6 by tens.
+  SimulationSpec spec = simulator.scene().simulation;
+  for (const auto& [tolerance, seconds] : {std::pair(1e-4, 2.0), {1e-5, 4.0}, {1e-6, 5.0}}) {
+    spec.strain_tolerance = tolerance;
+    simulator.set_simulation(spec);
+    record(" at " + std::to_string(tolerance * 1e6) + "e-6", run_and_count(simulator, seconds));
+  }
+  const Points& converged = simulator.state().positions;
+  EXPECT_LT(worst_stretch(simulator.cloth(), converged), 0.1 + 1.1e-6);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-6);
+  const double apart = farthest(rest.positions, converged);
   RecordProperty("farthest_from_converged_mm", std::to_string(apart * 1e3));
-  EXPECT_LT(apart, 2e-3);
+  EXPECT_LT(apart, 5e-4);
+
+  // And the independent solver's, which stops earlier.
+  const Converged other = converge(simulator.cloth(), 0.1, 15);
+  RecordProperty("other_violation", std::to_string(other.violation * 1e6) + "e-6");
+  RecordProperty("other_velocity", std::to_string(other.velocity * 1e6) + "e-6");
+  EXPECT_LT(other.violation, 5 * most_over);
+  EXPECT_LT(other.velocity, 1e-5);
+  const double between = farthest(other.positions, converged);
+  RecordProperty("farthest_from_other_mm", std::to_string(between * 1e3));
+  EXPECT_LT(between, 5e-4);
 }
 
 TEST_P(HangingScene, ATighterToleranceRestsToo) {
@@ -114,8 +142,8 @@ TEST_P(HangingScene, ATighterToleranceRestsToo) {
   const Work work = run_and_count(simulator, 6);
   RecordProperty("sweeps_per_substep", std::to_string(work.sweeps));
   RecordProperty("corrections_per_substep", std::to_string(work.corrections));
-  EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.1 + 1.1e-4);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, HangingScene, ::testing::Values("pinned2", "pinned4"));
@@ -142,7 +170,7 @@ Points mirrored(const Cloth& cloth, const Points& positions, const std::string& 
 TEST(Pinned4, RestsAsSymmetricAsItIs) {
   // The scene is its own mirror image in x, in y and about the diagonal. Only rounding and the
   // order of the sweeps differ, so the shape at rest is symmetric to the strain limit's own
-  // accuracy, the 2 mm that HangingScene grants.
+  // accuracy: 4 springs' tolerance, 0.33 mm.
   Simulator simulator(shipped_scene("pinned4"));
   run(simulator, 6);
   const Points& x = simulator.state().positions;
@@ -155,12 +183,11 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
 }
 
 TEST(Sphere, NothingInsideAndNothingSlidingAway) {
-  // What hangs sinks on for tens of seconds, in slips of some millimetres a second at most, against
-  // metres a second while it fell: friction solved to the default tolerance creeps, less at a
-  // tighter one.
+  // Friction holds nearly all points to the bit. Where pulls lie on Coulomb's cone, a few slip
+  // on by micrometres; they slid by metres while the cloth fell.
   Simulator simulator(shipped_scene("sphere"));
   double deepest = 0;
-  for (int frame = 0; frame < 14 * 90; ++frame) {
+  for (int frame = 0; frame < 10 * 90; ++frame) {
     simulator.step();
     deepest = std::max(deepest, deepest_penetration(simulator));
   }
@@ -172,16 +199,21 @@ TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   const Eigen::RowVector3d centre(0.5, 0.5, 0.2);
   double slid = 0;
   int touching = 0;
+  int held = 0;
   for (int i = 0; i < after.positions.rows(); ++i) {
     if ((after.positions.row(i) - centre).norm() > 0.2 + 1.2 * surface_offset) continue;
     ++touching;
-    slid = std::max(slid, (after.positions.row(i) - before.positions.row(i)).norm());
+    const double way = (after.positions.row(i) - before.positions.row(i)).norm();
+    if (way < 1e-6) ++held;
+    slid = std::max(slid, way);
   }
   RecordProperty("slid_in_a_second_mm", std::to_string(slid * 1e3));
   RecordProperty("rms_velocity", std::to_string(rms_velocity(after)));
+  RecordProperty("held_of_touching", std::to_string(held) + " of " + std::to_string(touching));
   EXPECT_GT(touching, 300);
-  EXPECT_LT(slid, 5e-3);
-  EXPECT_LT(rms_velocity(after), 0.01);
+  EXPECT_GT(held, 0.7 * touching);
+  EXPECT_LT(slid, 2e-4);
+  EXPECT_LT(rms_velocity(after), 1e-3);
   EXPECT_LT(worst_stretch(simulator.cloth(), after.positions), 0.105);
   EXPECT_LT(after.positions.col(2).minCoeff(), 0) << "it does not drape";
 }
@@ -228,16 +260,21 @@ TEST_P(SelfCollision, RestsInSeparateLayers) {
   Simulator simulator(scene);
   const double contact = 2 * scene.cloth.thickness;
   double closest_ever = 1e300;
-  for (int second = 1; second <= 5; ++second) {
-    run(simulator, 1);
-    closest_ever = std::min(closest_ever, closest_pairs(simulator).layers);
+  int crossings = 0;
+  for (int frame = 1; frame <= 5 * 90; ++frame) {
+    simulator.step();
+    if (frame % 5 == 0) {
+      crossings += count_intersections(simulator.cloth(), simulator.state().positions);
+    }
+    if (frame % 90 == 0) closest_ever = std::min(closest_ever, closest_pairs(simulator).layers);
   }
+  EXPECT_EQ(crossings, 0);
   const State& state = simulator.state();
   const Closest closest = closest_pairs(simulator);
   RecordProperty("rms_velocity_mm_s", std::to_string(rms_velocity(state) * 1e3));
   RecordProperty("closest_layers_mm", std::to_string(closest.layers * 1e3));
   RecordProperty("closest_neighbours_mm", std::to_string(closest.neighbours * 1e3));
-  EXPECT_LT(rms_velocity(state), 0.01);
+  EXPECT_LT(rms_velocity(state), 1e-3);
   EXPECT_GT(closest.layers, 0.9 * contact);
   EXPECT_GT(closest_ever, 0.9 * contact) << "while it fell";
   EXPECT_EQ(deepest_penetration(simulator), 0);
@@ -247,7 +284,7 @@ TEST_P(SelfCollision, RestsInSeparateLayers) {
   EXPECT_GT(state.positions.col(2).maxCoeff(), 3 * contact);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, SelfCollision, ::testing::Values(1, 2, 6));
+INSTANTIATE_TEST_SUITE_P(Seeds, SelfCollision, ::testing::Range(1, 6));
 
 }  // namespace
 }  // namespace clothsim
