@@ -22,6 +22,8 @@ void fill_step(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWra
   const clothsim::StepReport& report = status.report;
   out.add("method", report.method);
   out.add("substeps", report.substeps);
+  out.add("reason", report.reason);
+  out.addf("predicted error", "%.1e", report.predicted_error);
   out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
   out.add("contacts", report.contacts);

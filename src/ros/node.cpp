@@ -97,6 +97,10 @@ bool Node::simulate_frame(Turn turn) {
     return false;
   }
   failure_.clear();
+  if (report_.recoveries > 0) {
+    ROS_WARN("A frame was taken back: %s. Now %s with %d substeps", report_.reason.c_str(),
+             report_.method.c_str(), report_.substeps);
+  }
   ++frame_number_;
   rate_.add(frame_duration);
   publish_frame(turn == Turn::due ? pacer_.advance(frame_duration)

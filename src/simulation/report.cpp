@@ -42,6 +42,9 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   yaml << YAML::Key << "overrides" << YAML::Value << YAML::Flow << run.overrides;
   put("method", run.last_frame.method);
   put("substeps", run.last_frame.substeps);
+  put("predicted_error", run.last_frame.predicted_error);
+  put("reason", run.last_frame.reason);
+  put("recoveries", run.recoveries);
   put("frames", run.frames);
   put("simulated_seconds", state.time);
   put("wall_seconds", run.wall_seconds);

@@ -12,6 +12,7 @@ namespace {
 constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
+constexpr Range tolerance_range{1e-9, 1, ""};
 constexpr Range radius_range{1e-6, 1e6, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
@@ -73,6 +74,7 @@ void validate(const SimulationSpec& spec) {
                        "auto or a whole number from 1 to " + std::to_string(max_substeps));
   }
   check_range("strain_tolerance", spec.strain_tolerance, strain_tolerance_range);
+  check_range("tolerance", spec.tolerance, tolerance_range);
   check_method(spec.method);
   inside("method_parameters", [&] { validate(spec.method_parameters, spec.method); });
 }

@@ -168,6 +168,7 @@ SimulationSpec read_simulation(const YAML::Node& node) {
             {"frames_per_second", into(spec.frames_per_second)},
             {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
             {"strain_tolerance", into(spec.strain_tolerance)},
+            {"tolerance", into(spec.tolerance)},
             {"method", into(spec.method)},
             {"method_parameters",
              [&](const YAML::Node& value) {

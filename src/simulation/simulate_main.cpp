@@ -90,6 +90,12 @@ ExitCode simulate(const Options& options) {
         run.last_frame = simulator.step();
       }
       ++run.frames;
+      if (run.last_frame.recoveries > 0) {
+        run.recoveries += run.last_frame.recoveries;
+        std::cerr << "simulate: frame " << run.frames << " was taken back "
+                  << run.last_frame.recoveries << " times: now " << run.last_frame.method << ", "
+                  << run.last_frame.substeps << " substeps\n";
+      }
       write_frame(run.frames);
     }
   } catch (const Diverged& error) {

@@ -15,6 +15,8 @@
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/model/grid.h"
+#include "clothsim/simulation/energy_watch.h"
+#include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/substeps.h"
 
 namespace clothsim {
@@ -33,8 +35,11 @@ constexpr double precision = 20;
 /// How much closer contact is solved than that: what friction leaves over, creeps.
 constexpr double contact_precision = 2.5;
 
-/// The method `auto` stands for.
-constexpr const char* default_method = VelocityVerlet::name;
+/// Times a substep is halved before the method is changed.
+constexpr int max_halvings = 3;
+
+/// The method that `auto` goes on with where halving does not help: its energy never rises.
+constexpr const char* refuge = ImplicitEuler::name;
 
 /// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
 /// whatever shows a good state can.
@@ -45,30 +50,37 @@ bool is_good(const State& state) {  // false for NaN
          (state.velocities.array().abs() < farthest).all();
 }
 
-Integrator integrator_of(const SimulationSpec& spec) {
-  return make_integrator(spec.method == "auto" ? default_method : spec.method,
-                         spec.method_parameters);
-}
-
 double shortest_spring(const Cloth& cloth) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
   return shortest;
 }
 
-/// Substeps of a frame from `positions`.
-int substeps_of(const SimulationSpec& spec, const Cloth& cloth, const Integrator& integrator,
-                const Points& positions) {
-  if (spec.substeps) return *spec.substeps;
-  const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
-  return count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
-}
+/// How a scene with `cloth` is integrated, and by what.
+struct Method {
+  Method(const SimulationSpec& spec, const Cloth& cloth)
+      : choice(choose_method(spec, cloth)),
+        integrator(make_integrator(choice.method, spec.method_parameters)) {}
+
+  /// Substeps of a frame from `positions`.
+  int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions) const {
+    if (spec.substeps) return *spec.substeps;
+    const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
+    const int needed =
+        count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
+    return std::min(std::max(needed, choice.least_substeps) << halvings, max_substeps);
+  }
+
+  MethodChoice choice;
+  Integrator integrator;
+  int halvings = 0;
+};
 
 /// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
 void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
                     const std::vector<std::string>& key) {
   if (spec.substeps) return;
-  if (substeps_of(spec, cloth, integrator_of(spec), positions) < max_substeps) return;
+  if (Method(spec, cloth).substeps(spec, cloth, positions) < max_substeps) return;
   throw InvalidValue(
       key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
       "a softer or heavier one, or more frames per second, or a count of substeps");
@@ -80,7 +92,6 @@ struct Simulator::Impl {
   explicit Impl(const Scene& s) : scene(s) {
     validate(scene);
     cloth = make_grid(scene.cloth);
-    integrator = integrator_of(scene.simulation);
     build_strain_limit();
     if (scene.cloth.self_collision) point_contacts.emplace();
     for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
@@ -100,7 +111,23 @@ struct Simulator::Impl {
 
   /// Drops what methods and constraints remember of earlier steps.
   void forget() {
-    integrator = integrator_of(scene.simulation);
+    method.emplace(scene.simulation, cloth);
+    forget_constraints();
+  }
+
+  /// Takes the method that the scene asks for now. Goes on with the present one where it is the
+  /// same, unless it is to be `anew`.
+  void choose(bool anew) {
+    const MethodChoice choice = choose_method(scene.simulation, cloth);
+    if (anew || choice.method != method->choice.method) {
+      method.emplace(scene.simulation, cloth);
+    } else {
+      method->choice = choice;
+      method->halvings = 0;
+    }
+  }
+
+  void forget_constraints() {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
     if (point_contacts) point_contacts->reset();
@@ -117,6 +144,10 @@ struct Simulator::Impl {
   }
 
   StepReport step();
+  /// One frame. False where it ends in a state that cannot be.
+  bool frame(double dt, const State& before, StepReport&);
+  /// Gets ready to try a failed frame again. False where nothing is left to try.
+  bool recover();
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
@@ -124,7 +155,7 @@ struct Simulator::Impl {
   Scene scene;
   Cloth cloth;
   State state;
-  Integrator integrator;
+  std::optional<Method> method;
   std::optional<StrainLimit> strain_limit;
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
@@ -132,8 +163,9 @@ struct Simulator::Impl {
   std::vector<Vector3> pin_targets;
   unsigned topology_seq = 0;
 
-  Points start;      // positions at the substep's start, where contact needs them
-  Points predicted;  // velocities with the last substep's impulses
+  bool disturbed = false;  // by a jump since the last frame
+  Points start;            // positions at the substep's start, where contact needs them
+  Points predicted;        // velocities with the last substep's impulses
 };
 
 StepReport Simulator::Impl::step() {
@@ -142,8 +174,38 @@ StepReport Simulator::Impl::step() {
   const std::vector<MovingCollider> last_colliders = colliders;
 
   StepReport report;
-  report.method = std::visit([](const auto& m) { return std::string(m.name); }, integrator);
-  report.substeps = substeps_of(scene.simulation, cloth, integrator, state.positions);
+  while (!frame(dt, last_good, report)) {
+    state = last_good;
+    colliders = last_colliders;
+    forget_constraints();
+    if (!recover()) {
+      forget();
+      throw Diverged("the state left the finite numbers or gained energy in the frame after t = " +
+                     std::to_string(state.time) + " s, with method " + report.method + " and " +
+                     std::to_string(report.substeps) + " substeps a frame");
+    }
+    ++report.recoveries;
+  }
+
+  // Pins and colliders arrive, to the last bit.
+  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
+    state.velocities.row(pin_point(i)).setZero();
+  }
+  for (MovingCollider& collider : colliders) collider.arrive();
+
+  disturbed = false;
+  state.time = last_good.time + dt;
+  report.worst_stretch = worst_stretch(cloth, state.positions);
+  report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
+  return report;
+}
+
+bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
+  report.method = method->choice.method;
+  report.substeps = method->substeps(scene.simulation, cloth, state.positions);
+  report.predicted_error = method->choice.predicted_error;
+  report.reason = method->choice.reason;
   const double h = dt / report.substeps;
 
   // Pins and colliders set out for where they must be at the frame's end.
@@ -152,28 +214,29 @@ StepReport Simulator::Impl::step() {
     state.velocities.row(point) = (pin_targets[i].transpose() - state.positions.row(point)) / dt;
   }
 
-  bool good = true;
-  for (int k = 0; good && k < report.substeps; ++k) good = substep(h, report);
-  if (!good || !is_good(state)) {
-    state = last_good;
-    colliders = last_colliders;
-    forget();
-    throw Diverged("the state left the finite numbers in the frame after t = " +
-                   std::to_string(state.time) + " s, with method " + report.method + " and " +
-                   std::to_string(report.substeps) + " substeps a frame");
+  for (int k = 0; k < report.substeps; ++k) {
+    if (!substep(h, report)) return false;
   }
+  return is_good(state) && (disturbed || energy_is_plausible(cloth, scene.simulation.gravity, dt,
+                                                             before, state, colliders));
+}
 
-  // They arrive, to the last bit.
-  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
-    state.velocities.row(pin_point(i)).setZero();
+bool Simulator::Impl::recover() {
+  const SimulationSpec& spec = scene.simulation;
+  if (!spec.substeps && method->halvings < max_halvings) {
+    ++method->halvings;
+  } else if (spec.method == "auto" && method->choice.method != refuge) {
+    SimulationSpec last_resort = spec;
+    last_resort.method = refuge;
+    method.emplace(last_resort, cloth);
+  } else {
+    return false;
   }
-  for (MovingCollider& collider : colliders) collider.arrive();
-
-  state.time = last_good.time + dt;
-  report.worst_stretch = worst_stretch(cloth, state.positions);
-  report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
-  return report;
+  method->choice.reason =
+      method->choice.method == refuge
+          ? "a frame failed with shorter substeps too"
+          : "a frame failed: the substep was halved " + std::to_string(method->halvings) + " times";
+  return true;
 }
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
@@ -181,7 +244,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (!colliders.empty()) start = state.positions;
 
   const Loads loads{scene.simulation.gravity};
-  std::visit([&](auto& method) { method.step(cloth, loads, h, state); }, integrator);
+  std::visit([&](auto& m) { m.step(cloth, loads, h, state); }, method->integrator);
 
   // Contact search needs numbers to sort.
   if (!std::isfinite(state.positions.sum())) return false;
@@ -191,7 +254,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
 void Simulator::Impl::constrain(double h, StepReport& report) {
   const double reach =
-      std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, integrator);
+      std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
   const double tolerance = scene.simulation.strain_tolerance;
 
   // Impulses that keep springs within their limit and points off colliders.
@@ -251,7 +314,8 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   if (last_limit && impl_->strain_limit && !springs_changed) {
     impl_->strain_limit->take_over(std::move(*last_limit));
   }
-  if (method_changed) impl_->integrator = integrator_of(simulation);
+  impl_->choose(method_changed);
+  impl_->disturbed = true;
   if (springs_changed) ++impl_->topology_seq;
 }
 
@@ -267,6 +331,7 @@ void Simulator::move_collider(int index, const Pose& target) {
 
 void Simulator::place_collider(int index, const Pose& pose) {
   impl_->colliders.at(static_cast<std::size_t>(index)).place(pose);
+  impl_->disturbed = true;
 }
 
 void Simulator::move_pin(int index, const Vector3& target) {

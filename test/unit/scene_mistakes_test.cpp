@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "frame, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
-                "substeps, strain_tolerance, method, method_parameters, seed"},
+                "substeps, strain_tolerance, tolerance, method, method_parameters, seed"},
         Mistake{"simulation={method: bdf2, method_parameters: {iterations: 3}}",
                 "simulation.method_parameters.iterations: got an unknown key, expected one of "
                 "tolerance, max_iterations"}));

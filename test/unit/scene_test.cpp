@@ -63,6 +63,10 @@ TEST(Validate, SimulationKeysStandAlone) {
   EXPECT_EQ(refused_key(simulation), "substeps");
 
   simulation = SimulationSpec();
+  simulation.tolerance = 0;
+  EXPECT_EQ(refused_key(simulation), "tolerance");
+
+  simulation = SimulationSpec();
   simulation.strain_tolerance = 0;
   EXPECT_EQ(refused_key(simulation), "strain_tolerance");
 

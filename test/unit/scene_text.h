@@ -86,8 +86,8 @@ inline std::string print(const Scene& scene) {
   out << ' ';
   print_vector(scene.simulation.gravity);
   out << scene.simulation.frames_per_second << ' ' << scene.simulation.substeps.value_or(0) << ' '
-      << scene.simulation.strain_tolerance << ' ' << scene.simulation.method << ' '
-      << scene.simulation.seed;
+      << scene.simulation.strain_tolerance << ' ' << scene.simulation.tolerance << ' '
+      << scene.simulation.method << ' ' << scene.simulation.seed;
   std::visit(
       [&](const auto& parameters) {
         using Parameters = std::decay_t<decltype(parameters)>;

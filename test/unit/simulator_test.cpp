@@ -73,6 +73,7 @@ TEST(Simulator, ADivergingFrameRollsBackCollidersToo) {
   scene.cloth.self_collision = true;
   scene.cloth.material.ks = 1e12;
   scene.simulation.substeps = 300;
+  scene.simulation.method = VelocityVerlet::name;
   Simulator simulator(scene);
   const Pose start = simulator.collider_pose(0);
   Pose target = start;

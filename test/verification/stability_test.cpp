@@ -42,6 +42,7 @@ Scene at_share_of_limit(double share) {
   Scene scene = floating();
   const double omega = omega_max(make_grid(scene.cloth));
   scene.simulation.substeps = 1;
+  scene.simulation.method = VelocityVerlet::name;
   scene.simulation.frames_per_second = omega / (share * VelocityVerlet::stability_limit);
   return scene;
 }

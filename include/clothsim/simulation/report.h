@@ -19,6 +19,7 @@ struct RunReport {
   double wall_seconds = 0;
   double cpu_seconds = 0;  // of all threads
   StepReport last_frame;
+  int recoveries = 0;     // frames taken back and tried again
   bool diverged = false;  // the simulator then holds the last good frame
 };
 

@@ -19,6 +19,7 @@ struct SimulationSpec {
   double frames_per_second = 90;    // [Hz]
   std::optional<int> substeps;      // a frame; empty: as many as the method needs
   double strain_tolerance = 0.004;  // stretch allowed over cloth.strain_limit, of the rest length
+  double tolerance = 1e-3;          // error of positions that `auto` aims at, of the cloth's size
   std::string method = "auto";      // or a name of method_names()
   MethodParameters method_parameters;  // of that method; none: its defaults
   std::uint64_t seed = 1;

@@ -15,10 +15,13 @@ namespace clothsim {
 struct StepReport {
   std::string method;
   int substeps = 0;
-  int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
-  int corrections = 0;       // passes that shortened springs still over the limit, likewise
-  double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
-  int contacts = 0;          // points on colliders plus touching point pairs, in the last substep
+  double predicted_error = 0;  // see MethodChoice
+  std::string reason;          // for the method and its substeps, a sentence
+  int recoveries = 0;          // times the frame was taken back and tried again
+  int sweeps = 0;              // passes over strain limit and contacts, summed over the substeps
+  int corrections = 0;         // passes that shortened springs still over the limit, likewise
+  double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
+  int contacts = 0;            // points on colliders plus touching point pairs, in the last substep
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.
@@ -28,7 +31,11 @@ class Simulator {
   explicit Simulator(const Scene&);
   ~Simulator();
 
-  /// Advances one frame, 1 / frames_per_second. Throws Diverged and keeps the last good frame.
+  /// Advances one frame, 1 / frames_per_second. A frame that ends in numbers that are not finite,
+  /// or with more energy than was put in, is taken back. What the scene leaves to `auto` is then
+  /// tried again: with half the substep, up to three times, then with implicit Euler, from here on
+  /// until the next reset() or set(). If nothing is left to try, throws Diverged and keeps the
+  /// last good frame.
   StepReport step();
 
   /// Back to the scene's start at time 0, with the present material and simulation values.

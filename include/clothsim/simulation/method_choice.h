@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim {
+
+/// How a scene is going to be integrated.
+struct MethodChoice {
+  std::string method;          // a name of method_names()
+  int least_substeps = 1;      // a frame, whatever the state
+  double predicted_error = 0;  // of positions after half a second of falling, of the cloth's size
+  double predicted_cost = 0;   // CPU seconds a simulated second on a core of today
+  std::string reason;          // a sentence
+};
+
+/// What `simulation.method` stands for. A name: that method. `auto`: the cheapest method that stays
+/// within `simulation.tolerance` in real time; if none does, the most accurate in real time; if
+/// none is in real time, the cheapest. A given count of substeps is kept.
+///
+/// A function of its arguments alone, so that equal scenes give equal bits on every machine: costs
+/// are known per spring or point, not measured as it runs. Errors are those of the springs'
+/// integration; the strain limit and contact have tolerances of their own.
+MethodChoice choose_method(const SimulationSpec&, const Cloth&);
+
+}  // namespace clothsim

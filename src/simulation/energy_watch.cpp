@@ -1,0 +1,86 @@
+#include "clothsim/simulation/energy_watch.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/springs.h"
+
+namespace clothsim {
+namespace {
+
+/// Kinetic energy may grow by this factor in a frame, or by that of twice a frame's fall from rest,
+/// before all energies are compared: more cannot be a blow-up unseen.
+constexpr double usual_growth = 1.5;
+
+/// Energy that may come from nowhere in a frame: this share of kinetic and elastic energy, and a
+/// lift of the cloth by this share of its size. The shipped scenes stay under 0.004 of the first.
+constexpr double margin = 1;
+constexpr double lift = 0.02;
+
+/// Fastest speed of pins and of collider surfaces near the cloth [m/s].
+double fastest_boundary(const Cloth& cloth, const State& before, const State& after,
+                        const std::vector<MovingCollider>& colliders) {
+  double fastest = 0;
+  for (Eigen::Index i = 0; i < cloth.inv_mass.size(); ++i) {
+    if (cloth.inv_mass[i] == 0) fastest = std::max(fastest, after.velocities.row(i).norm());
+  }
+  Eigen::AlignedBox3d box;
+  for (const Points* points : {&before.positions, &after.positions}) {
+    box.extend(points->colwise().minCoeff().transpose());
+    box.extend(points->colwise().maxCoeff().transpose());
+  }
+  for (const MovingCollider& collider : colliders) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3 v =
+          collider.velocity_at(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+      fastest = std::max(fastest, v.norm());
+    }
+  }
+  return fastest;
+}
+
+/// Work of pins that move for dt against their springs [J]: F s + k s^2 / 2 with the force at
+/// first.
+double work_on_springs(const Cloth& cloth, double dt, const State& before, const State& after) {
+  double work = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    for (const int pin : {a, b}) {
+      if (cloth.inv_mass[pin] > 0) continue;
+      const double way = dt * after.velocities.row(pin).norm();
+      if (way == 0) continue;
+      const double length = (before.positions.row(b) - before.positions.row(a)).norm();
+      work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
+    }
+  });
+  return work;
+}
+
+}  // namespace
+
+bool energy_is_plausible(const Cloth& cloth, const Vector3& gravity, double dt, const State& before,
+                         const State& after, const std::vector<MovingCollider>& colliders) {
+  const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
+  const double g = gravity.norm();
+  const double kinetic_before = kinetic_energy(cloth, before);
+  const double kinetic_after = kinetic_energy(cloth, after);
+  const double fall = 2 * g * dt;
+  if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
+
+  // A point that a moving surface hits leaves with twice its speed at most; work against weight.
+  const double speed = fastest_boundary(cloth, before, after, colliders);
+  const double work = mass * (2 * speed * speed + g * speed * dt) +
+                      (speed > 0 ? work_on_springs(cloth, dt, before, after) : 0);
+
+  const double elastic_before = elastic_energy(cloth, before.positions);
+  const double gain = kinetic_after - kinetic_before + elastic_energy(cloth, after.positions) -
+                      elastic_before + gravitational_energy(cloth, gravity, after.positions) -
+                      gravitational_energy(cloth, gravity, before.positions);
+  const Eigen::RowVector3d extent =
+      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
+  return gain <=
+         work + margin * (kinetic_before + elastic_before) + mass * g * lift * extent.maxCoeff();
+}
+
+}  // namespace clothsim

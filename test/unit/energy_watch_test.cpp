@@ -1,0 +1,86 @@
+#include "clothsim/simulation/energy_watch.h"
+
+#include <limits>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+const Vector3 gravity(0, 0, -9.8);
+constexpr double dt = 1.0 / 90;
+
+State resting(const Cloth& cloth) {
+  return {cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
+}
+
+bool plausible(const Cloth& cloth, const State& before, const State& after,
+               const std::vector<MovingCollider>& colliders = {}) {
+  return energy_is_plausible(cloth, gravity, dt, before, after, colliders);
+}
+
+TEST(EnergyWatch, FallingIsPlausible) {
+  const Cloth cloth = make_grid(square_spec(10));
+  State before = resting(cloth);
+  State after = before;
+  for (int frame = 0; frame < 20; ++frame) {
+    after.velocities.col(2).array() -= 9.8 * dt;
+    after.positions += dt * after.velocities;
+    EXPECT_TRUE(plausible(cloth, before, after)) << frame;
+    before = after;
+  }
+}
+
+TEST(EnergyWatch, MotionFromNowhereIsNot) {
+  const Cloth cloth = make_grid(square_spec(10));
+  const State before = resting(cloth);
+  State after = before;
+  after.velocities = random_points(100, 3, 1);
+  EXPECT_FALSE(plausible(cloth, before, after));
+  after.velocities *= 1e-3;
+  EXPECT_TRUE(plausible(cloth, before, after)) << "small";
+}
+
+TEST(EnergyWatch, ElasticEnergyMayTurnIntoMotion) {
+  const Cloth cloth = make_grid(square_spec(10));
+  State before = resting(cloth);
+  before.positions *= 1.2;
+  State after = resting(cloth);
+  after.velocities = random_points(100, 1, 1);
+  EXPECT_TRUE(plausible(cloth, before, after));
+}
+
+TEST(EnergyWatch, PinsAndCollidersPutWorkIn) {
+  ClothSpec spec = square_spec(10);
+  spec.pinned = {{0, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  const State before = resting(cloth);
+  State after = before;
+  after.velocities.setConstant(4);
+  after.velocities.row(0).setZero();
+  EXPECT_FALSE(plausible(cloth, before, after));
+
+  State pulled = after;
+  pulled.velocities.row(0).setConstant(4);
+  EXPECT_TRUE(plausible(cloth, before, pulled));
+
+  MovingCollider ball(ColliderSpec{"ball", Sphere{0.2}, Pose{}, 0.3, ""});
+  EXPECT_FALSE(plausible(cloth, before, after, {ball}));
+  ball.aim({Vector3(0.1, 0, 0), Eigen::Quaterniond::Identity()}, dt);
+  EXPECT_TRUE(plausible(cloth, before, after, {ball}));
+}
+
+TEST(EnergyWatch, WhatIsNotFiniteIsNotPlausible) {
+  const Cloth cloth = make_grid(square_spec(10));
+  const State before = resting(cloth);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e200}) {
+    State after = before;
+    after.velocities(3, 1) = bad;
+    EXPECT_FALSE(plausible(cloth, before, after)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace clothsim

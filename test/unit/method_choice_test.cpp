@@ -1,0 +1,156 @@
+#include "clothsim/simulation/method_choice.h"
+
+#include <cmath>
+
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/simulation/substeps.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+MethodChoice choice(const Scene& scene) {
+  return choose_method(scene.simulation, make_grid(scene.cloth));
+}
+
+/// pinned2 without its strain limit.
+Scene swinging(double ks = 5000, double density = 150) {
+  Scene scene = shipped_scene("pinned2");
+  scene.cloth.material.ks = ks;
+  scene.cloth.material.density = density;
+  scene.cloth.material.strain_limit.reset();
+  return scene;
+}
+
+TEST(MethodChoice, ShippedScenesAreExplicit) {
+  for (const char* name : {"pinned2", "pinned4", "sphere", "plane", "self_collision"}) {
+    const MethodChoice c = choice(shipped_scene(name));
+    EXPECT_EQ(c.method, "verlet") << name;
+    EXPECT_LT(c.predicted_error, 1e-3) << name;
+    EXPECT_LT(c.predicted_cost, 0.5) << name;
+    EXPECT_EQ(c.reason, "the cheapest within tolerance") << name;
+  }
+}
+
+TEST(MethodChoice, RealFabricIsExplicitToo) {
+  Scene scene = shipped_scene("pinned2");
+  scene.cloth.material.density = 0.15;
+  EXPECT_EQ(choice(scene).method, "verlet");
+}
+
+TEST(MethodChoice, TakesAnotherWhereExplicitDoesNotFit) {
+  const MethodChoice c = choice(swinging(5e7));
+  EXPECT_EQ(c.method, "xpbd");
+  EXPECT_LE(c.predicted_cost, 0.9);
+  EXPECT_NE(c.reason.find("the most accurate in real time"), std::string::npos) << c.reason;
+
+  // Verlet's substeps would not fit, whatever the tolerance.
+  Scene scene = swinging(5e7);
+  scene.simulation.method = "verlet";
+  const Cloth cloth = make_grid(scene.cloth);
+  EXPECT_GT(count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90),
+            500);
+}
+
+TEST(MethodChoice, ATighterToleranceTakesMoreSubstepsThenAHigherOrder) {
+  Scene scene = swinging();
+  double last_error = 1;
+  double last_cost = 0;
+  for (const double tolerance : {1e-3, 1e-5, 1e-6, 1e-7, 1e-8}) {
+    scene.simulation.tolerance = tolerance;
+    const MethodChoice c = choice(scene);
+    EXPECT_LE(c.predicted_error, tolerance);
+    EXPECT_LE(c.predicted_error, last_error);
+    EXPECT_GE(c.predicted_cost, last_cost);
+    last_error = c.predicted_error;
+    last_cost = c.predicted_cost;
+    EXPECT_EQ(c.method, tolerance > 5e-7 ? "verlet" : "rk4") << tolerance;
+  }
+}
+
+TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
+  for (const bool limited : {false, true}) {
+    Scene scene = limited ? shipped_scene("pinned2") : swinging();
+    scene.simulation.substeps = 30;
+    EXPECT_EQ(choice(scene).method, "verlet");
+    scene.simulation.substeps = 2;
+    const MethodChoice c = choice(scene);
+    EXPECT_EQ(c.method, "xpbd");
+    EXPECT_EQ(c.least_substeps, 2);
+  }
+}
+
+TEST(MethodChoice, ANameIsTakenAsItIs) {
+  for (const std::string& name : method_names()) {
+    Scene scene = swinging(5e7);
+    scene.simulation.method = name;
+    EXPECT_EQ(choice(scene).method, name);
+  }
+}
+
+TEST(MethodChoice, ClothWithoutSpringsOrStiffness) {
+  Scene scene = swinging(0);
+  EXPECT_EQ(choice(scene).method, "verlet");
+  scene.cloth.material.springs = {false, false, false};
+  EXPECT_EQ(choice(scene).method, "verlet");
+}
+
+/// RMS distance over points and frames of half a second, of the cloth's size.
+double error_between(const std::vector<Points>& a, const std::vector<Points>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += (a[i] - b[i]).squaredNorm() / static_cast<double>(a[i].rows());
+  }
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+std::vector<Points> frames(const Scene& scene) {
+  Simulator simulator(scene);
+  std::vector<Points> result;
+  for (int frame = 0; frame < 45; ++frame) {
+    simulator.step();
+    result.push_back(simulator.state().positions);
+  }
+  return result;
+}
+
+TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
+  struct Case {
+    double ks;
+    double density;
+    int side;
+    double tolerance;
+  };
+  for (const Case& c : {Case{5000, 150, 50, 1e-3},
+                        {5e5, 150, 50, 1e-3},
+                        {5e7, 150, 50, 1e-3},
+                        {5000, 0.15, 30, 1e-3},
+                        {5000, 150, 25, 1e-6},
+                        {5000, 150, 50, 1e-7}}) {
+    Scene scene = swinging(c.ks, c.density);
+    scene.cloth.columns = scene.cloth.rows = c.side;
+    scene.cloth.pinned = {{0, 0, ""}, {c.side - 1, 0, ""}};
+    scene.simulation.tolerance = c.tolerance;
+    const MethodChoice chosen = choice(scene);
+
+    // Verlet with steps so short that its own error is a fiftieth of the prediction.
+    Scene fine = scene;
+    fine.simulation.method = c.tolerance < 1e-6 ? "rk4" : "verlet";
+    const Cloth cloth = make_grid(scene.cloth);
+    const int needed =
+        count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90);
+    fine.simulation.substeps = chosen.method == "xpbd" ? needed : 8 * chosen.least_substeps;
+    const double measured = error_between(frames(scene), frames(fine));
+    const std::string what = chosen.method + " ks " + std::to_string(c.ks) + " side " +
+                             std::to_string(c.side) + " tolerance " + std::to_string(c.tolerance);
+    RecordProperty(what, std::to_string(chosen.predicted_error * 1e9) + "e-9 predicted, " +
+                             std::to_string(measured * 1e9) + "e-9 measured");
+    EXPECT_LT(measured, 3 * chosen.predicted_error) << what;
+    EXPECT_GT(measured, chosen.predicted_error / 3) << what;
+  }
+}
+
+}  // namespace
+}  // namespace clothsim
