@@ -1,0 +1,93 @@
+#include "dials.h"
+
+#include <variant>
+
+namespace clothsim::work_precision {
+namespace {
+
+/// Newton's method to rounding of a step of a thousandth of a millimetre.
+constexpr double newton_tolerance = 1e-8;
+
+/// Finest step of the implicit methods that cost milliseconds a step.
+constexpr int most_newton_substeps = 4;
+
+template <typename Value>
+struct Assign {
+  const std::string wanted;
+  const Value to;
+  template <typename Any>
+  void operator()(const std::string& key, Any& value, const Range&) const {
+    if constexpr (std::is_same_v<Any, Value>) {
+      if (key == wanted) value = to;
+    }
+  }
+};
+
+/// Sets parameter `key` of whatever method has it.
+template <typename Value>
+void set_parameter(MethodParameters& parameters, const std::string& key, Value value) {
+  std::visit(
+      [&](auto& p) {
+        using P = std::decay_t<decltype(p)>;
+        if constexpr (!std::is_same_v<P, std::monostate>) P::each(p, Assign<Value>{key, value});
+      },
+      parameters);
+}
+
+bool uses_newton(const std::string& method) {
+  return method == ImplicitEuler::name || method == Bdf2::name;
+}
+
+}  // namespace
+
+Scene at(Scene scene, const Dial& dial) {
+  SimulationSpec& simulation = scene.simulation;
+  simulation.method = dial.method;
+  simulation.substeps = dial.substeps;
+  simulation.method_parameters = default_parameters(dial.method);
+  if (dial.iterations) {
+    set_parameter(simulation.method_parameters, "iterations", *dial.iterations);
+    set_parameter(simulation.method_parameters, "tolerance", 0.0);
+  }
+  return scene;
+}
+
+std::optional<Scene> converged(Scene scene, const Dial& dial) {
+  const bool solves_implicit_euler =
+      dial.method == ProjectiveDynamics::name || dial.method == Xpbd::name;
+  if (!solves_implicit_euler && !uses_newton(dial.method)) return {};
+  if (!dial.substeps || *dial.substeps > most_newton_substeps) return {};
+  scene = at(scene, {uses_newton(dial.method) ? dial.method : ImplicitEuler::name, dial.substeps});
+  set_parameter(scene.simulation.method_parameters, "tolerance", newton_tolerance);
+  set_parameter(scene.simulation.method_parameters, "max_iterations", 200);
+  return scene;
+}
+
+std::vector<Dial> dials(bool quick) {
+  const std::vector<int> explicit_steps =
+      quick ? std::vector{1, 4, 8, 16} : std::vector{1, 2, 3, 4, 5, 6, 8, 12, 16, 32, 64, 128};
+  std::vector<Dial> list{{"auto", {}}};
+  for (const std::string& method : method_names()) {
+    if (uses_newton(method)) {
+      for (int n = 1; n <= (quick ? 1 : most_newton_substeps); n *= 2) list.push_back({method, n});
+    } else if (method == ProjectiveDynamics::name) {
+      for (const int n : quick ? std::vector{1} : std::vector{1, 4, 16}) {
+        for (const int iterations : quick ? std::vector{10} : std::vector{1, 5, 20}) {
+          list.push_back({method, n, iterations});
+        }
+      }
+    } else if (method == Xpbd::name) {
+      for (const int n : quick ? std::vector{8} : std::vector{4, 8, 16, 30, 64, 128, 256}) {
+        list.push_back({method, n, 1});
+      }
+      if (!quick) {
+        for (const int iterations : {5, 20}) list.push_back({method, 4, iterations});
+      }
+    } else {
+      for (const int n : explicit_steps) list.push_back({method, n});
+    }
+  }
+  return list;
+}
+
+}  // namespace clothsim::work_precision

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim::work_precision {
+
+/// A method and how hard it tries.
+struct Dial {
+  std::string method;               // `auto` or one of method_names()
+  std::optional<int> substeps;      // a frame; empty: as `auto` counts them
+  std::optional<int> iterations{};  // a substep, where the method has that parameter
+};
+
+/// The scene with the method turned to `dial`.
+Scene at(Scene, const Dial&);
+
+/// The same with the method's iterations carried to convergence, so that only its scheme's error is
+/// left. Empty for methods that do not iterate. Projective dynamics and XPBD converge to implicit
+/// Euler.
+std::optional<Scene> converged(Scene, const Dial&);
+
+/// `auto`, and every method from its coarsest step to its finest. Quick: few and cheap.
+std::vector<Dial> dials(bool quick);
+
+}  // namespace clothsim::work_precision

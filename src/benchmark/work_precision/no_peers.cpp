@@ -1,0 +1,9 @@
+// Built where there is no Bullet.
+
+#include "peers.h"
+
+namespace clothsim::work_precision {
+
+std::vector<Peer> peers(const Trial&, bool) { return {}; }
+
+}  // namespace clothsim::work_precision

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "run.h"
+#include "scenes.h"
+
+namespace clothsim::work_precision {
+
+/// What runs of a trial are scored against. Lengths are shares of the cloth's size.
+struct Reference {
+  Trajectory trajectory;
+  std::vector<double> uncertainty;  // RMS position error of the reference itself, by frame
+  std::vector<double> growth;       // of a twin's distance, by frame
+  double order = 0;                 // observed; 2 where the motion is smooth
+  double cross_check = 0;           // RMS distance to rk4, over all points and frames
+  int substeps = 0;                 // of its finest run
+};
+
+/// Verlet at h, h/2 and h/4. In a smooth trial Richardson's (4 x_{h/4} - x_{h/2}) / 3, else the
+/// finest run. Uncertainty is the larger of the distance to rk4 and what the last halving changed
+/// (after Richardson, which is of order 4, a fifteenth of that). The twin starts from a cloth
+/// nudged by 1e-10 of its size. Throws Diverged.
+Reference make_reference(const Trial&);
+
+/// The same from runs close to Verlet's limit, without rk4 and twin: for large and short trials,
+/// which are smooth.
+Reference make_cheap_reference(const Trial&);
+
+/// Larger side of the cloth [m].
+double size_of(const Scene&);
+
+/// RMS distance over the points of two states [m].
+double rms_distance(const Points& a, const Points& b);
+
+/// RMS distance over points and frames [m], the last `frames` of them.
+double rms_distance(const Trajectory& a, const Trajectory& b, std::size_t frames);
+
+}  // namespace clothsim::work_precision

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim::work_precision {
+
+/// What of a trajectory is compared.
+enum class Compared { all_frames, rest_shape };
+
+/// A scene that methods are judged on.
+struct Trial {
+  std::string name;
+  Scene scene;
+  int frames;
+  Compared compared;
+  bool smooth;  // neither contact nor strain limit: the reference must show its order
+};
+
+/// A shipped scene with `side` x `side` points, its pins kept at the corners.
+Scene shipped_scene(const std::string& name, int side);
+
+/// A cloth hung from two corners, without strain limit.
+Scene corner_drop(int side);
+
+/// The scenes of the chart of methods. Quick: the first alone, small and short.
+std::vector<Trial> trials(bool quick);
+
+}  // namespace clothsim::work_precision

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "clothsim/model/state.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim::work_precision {
+
+/// Anything that moves a cloth frame by frame: the simulator, or a peer.
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// One frame. Throws Diverged.
+  virtual StepReport step() = 0;
+  virtual const State& state() const = 0;
+};
+
+/// Makes the same stepper anew, for runs that are repeated.
+using StepperMaker = std::function<std::unique_ptr<Stepper>()>;
+
+StepperMaker simulator_of(const Scene&);
+
+}  // namespace clothsim::work_precision

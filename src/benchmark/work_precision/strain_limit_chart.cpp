@@ -1,0 +1,98 @@
+// What the strain limit leaves over, and how far the rest shape is off, against cost.
+
+#include <algorithm>
+#include <memory>
+
+#include "chart.h"
+#include "classic.h"
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/model/grid.h"
+#include "dials.h"
+#include "reference.h"
+#include "table.h"
+
+namespace clothsim::work_precision {
+namespace {
+
+struct Shared {
+  Trial trial;
+  Points rest;  // converged
+  Table table{{"solver", "substeps", "tolerance", "passes", "status", "cost_ms_per_s",
+               "sweeps_per_substep", "violation", "worst_violation", "rest_error", "rest_error_max",
+               "rest_speed"}};
+};
+
+/// pinned2 at its defaults until it hangs still.
+Trial hanging(bool quick) {
+  return {"pinned2", shipped_scene("pinned2", quick ? 10 : 50), quick ? 180 : 540,
+          Compared::rest_shape, false};
+}
+
+/// Violation: stretch above the limit, of the rest length, at the end and the worst in any frame.
+void measure(Shared& shared, const std::string& solver, double tolerance, int passes,
+             const StepperMaker& make) {
+  const Run result = run(make, shared.trial.frames);
+  const Cloth cloth = make_grid(shared.trial.scene.cloth);
+  const auto violation = [&](const State& state) {
+    return std::max(0.0, worst_stretch(cloth, state.positions) - *cloth.strain_limit);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  double last = nan, worst = nan, rms = nan, farthest = nan, speed = nan;
+  if (result.outcome == Outcome::done) {
+    const State& end = result.trajectory.back();
+    last = violation(end);
+    for (const State& state : result.trajectory) worst = std::fmax(worst, violation(state));
+    rms = rms_distance(end.positions, shared.rest);
+    farthest = (end.positions - shared.rest).rowwise().norm().maxCoeff();
+    speed = rms_velocity(end);
+  }
+  shared.table.add({solver, result.substeps, tolerance, passes, name_of(result.outcome),
+                    result.cost, result.sweeps, last, worst, rms, farthest, speed});
+}
+
+}  // namespace
+
+std::vector<Job> strain_limit_jobs(const Options& options) {
+  auto shared = std::make_shared<Shared>();
+  shared->trial = hanging(options.quick);
+  std::vector<Job> jobs;
+  jobs.push_back([=] {
+    Scene scene = shared->trial.scene;
+    scene.simulation.substeps = options.quick ? 20 : 60;
+    scene.simulation.strain_tolerance = 1e-7;
+    scene.simulation.method = VelocityVerlet::name;
+    // Damped, it comes to the same rest shape sooner and closer.
+    scene.cloth.material.damping = 20;
+    shared->rest =
+        run(simulator_of(scene), shared->trial.frames, {0, 300}).trajectory.back().positions;
+  });
+
+  // The shipped limit: its tolerance and the substeps are the dials.
+  const auto tolerances =
+      options.quick ? std::vector{0.004} : std::vector{0.1, 0.03, 0.01, 0.004, 1e-3, 1e-4, 1e-5};
+  for (const int substeps : options.quick ? std::vector{0} : std::vector{0, 30, 60}) {
+    for (const double tolerance : tolerances) {
+      jobs.push_back([=] {
+        Scene scene = shared->trial.scene;
+        if (substeps > 0) scene.simulation.substeps = substeps;
+        scene.simulation.strain_tolerance = tolerance;
+        measure(*shared, substeps > 0 ? "clothsim" : "auto", tolerance, 0, simulator_of(scene));
+      });
+    }
+  }
+
+  // The classic one: 30 substeps and one pass; more passes, more substeps.
+  for (const int substeps : options.quick ? std::vector{30} : std::vector{30, 60}) {
+    for (const int passes : options.quick ? std::vector{1} : std::vector{1, 2, 4, 8, 16, 32}) {
+      jobs.push_back([=] {
+        measure(*shared, "classic", std::numeric_limits<double>::quiet_NaN(), passes,
+                classic(shared->trial.scene, substeps, passes));
+      });
+    }
+  }
+  jobs.push_back([=] { shared->table.write(options.output / "strain_limit.csv"); });
+  return jobs;
+}
+
+}  // namespace clothsim::work_precision

@@ -1,0 +1,149 @@
+// The benchmark of speed against accuracy, run short, as a user runs it: its files, what they must
+// show even so, and the charts drawn from them.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "clothsim/dynamics/integrator.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+using Row = std::map<std::string, std::string>;
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream text(line + ',');
+  for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+/// Rows of a CSV file; every line must have a cell for each column.
+std::vector<Row> read(const fs::path& path) {
+  std::ifstream file(path);
+  EXPECT_TRUE(file) << path;
+  std::string line;
+  std::getline(file, line);
+  const std::vector<std::string> columns = split(line);
+  std::vector<Row> rows;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> cells = split(line);
+    EXPECT_EQ(cells.size(), columns.size()) << path << ": " << line;
+    if (cells.size() != columns.size()) continue;
+    Row row;
+    for (std::size_t i = 0; i < columns.size(); ++i) row[columns[i]] = cells[i];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double number(const Row& row, const std::string& column) {
+  const std::string& text = row.at(column);
+  return text.empty() ? std::numeric_limits<double>::quiet_NaN() : std::stod(text);
+}
+
+class WorkPrecision : public ::testing::Test {
+ protected:
+  /// All charts at once: the tests look at what one run left.
+  static void SetUpTestSuite() {
+    std::string pattern = ::testing::TempDir() + "work_precision_XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    const std::string command = std::string(CLOTHSIM_WORK_PRECISION) + " --quick --output " +
+                                folder_.string() + " > " + (folder_ / "out").string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static inline fs::path folder_;
+};
+
+TEST_F(WorkPrecision, ReferenceIsOfOrderTwoAndAgreesWithAnotherMethod) {
+  const std::vector<Row> rows = read(folder_ / "references.csv");
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(number(rows[0], "order"), 2, 0.1);
+  EXPECT_GT(number(rows[0], "uncertainty"), 0);
+  EXPECT_LT(number(rows[0], "uncertainty"), 1e-9);
+  EXPECT_LT(number(rows[0], "cross_check"), 1e-9);
+  EXPECT_GE(number(rows[0], "twin_growth"), 1);
+}
+
+TEST_F(WorkPrecision, EveryMethodIsChartedAndVerletFallsWithOrderTwo) {
+  std::set<std::string> seen;
+  std::map<int, double> verlet;  // error by substeps
+  for (const Row& row : read(folder_ / "methods.csv")) {
+    seen.insert(row.at("method"));
+    EXPECT_GT(number(row, "cost_ms_per_s"), 0);
+    EXPECT_FALSE(row.at("used_method").empty());
+    if (row.at("method") == VelocityVerlet::name) {
+      verlet[std::stoi(row.at("substeps"))] = number(row, "position_error");
+    }
+    // Errors that are there are numbers, and the largest is not below the mean.
+    if (row.at("position_error").empty()) continue;
+    EXPECT_GE(number(row, "position_max"), number(row, "position_error"));
+    for (const char* column : {"velocity_error", "energy_error", "momentum_error", "centre_error",
+                               "worst_stretch", "p99_stretch"}) {
+      EXPECT_GE(number(row, column), 0) << column;
+    }
+    // Its own tolerances left solver error far below the scheme's.
+    if (!row.at("solver_error").empty()) {
+      EXPECT_LT(number(row, "solver_error"), 0.1 * number(row, "scheme_error"));
+    }
+  }
+  for (const std::string& method : method_names()) EXPECT_EQ(seen.count(method), 1u) << method;
+  EXPECT_EQ(seen.count("auto"), 1u);
+  EXPECT_NEAR(std::log2(verlet.at(4) / verlet.at(8)), 2, 0.1);
+  EXPECT_NEAR(std::log2(verlet.at(8) / verlet.at(16)), 2, 0.1);
+}
+
+TEST_F(WorkPrecision, FailuresAreRecordedWhereTheoryHasThem) {
+  // Explicit methods beyond their limit, with room for a step that only just fails.
+  int failed = 0;
+  for (const Row& row : read(folder_ / "stability.csv")) {
+    const double ratio = number(row, "step_s") / number(row, "limit_s");
+    if (ratio > 1.5) {
+      EXPECT_EQ(row.at("status"), "failed") << row.at("method") << ' ' << row.at("step_s");
+      EXPECT_EQ(row.at("position_error"), "");
+      ++failed;
+    } else if (ratio > 0 && ratio < 0.8) {
+      EXPECT_EQ(row.at("status"), "done") << row.at("method") << ' ' << row.at("step_s");
+    }
+  }
+  EXPECT_GT(failed, 10);
+}
+
+TEST_F(WorkPrecision, StrainLimitBeatsTheClassicOne) {
+  std::map<std::string, Row> rows;
+  for (const Row& row : read(folder_ / "strain_limit.csv")) rows[row.at("solver")] = row;
+  const Row& ours = rows.at("auto");
+  EXPECT_LT(number(ours, "worst_violation"), 1.01 * number(ours, "tolerance"));
+  EXPECT_LT(number(ours, "rest_error_max"), 1e-3);
+  EXPECT_LT(number(ours, "rest_error_max"), number(rows.at("classic"), "rest_error_max"));
+}
+
+TEST_F(WorkPrecision, ScriptDrawsEveryChart) {
+  const std::string command = std::string("MPLCONFIGDIR=") + folder_.string() + ' ' +
+                              CLOTHSIM_PLOT_WORK_PRECISION + ' ' + folder_.string() + " > " +
+                              (folder_ / "out").string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  for (const char* name :
+       {"work_precision", "solver_error", "winners", "stability", "strain_limit"}) {
+    const fs::path png = folder_ / (std::string(name) + ".png");
+    ASSERT_TRUE(fs::exists(png)) << name;
+    EXPECT_GT(fs::file_size(png), 10'000u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace clothsim
