@@ -167,4 +167,29 @@ void ColliderContacts::reset() {
   h_ = 0;
 }
 
+void ColliderContacts::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  memory.add(count());
+  for (const Contact& c : contacts_) {
+    if (c.push == 0) continue;
+    memory.add(c.collider);
+    memory.add(c.point);
+    memory.add(c.push);
+    memory.add(c.drag);
+  }
+}
+
+void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    const int collider = memory.index(colliders);
+    const int point = memory.index(static_cast<std::size_t>(cloth.num_points()));
+    Contact c{collider, point, Vector3::Zero(), Vector3::Zero(), 0, 0};
+    c.push = std::max(0.0, memory.number());
+    c.drag = memory.vector();
+    contacts_.push_back(c);
+  }
+}
+
 }  // namespace clothsim

@@ -37,6 +37,10 @@ void PointContacts::find_candidates(const Cloth& cloth, const Points& positions,
     const double farthest2 = (moved.rowwise() - common).rowwise().squaredNorm().maxCoeff();
     if (farthest2 <= skin_ * skin_ / 4) return;
   }
+  seek(cloth, positions, distance);
+}
+
+void PointContacts::seek(const Cloth& cloth, const Points& positions, double distance) {
   skin_ = skin_share * distance;
   found_at_ = positions;
   finder_.find(positions, distance + skin_, candidates_);
@@ -137,6 +141,37 @@ void PointContacts::reset() {
   contacts_.clear();
   found_at_.resize(0, 3);
   h_ = 0;
+}
+
+void PointContacts::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  memory.add(found_at_.rows() > 0);
+  memory.add(found_at_);
+  memory.add(count());
+  for (const Contact& c : contacts_) {
+    if (c.push == 0) continue;
+    memory.add(c.pair.a);
+    memory.add(c.pair.b);
+    memory.add(c.push);
+    memory.add(c.drag);
+  }
+}
+
+void PointContacts::read(MemoryReader& memory, const Cloth& cloth) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  if (memory.index(2) == 1) {
+    seek(cloth, memory.points(cloth.num_points()), contact_distance(cloth));
+  }
+  const auto points = static_cast<std::size_t>(cloth.num_points());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    const int a = memory.index(points);
+    const int b = memory.index(points);
+    Contact c{{a, b}, Vector3::Zero(), 0, 0};
+    c.push = std::max(0.0, memory.number());
+    c.drag = memory.vector();
+    contacts_.push_back(c);
+  }
 }
 
 }  // namespace clothsim

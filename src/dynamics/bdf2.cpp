@@ -7,6 +7,7 @@ namespace clothsim {
 void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   const int n = cloth.num_points();
   const bool has_last = !watch_.changed(cloth, h);
+  h_ = h;
   const auto has_history = [&](int i) {
     return has_last && state.positions.row(i) == returned_.positions.row(i) &&
            state.velocities.row(i) == returned_.velocities.row(i);
@@ -44,6 +45,25 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state) 
   state.positions += displacement_;
   state.velocities.array() += displacement_.array().colwise() / gain.array();
   returned_ = state;
+}
+
+void Bdf2::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  for (const State* state : {&last_, &returned_}) {
+    memory.add(state->positions);
+    memory.add(state->velocities);
+  }
+}
+
+void Bdf2::read(MemoryReader& memory, const Cloth& cloth) {
+  watch_ = {};
+  h_ = memory.number();
+  if (h_ <= 0) return;
+  watch_.changed(cloth, h_);
+  for (State* state : {&last_, &returned_}) {
+    state->positions = memory.points(cloth.num_points());
+    state->velocities = memory.points(cloth.num_points());
+  }
 }
 
 }  // namespace clothsim

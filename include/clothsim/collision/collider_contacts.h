@@ -4,6 +4,7 @@
 
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -37,6 +38,11 @@ class ColliderContacts {
 
   /// Forgets the impulses.
   void reset();
+
+  /// The impulses, of so many colliders and points. `read` throws InvalidValue for what was not
+  /// written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
  private:
   struct Contact {

@@ -4,6 +4,7 @@
 
 #include "clothsim/collision/cell_list.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -33,6 +34,11 @@ class PointContacts {
   /// Forgets the impulses.
   void reset();
 
+  /// The impulses, and where pairs were sought last. `read` throws InvalidValue for what was not
+  /// written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, const Cloth&);
+
  private:
   struct Contact {
     PointPair pair;
@@ -43,7 +49,9 @@ class PointContacts {
     Vector3 drag{0, 0, 0};  // friction impulse on pair.b [N s]
   };
 
+  /// Pairs that may touch, at `positions` unless those of an earlier call still serve.
   void find_candidates(const Cloth&, const Points& positions, double distance);
+  void seek(const Cloth&, const Points& positions, double distance);
 
   double h_ = 0;
   PairFinder finder_;

@@ -6,6 +6,7 @@
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/newton_solver.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -37,9 +38,14 @@ class Bdf2 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&);
 
+  /// The history. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, const Cloth&);
+
  private:
   NewtonSolver solver_;
   ClothWatch watch_;
+  double h_ = 0;         // [s] of the last step; 0: there is none
   State last_;           // as the last step found it
   State returned_;       // as the last step left it
   Points displacement_;  // by the springs [m], N x 3

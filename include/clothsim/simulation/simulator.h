@@ -41,6 +41,23 @@ class Simulator {
   /// Back to the scene's start at time 0, with the present material and simulation values.
   void reset();
 
+  /// What the next frames depend on beside state(): impulses that constraints keep, a method's
+  /// history, what was changed after a frame failed. Numbers to hand back to set_state().
+  std::vector<double> memory() const;
+
+  /// Goes on from `state`; colliders and pins stay where they are. With the memory that came with
+  /// the state, to the same bits as then; without, as after a reset. Throws InvalidValue and
+  /// changes nothing for another number of points, numbers that are not finite or beyond 1e12, a
+  /// pin farther than 1 um from where it is, and the memory of another cloth or method.
+  void set_state(const State& state, const std::vector<double>& memory = {});
+
+  /// A copy of all that moves, colliders and pins too, to come back to and go on to the same bits.
+  /// Material and simulation values stay as they are; where springs or the method have changed
+  /// since, goes on as after a reset. Throws InvalidValue for a copy of another scene.
+  struct Saved;
+  std::shared_ptr<const Saved> save() const;
+  void restore(const Saved&);
+
   /// Change values between frames. Throw InvalidValue and change nothing when refused, keys
   /// relative to the material or the simulation.
   void set(const Material&, const SimulationSpec&);

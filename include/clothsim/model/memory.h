@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// What parts of a simulation remember from step to step, as a list of numbers: each part writes
+/// its own and reads them in the same order, so that a run goes on to the same bits.
+class MemoryWriter {
+ public:
+  void add(double number) { numbers_.push_back(number); }
+  void add(const Vector3&);
+  void add(const Points&);  // not their number
+
+  const std::vector<double>& numbers() const { return numbers_; }
+
+ private:
+  std::vector<double> numbers_;
+};
+
+/// Reads numbers that may come from anywhere. All calls throw InvalidValue with the key {"memory"}
+/// for what no part can have written.
+class MemoryReader {
+ public:
+  /// `numbers` must outlive this.
+  explicit MemoryReader(const std::vector<double>& numbers) : numbers_(numbers) {}
+
+  double number();              // finite
+  int index(std::size_t size);  // from 0 to size - 1
+  std::size_t count();          // of items that follow, each of at least one number
+  Vector3 vector();
+  Points points(Eigen::Index rows);
+
+  /// All must have been read.
+  void finish() const;
+
+ private:
+  void need(std::size_t count) const;
+
+  const std::vector<double>& numbers_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/collision/collider_contacts.h"
+#include "clothsim/collision/moving_collider.h"
+#include "clothsim/collision/point_contacts.h"
+#include "clothsim/dynamics/integrator.h"
+#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/model/grid.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/simulation/method_choice.h"
+#include "clothsim/simulation/simulator.h"
+#include "clothsim/simulation/substeps.h"
+
+namespace clothsim {
+
+/// Times a substep is halved before the method is changed.
+inline constexpr int max_halvings = 3;
+
+/// The method that `auto` goes on with where halving does not help: its energy never rises.
+inline constexpr const char* refuge = ImplicitEuler::name;
+
+/// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
+/// whatever shows a good state can.
+inline constexpr double farthest = 1e12;
+
+inline bool is_good(const State& state) {  // false for NaN
+  return (state.positions.array().abs() < farthest).all() &&
+         (state.velocities.array().abs() < farthest).all();
+}
+
+/// How a scene with `cloth` is integrated, and by what.
+struct Method {
+  Method(const SimulationSpec& spec, const Cloth& cloth)
+      : choice(choose_method(spec, cloth)),
+        integrator(make_integrator(choice.method, spec.method_parameters)) {}
+
+  /// Substeps of a frame from `positions`.
+  int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions) const {
+    if (spec.substeps) return *spec.substeps;
+    const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
+    const int needed =
+        count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
+    return std::min(std::max(needed, choice.least_substeps) << halvings, max_substeps);
+  }
+
+  MethodChoice choice;
+  Integrator integrator;
+  int halvings = 0;
+};
+
+struct Simulator::Impl {
+  explicit Impl(const Scene&);
+
+  void reset() {
+    state = start_state(scene.cloth, cloth, scene.simulation.seed);
+    pin_targets.resize(scene.cloth.pinned.size());
+    for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+      pin_targets[i] = state.positions.row(pin_point(i)).transpose();
+    }
+    for (std::size_t i = 0; i < colliders.size(); ++i) colliders[i].place(scene.colliders[i].pose);
+    forget();
+  }
+
+  /// Drops what methods and constraints remember of earlier steps.
+  void forget() {
+    method.emplace(scene.simulation, cloth);
+    forget_constraints();
+  }
+
+  /// Takes the method that the scene asks for now. Goes on with the present one where it is the
+  /// same, unless it is to be `anew`.
+  void choose(bool anew) {
+    const MethodChoice choice = choose_method(scene.simulation, cloth);
+    if (anew || choice.method != method->choice.method) {
+      method.emplace(scene.simulation, cloth);
+    } else {
+      method->choice = choice;
+      method->halvings = 0;
+    }
+  }
+
+  void forget_constraints() {
+    if (strain_limit) strain_limit->reset();
+    collider_contacts.reset();
+    if (point_contacts) point_contacts->reset();
+  }
+
+  void build_strain_limit() {
+    strain_limit.reset();
+    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth);
+  }
+
+  int pin_point(std::size_t pin) const {
+    const Pin& p = scene.cloth.pinned[pin];
+    return p.row * scene.cloth.columns + p.column;
+  }
+
+  void write(MemoryWriter&) const;
+  /// Throws InvalidValue and changes nothing where the numbers are not those of such a scene.
+  void read(const std::vector<double>&);
+  void set_state(const State&, const std::vector<double>& memory);
+
+  StepReport step();
+  /// One frame. False where it ends in a state that cannot be.
+  bool frame(double dt, const State& before, StepReport&);
+  /// Gets ready to try a failed frame again. False where nothing is left to try.
+  bool recover();
+  /// False where the state has left the finite numbers.
+  bool substep(double h, StepReport&);
+  void constrain(double h, StepReport&);
+
+  Scene scene;
+  Cloth cloth;
+  State state;
+  std::optional<Method> method;
+  std::optional<StrainLimit> strain_limit;
+  std::vector<MovingCollider> colliders;
+  ColliderContacts collider_contacts;
+  std::optional<PointContacts> point_contacts;
+  std::vector<Vector3> pin_targets;
+  unsigned topology_seq = 0;
+
+  bool disturbed = false;  // by a jump since the last frame
+  Points start;            // positions at the substep's start, where contact needs them
+  Points predicted;        // velocities with the last substep's impulses
+};
+
+}  // namespace clothsim

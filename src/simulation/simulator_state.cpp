@@ -1,0 +1,179 @@
+// States out of a simulator and into it.
+
+#include <cmath>
+#include <utility>
+
+#include "clothsim/model/checks.h"
+#include "simulator_impl.h"
+
+namespace clothsim {
+namespace {
+
+/// Counts up when the numbers that make up a memory change.
+constexpr int memory_version = 1;
+
+/// How far from where it is held a point may be in a state that is given [m].
+constexpr double held_tolerance = 1e-6;
+
+std::string vector_text(const Vector3& v) {
+  return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
+}
+
+/// What of a scene decides which numbers a memory has.
+std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
+  const std::vector<std::string> names = method_names();
+  const std::string method = choose_method(scene.simulation, cloth).method;
+  const auto place = std::find(names.begin(), names.end(), method) - names.begin();
+  return {double{memory_version},
+          static_cast<double>(cloth.columns),
+          static_cast<double>(cloth.rows),
+          static_cast<double>(cloth.num_springs()),
+          static_cast<double>(cloth.strain_limit.has_value()),
+          static_cast<double>(scene.cloth.self_collision),
+          static_cast<double>(scene.colliders.size()),
+          static_cast<double>(place)};
+}
+
+void check_points(const std::string& key, const Points& points, int count) {
+  if (points.rows() != count) {
+    throw InvalidValue({key}, std::to_string(points.rows()) + " points", std::to_string(count));
+  }
+  for (int i = 0; i < count; ++i) {
+    const Vector3 p = points.row(i).transpose();
+    if (!(p.cwiseAbs().array() < farthest).all()) {  // true for NaN
+      throw InvalidValue({key, std::to_string(i)}, vector_text(p),
+                         "finite numbers below " + to_text(farthest));
+    }
+  }
+}
+
+}  // namespace
+
+/// All that moves.
+struct Simulator::Saved {
+  State state;
+  std::vector<double> memory;
+  std::vector<MovingCollider> colliders;
+  std::vector<Vector3> pin_targets;
+};
+
+void Simulator::Impl::write(MemoryWriter& memory) const {
+  for (const double number : shape_of(scene, cloth)) memory.add(number);
+  const std::vector<std::string> names = method_names();
+  const auto place = std::find(names.begin(), names.end(), method->choice.method);
+  memory.add(static_cast<double>(place - names.begin()));
+  memory.add(method->halvings);
+  memory.add(disturbed);
+  if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory);
+  if (strain_limit) strain_limit->write(memory);
+  collider_contacts.write(memory);
+  if (point_contacts) point_contacts->write(memory);
+}
+
+void Simulator::Impl::read(const std::vector<double>& numbers) {
+  const std::vector<double> shape = shape_of(scene, cloth);
+  if (numbers.size() < shape.size() || !std::equal(shape.begin(), shape.end(), numbers.begin())) {
+    throw InvalidValue({"memory"}, "that of another cloth, scene or method",
+                       "one that this simulation gave as it is now, or none");
+  }
+  MemoryReader memory(numbers);
+  for (std::size_t i = 0; i < shape.size(); ++i) memory.number();
+
+  // The method, which may be another one since a frame failed.
+  Method read_method(scene.simulation, cloth);
+  const std::vector<std::string> names = method_names();
+  const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
+  if (name != read_method.choice.method) {
+    if (scene.simulation.method != "auto" || name != refuge) {
+      throw InvalidValue({"memory"}, "method " + name, read_method.choice.method);
+    }
+    SimulationSpec last_resort = scene.simulation;
+    last_resort.method = refuge;
+    read_method = Method(last_resort, cloth);
+    read_method.choice.reason = "a frame failed before the state that was set";
+  }
+  read_method.halvings = memory.index(max_halvings + 1);
+  const bool read_disturbed = memory.index(2) == 1;
+  if (auto* bdf2 = std::get_if<Bdf2>(&read_method.integrator)) bdf2->read(memory, cloth);
+
+  // The constraints.
+  std::optional<StrainLimit> read_limit = strain_limit;
+  if (read_limit) read_limit->read(memory);
+  ColliderContacts read_contacts;
+  read_contacts.read(memory, colliders.size(), cloth);
+  std::optional<PointContacts> read_point_contacts = point_contacts;
+  if (read_point_contacts) read_point_contacts->read(memory, cloth);
+  memory.finish();
+
+  method = std::move(read_method);
+  strain_limit = std::move(read_limit);
+  collider_contacts = std::move(read_contacts);
+  point_contacts = std::move(read_point_contacts);
+  disturbed = read_disturbed;
+}
+
+void Simulator::Impl::set_state(const State& given, const std::vector<double>& memory) {
+  check_points("positions", given.positions, cloth.num_points());
+  check_points("velocities", given.velocities, cloth.num_points());
+  if (!(given.time >= 0 && given.time < farthest)) {
+    throw InvalidValue({"time"}, to_text(given.time),
+                       "a number from 0 to below " + to_text(farthest) + " [s]");
+  }
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] > 0) continue;
+    const Vector3 here = given.positions.row(i).transpose();
+    const Vector3 held = state.positions.row(i).transpose();
+    if ((here - held).norm() > held_tolerance) {
+      throw InvalidValue({"positions", std::to_string(i)}, vector_text(here),
+                         vector_text(held) + ", where the point is held");
+    }
+  }
+
+  if (memory.empty()) {
+    forget();
+    disturbed = true;
+  } else {
+    read(memory);
+  }
+  const State last = std::exchange(state, given);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] > 0) continue;
+    state.positions.row(i) = last.positions.row(i);
+    state.velocities.row(i) = last.velocities.row(i);
+  }
+}
+
+std::vector<double> Simulator::memory() const {
+  MemoryWriter memory;
+  impl_->write(memory);
+  return memory.numbers();
+}
+
+void Simulator::set_state(const State& state, const std::vector<double>& memory) {
+  impl_->set_state(state, memory);
+}
+
+std::shared_ptr<const Simulator::Saved> Simulator::save() const {
+  return std::make_shared<const Saved>(
+      Saved{impl_->state, memory(), impl_->colliders, impl_->pin_targets});
+}
+
+void Simulator::restore(const Saved& saved) {
+  const auto points = static_cast<std::size_t>(impl_->cloth.num_points());
+  const auto saved_points = static_cast<std::size_t>(saved.state.positions.rows());
+  if (saved_points != points || saved.colliders.size() != impl_->colliders.size() ||
+      saved.pin_targets.size() != impl_->pin_targets.size()) {
+    throw InvalidValue({"state"}, "that of another scene", "one of this scene");
+  }
+  try {
+    impl_->read(saved.memory);
+  } catch (const InvalidValue&) {
+    impl_->forget();  // springs or the method have changed since
+    impl_->disturbed = true;
+  }
+  impl_->state = saved.state;
+  impl_->colliders = saved.colliders;
+  impl_->pin_targets = saved.pin_targets;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,238 @@
+// States out of a simulator and in again: the same bits, or a refusal that changes nothing.
+
+#include <cmath>
+#include <limits>
+
+#include "clothsim/model/errors.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double once = 0.35;  // [s] by then there is contact and the strain limit works
+constexpr double more = 0.3;
+
+/// A small cloth that meets all: pins, a ball, the ground, itself.
+Scene busy(const std::string& method) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 10;
+  scene.cloth.thickness = 0.02;
+  scene.cloth.self_collision = true;
+  scene.cloth.material.ks = 300;
+  scene.cloth.pinned = {{0, 0, ""}};
+  ColliderSpec ball;
+  ball.name = "ball";
+  ball.pose.position = Vector3(0.5, 0.5, 0.75);
+  ball.friction = 0.5;
+  scene.colliders = {ball};
+  scene.simulation.method = method;
+  return scene;
+}
+
+void expect_same(const State& a, const State& b) {
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.velocities, b.velocities);
+  EXPECT_EQ(a.time, b.time);
+}
+
+class States : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(States, GoOnToTheSameBits) {
+  Simulator simulator(busy(GetParam()));
+  const StepReport report = run(simulator, once);
+  ASSERT_GT(report.contacts, 3);
+  const State state = simulator.state();
+  const std::vector<double> memory = simulator.memory();
+  run(simulator, more);
+  const State expected = simulator.state();
+
+  simulator.set_state(state, memory);
+  expect_same(simulator.state(), state);
+  EXPECT_EQ(simulator.memory(), memory);
+  run(simulator, more);
+  expect_same(simulator.state(), expected);
+
+  // In a simulator that has never run, too.
+  Simulator other(busy(GetParam()));
+  other.set_state(state, memory);
+  run(other, more);
+  expect_same(other.state(), expected);
+
+  // Which the positions and velocities alone do not give.
+  other.set_state(state);
+  run(other, more);
+  EXPECT_NE(other.state().positions, expected.positions);
+}
+
+TEST_P(States, WithoutMemoryGoOnAsAfterAReset) {
+  Simulator simulator(busy(GetParam()));
+  run(simulator, once);
+  const State state = simulator.state();
+  simulator.set_state(state);
+  run(simulator, more);
+  const State expected = simulator.state();
+  EXPECT_TRUE(expected.positions.allFinite());
+  simulator.set_state(state);
+  run(simulator, more);
+  expect_same(simulator.state(), expected);
+}
+
+std::vector<std::string> methods() {
+  std::vector<std::string> all = method_names();
+  all.push_back("auto");
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, States, ::testing::ValuesIn(methods()),
+                         [](const auto& test) { return test.param; });
+
+TEST(SavedStates, BringBackCollidersAndPinsToo) {
+  Simulator simulator(busy("auto"));
+  const auto carry = [&](double x) {
+    simulator.move_collider(0, {Vector3(0.5 + x, 0.5, 0.75), Eigen::Quaterniond::Identity()});
+    simulator.move_pin(0, Vector3(-x, 0, 1));
+    simulator.step();
+  };
+  for (int i = 0; i < 30; ++i) carry(0.002 * i);
+  const auto saved = simulator.save();
+  const State state = simulator.state();
+  const Pose pose = simulator.collider_pose(0);
+  const auto go_on = [&] {
+    for (int i = 30; i < 60; ++i) carry(0.002 * i);
+  };
+  go_on();
+  const State expected = simulator.state();
+
+  simulator.restore(*saved);
+  expect_same(simulator.state(), state);
+  EXPECT_EQ(simulator.collider_pose(0).position, pose.position);
+  go_on();
+  expect_same(simulator.state(), expected);
+}
+
+TEST(SavedStates, SurviveAChangeOfMaterial) {
+  Simulator simulator(busy("auto"));
+  run(simulator, once);
+  const auto saved = simulator.save();
+  const State state = simulator.state();
+  Material material = simulator.scene().cloth.material;
+  material.springs = {true, false, true};
+  simulator.set_material(material);
+  run(simulator, more);
+  simulator.restore(*saved);
+  expect_same(simulator.state(), state);
+  EXPECT_EQ(simulator.scene().cloth.material.springs[1], false);
+  simulator.step();
+
+  Scene other = busy("auto");
+  other.cloth.rows = 11;
+  EXPECT_THROW(Simulator(other).restore(*saved), InvalidValue);
+}
+
+TEST(SavedStates, KeepWhatARecoveryChanged) {
+  // In a memory, the method and the halvings stand after eight numbers of the scene.
+  constexpr std::size_t method = 8;
+  constexpr std::size_t halvings = 9;
+  Simulator simulator(busy("auto"));
+  const int substeps = simulator.step().substeps;
+  const State state = simulator.state();
+  std::vector<double> memory = simulator.memory();
+
+  memory[halvings] = 2;
+  simulator.set_state(state, memory);
+  EXPECT_EQ(simulator.memory(), memory);
+  EXPECT_EQ(simulator.step().substeps, 4 * substeps);
+
+  memory[method] = 3;
+  simulator.set_state(state, memory);
+  EXPECT_EQ(simulator.memory(), memory);
+  EXPECT_EQ(simulator.step().method, method_names()[3]);
+  simulator.reset();
+  EXPECT_EQ(simulator.step().substeps, substeps);
+}
+
+class Refused : public ::testing::Test {
+ protected:
+  Refused() : simulator_(busy("bdf2")) {
+    run(simulator_, once);
+    state_ = simulator_.state();
+    memory_ = simulator_.memory();
+  }
+
+  void expect_refused(const State& state, const std::vector<double>& memory,
+                      const std::string& message) {
+    try {
+      simulator_.set_state(state, memory);
+      ADD_FAILURE() << "accepted";
+    } catch (const InvalidValue& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+    expect_same(simulator_.state(), state_);
+    EXPECT_EQ(simulator_.memory(), memory_);
+  }
+
+  Simulator simulator_;
+  State state_;
+  std::vector<double> memory_;
+};
+
+TEST_F(Refused, StatesThatCannotBe) {
+  State bad = state_;
+  bad.positions.conservativeResize(99, 3);
+  expect_refused(bad, {}, "positions: got 99 points, expected 100");
+  bad = state_;
+  bad.velocities.resize(0, 3);
+  expect_refused(bad, {}, "velocities: got 0 points, expected 100");
+  bad = state_;
+  bad.positions(7, 1) = std::numeric_limits<double>::quiet_NaN();
+  expect_refused(bad, memory_, "positions.7: got [");
+  bad = state_;
+  bad.velocities(99, 2) = -std::numeric_limits<double>::infinity();
+  expect_refused(bad, memory_, "velocities.99: got [");
+  bad = state_;
+  bad.velocities(3, 0) = 1e12;
+  expect_refused(bad, memory_, "expected finite numbers below 1e+12");
+  bad = state_;
+  bad.time = -1;
+  expect_refused(bad, memory_, "time: got -1");
+  bad = state_;
+  bad.positions(0, 2) += 0.01;
+  expect_refused(bad, memory_, "positions.0: got [0, 0, 1.01], expected [0, 0, 1], where");
+}
+
+TEST_F(Refused, MemoriesOfSomethingElse) {
+  std::vector<double> bad = memory_;
+  bad.pop_back();
+  expect_refused(state_, bad, "memory: got");
+  bad = memory_;
+  bad.push_back(0);
+  expect_refused(state_, bad, "memory: got");
+  expect_refused(state_, {1}, "memory: got that of another cloth, scene or method");
+  expect_refused(state_, Simulator(busy("xpbd")).memory(), "another cloth, scene or method");
+}
+
+TEST_F(Refused, GarbageInAMemory) {
+  // Whatever a number is replaced by, it is refused or simulated: nothing reads out of bounds.
+  int refused = 0;
+  for (std::size_t i = 0; i < memory_.size(); i += 1 + i / 20) {
+    for (const double value : {-1.0, 0.5, 1e9, 1e300, std::nan("")}) {
+      std::vector<double> bad = memory_;
+      bad[i] = value;
+      Simulator other(busy("bdf2"));
+      try {
+        other.set_state(state_, bad);
+        other.step();
+      } catch (const InvalidValue&) {
+        ++refused;
+      } catch (const Diverged&) {
+      }
+      EXPECT_TRUE(other.state().positions.allFinite());
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace clothsim
