@@ -1,34 +1,30 @@
 #include "clothsim/dynamics/verlet.h"
 
 #include "clothsim/dynamics/drag.h"
+#include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/target_clones.h"
 
 namespace clothsim {
 namespace {
 
-/// x += v (1 - exp(-c t)) / c, v *= exp(-c t) for free points; pins keep their velocity.
+/// Half a step of drift: x = from + v (1 - exp(-c t)) / c for free points, v t for pins.
 CLOTHSIM_TARGET_CLONES
-void drift(int count, double t, double distance, double decay, const double* __restrict inv_mass,
-           double* __restrict x, double* __restrict v) {
+void drift(int count, double t, double distance, const double* __restrict inv_mass,
+           const double* __restrict v, const double* __restrict from, double* __restrict x) {
+  for (int i = 0; i < count; ++i) x[i] = from[i] + (inv_mass[i] > 0 ? distance : t) * v[i];
+}
+
+/// What that drift does to velocities, v *= exp(-c t), the kick v += h f / m, the second drift.
+CLOTHSIM_TARGET_CLONES
+void kick_and_drift(int count, double h, double distance, double decay,
+                    const double* __restrict inv_mass, const double* __restrict f,
+                    const double* __restrict middle, double* __restrict x, double* __restrict v) {
   for (int i = 0; i < count; ++i) {
     const bool free = inv_mass[i] > 0;
-    x[i] += (free ? distance : t) * v[i];
-    v[i] *= free ? decay : 1.0;
-  }
-}
-
-/// v += h f / m.
-CLOTHSIM_TARGET_CLONES
-void kick(int count, double h, const double* __restrict inv_mass, const double* __restrict f,
-          double* __restrict v) {
-  for (int i = 0; i < count; ++i) v[i] += h * inv_mass[i] * f[i];
-}
-
-void drift(const Cloth& cloth, double t, State& state) {
-  const Drag drag(cloth.damping, t);
-  for (int axis = 0; axis < 3; ++axis) {
-    drift(cloth.num_points(), t, drag.distance, drag.decay, cloth.inv_mass.data(),
-          state.positions.col(axis).data(), state.velocities.col(axis).data());
+    const double loss = free ? decay : 1.0;
+    const double kicked = loss * v[i] + h * inv_mass[i] * f[i];
+    x[i] = middle[i] + (free ? distance : h / 2) * kicked;
+    v[i] = loss * kicked;
   }
 }
 
@@ -40,15 +36,24 @@ double VelocityVerlet::reach(double damping, double h) {
 }
 
 void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
-  forces_.resize(cloth.num_points(), 3);
+  const Drag drag(cloth.damping, h / 2);
+  const int n = cloth.num_points();
+  middle_.resize(n, 3);
+  forces_.resize(n, 3);
 
-  drift(cloth, h / 2, state);
-  compute_forces(cloth, loads, state.positions, forces_);
   for (int axis = 0; axis < 3; ++axis) {
-    kick(cloth.num_points(), h, cloth.inv_mass.data(), forces_.col(axis).data(),
-         state.velocities.col(axis).data());
+    drift(n, h / 2, drag.distance, cloth.inv_mass.data(), state.velocities.col(axis).data(),
+          state.positions.col(axis).data(), middle_.col(axis).data());
   }
-  drift(cloth, h / 2, state);
+  for (ForceBlocks blocks(cloth, loads, middle_, 0, n); blocks.next();) {
+    const int i = blocks.first();
+    for (int axis = 0; axis < 3; ++axis) {
+      double* f = &forces_(i, axis);
+      blocks.sum(axis, f);
+      kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
+                     &middle_(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
+    }
+  }
 }
 
 }  // namespace clothsim

@@ -33,6 +33,7 @@ class VelocityVerlet {
   void step(const Cloth&, const Loads&, double h, State&);
 
  private:
+  Points middle_;  // positions in the middle of the step [m], N x 3
   Points forces_;  // [N], N x 3
 };
 
