@@ -3,7 +3,9 @@
 #include <sensor_msgs/distortion_models.h>
 
 #include <array>
-#include <vector>
+#include <string>
+
+#include "clothsim/model/errors.h"
 
 namespace clothsim_ros {
 namespace {
@@ -11,12 +13,23 @@ namespace {
 using FlatXyz = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using FlatUv = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
-/// Row by row as float32.
+using ExactXyz = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// Row by row, in the precision of `Flat`.
 template <class Flat, class Table>
-std::vector<float> flatten(const Table& table) {
-  std::vector<float> flat(static_cast<size_t>(table.size()));
-  Eigen::Map<Flat>(flat.data(), table.rows(), table.cols()) = table.template cast<float>();
+auto flatten(const Table& table) {
+  using Number = typename Flat::Scalar;
+  std::vector<Number> flat(static_cast<size_t>(table.size()));
+  Eigen::Map<Flat>(flat.data(), table.rows(), table.cols()) = table.template cast<Number>();
   return flat;
+}
+
+clothsim::Points to_points(const std::string& key, const std::vector<double>& flat) {
+  if (flat.size() % 3 != 0) {
+    throw clothsim::InvalidValue({key}, std::to_string(flat.size()) + " numbers",
+                                 "three for each point");
+  }
+  return Eigen::Map<const ExactXyz>(flat.data(), static_cast<Eigen::Index>(flat.size() / 3), 3);
 }
 
 }  // namespace
@@ -31,6 +44,21 @@ clothsim::ClothState to_state_msg(const clothsim::State& state, const std_msgs::
   msg.positions = flatten<FlatXyz>(state.positions);
   msg.velocities = flatten<FlatXyz>(state.velocities);
   return msg;
+}
+
+clothsim::WholeState to_whole_state_msg(const clothsim::State& state,
+                                        const std::vector<double>& memory, std::uint64_t step) {
+  clothsim::WholeState msg;
+  msg.step = step;
+  msg.time = state.time;
+  msg.positions = flatten<ExactXyz>(state.positions);
+  msg.velocities = flatten<ExactXyz>(state.velocities);
+  msg.memory = memory;
+  return msg;
+}
+
+clothsim::State to_state(const clothsim::WholeState& msg) {
+  return {to_points("positions", msg.positions), to_points("velocities", msg.velocities), msg.time};
 }
 
 clothsim::ClothTopology to_topology_msg(const clothsim::Cloth& cloth,

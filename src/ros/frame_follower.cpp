@@ -12,7 +12,7 @@ bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
 FrameFollower::FrameFollower(const clothsim::Scene& scene, TfListener& tf) {
   const auto add = [&](const std::string& frame, bool is_pin, size_t index) {
     if (frame.empty()) return;
-    followers_.push_back({TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {0, 0, 0}});
+    followers_.push_back({TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {}});
   };
   for (size_t i = 0; i < scene.colliders.size(); ++i) add(scene.colliders[i].frame, false, i);
   for (size_t i = 0; i < scene.cloth.pinned.size(); ++i) add(scene.cloth.pinned[i].frame, true, i);
@@ -30,13 +30,13 @@ void FrameFollower::move(clothsim::Simulator& simulator) {
     if (!is_first && same(pose, *follower.applied)) continue;
 
     if (follower.is_pin) {
-      if (is_first) {
+      if (!follower.pin_offset) {
         const auto& pin = simulator.scene().cloth.pinned[static_cast<size_t>(follower.index)];
         const int point = pin.row * simulator.cloth().columns + pin.column;
         const clothsim::Vector3 position = simulator.state().positions.row(point);
         follower.pin_offset = pose.orientation.conjugate() * (position - pose.position);
       } else {
-        simulator.move_pin(follower.index, pose.position + pose.orientation * follower.pin_offset);
+        simulator.move_pin(follower.index, pose.position + pose.orientation * *follower.pin_offset);
       }
     } else if (is_first) {
       simulator.place_collider(follower.index, pose);
@@ -48,6 +48,16 @@ void FrameFollower::move(clothsim::Simulator& simulator) {
 }
 
 void FrameFollower::reset() {
+  forget_applied();
+  for (Follower& follower : followers_) follower.pin_offset.reset();
+}
+
+void FrameFollower::jump(clothsim::Simulator& simulator) {
+  forget_applied();
+  move(simulator);
+}
+
+void FrameFollower::forget_applied() {
   for (Follower& follower : followers_) follower.applied.reset();
 }
 

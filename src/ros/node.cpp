@@ -55,7 +55,8 @@ Node::Node()
           node_, "camera",
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
       reconfigure_(node_, simulator_),
-      view_reconfigure_(node_, photographer_, parameters_.scene) {
+      view_reconfigure_(node_, photographer_, parameters_.scene),
+      state_services_(node_, simulator_, follower_, frame_number_, [this] { jump(); }) {
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
@@ -114,6 +115,12 @@ void Node::publish_frame(const ros::Time& stamp) {
   photographer_.update(stamp);
 }
 
+void Node::jump() {
+  failure_.clear();
+  report_ = {};
+  publish_frame(pacer_.advance_now(simulator_.frame_duration()));
+}
+
 void Node::publish_clock() {
   if (!clock_publisher_) return;
   rosgraph_msgs::Clock msg;
@@ -157,9 +164,7 @@ bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respo
   simulator_.reset();
   follower_.reset();
   frame_number_ = 0;
-  failure_.clear();
-  report_ = {};
-  publish_frame(pacer_.advance_now(simulator_.frame_duration()));
+  jump();
   response.success = true;
   response.message = "at the scene's start";
   return true;

@@ -2,6 +2,7 @@
 
 #include <clothsim/ClothState.h>
 #include <clothsim/ClothTopology.h>
+#include <clothsim/WholeState.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Transform.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -9,6 +10,7 @@
 #include <std_msgs/Header.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
@@ -22,6 +24,13 @@ namespace clothsim_ros {
 /// Positions and velocities as flat float32 xyz. `step` counts frames since the scene's start.
 clothsim::ClothState to_state_msg(const clothsim::State&, const std_msgs::Header&,
                                   unsigned topology_seq, std::uint64_t step);
+
+/// In full precision, with the memory that belongs to it.
+clothsim::WholeState to_whole_state_msg(const clothsim::State&, const std::vector<double>& memory,
+                                        std::uint64_t step);
+
+/// Throws InvalidValue where numbers are left over after the last x, y, z.
+clothsim::State to_state(const clothsim::WholeState&);
 
 clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::Header&,
                                         unsigned topology_seq);

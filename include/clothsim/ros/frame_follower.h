@@ -26,6 +26,10 @@ class FrameFollower {
   /// To be called when the simulator was reset: the next move is a first one again.
   void reset();
 
+  /// As move(), but places colliders at once: to be called when the simulator went to another
+  /// state.
+  void jump(clothsim::Simulator&);
+
   /// One for each collider and pin that has a frame.
   std::vector<FrameStatus> status() const;
 
@@ -33,10 +37,12 @@ class FrameFollower {
   struct Follower {
     TfFrame frame;
     bool is_pin;
-    int index;                              // of the scene's colliders or pins
-    std::optional<clothsim::Pose> applied;  // the one that the simulator has
-    clothsim::Vector3 pin_offset{0, 0, 0};  // [m] of the pin in the frame
+    int index;                                    // of the scene's colliders or pins
+    std::optional<clothsim::Pose> applied;        // the one that the simulator has
+    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame
   };
+
+  void forget_applied();
 
   std::vector<Follower> followers_;
 };

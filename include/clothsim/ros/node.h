@@ -17,6 +17,7 @@
 #include "clothsim/ros/parameters.h"
 #include "clothsim/ros/photographer.h"
 #include "clothsim/ros/reconfigure.h"
+#include "clothsim/ros/state_services.h"
 #include "clothsim/ros/view_reconfigure.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -39,6 +40,8 @@ class Node {
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
   bool simulate_frame(Turn);
   void publish_frame(const ros::Time& stamp);
+  /// The simulator is in another state, without a frame between.
+  void jump();
   void publish_clock();
   void publish_diagnostics();
 
@@ -62,6 +65,7 @@ class Node {
   Reconfigure reconfigure_;
   ViewReconfigure view_reconfigure_;
   RateMeter rate_;
+  StateServices state_services_;
   Diagnostics diagnostics_;
   ros::SteadyTime next_diagnostics_;
 

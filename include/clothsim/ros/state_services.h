@@ -1,0 +1,51 @@
+#pragma once
+
+#include <clothsim/GetState.h>
+#include <clothsim/RestoreState.h>
+#include <clothsim/SaveState.h>
+#include <clothsim/SetState.h>
+#include <ros/node_handle.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/frame_follower.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// The services ~get_state, ~set_state, ~save_state and ~restore_state.
+class StateServices {
+ public:
+  /// All given must outlive this. `jumped` is called after another state was set, the frame number
+  /// with it.
+  StateServices(ros::NodeHandle&, clothsim::Simulator&, FrameFollower&, std::uint64_t& frame_number,
+                std::function<void()> jumped);
+
+  /// Forgets the states that were saved.
+  void clear() { saved_.clear(); }
+
+ private:
+  struct Entry {
+    std::shared_ptr<const clothsim::Simulator::Saved> simulation;
+    std::uint64_t frame_number;
+  };
+
+  bool get(clothsim::GetState::Request&, clothsim::GetState::Response&);
+  bool set(clothsim::SetState::Request&, clothsim::SetState::Response&);
+  bool save(clothsim::SaveState::Request&, clothsim::SaveState::Response&);
+  bool restore(clothsim::RestoreState::Request&, clothsim::RestoreState::Response&);
+
+  clothsim::Simulator& simulator_;
+  FrameFollower& follower_;
+  std::uint64_t& frame_number_;
+  std::function<void()> jumped_;
+  std::map<std::string, Entry> saved_;
+  std::vector<ros::ServiceServer> services_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,196 @@
+#!/usr/bin/python3
+"""States out of the node and in again: the same bits, or a refusal that changes nothing."""
+
+import copy
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import TransformStamped
+from tf2_ros import StaticTransformBroadcaster
+
+from clothsim.srv import GetState, RestoreState, SaveState, SetState
+from cloth_client import PATIENCE, Cloth, call, content, wait_for
+
+# By then the cloth touches the ball.
+FRAMES = 40
+COLUMNS, N = 12, 144
+
+
+class State(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        wait_for(cls.cloth.states.all, "the first state")
+
+    def setUp(self):
+        self.cloth.reset()
+
+    def get(self):
+        return call("/clothsim/get_state", GetState).state
+
+    def set(self, state):
+        answer = call("/clothsim/set_state", SetState, state)
+        self.assertTrue(answer.success, answer.message)
+
+    def save(self, name):
+        return call("/clothsim/save_state", SaveState, name)
+
+    def restore(self, name):
+        return call("/clothsim/restore_state", RestoreState, name)
+
+    def test_get_run_set_run(self):
+        before = content(self.cloth.step(FRAMES))
+        state = self.get()
+        expected = content(self.cloth.step(FRAMES))
+        self.cloth.states.clear()
+        self.set(state)
+        published = self.cloth.states.wait("the state that was set")
+        self.assertEqual(content(published), before)
+        self.assertEqual(content(self.cloth.step(FRAMES)), expected)
+        self.assertEqual(content(self.cloth.step(1))[0], 2 * FRAMES + 1)
+
+    def test_get_changes_nothing(self):
+        self.cloth.step(FRAMES)
+        self.assertEqual(self.get(), self.get())
+        with_get = content(self.cloth.step(5))
+        self.cloth.reset()
+        self.assertEqual(content(self.cloth.step(FRAMES + 5)), with_get)
+
+    def test_state_is_the_published_one(self):
+        published = self.cloth.step(FRAMES)
+        state = self.get()
+        self.assertEqual((state.step, state.time), (published.step, published.time))
+        self.assertEqual(np.array(state.positions, np.float32).tolist(), list(published.positions))
+        self.assertEqual(np.array(state.velocities, np.float32).tolist(),
+                         list(published.velocities))
+
+    def test_a_state_of_ones_own(self):
+        """Without a memory: well defined, the same each time."""
+        state = self.get()
+        lifted = np.reshape(state.positions, (N, 3)).copy()
+        free = np.ones(N, bool)
+        free[[0, COLUMNS - 1]] = False
+        lifted[free, 2] += 0.05
+        state.positions = lifted.ravel().tolist()
+        state.memory = []
+        runs = []
+        for _ in range(2):
+            self.set(state)
+            runs.append(content(self.cloth.step(FRAMES)))
+        self.assertEqual(runs[0], runs[1])
+        self.cloth.reset()
+        self.assertNotEqual(content(self.cloth.step(FRAMES)), runs[0])
+
+    def test_refused(self):
+        self.cloth.step(FRAMES)
+        good = self.get()
+
+        def changed(field, index, value):
+            bad = copy.deepcopy(good)
+            values = list(getattr(bad, field))
+            values[index] = value
+            setattr(bad, field, values)
+            return bad
+
+        def cut(field, length):
+            bad = copy.deepcopy(good)
+            setattr(bad, field, getattr(bad, field)[:length])
+            return bad
+
+        late = copy.deepcopy(good)
+        late.time = float("inf")
+        nan = float("nan")
+        for bad, message in (
+                (cut("positions", -3), "state/positions: got 143 points, expected 144"),
+                (cut("positions", -1), "state/positions: got 431 numbers, expected three for each"),
+                (cut("velocities", 0), "state/velocities: got 0 points, expected 144"),
+                (changed("positions", 31, nan), "state/positions/10: got ["),
+                (changed("velocities", 5, float("inf")), "state/velocities/1: got ["),
+                (changed("velocities", 5, 1e13), "expected finite numbers below 1e+12"),
+                (changed("positions", 2, 1.1), "state/positions/0: got [0, 0, 1.1], expected "
+                                               "[0, 0, 1], where the point is held"),
+                (late, "state/time: got inf"),
+                (cut("memory", 5), "state/memory: got that of another cloth"),
+                (cut("memory", -1), "state/memory: got"),
+                (changed("memory", 9, nan), "state/memory: got nan")):
+            answer = call("/clothsim/set_state", SetState, bad)
+            self.assertFalse(answer.success, message)
+            self.assertIn(message, answer.message)
+            self.assertEqual(self.get(), good, message)
+
+    def test_save_run_restore_run(self):
+        self.cloth.step(FRAMES)
+        self.assertTrue(self.save("on the ball").success)
+        expected = content(self.cloth.step(FRAMES))
+        self.cloth.reset()
+        self.assertTrue(self.save("start").success)
+        for _ in range(2):
+            self.assertTrue(self.restore("on the ball").success)
+            self.assertEqual(content(self.cloth.step(FRAMES)), expected)
+        self.assertTrue(self.restore("start").success)
+        self.assertEqual(content(self.cloth.step(2 * FRAMES)), expected)
+
+    def test_save_and_restore_refused(self):
+        state = self.cloth.step(3)
+        answer = self.save("")
+        self.assertFalse(answer.success)
+        self.assertIn("name: got nothing", answer.message)
+        answer = self.restore("never saved")
+        self.assertFalse(answer.success)
+        self.assertIn('name: got "never saved"', answer.message)
+        self.assertEqual(self.get().time, state.time)
+
+    def test_restore_after_other_values(self):
+        """Another spring family: its impulses are none to go on with, the state is."""
+        client = Client("/clothsim", timeout=PATIENCE)
+        self.cloth.step(FRAMES)
+        state = self.get()
+        self.assertTrue(self.save("with shear").success)
+        client.update_configuration({"shear": False})
+        self.cloth.step(3)
+        self.assertTrue(self.restore("with shear").success)
+        restored = self.get()
+        self.assertEqual(restored.positions, state.positions)
+        answer = call("/clothsim/set_state", SetState, state)
+        self.assertIn("state/memory: got that of another cloth", answer.message)
+        client.update_configuration({"shear": True})
+        self.set(state)
+
+    def test_with_moving_frames(self):
+        """The frames brought back to where they were, the same bits follow."""
+        broadcaster = StaticTransformBroadcaster()
+
+        def carry(x, wait_until_seen=False):
+            transforms = []
+            for frame, place in (("hand", (1 - x, 0, 1)), ("ball", (0.5 + x, 0.5, 0.75))):
+                t = TransformStamped()
+                t.header.frame_id, t.child_frame_id = "map", frame
+                t.transform.translation.x, t.transform.translation.y = place[:2]
+                t.transform.translation.z = place[2]
+                t.transform.rotation.w = 1
+                transforms.append(t)
+            broadcaster.sendTransform(transforms)
+            time.sleep(1.0 if wait_until_seen else 0.2)
+
+        carry(0, wait_until_seen=True)
+        self.cloth.step(20)
+        carry(0.02)
+        self.cloth.step(20)
+        self.assertTrue(self.save("carried").success)
+        carry(0.04)
+        expected = content(self.cloth.step(20))
+        carry(0.1)
+        self.cloth.step(10)
+        carry(0.02)
+        self.assertTrue(self.restore("carried").success)
+        carry(0.04)
+        self.assertEqual(content(self.cloth.step(20)), expected)
+
+
+if __name__ == "__main__":
+    rospy.init_node("state_test")
+    rostest.rosrun("clothsim", "state", State)
