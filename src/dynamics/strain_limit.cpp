@@ -39,12 +39,17 @@ void check_run(const double* x, const double* y, const double* z, int offset, in
 }
 
 /// The row of an N x 3 matrix as a vector.
-Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
+Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
 
 /// points_a += w_a d, points_b -= w_b d.
-void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
-  points.row(a) += cloth.inv_mass[a] * d.transpose();
-  points.row(b) -= cloth.inv_mass[b] * d.transpose();
+[[gnu::always_inline]] inline void pull_together(const Cloth& cloth, int a, int b, const Vector3& d,
+                                                 Points& points) {
+  const double weight_a = cloth.inv_mass[a];
+  const double weight_b = cloth.inv_mass[b];
+  for (int axis = 0; axis < 3; ++axis) {
+    points(a, axis) += weight_a * d[axis];
+    points(b, axis) -= weight_b * d[axis];
+  }
 }
 
 }  // namespace
@@ -77,40 +82,6 @@ void StrainLimit::reset() {
   impulses_.assign(constraints_.size(), 0.0);
   for (std::vector<Active>& springs : active_) springs.clear();
   h_ = 0;
-}
-
-void StrainLimit::write(MemoryWriter& memory) const {
-  memory.add(h_);
-  const auto kept = [](double impulse) { return impulse != 0; };
-  memory.add(static_cast<double>(std::count_if(impulses_.begin(), impulses_.end(), kept)));
-  for (std::size_t id = 0; id < impulses_.size(); ++id) {
-    if (!kept(impulses_[id])) continue;
-    memory.add(static_cast<double>(id));
-    memory.add(impulses_[id]);
-  }
-  for (const std::vector<Active>& springs : active_) {
-    memory.add(static_cast<double>(springs.size()));
-    for (const Active& s : springs) {
-      memory.add(s.id);
-      memory.add(s.direction);
-    }
-  }
-}
-
-void StrainLimit::read(MemoryReader& memory) {
-  reset();
-  h_ = std::max(0.0, memory.number());
-  for (std::size_t left = memory.count(); left > 0; --left) {
-    const int id = memory.index(impulses_.size());
-    impulses_[static_cast<std::size_t>(id)] = std::max(0.0, memory.number());
-  }
-  for (std::vector<Active>& springs : active_) {
-    for (std::size_t left = memory.count(); left > 0; --left) {
-      const int id = memory.index(constraints_.size());
-      const Constraint& c = constraints_[static_cast<std::size_t>(id)];
-      springs.push_back({id, c.a, c.b, memory.vector(), 0});
-    }
-  }
 }
 
 void StrainLimit::predict(const Cloth& cloth, double h, double reach, State& state) {
@@ -154,7 +125,8 @@ void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
     const double excess = length - longest_ * c.rest_length;
     const double fastest = (excess > 0 ? violation_share : 1.0) * -excess / h_ -
                            std::min(h_ * across2 / (2 * length), most_turning * length / h_);
-    active_[static_cast<std::size_t>(c.colour)].push_back({id, c.a, c.b, direction, fastest});
+    active_[static_cast<std::size_t>(c.colour)].push_back(
+        {id, c.a, c.b, c.inv_mass, direction, fastest});
   });
 
   // Turn the impulses.
@@ -176,14 +148,13 @@ double StrainLimit::sweep(const Cloth& cloth, Points& velocities) {
   double residual = 0;
   for (const std::vector<Active>& springs : active_) {
     for (const Active& s : springs) {
-      const Constraint& c = constraints_[static_cast<std::size_t>(s.id)];
       double& impulse = impulses_[static_cast<std::size_t>(s.id)];
       const double rate = s.direction.dot(row(velocities, s.b) - row(velocities, s.a));
-      const double change = std::max(-impulse, (rate - s.fastest) / c.inv_mass);
+      const double change = std::max(-impulse, (rate - s.fastest) / s.inv_mass);
       if (change == 0) continue;
       impulse += change;
       pull_together(cloth, s.a, s.b, change * s.direction, velocities);
-      residual = std::max(residual, std::abs(change) * c.inv_mass * h_);
+      residual = std::max(residual, std::abs(change) * s.inv_mass * h_);
     }
   }
   return residual;
@@ -223,12 +194,29 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
 }
 
 void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions) {
+  const std::vector<SpringRun>& runs = cloth.springs;
   std::size_t id = 0;
-  for (const SpringRun& run : cloth.springs) {
-    const double longest = stretch * run.rest_length;
-    check_run(&positions(run.first, 0), &positions(run.first, 1), &positions(run.first, 2),
-              run.offset, run.count, longest * longest, &flags_[id]);
-    id += static_cast<std::size_t>(run.count);
+  for (std::size_t first = 0, last = 0; first < runs.size(); first = last) {
+    // Runs of one direction are checked as one, long enough for the widest vectors.
+    const SpringRun& front = runs[first];
+    int end = front.first;
+    for (; last < runs.size(); ++last) {
+      const SpringRun& run = runs[last];
+      const bool same = run.offset == front.offset && run.rest_length == front.rest_length;
+      if (!same || run.first < end) break;
+      end = run.first + run.count;
+    }
+    const double longest = stretch * front.rest_length;
+    over_length_.resize(static_cast<std::size_t>(cloth.num_points()));
+    check_run(&positions(front.first, 0), &positions(front.first, 1), &positions(front.first, 2),
+              front.offset, end - front.first, longest * longest, over_length_.data());
+
+    // What lies between the runs is no spring.
+    for (std::size_t i = first; i < last; ++i) {
+      const auto from = over_length_.begin() + (runs[i].first - front.first);
+      std::copy(from, from + runs[i].count, flags_.begin() + static_cast<std::ptrdiff_t>(id));
+      id += static_cast<std::size_t>(runs[i].count);
+    }
   }
 }
 

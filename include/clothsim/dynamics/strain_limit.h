@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "clothsim/model/cloth.h"
-#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -51,10 +50,6 @@ class StrainLimit {
   /// Forgets the impulses.
   void reset();
 
-  /// The impulses and their directions. `read` throws InvalidValue for what was not written.
-  void write(MemoryWriter&) const;
-  void read(MemoryReader&);
-
  private:
   static constexpr int num_colours = 12;
 
@@ -71,6 +66,7 @@ class StrainLimit {
     int id;  // of the constraint
     int a;
     int b;
+    double inv_mass;    // of both ends together [1/kg]
     Vector3 direction;  // from a to b
     double fastest;     // largest rate of elongation allowed [m/s]
   };
@@ -84,6 +80,7 @@ class StrainLimit {
   std::vector<Constraint> constraints_;                  // in the order of cloth.springs
   std::vector<double> impulses_;                         // [N s], >= 0, as constraints_
   std::vector<unsigned char> flags_;                     // as constraints_, padded to whole words
+  std::vector<unsigned char> over_length_;               // by first point, scratch of one direction
   std::array<std::vector<Active>, num_colours> active_;  // by colour
   std::array<std::vector<Active>, num_colours> last_active_;  // of the step before
   std::array<std::vector<int>, num_colours> over_;  // constraint ids, scratch of correct()
