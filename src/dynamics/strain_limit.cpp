@@ -84,6 +84,40 @@ void StrainLimit::reset() {
   h_ = 0;
 }
 
+void StrainLimit::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  const auto kept = [](double impulse) { return impulse != 0; };
+  memory.add(static_cast<double>(std::count_if(impulses_.begin(), impulses_.end(), kept)));
+  for (std::size_t id = 0; id < impulses_.size(); ++id) {
+    if (!kept(impulses_[id])) continue;
+    memory.add(static_cast<double>(id));
+    memory.add(impulses_[id]);
+  }
+  for (const std::vector<Active>& springs : active_) {
+    memory.add(static_cast<double>(springs.size()));
+    for (const Active& s : springs) {
+      memory.add(s.id);
+      memory.add(s.direction);
+    }
+  }
+}
+
+void StrainLimit::read(MemoryReader& memory) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    const int id = memory.index(impulses_.size());
+    impulses_[static_cast<std::size_t>(id)] = std::max(0.0, memory.number());
+  }
+  for (std::vector<Active>& springs : active_) {
+    for (std::size_t left = memory.count(); left > 0; --left) {
+      const int id = memory.index(constraints_.size());
+      const Constraint& c = constraints_[static_cast<std::size_t>(id)];
+      springs.push_back({id, c.a, c.b, c.inv_mass, memory.vector(), 0});
+    }
+  }
+}
+
 void StrainLimit::predict(const Cloth& cloth, double h, double reach, State& state) {
   const double scale = h_ > 0 ? h / h_ : 0;  // the same forces over this step's length
   h_ = h;

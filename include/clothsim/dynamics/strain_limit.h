@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -49,6 +50,10 @@ class StrainLimit {
 
   /// Forgets the impulses.
   void reset();
+
+  /// The impulses and their directions. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&);
 
  private:
   static constexpr int num_colours = 12;
