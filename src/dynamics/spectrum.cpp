@@ -58,4 +58,13 @@ double omega_max_bound(const Cloth& cloth, const Points& positions) {
   return std::sqrt(omega2);
 }
 
+double omega_max_bound(const Cloth& cloth) {
+  Scalars stiffness = Scalars::Zero(cloth.num_points());
+  for (const SpringRun& run : cloth.springs) {
+    stiffness.segment(run.first, run.count).array() += run.stiffness;
+    stiffness.segment(run.first + run.offset, run.count).array() += run.stiffness;
+  }
+  return std::sqrt(2 * stiffness.cwiseProduct(cloth.inv_mass).maxCoeff());
+}
+
 }  // namespace clothsim

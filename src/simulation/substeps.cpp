@@ -30,9 +30,15 @@ double tension_frequency(const Cloth& cloth, const Vector3& gravity) {
 
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt) {
-  double steps = dt * omega_max_bound(cloth, positions) / (spring_margin * stability_limit);
-  if (cloth.strain_limit) {
-    steps = std::max(steps, dt * tension_frequency(cloth, gravity) / tension_limit);
+  double steps = 1;
+  if (cloth.strain_limit) steps = dt * tension_frequency(cloth, gravity) / tension_limit;
+
+  // The springs, by the cheap bound first.
+  const auto for_springs = [&](double omega) {
+    return dt * omega / (spring_margin * stability_limit);
+  };
+  if (for_springs(omega_max_bound(cloth)) > steps) {
+    steps = std::max(steps, for_springs(omega_max_bound(cloth, positions)));
   }
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }

@@ -15,4 +15,7 @@ namespace clothsim {
 /// Compressed springs count without their (negative) second part, so the bound holds for them too.
 double omega_max_bound(const Cloth&, const Points& positions);
 
+/// The same at any positions, by that scalar form: up to 48 % above it, and far cheaper.
+double omega_max_bound(const Cloth&);
+
 }  // namespace clothsim
