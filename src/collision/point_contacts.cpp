@@ -132,6 +132,14 @@ void PointContacts::correct(const Cloth& cloth, Points& positions) const {
   }
 }
 
+void PointContacts::add_impulses(Points& sum) const {
+  for (const Contact& c : contacts_) {
+    const Vector3 impulse = c.push * c.normal + c.drag;
+    sum.row(c.pair.b) += impulse.transpose();
+    sum.row(c.pair.a) -= impulse.transpose();
+  }
+}
+
 int PointContacts::count() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
                                         [](const Contact& c) { return c.push > 0; }));

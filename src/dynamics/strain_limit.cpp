@@ -71,6 +71,16 @@ StrainLimit::StrainLimit(const Cloth& cloth) : longest_(1 + cloth.strain_limit.v
   reset();
 }
 
+void StrainLimit::add_impulses(Points& sum) const {
+  for (const std::vector<Active>& springs : active_) {
+    for (const Active& s : springs) {
+      const Vector3 impulse = impulses_[static_cast<std::size_t>(s.id)] * s.direction;
+      sum.row(s.a) += impulse.transpose();
+      sum.row(s.b) -= impulse.transpose();
+    }
+  }
+}
+
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
   impulses_ = std::move(last.impulses_);

@@ -83,6 +83,7 @@ StepReport Simulator::Impl::step() {
   for (MovingCollider& collider : colliders) collider.arrive();
 
   disturbed = false;
+  if (!grips.empty()) finish_grips(dt, last_good);
   state.time = last_good.time + dt;
   report.worst_stretch = worst_stretch(cloth, state.positions);
   report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
@@ -101,6 +102,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     const int point = pin_point(i);
     state.velocities.row(point) = (pin_targets[i].transpose() - state.positions.row(point)) / dt;
   }
+  grips.set_out(dt, state);
+  if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
 
   for (int k = 0; k < report.substeps; ++k) {
     if (!substep(h, report)) return false;
@@ -137,6 +140,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   // Contact search needs numbers to sort.
   if (!std::isfinite(state.positions.sum())) return false;
   if (strain_limit || point_contacts || !colliders.empty()) constrain(h, report);
+  if (!grips.empty()) add_impulses(h);
   return true;
 }
 
@@ -185,6 +189,7 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   const bool springs_changed = material.springs != spec.material.springs;
   spec.material = material;
   Cloth cloth = make_grid(spec);
+  impl_->grips.hold(cloth);
   check_feasible(simulation, cloth, impl_->state.positions, {"ks"});
 
   // An impulse of pairs belongs to their masses.

@@ -12,6 +12,7 @@
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
+#include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/simulation/substeps.h"
@@ -57,6 +58,10 @@ struct Simulator::Impl {
   explicit Impl(const Scene&);
 
   void reset() {
+    if (!grips.empty()) {
+      grips.clear();
+      hold_points();
+    }
     state = start_state(scene.cloth, cloth, scene.simulation.seed);
     pin_targets.resize(scene.cloth.pinned.size());
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -105,6 +110,13 @@ struct Simulator::Impl {
   void read(const std::vector<double>&);
   void set_state(const State&, const std::vector<double>& memory);
 
+  /// To be called when other points are attached.
+  void hold_points();
+  /// Adds to `impulses` what a substep of h [s] gave.
+  void add_impulses(double h);
+  /// Weighs what grips carry after a frame of dt [s], and lets go what has torn off.
+  void finish_grips(double dt, const State& before);
+
   StepReport step();
   /// One frame. False where it ends in a state that cannot be.
   bool frame(double dt, const State& before, StepReport&);
@@ -123,11 +135,13 @@ struct Simulator::Impl {
   ColliderContacts collider_contacts;
   std::optional<PointContacts> point_contacts;
   std::vector<Vector3> pin_targets;
+  Grips grips;
   unsigned topology_seq = 0;
 
   bool disturbed = false;  // by a jump since the last frame
   Points start;            // positions at the substep's start, where contact needs them
   Points predicted;        // velocities with the last substep's impulses
+  Points impulses;         // that points had from others in this frame, with grips [N s]
 };
 
 }  // namespace clothsim

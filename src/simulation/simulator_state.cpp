@@ -55,6 +55,7 @@ struct Simulator::Saved {
   std::vector<double> memory;
   std::vector<MovingCollider> colliders;
   std::vector<Vector3> pin_targets;
+  Grips grips;
 };
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
@@ -155,7 +156,7 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(
-      Saved{impl_->state, memory(), impl_->colliders, impl_->pin_targets});
+      Saved{impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips});
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -165,6 +166,8 @@ void Simulator::restore(const Saved& saved) {
       saved.pin_targets.size() != impl_->pin_targets.size()) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
+  impl_->grips = saved.grips;
+  impl_->hold_points();
   try {
     impl_->read(saved.memory);
   } catch (const InvalidValue&) {

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
@@ -51,9 +54,9 @@ class Simulator {
   /// pin farther than 1 um from where it is, and the memory of another cloth or method.
   void set_state(const State& state, const std::vector<double>& memory = {});
 
-  /// A copy of all that moves, colliders and pins too, to come back to and go on to the same bits.
-  /// Material and simulation values stay as they are; where springs or the method have changed
-  /// since, goes on as after a reset. Throws InvalidValue for a copy of another scene.
+  /// A copy of all that moves, colliders, pins and attached points too, to come back to and go on
+  /// to the same bits. Material and simulation values stay as they are; where springs or the method
+  /// have changed since, goes on as after a reset. Throws InvalidValue for a copy of another scene.
   struct Saved;
   std::shared_ptr<const Saved> save() const;
   void restore(const Saved&);
@@ -73,6 +76,23 @@ class Simulator {
 
   /// Moves pin `index` (of scene().cloth.pinned) to `target` [m] during the next frame.
   void move_pin(int index, const Vector3& target);
+
+  /// From the next frame on, `points` follow a frame of that name, now at `pose`, with the offsets
+  /// that they have in it. Beyond `tear_force` [N] on the frame, the mean of one step(), it lets go
+  /// of all its points. Until reset(). Throws InvalidValue with the keys {"points", "3"} or
+  /// {"tear_force"} and changes nothing: for points that are none, given twice, pinned or attached.
+  void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
+              std::optional<double> tear_force = {});
+
+  /// Lets points go, with the velocity they have. Throws InvalidValue for one that is not attached.
+  void detach(const std::vector<int>& points);
+
+  /// Moves the frame to `target` during the next frame of simulation, each of its points in a
+  /// straight line. Throws std::out_of_range for a frame that has no points.
+  void move_grip(const std::string& frame, const Pose& target);
+
+  /// By frame, with what the cloth did to it in the last step().
+  const std::map<std::string, Grip>& grips() const;
 
   const Scene& scene() const;  // with the present material and simulation values
   const Cloth& cloth() const;

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// Force [N] and torque [N m] about an origin, in the world.
+struct Wrench {
+  Vector3 force{0, 0, 0};
+  Vector3 torque{0, 0, 0};
+};
+
+/// Points of a cloth that a frame carries about, as a hand does.
+struct Grip {
+  struct Held {
+    int point;
+    Vector3 offset;  // in the frame [m]
+  };
+  std::vector<Held> held;
+  Pose pose;                         // of the frame, at the end of the next frame of simulation
+  std::optional<double> tear_force;  // [N] beyond which it lets go; empty: never
+  Wrench wrench;  // that the cloth put on the frame, about its origin: mean of the last step
+};
+
+/// All grips of a simulation, by the name of their frame. Held points are of infinite mass and move
+/// in a straight line through each frame of simulation.
+class Grips {
+ public:
+  const std::map<std::string, Grip>& all() const { return all_; }
+  bool empty() const { return all_.empty(); }
+
+  /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"} and changes nothing: for a
+  /// point that is none of the cloth's, or is held already.
+  void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
+              std::optional<double> tear_force, const Cloth&, const Points& positions);
+
+  /// Throws InvalidValue with the key {"points", "3"} for a point that is not attached.
+  void detach(const std::vector<int>& points);
+
+  void move(const std::string& frame, const Pose& pose) { all_.at(frame).pose = pose; }
+
+  void clear() { all_.clear(); }
+
+  /// Takes the mass of held points from the cloth.
+  void hold(Cloth&) const;
+
+  /// Gives held points the velocities that bring them where they must be in dt [s].
+  void set_out(double dt, State&) const;
+
+  /// Puts held points there, to the last bit.
+  void arrive(State&) const;
+
+  /// Sets wrenches after a step of dt [s] in which the cloth gave its points `impulses` [N s], N
+  /// x 3.
+  void weigh(const Cloth&, const Vector3& gravity, double dt, const Points& impulses,
+             const State& before, const State& after);
+
+  /// Adds what springs give the held points in h [s] at `positions`.
+  void add_spring_impulses(const Cloth&, double h, const Points& positions, Points& impulses) const;
+
+  /// The points of grips that pull harder than they hold.
+  std::vector<int> torn() const;
+
+ private:
+  Vector3 place(const Grip& grip, const Grip::Held& held) const {
+    return grip.pose.position + grip.pose.orientation * held.offset;
+  }
+
+  std::map<std::string, Grip> all_;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,141 @@
+#include "clothsim/simulation/grips.h"
+
+#include <algorithm>
+#include <set>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+constexpr Range tear_force_range{0, 1e12, "N"};
+
+/// A spring's pull on its end `at`, the other end being at `to` [N].
+Vector3 pull(const SpringRun& run, const Vector3& at, const Vector3& to) {
+  const Vector3 d = to - at;
+  const double length = d.norm();
+  if (length == 0) return Vector3::Zero();
+  return run.stiffness * (length - run.rest_length) / length * d;
+}
+
+}  // namespace
+
+void Grips::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
+                   std::optional<double> tear_force, const Cloth& cloth, const Points& positions) {
+  if (tear_force) check_range("tear_force", *tear_force, tear_force_range);
+  std::set<int> given;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int point = points[i];
+    const auto refuse = [&](const std::string& what, const std::string& expected) {
+      throw InvalidValue({"points", std::to_string(i)}, std::to_string(point) + what, expected);
+    };
+    if (point < 0 || point >= cloth.num_points()) {
+      refuse("", "a number from 0 to " + std::to_string(cloth.num_points() - 1));
+    }
+    if (cloth.inv_mass[point] == 0) refuse(", which is held already", "a point that is free");
+    if (!given.insert(point).second) refuse(" again", "each point once");
+  }
+
+  Grip& grip = all_[frame];
+  grip.pose = pose;
+  grip.tear_force = tear_force;
+  for (const int point : points) {
+    const Vector3 position = positions.row(point).transpose();
+    grip.held.push_back({point, pose.orientation.conjugate() * (position - pose.position)});
+  }
+}
+
+void Grips::detach(const std::vector<int>& points) {
+  const auto holds = [](const Grip& grip, int point) {
+    return std::any_of(grip.held.begin(), grip.held.end(),
+                       [&](const Grip::Held& h) { return h.point == point; });
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool held = std::any_of(all_.begin(), all_.end(), [&](const auto& entry) {
+      return holds(entry.second, points[i]);
+    });
+    if (!held) {
+      throw InvalidValue({"points", std::to_string(i)}, std::to_string(points[i]),
+                         "a point that is attached");
+    }
+  }
+
+  const std::set<int> free(points.begin(), points.end());
+  for (auto entry = all_.begin(); entry != all_.end();) {
+    std::vector<Grip::Held>& held = entry->second.held;
+    held.erase(std::remove_if(held.begin(), held.end(),
+                              [&](const Grip::Held& h) { return free.count(h.point) > 0; }),
+               held.end());
+    entry = held.empty() ? all_.erase(entry) : std::next(entry);
+  }
+}
+
+void Grips::hold(Cloth& cloth) const {
+  for (const auto& [frame, grip] : all_) {
+    for (const Grip::Held& held : grip.held) cloth.inv_mass[held.point] = 0;
+  }
+}
+
+void Grips::set_out(double dt, State& state) const {
+  for (const auto& [frame, grip] : all_) {
+    for (const Grip::Held& held : grip.held) {
+      const Vector3 way = place(grip, held) - state.positions.row(held.point).transpose();
+      state.velocities.row(held.point) = way.transpose() / dt;
+    }
+  }
+}
+
+void Grips::arrive(State& state) const {
+  for (const auto& [frame, grip] : all_) {
+    for (const Grip::Held& held : grip.held) {
+      state.positions.row(held.point) = place(grip, held).transpose();
+    }
+  }
+}
+
+/// What its neighbours do to a held point, its weight and its drag pass on to the frame, which
+/// gives it its acceleration: F = sum of p / dt + m (g - c v - dv / dt).
+void Grips::weigh(const Cloth& cloth, const Vector3& gravity, double dt, const Points& impulses,
+                  const State& before, const State& after) {
+  for (auto& [frame, grip] : all_) {
+    grip.wrench = {};
+    for (const Grip::Held& held : grip.held) {
+      const int i = held.point;
+      const Vector3 v = after.velocities.row(i).transpose();
+      const Vector3 acceleration = (v - before.velocities.row(i).transpose()) / dt;
+      const Vector3 own = cloth.mass[i] * (gravity - cloth.damping * v - acceleration);
+      const Vector3 force = impulses.row(i).transpose() / dt + own;
+      const Vector3 arm = after.positions.row(i).transpose() - grip.pose.position;
+      grip.wrench.force += force;
+      grip.wrench.torque += arm.cross(force);
+    }
+  }
+}
+
+void Grips::add_spring_impulses(const Cloth& cloth, double h, const Points& positions,
+                                Points& impulses) const {
+  const auto at = [&](int i) { return Vector3(positions.row(i).transpose()); };
+  for (const auto& [frame, grip] : all_) {
+    for (const Grip::Held& held : grip.held) {
+      const int i = held.point;
+      for (const SpringRun& run : cloth.springs) {
+        for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
+          if (first < run.first || first >= run.first + run.count) continue;
+          const int other = first == i ? i + run.offset : first;
+          impulses.row(i) += h * pull(run, at(i), at(other)).transpose();
+        }
+      }
+    }
+  }
+}
+
+std::vector<int> Grips::torn() const {
+  std::vector<int> points;
+  for (const auto& [frame, grip] : all_) {
+    if (!grip.tear_force || grip.wrench.force.norm() <= *grip.tear_force) continue;
+    for (const Grip::Held& held : grip.held) points.push_back(held.point);
+  }
+  return points;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,55 @@
+// Points of the cloth that are attached to frames while it moves.
+
+#include <utility>
+
+#include "simulator_impl.h"
+
+namespace clothsim {
+
+void Simulator::Impl::hold_points() {
+  // As the scene has them, then without those held.
+  for (int i = 0; i < cloth.num_points(); ++i) cloth.inv_mass[i] = 1 / cloth.mass[i];
+  for (const int pin : cloth.pinned) cloth.inv_mass[pin] = 0;
+  grips.hold(cloth);
+
+  // Constraints weigh by inverse mass, and leave out pairs that are held on both sides.
+  std::optional<StrainLimit> last_limit = std::move(strain_limit);
+  build_strain_limit();
+  if (last_limit && strain_limit) strain_limit->take_over(std::move(*last_limit));
+  if (point_contacts) point_contacts->seek_anew();
+  disturbed = true;
+}
+
+void Simulator::Impl::add_impulses(double h) {
+  grips.add_spring_impulses(cloth, h, state.positions, impulses);
+  if (strain_limit) strain_limit->add_impulses(impulses);
+  if (point_contacts) point_contacts->add_impulses(impulses);
+}
+
+void Simulator::Impl::finish_grips(double dt, const State& before) {
+  grips.arrive(state);
+  grips.weigh(cloth, scene.simulation.gravity, dt, impulses, before, state);
+  const std::vector<int> torn = grips.torn();
+  if (torn.empty()) return;
+  grips.detach(torn);
+  hold_points();
+}
+
+void Simulator::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
+                       std::optional<double> tear_force) {
+  impl_->grips.attach(frame, pose, points, tear_force, impl_->cloth, impl_->state.positions);
+  impl_->hold_points();
+}
+
+void Simulator::detach(const std::vector<int>& points) {
+  impl_->grips.detach(points);
+  impl_->hold_points();
+}
+
+void Simulator::move_grip(const std::string& frame, const Pose& target) {
+  impl_->grips.move(frame, target);
+}
+
+const std::map<std::string, Grip>& Simulator::grips() const { return impl_->grips.all(); }
+
+}  // namespace clothsim
