@@ -132,9 +132,9 @@ void PointContacts::correct(const Cloth& cloth, Points& positions) const {
   }
 }
 
-void PointContacts::add_impulses(Points& sum) const {
+void PointContacts::add_impulses(double scale, Points& sum) const {
   for (const Contact& c : contacts_) {
-    const Vector3 impulse = c.push * c.normal + c.drag;
+    const Vector3 impulse = scale * (c.push * c.normal + c.drag);
     sum.row(c.pair.b) += impulse.transpose();
     sum.row(c.pair.a) -= impulse.transpose();
   }

@@ -71,10 +71,10 @@ StrainLimit::StrainLimit(const Cloth& cloth) : longest_(1 + cloth.strain_limit.v
   reset();
 }
 
-void StrainLimit::add_impulses(Points& sum) const {
+void StrainLimit::add_impulses(double scale, Points& sum) const {
   for (const std::vector<Active>& springs : active_) {
     for (const Active& s : springs) {
-      const Vector3 impulse = impulses_[static_cast<std::size_t>(s.id)] * s.direction;
+      const Vector3 impulse = scale * impulses_[static_cast<std::size_t>(s.id)] * s.direction;
       sum.row(s.a) += impulse.transpose();
       sum.row(s.b) -= impulse.transpose();
     }

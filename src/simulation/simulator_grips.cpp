@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "clothsim/dynamics/drag.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -22,8 +23,11 @@ void Simulator::Impl::hold_points() {
 
 void Simulator::Impl::add_impulses(double h) {
   grips.add_spring_impulses(cloth, h, state.positions, impulses);
-  if (strain_limit) strain_limit->add_impulses(impulses);
-  if (point_contacts) point_contacts->add_impulses(impulses);
+  // Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
+  // forces through the substep they would be that much larger.
+  const double scale = h / Drag(cloth.damping, h).distance;
+  if (strain_limit) strain_limit->add_impulses(scale, impulses);
+  if (point_contacts) point_contacts->add_impulses(scale, impulses);
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {

@@ -28,8 +28,8 @@ class PointContacts {
   /// Moves pairs that are closer than they may be apart, in one pass.
   void correct(const Cloth&, Points& positions) const;
 
-  /// Adds the impulses [N s] of the last step to those of their points, N x 3.
-  void add_impulses(Points& sum) const;
+  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
+  void add_impulses(double scale, Points& sum) const;
 
   /// To be called when other points than before are held: pairs of two are left out.
   void seek_anew() { found_at_.resize(0, 3); }

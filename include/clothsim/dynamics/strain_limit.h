@@ -45,8 +45,8 @@ class StrainLimit {
   /// in at most `max_sweeps` passes. Returns the passes taken.
   int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions);
 
-  /// Adds the impulses [N s] of the last step to those of their points, N x 3.
-  void add_impulses(Points& sum) const;
+  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
+  void add_impulses(double scale, Points& sum) const;
 
   /// Goes on with the impulses of `last`, a limit on the same springs.
   void take_over(StrainLimit&& last);
