@@ -2,18 +2,18 @@
 
 #include <benchmark/benchmark.h>
 
-#include <ctime>
 #include <string>
 
 #include "clothsim/collision/cell_list.h"
 #include "clothsim/collision/intersections.h"
 #include "clothsim/collision/point_contacts.h"
-#include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/dynamics/verlet.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/simulation/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
+#include "cpu_time.h"
+#include "work_precision/classic.h"
 
 namespace clothsim {
 namespace {
@@ -41,54 +41,6 @@ void count_points(benchmark::State& run, const Cloth& cloth) {
   run.counters["per point"] = benchmark::Counter(
       static_cast<double>(cloth.num_points()) * static_cast<double>(run.iterations()),
       benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-
-/// CPU time of this thread [s]: other work on the machine does not count.
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// The yardstick: one spring at a time, points as rows.
-void plain_forces(benchmark::State& run) {
-  const Cloth cloth = make_grid(load("pinned2").cloth);
-  const Points& x = cloth.rest_positions;
-  const Vector3 gravity(0, 0, -9.8);
-  Points f(x.rows(), 3);
-  for (auto _ : run) {
-    f = cloth.mass * gravity.transpose();
-    for_each_spring(cloth, [&](const SpringRun& spring, int a, int b) {
-      const Vector3 d = x.row(b) - x.row(a);
-      const double length = d.norm();
-      const Vector3 pull = spring.stiffness * (length - spring.rest_length) / length * d;
-      f.row(a) += pull.transpose();
-      f.row(b) -= pull.transpose();
-    });
-    benchmark::DoNotOptimize(f.data());
-    benchmark::ClobberMemory();
-  }
-  count_points(run, cloth);
-}
-
-void forces(benchmark::State& run) {
-  const Cloth cloth = make_grid(load("pinned2").cloth);
-  Points f(cloth.num_points(), 3);
-  for (auto _ : run) {
-    compute_forces(cloth, Loads(), cloth.rest_positions, f);
-    benchmark::DoNotOptimize(f.data());
-    benchmark::ClobberMemory();
-  }
-  count_points(run, cloth);
-}
-
-void forces_and_integration(benchmark::State& run) {
-  Scene scene = load("pinned2");
-  const Cloth cloth = make_grid(scene.cloth);
-  State state = start_state(scene.cloth, cloth, scene.simulation.seed);
-  VelocityVerlet method;
-  for (auto _ : run) method.step(cloth, Loads(), 1e-5, state);
-  count_points(run, cloth);
 }
 
 /// Everything but forces and integration in a substep of pinned2, hanging at rest.
@@ -171,9 +123,32 @@ void scene(benchmark::State& run, const std::string& name) {
       seconds * static_cast<double>(run.iterations()), benchmark::Counter::kIsRate);
 }
 
-BENCHMARK(plain_forces);
-BENCHMARK(forces);
-BENCHMARK(forces_and_integration);
+/// The headline: pinned2 at its defaults against the classic way, plain loops with 30 substeps a
+/// frame and one pass of the strain limit a substep; frame by frame in turn, for 5 s.
+void pinned2_against_classic(benchmark::State& run) {
+  const Scene scene = load("pinned2");
+  double seconds = 0;
+  double classic_seconds = 0;
+  for (auto _ : run) {
+    Simulator simulator(scene);
+    const auto classic = work_precision::classic(scene, 30, 1)();
+    for (int frame = 0; frame < 450; ++frame) {
+      const double start = cpu_seconds();
+      simulator.step();
+      const double middle = cpu_seconds();
+      classic->step();
+      const double end = cpu_seconds();
+      seconds += middle - start;
+      classic_seconds += end - middle;
+    }
+  }
+  const double simulated = 5 * static_cast<double>(run.iterations());
+  run.counters["CPU s per s"] = seconds / simulated;
+  run.counters["classic CPU s per s"] = classic_seconds / simulated;
+  run.counters["classic/this"] = classic_seconds / seconds;
+}
+
+BENCHMARK(pinned2_against_classic)->Unit(benchmark::kMillisecond);
 BENCHMARK(strain_limit)->UseManualTime();
 BENCHMARK(pair_search_folded);
 BENCHMARK(self_collision_folded)->UseManualTime();

@@ -1,0 +1,115 @@
+// The kernels of a substep against the plain loop over springs, and against what the machine can
+// do.
+
+#include <benchmark/benchmark.h>
+
+#include "clothsim/dynamics/force_blocks.h"
+#include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/verlet.h"
+#include "clothsim/model/grid.h"
+#include "cpu_time.h"
+#include "machine_peak.h"
+
+namespace clothsim {
+namespace {
+
+constexpr double h = 1e-5;  // [s]
+
+/// The yardstick: one spring at a time, points as rows.
+void plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, Points& f) {
+  f = cloth.mass * loads.gravity.transpose();
+  for_each_spring(cloth, [&](const SpringRun& spring, int a, int b) {
+    const Vector3 d = x.row(b) - x.row(a);
+    const double length = d.norm();
+    const Vector3 pull = spring.stiffness * (length - spring.rest_length) / length * d;
+    f.row(a) += pull.transpose();
+    f.row(b) -= pull.transpose();
+  });
+}
+
+/// A grid of run.range(0) points a side at its default material.
+struct Setup {
+  explicit Setup(const benchmark::State& run) {
+    ClothSpec spec;
+    spec.columns = spec.rows = static_cast<int>(run.range(0));
+    cloth = make_grid(spec);
+    state = start_state(spec, cloth, 1);
+  }
+  Cloth cloth;
+  State state;
+  Points forces;
+};
+
+/// Times `kernel` and, in turn, the plain loop, so that both meet the same machine. Prints how many
+/// times the plain loop it is, and what it takes of the peak rates: square roots and divisions (one
+/// each a spring), other arithmetic, and traffic of the second-level cache.
+template <typename Kernel>
+void against_plain(benchmark::State& run, Setup& setup, double operations, double bytes,
+                   Kernel&& kernel) {
+  Points f(setup.cloth.num_points(), 3);
+  double seconds = 0;
+  double plain_seconds = 0;
+  for (auto _ : run) {
+    // Both with their data in the caches, as in a run of substeps.
+    plain_forces(setup.cloth, Loads(), setup.state.positions, f);
+    const double start = cpu_seconds();
+    for (int i = 0; i < 4; ++i) {
+      plain_forces(setup.cloth, Loads(), setup.state.positions, f);
+      benchmark::ClobberMemory();
+    }
+    const double middle = cpu_seconds();
+    kernel();
+    const double warm = cpu_seconds();
+    for (int i = 0; i < 4; ++i) {
+      kernel();
+      benchmark::ClobberMemory();
+    }
+    const double end = cpu_seconds();
+    plain_seconds += (middle - start) / 4;
+    seconds += (end - warm) / 4;
+    run.SetIterationTime((end - warm) / 4);
+  }
+  const double time = seconds / static_cast<double>(run.iterations());
+  const double springs = setup.cloth.num_springs();
+  const MachinePeak& peak = machine_peak();
+  run.counters["plain/this"] = plain_seconds / seconds;
+  run.counters["of sqrt+div"] = springs * (1 / peak.square_root + 1 / peak.division) / time;
+  run.counters["of mul,add"] = operations / peak.mul_add / time;
+  run.counters["of L2 copy"] = bytes / peak.l2_copy / time;
+}
+
+// A spring takes 12 operations but for its square root and division, and each side of it 3 more; a
+// point's weight 3. A spring's force is written, and read for both of its ends.
+double force_operations(const Cloth& cloth) {
+  return 18.0 * cloth.num_springs() + 3.0 * cloth.num_points();
+}
+double force_bytes(const Cloth& cloth) {
+  return 8 * (3 * 3.0 * cloth.num_springs() + 7.0 * cloth.num_points());
+}
+
+void forces(benchmark::State& run) {
+  Setup setup(run);
+  against_plain(run, setup, force_operations(setup.cloth), force_bytes(setup.cloth),
+                [&] { compute_forces(setup.cloth, Loads(), setup.state.positions, setup.forces); });
+}
+
+// Integration reads positions and velocities twice, writes them and the middle of the step, and
+// takes 8 operations a coordinate.
+void forces_and_integration(benchmark::State& run) {
+  Setup setup(run);
+  VelocityVerlet method;
+  const double numbers = 3.0 * setup.cloth.num_points();
+  against_plain(run, setup, force_operations(setup.cloth) + 8 * numbers,
+                force_bytes(setup.cloth) + 8 * 7 * numbers,
+                [&] { method.step(setup.cloth, Loads(), h, setup.state); });
+}
+
+BENCHMARK(forces)->Arg(50)->Arg(200)->UseManualTime()->Unit(benchmark::kMicrosecond);
+BENCHMARK(forces_and_integration)
+    ->Arg(50)
+    ->Arg(200)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace clothsim
