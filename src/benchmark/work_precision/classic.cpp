@@ -11,20 +11,21 @@ namespace {
 
 class Classic : public Stepper {
  public:
-  Classic(const Scene& scene, int substeps, int passes)
+  Classic(const Scene& scene, int substeps, int passes, bool follow)
       : cloth_(make_grid(scene.cloth)),
         state_(start_state(scene.cloth, cloth_, scene.simulation.seed)),
         gravity_(scene.simulation.gravity),
         frame_(1 / scene.simulation.frames_per_second),
         substeps_(substeps),
-        passes_(passes) {
+        passes_(passes),
+        follow_(follow) {
     const State& state = state_;
     for_each_spring(cloth_, [&](const SpringRun& run, int a, int b) {
       springs_.push_back({a, b, run.rest_length, run.stiffness});
     });
     for (int i = 0; i < cloth_.num_points(); ++i) {
       points_.push_back({state.positions.row(i).transpose(), Vector3::Zero(), Vector3::Zero(),
-                         cloth_.mass[i], cloth_.inv_mass[i]});
+                         Vector3::Zero(), cloth_.mass[i], cloth_.inv_mass[i]});
     }
   }
 
@@ -48,6 +49,7 @@ class Classic : public Stepper {
  private:
   struct Point {
     Vector3 x, v, force;
+    Vector3 start;  // where the substep began
     double mass, inv_mass;
   };
   struct Spring {
@@ -74,14 +76,19 @@ class Classic : public Stepper {
     const double kept = std::exp(-cloth_.damping * h);
     for (Point& p : points_) {
       if (p.inv_mass == 0) continue;
+      p.start = p.x;
       p.v = kept * p.v + h * p.inv_mass * p.force;
       p.x += h * p.v;
     }
 
-    // The strain limit, spring by spring. Velocities stay as they were.
+    // The strain limit, spring by spring.
     if (!cloth_.strain_limit) return;
     for (int pass = 0; pass < passes_; ++pass) {
       for (const Spring& s : springs_) shorten(s);
+    }
+    if (!follow_) return;
+    for (Point& p : points_) {
+      if (p.inv_mass > 0) p.v = (p.x - p.start) / h;
     }
   }
 
@@ -103,14 +110,15 @@ class Classic : public Stepper {
   double frame_;  // [s]
   int substeps_;
   int passes_;
+  bool follow_;
   std::vector<Point> points_;
   std::vector<Spring> springs_;
 };
 
 }  // namespace
 
-StepperMaker classic(const Scene& scene, int substeps, int passes) {
-  return [=] { return std::make_unique<Classic>(scene, substeps, passes); };
+StepperMaker classic(const Scene& scene, int substeps, int passes, bool follow) {
+  return [=] { return std::make_unique<Classic>(scene, substeps, passes, follow); };
 }
 
 }  // namespace clothsim::work_precision

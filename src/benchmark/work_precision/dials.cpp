@@ -8,8 +8,8 @@ namespace {
 /// Newton's method to rounding of a step of a thousandth of a millimetre.
 constexpr double newton_tolerance = 1e-8;
 
-/// Finest step of the implicit methods that cost milliseconds a step.
-constexpr int most_newton_substeps = 4;
+/// Most substeps a frame that are carried to convergence: it costs milliseconds a step.
+constexpr int most_converged_substeps = 4;
 
 template <typename Value>
 struct Assign {
@@ -56,20 +56,20 @@ std::optional<Scene> converged(Scene scene, const Dial& dial) {
   const bool solves_implicit_euler =
       dial.method == ProjectiveDynamics::name || dial.method == Xpbd::name;
   if (!solves_implicit_euler && !uses_newton(dial.method)) return {};
-  if (!dial.substeps || *dial.substeps > most_newton_substeps) return {};
+  if (!dial.substeps || *dial.substeps > most_converged_substeps) return {};
   scene = at(scene, {uses_newton(dial.method) ? dial.method : ImplicitEuler::name, dial.substeps});
   set_parameter(scene.simulation.method_parameters, "tolerance", newton_tolerance);
   set_parameter(scene.simulation.method_parameters, "max_iterations", 200);
   return scene;
 }
 
-std::vector<Dial> dials(bool quick) {
+std::vector<Dial> dials(bool quick, int most_newton_substeps) {
   const std::vector<int> explicit_steps =
       quick ? std::vector{1, 4, 8, 16} : std::vector{1, 2, 3, 4, 5, 6, 8, 12, 16, 32, 64, 128};
   std::vector<Dial> list{{"auto", {}}};
   for (const std::string& method : method_names()) {
     if (uses_newton(method)) {
-      for (int n = 1; n <= (quick ? 1 : most_newton_substeps); n *= 2) list.push_back({method, n});
+      for (int n = 1; n <= most_newton_substeps; n *= 2) list.push_back({method, n});
     } else if (method == ProjectiveDynamics::name) {
       for (const int n : quick ? std::vector{1} : std::vector{1, 4, 16}) {
         for (const int iterations : quick ? std::vector{10} : std::vector{1, 5, 20}) {

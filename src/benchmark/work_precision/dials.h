@@ -23,7 +23,8 @@ Scene at(Scene, const Dial&);
 /// Euler.
 std::optional<Scene> converged(Scene, const Dial&);
 
-/// `auto`, and every method from its coarsest step to its finest. Quick: few and cheap.
-std::vector<Dial> dials(bool quick);
+/// `auto`, and every method from its coarsest step to its finest, those that solve by Newton's
+/// method to `most_newton_substeps`. Quick: few and cheap.
+std::vector<Dial> dials(bool quick, int most_newton_substeps);
 
 }  // namespace clothsim::work_precision

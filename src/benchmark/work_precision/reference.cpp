@@ -15,6 +15,7 @@ constexpr double nudge = 1e-10;  // of the size
 /// How far inside Verlet's limit its coarsest reference run stays: h omega is 2 / refinement at
 /// most.
 constexpr double refinement = 16;
+constexpr double rough_refinement = 32;  // where contact or the strain limit lower the order
 constexpr double cheap_refinement = 1.25;
 
 /// Sweeps of the constraints go on to this violation, so that the step alone is left as error.
@@ -92,6 +93,7 @@ Reference extrapolate(const Trial& trial, int coarsest) {
     reference.uncertainty.push_back(change / size_of(trial.scene));
     reference.growth.push_back(1);
   }
+  reference.horizon = fine.size();
   return reference;
 }
 
@@ -102,7 +104,7 @@ Reference make_cheap_reference(const Trial& trial) {
 }
 
 Reference make_reference(const Trial& trial) {
-  const int coarsest = substeps_of(trial.scene, refinement);
+  const int coarsest = substeps_of(trial.scene, trial.smooth ? refinement : rough_refinement);
   Reference reference = extrapolate(trial, coarsest);
 
   // Another method, and twins of one method.
@@ -117,6 +119,11 @@ Reference make_reference(const Trial& trial) {
     reference.uncertainty[i] = std::max(reference.uncertainty[i], to_other);
     const double apart = rms_distance(one[i].positions, twin[i].positions) / size;
     reference.growth[i] = std::max(1.0, apart / nudge);
+  }
+  reference.horizon = 0;
+  while (reference.horizon < other.size() &&
+         reference.own_error(reference.horizon) <= trusted * charted_error) {
+    ++reference.horizon;
   }
   const std::size_t compared = trial.compared == Compared::rest_shape ? 1 : other.size();
   reference.cross_check = rms_distance(reference.trajectory, other, compared) / size;

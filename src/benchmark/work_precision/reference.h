@@ -13,15 +13,26 @@ struct Reference {
   Trajectory trajectory;
   std::vector<double> uncertainty;  // RMS position error of the reference itself, by frame
   std::vector<double> growth;       // of a twin's distance, by frame
+  std::size_t horizon = 0;          // frames in which points are compared
   double order = 0;                 // observed; 2 where the motion is smooth
   double cross_check = 0;           // RMS distance to rk4, over all points and frames
   int substeps = 0;                 // of its finest run
+
+  double own_error(std::size_t frame) const { return growth[frame] * uncertainty[frame]; }
 };
+
+/// The least error that a reference must be able to tell at its horizon.
+inline constexpr double charted_error = 1e-4;
+
+/// Share of a run's error that the reference's own may be.
+inline constexpr double trusted = 0.1;
 
 /// Verlet at h, h/2 and h/4. In a smooth trial Richardson's (4 x_{h/4} - x_{h/2}) / 3, else the
 /// finest run. Uncertainty is the larger of the distance to rk4 and what the last halving changed
 /// (after Richardson, which is of order 4, a fifteenth of that). The twin starts from a cloth
-/// nudged by 1e-10 of its size. Throws Diverged.
+/// nudged by 1e-10 of its size. The horizon is where the twin's growth times the uncertainty
+/// reaches a tenth of `charted_error`; one for all runs, so that their errors compare. Throws
+/// Diverged.
 Reference make_reference(const Trial&);
 
 /// The same from runs close to Verlet's limit, without rk4 and twin: for large and short trials,

@@ -16,7 +16,9 @@ struct Trial {
   Scene scene;
   int frames;
   Compared compared;
-  bool smooth;  // neither contact nor strain limit: the reference must show its order
+  bool smooth;               // neither contact nor strain limit: the reference must show its order
+  int most_newton_substeps;  // finest step of the methods that cost milliseconds a step
+  bool split;                // solver and scheme error are told apart
 };
 
 /// A shipped scene with `side` x `side` points, its pins kept at the corners.

@@ -10,9 +10,6 @@
 namespace clothsim::work_precision {
 namespace {
 
-/// Share of a run's error that the reference's own may be.
-constexpr double trusted = 0.1;
-
 double total_energy(const Cloth& cloth, const Vector3& gravity, const State& state) {
   return kinetic_energy(cloth, state) + elastic_energy(cloth, state.positions) +
          gravitational_energy(cloth, gravity, state.positions);
@@ -21,6 +18,8 @@ double total_energy(const Cloth& cloth, const Vector3& gravity, const State& sta
 Vector3 mean_by_mass(const Cloth& cloth, const Points& values) {
   return values.transpose() * cloth.mass / cloth.mass.sum();
 }
+
+double square(double x) { return x * x; }
 
 void add_stretch(const Cloth& cloth, const Points& x, Score& score) {
   std::vector<double> stretch;
@@ -46,8 +45,8 @@ Score score(const Run& run, const Reference& reference, const Trial& trial) {
   Score score;
   double squares = 0;
   double velocity_squares = 0;
+  double own_error = 0;
   int compared = 0;
-  bool within = true;
   const std::size_t frames = run.trajectory.size();
   const bool rest = trial.compared == Compared::rest_shape;
   if (rest && run.outcome != Outcome::done) return score;
@@ -56,20 +55,15 @@ Score score(const Run& run, const Reference& reference, const Trial& trial) {
     const State& truth = reference.trajectory[i];
 
     // Point by point, within the horizon.
-    const double d = rms_distance(state.positions, truth.positions) / size;
-    const double w = rms_distance(state.velocities, truth.velocities) / speed;
-    const double error = std::sqrt((squares + d * d) / (compared + 1));
-    within = within && reference.growth[i] * reference.uncertainty[i] <= trusted * error;
-    if (within) {
+    if (rest || i < reference.horizon) {
       ++compared;
-      squares += d * d;
-      velocity_squares += w * w;
-      score.position = error;
-      score.velocity = std::sqrt(velocity_squares / compared);
+      squares += square(rms_distance(state.positions, truth.positions) / size);
+      velocity_squares += square(rms_distance(state.velocities, truth.velocities) / speed);
       const double farthest =
           (state.positions - truth.positions).rowwise().norm().maxCoeff() / size;
       score.position_max = std::fmax(score.position_max, farthest);
       score.horizon = truth.time;
+      own_error = std::max(own_error, reference.own_error(i));
     }
 
     // As a whole, in every frame.
@@ -80,6 +74,12 @@ Score score(const Run& run, const Reference& reference, const Trial& trial) {
     const Vector3 shift = mean_by_mass(cloth, state.positions - truth.positions);
     score.centre = std::fmax(score.centre, shift.norm() / size);
     add_stretch(cloth, state.positions, score);
+  }
+  if (compared == 0) return score;
+  score.position = std::sqrt(squares / compared);
+  score.velocity = std::sqrt(velocity_squares / compared);
+  if (own_error > trusted * score.position) {
+    score.position = score.position_max = score.velocity = Score::none;
   }
   return score;
 }

@@ -21,9 +21,9 @@ struct Score {
   double horizon = 0;           // points are compared up to here [s]
 };
 
-/// Points and velocities are compared up to the horizon: while the twin's growth times the
-/// reference's uncertainty is under a tenth of the run's error. The rest counts in all frames the
-/// run has.
+/// Points and velocities are compared up to the reference's horizon, and have no number where the
+/// run is closer than the reference can tell: where its own error there, times the twin's growth,
+/// is over a tenth of the run's. The rest counts in all frames the run has.
 Score score(const Run&, const Reference&, const Trial&);
 
 }  // namespace clothsim::work_precision

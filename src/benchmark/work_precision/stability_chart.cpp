@@ -23,6 +23,8 @@ constexpr int most_steps = 8192;
 constexpr int most_iterative_steps = 1024;
 constexpr int most_newton_steps = 64;
 
+constexpr int least_reference_steps = 4000;  // of rk4, where the springs alone would allow more
+
 /// Energy above the start's, of M g size, that counts as unstable: nothing does work on an undamped
 /// cloth but gravity, whose energy is counted.
 constexpr double energy_gain = 0.05;
@@ -90,7 +92,8 @@ std::vector<int> step_counts(bool quick) {
 void prepare(Column& column) {
   const Cloth cloth = make_grid(column.scene.cloth);
   column.omega = omega_max_bound(cloth, cloth.rest_positions);
-  const int steps = static_cast<int>(std::ceil(8 * column.omega * seconds));
+  const int steps =
+      std::max(least_reference_steps, static_cast<int>(std::ceil(8 * column.omega * seconds)));
   if (!is_stable(column.scene, RungeKutta4::name, steps, column.end)) {
     throw Diverged("the reference of a stability map diverged");
   }

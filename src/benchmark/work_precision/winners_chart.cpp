@@ -114,7 +114,8 @@ std::vector<Job> winners_jobs(const Options& options) {
     for (const double ks :
          options.quick ? std::vector{5e3} : std::vector{5e2, 5e3, 5e4, 5e5, 5e6, 5e7}) {
       auto cell = std::make_shared<Cell>();
-      cell->trial = {"corner_drop", scene_of(side, ks), frames, Compared::all_frames, true};
+      cell->trial = {"corner_drop", scene_of(side, ks), frames, Compared::all_frames, true, 0,
+                     false};
       jobs.push_back([=] { cell->reference = make_cheap_reference(cell->trial); });
       const std::vector<Dial> list = cell_dials(cell->trial.scene, options.quick);
       for (std::size_t i = 0; i < list.size(); ++i) {
