@@ -10,6 +10,6 @@ namespace clothsim::work_precision {
 /// over all springs, each of which moves the ends of a spring over its limit together, a free end
 /// the whole way where the other is pinned. Velocities stay as they were; or they `follow` the
 /// moved positions, as with Verlet's method on positions alone.
-StepperMaker classic(const Scene& scene, int substeps, int passes, bool follow);
+StepperMaker classic(const Scene& scene, int substeps, int passes, bool follow = false);
 
 }  // namespace clothsim::work_precision
