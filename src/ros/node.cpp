@@ -49,21 +49,27 @@ Node::Node()
       paused_(parameters_.paused),
       tf_(parameters_.world_frame),
       follower_(parameters_.scene, tf_),
+      grasper_(node_, simulator_, tf_),
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       photographer_(with_full_name(
           node_, "camera",
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
-      reconfigure_(node_, simulator_),
-      view_reconfigure_(node_, photographer_, parameters_.scene),
       state_services_(node_, simulator_, follower_, frame_number_, [this] { jump(); }) {
+  serve_live_values();
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
   }
   services_ = {node_.advertiseService("pause", &Node::pause, this),
                node_.advertiseService("reset", &Node::reset, this),
+               node_.advertiseService("load_scene", &Node::load_scene, this),
                node_.advertiseService("step", &Node::step, this)};
+}
+
+void Node::serve_live_values() {
+  reconfigure_.emplace(node_, simulator_);
+  view_reconfigure_.emplace(node_, photographer_, simulator_.scene());
 }
 
 void Node::run() {
@@ -88,6 +94,8 @@ bool Node::simulate_frame(Turn turn) {
   const double frame_duration = simulator_.frame_duration();
   follower_.look_up();
   follower_.move(simulator_);
+  grasper_.look_up();
+  grasper_.move();
   try {
     report_ = simulator_.step();
   } catch (const clothsim::Diverged& error) {
@@ -112,12 +120,14 @@ bool Node::simulate_frame(Turn turn) {
 void Node::publish_frame(const ros::Time& stamp) {
   publish_clock();  // first, so that no state comes from the future
   outputs_.publish(stamp, frame_number_);
+  grasper_.update(stamp);
   photographer_.update(stamp);
 }
 
 void Node::jump() {
   failure_.clear();
   report_ = {};
+  grasper_.follow_grips();
   publish_frame(pacer_.advance_now(simulator_.frame_duration()));
 }
 
@@ -134,6 +144,7 @@ void Node::publish_diagnostics() {
   next_diagnostics_ = now + diagnostics_period;
 
   follower_.look_up();  // a paused simulation does not
+  grasper_.look_up();
   NodeStatus status;
   status.paused = paused_;
   status.failure = failure_;
@@ -145,6 +156,7 @@ void Node::publish_diagnostics() {
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);
   }
   status.frames = follower_.status();
+  for (const FrameStatus& frame : grasper_.status()) status.frames.push_back(frame);
   status.camera = photographer_.status();
   diagnostics_.publish(status);
 }
@@ -167,6 +179,24 @@ bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respo
   jump();
   response.success = true;
   response.message = "at the scene's start";
+  return true;
+}
+
+bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response& response) {
+  try {
+    const clothsim::Scene scene = read_scene_parameter(node_);
+    clothsim::inside("scene", [&] { simulator_.load(scene); });
+  } catch (const clothsim::InvalidValue& error) {
+    response.message = error.message(node_.getNamespace() + "/", "/");
+    return true;
+  }
+  follower_ = FrameFollower(simulator_.scene(), tf_);
+  state_services_.clear();
+  serve_live_values();
+  frame_number_ = 0;
+  outputs_.refresh();  // the topology, before states on it
+  jump();
+  response.success = true;
   return true;
 }
 

@@ -24,6 +24,14 @@ const ros::WallDuration markers_period(1.0 / 30);
 /// How much earlier than that one may come, so that frames that jitter about it are not skipped.
 const ros::WallDuration markers_jitter(0.003);
 
+visualization_msgs::Marker delete_all(const std_msgs::Header& header) {
+  visualization_msgs::Marker marker;
+  marker.header = header;
+  marker.action = visualization_msgs::Marker::DELETEALL;
+  marker.pose.orientation.w = 1;
+  return marker;
+}
+
 }  // namespace
 
 Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
@@ -77,13 +85,17 @@ void Outputs::refresh() {
   if (topology_seq_ != simulator_.topology_seq()) {
     publish_topology();
     markers_due_ = true;
+    markers_anew_ = true;
   }
 
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!markers_due_ || now + markers_jitter < next_markers_) return;
   markers_due_ = false;
   if (markers_publisher_.getNumSubscribers() == 0) return;
-  markers_publisher_.publish(markers());
+  visualization_msgs::MarkerArray array = markers();
+  if (markers_anew_) array.markers.insert(array.markers.begin(), delete_all(header_));
+  markers_anew_ = false;
+  markers_publisher_.publish(array);
   next_markers_ = std::max(next_markers_ + markers_period, now);
 }
 

@@ -2,6 +2,7 @@
 
 #include <ros/param.h>
 
+#include <optional>
 #include <stdexcept>
 
 #include "clothsim/model/checks.h"
@@ -52,12 +53,7 @@ YAML::Node without_topics(YAML::Node camera) {
 
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
-  bool has_scene = false;
-  read_optional(node, "scene", [&](const YAML::Node& scene) {
-    parameters.scene = clothsim::read_scene(scene);
-    has_scene = true;
-  });
-  if (!has_scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
+  parameters.scene = read_scene_parameter(node);
 
   YAML::Node camera(YAML::NodeType::Map);
   read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
@@ -91,6 +87,14 @@ NodeParameters read(const ros::NodeHandle& node) {
 }
 
 }  // namespace
+
+clothsim::Scene read_scene_parameter(const ros::NodeHandle& node) {
+  std::optional<clothsim::Scene> scene;
+  read_optional(node, "scene",
+                [&](const YAML::Node& given) { scene = clothsim::read_scene(given); });
+  if (!scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
+  return *scene;
+}
 
 YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
   switch (value.getType()) {

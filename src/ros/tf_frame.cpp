@@ -16,6 +16,9 @@ constexpr double lost_after = 1;
 /// Positions farther out are no place for a cloth [m]; the scene has the same limit.
 constexpr double farthest = 1e6;
 
+/// Time that publishers take to connect, and frames of 10 Hz to come.
+const ros::WallDuration settling(0.5);
+
 bool is_usable(const clothsim::Pose& pose) {
   return pose.orientation.coeffs().allFinite() &&
          (pose.position.array().abs() <= farthest).all();  // false for NaN
@@ -24,7 +27,15 @@ bool is_usable(const clothsim::Pose& pose) {
 }  // namespace
 
 void TfListener::listen() {
-  if (!listener_) listener_.emplace(buffer_);
+  if (listener_) return;
+  listener_.emplace(buffer_);
+  settled_ = ros::SteadyTime::now() + settling;
+}
+
+void TfListener::wait_for_first() {
+  listen();
+  const ros::WallDuration left = settled_ - ros::SteadyTime::now();
+  if (left > ros::WallDuration(0)) left.sleep();
 }
 
 TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) {

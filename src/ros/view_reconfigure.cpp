@@ -4,13 +4,12 @@
 #include <clothsim/ShadingConfig.h>
 #include <clothsim/ViewpointConfig.h>
 
-#include <algorithm>
-#include <cctype>
 #include <list>
 #include <set>
 #include <string>
 
 #include "clothsim/ros/live_values.h"
+#include "clothsim/ros/names.h"
 #include "clothsim/view/view_yaml.h"
 
 namespace clothsim_ros {
@@ -92,11 +91,8 @@ const auto to_config = [](auto& config, const auto& value) { config = value; };
 const auto to_view = [](const auto& config, auto& value) { value = config; };
 
 /// `name` as a part of a ROS name that is not in `taken`.
-std::string ros_name(std::string name, std::set<std::string>& taken) {
-  std::replace_if(
-      name.begin(), name.end(),
-      [](unsigned char c) { return c >= 128 || (!std::isalnum(c) && c != '_'); }, '_');
-  if (!std::isalpha(static_cast<unsigned char>(name[0]))) name = "collider_" + name;
+std::string free_ros_name(std::string name, std::set<std::string>& taken) {
+  name = to_ros_name(name, "collider_");
   while (!taken.insert(name).second) name += "_";
   return name;
 }
@@ -123,7 +119,7 @@ struct ViewReconfigure::Impl {
         const auto look = view.colliders.emplace(name, view.collider).first;
         visit_collider(config, look->second, direction);
       };
-      add(shading, "shading/" + ros_name(collider.name, taken), visit);
+      add(shading, "shading/" + free_ros_name(collider.name, taken), visit);
     }
   }
 

@@ -144,6 +144,12 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
   }
 }
 
+void Simulator::load(const Scene& scene) {
+  auto loaded = std::make_unique<Impl>(scene);
+  loaded->topology_seq = impl_->topology_seq + 1;
+  impl_ = std::move(loaded);
+}
+
 std::vector<double> Simulator::memory() const {
   MemoryWriter memory;
   impl_->write(memory);

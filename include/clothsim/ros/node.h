@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clothsim/LoadScene.h>
 #include <clothsim/Step.h>
 #include <ros/node_handle.h>
 #include <std_srvs/SetBool.h>
@@ -12,6 +13,7 @@
 
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
+#include "clothsim/ros/grasper.h"
 #include "clothsim/ros/outputs.h"
 #include "clothsim/ros/pacer.h"
 #include "clothsim/ros/parameters.h"
@@ -43,10 +45,12 @@ class Node {
   /// The simulator is in another state, without a frame between.
   void jump();
   void publish_clock();
+  void serve_live_values();
   void publish_diagnostics();
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
+  bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
 
   ros::NodeHandle node_;
@@ -59,11 +63,12 @@ class Node {
 
   TfListener tf_;
   FrameFollower follower_;
+  Grasper grasper_;
   Pacer pacer_;
   Outputs outputs_;
   Photographer photographer_;
-  Reconfigure reconfigure_;
-  ViewReconfigure view_reconfigure_;
+  std::optional<Reconfigure> reconfigure_;           // of the scene
+  std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
   StateServices state_services_;
   Diagnostics diagnostics_;

@@ -47,6 +47,7 @@ class Outputs {
   std::uint64_t step_ = 0;
   unsigned topology_seq_ = 0;     // of the topology published last
   bool markers_due_ = false;      // the state has moved on since the last ones
+  bool markers_anew_ = false;     // those of another scene may still be shown
   ros::SteadyTime next_markers_;  // not before
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;

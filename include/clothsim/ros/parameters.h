@@ -10,7 +10,7 @@
 
 namespace clothsim_ros {
 
-/// What the node reads from the parameter server, once, at its start.
+/// What the node reads from the parameter server at its start.
 struct NodeParameters {
   clothsim::Scene scene;
   clothsim::View view;  // of ~camera
@@ -23,6 +23,9 @@ struct NodeParameters {
 /// Reads the private parameters of `node`. Throws std::runtime_error with the full name of the
 /// parameter, what it is and what is expected.
 NodeParameters read_parameters(const ros::NodeHandle& node);
+
+/// Reads ~scene alone. Throws InvalidValue with keys relative to the node.
+clothsim::Scene read_scene_parameter(const ros::NodeHandle& node);
 
 /// The same value as YAML, so that parameters and files have one reader. A text counts as quoted.
 /// Throws clothsim::InvalidValue for binary data and dates.

@@ -18,6 +18,10 @@ class TfListener {
 
   void listen();
 
+  /// Listens, and waits until what is being broadcast has come in: a moment the first time, not at
+  /// all later.
+  void wait_for_first();
+
   const std::string& world_frame() const { return world_frame_; }
   const tf2::BufferCore& buffer() const { return buffer_; }
 
@@ -25,6 +29,7 @@ class TfListener {
   std::string world_frame_;
   tf2::BufferCore buffer_;
   std::optional<tf2_ros::TransformListener> listener_;
+  ros::SteadyTime settled_;  // when the first transforms have come
 };
 
 /// What is known of a tf frame that carries a collider, a pin or the camera.

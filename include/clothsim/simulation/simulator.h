@@ -44,6 +44,10 @@ class Simulator {
   /// Back to the scene's start at time 0, with the present material and simulation values.
   void reset();
 
+  /// Starts anew with another scene, as a new simulator would but that topology_seq() counts on.
+  /// Throws InvalidValue and goes on as before where the scene is refused.
+  void load(const Scene&);
+
   /// What the next frames depend on beside state(): impulses that constraints keep, a method's
   /// history, what was changed after a frame failed. Numbers to hand back to set_state().
   std::vector<double> memory() const;

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <clothsim/Attach.h>
+#include <clothsim/Detach.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/tf_frame.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// The services ~attach and ~detach and the topics ~wrench/FRAME. The simulator's grips are named
+/// after their tf frames. A frame that is lost holds its points where they are.
+class Grasper {
+ public:
+  /// Simulator and `tf` must outlive this.
+  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf);
+
+  /// Reads the latest transforms.
+  void look_up();
+
+  /// Hands what look_up() found to the simulator, for its next frame.
+  void move();
+
+  /// A frame has been simulated. Publishes the wrenches, each in its frame.
+  void update(const ros::Time& stamp);
+
+  /// To be called when the simulator may have other grips, without a frame between.
+  void follow_grips();
+
+  /// One for each frame that carries points.
+  std::vector<FrameStatus> status() const;
+
+ private:
+  bool attach(clothsim::Attach::Request&, clothsim::Attach::Response&);
+  bool detach(clothsim::Detach::Request&, clothsim::Detach::Response&);
+  const ros::Publisher& publisher_of(const std::string& frame);
+  std::vector<int> points_near(const clothsim::Vector3& position, double radius) const;
+
+  ros::NodeHandle node_;
+  clothsim::Simulator& simulator_;
+  TfListener& tf_;
+  std::map<std::string, TfFrame> frames_;  // of the simulator's grips
+  // By frame, kept: a subscriber may miss that a topic goes and comes again.
+  std::map<std::string, ros::Publisher> publishers_;
+  std::vector<ros::ServiceServer> services_;
+};
+
+}  // namespace clothsim_ros

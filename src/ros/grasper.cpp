@@ -1,0 +1,179 @@
+#include "clothsim/ros/grasper.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/console.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/ros/conversions.h"
+#include "clothsim/ros/names.h"
+
+namespace clothsim_ros {
+namespace {
+
+using clothsim::InvalidValue;
+
+/// As many wrenches wait for a slow subscriber, about a second's.
+constexpr std::uint32_t wrench_queue = 100;
+
+constexpr clothsim::Range radius_range{0, 1e6, "m"};
+
+geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3& v) {
+  geometry_msgs::Vector3 msg;
+  msg.x = v.x();
+  msg.y = v.y();
+  msg.z = v.z();
+  return msg;
+}
+
+std::vector<int> sorted(std::vector<int> points) {
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+}  // namespace
+
+Grasper::Grasper(const ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf)
+    : node_(node), simulator_(simulator), tf_(tf) {
+  services_ = {node_.advertiseService("attach", &Grasper::attach, this),
+               node_.advertiseService("detach", &Grasper::detach, this)};
+}
+
+void Grasper::look_up() {
+  for (auto& [name, frame] : frames_) frame.look_up();
+}
+
+void Grasper::move() {
+  for (const auto& [name, frame] : frames_) {
+    if (frame.pose()) simulator_.move_grip(name, *frame.pose());
+  }
+}
+
+void Grasper::update(const ros::Time& stamp) {
+  for (const auto& [name, frame] : frames_) {
+    if (simulator_.grips().count(name) == 0) ROS_WARN("The cloth tore off frame %s", name.c_str());
+  }
+  follow_grips();
+  for (const auto& [name, grip] : simulator_.grips()) {
+    geometry_msgs::WrenchStamped msg;
+    msg.header.stamp = stamp;
+    msg.header.frame_id = name;
+    const Eigen::Quaterniond to_frame = grip.pose.orientation.conjugate();
+    msg.wrench.force = to_vector_msg(to_frame * grip.wrench.force);
+    msg.wrench.torque = to_vector_msg(to_frame * grip.wrench.torque);
+    publisher_of(name).publish(msg);
+  }
+}
+
+void Grasper::follow_grips() {
+  const auto& grips = simulator_.grips();
+  for (auto frame = frames_.begin(); frame != frames_.end();) {
+    frame = grips.count(frame->first) == 0 ? frames_.erase(frame) : std::next(frame);
+  }
+  for (const auto& [name, grip] : grips) frames_.try_emplace(name, name, tf_);
+}
+
+const ros::Publisher& Grasper::publisher_of(const std::string& frame) {
+  const auto known = publishers_.find(frame);
+  if (known != publishers_.end()) return known->second;
+  const std::string topic = "wrench/" + to_ros_name(frame, "frame_");
+  return publishers_
+      .emplace(frame, node_.advertise<geometry_msgs::WrenchStamped>(topic, wrench_queue, true))
+      .first->second;
+}
+
+std::vector<int> Grasper::points_near(const clothsim::Vector3& position, double radius) const {
+  const clothsim::Points& points = simulator_.state().positions;
+  std::vector<int> near;
+  for (int i = 0; i < simulator_.cloth().num_points(); ++i) {
+    if ((points.row(i).transpose() - position).norm() <= radius) near.push_back(i);
+  }
+  return near;
+}
+
+bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
+  try {
+    // What was asked for.
+    clothsim::check_range("radius", request.radius, radius_range);
+    clothsim::check_frame(request.frame);
+    if (request.points.empty() && request.radius == 0) {
+      throw InvalidValue({"radius"}, "0 and no points", "a radius above 0, or points");
+    }
+    if (!request.points.empty() && request.radius > 0) {
+      throw InvalidValue({"radius"}, clothsim::to_text(request.radius) + " and points",
+                         "one of the two");
+    }
+
+    // Where the frame is, and which points that means.
+    TfFrame frame(request.frame, tf_);
+    tf_.wait_for_first();
+    frame.look_up();
+    if (!frame.pose()) {
+      throw InvalidValue({"frame"}, '"' + request.frame + '"',
+                         "a tf frame with a transform to " + tf_.world_frame());
+    }
+    std::vector<int> points(request.points.begin(), request.points.end());
+    if (points.empty()) points = points_near(frame.pose()->position, request.radius);
+    if (points.empty()) {
+      throw InvalidValue({"radius"}, clothsim::to_text(request.radius) + " with no point inside",
+                         "one about a point of the cloth");
+    }
+
+    std::optional<double> tear_force;
+    if (request.tear_force != 0) tear_force = request.tear_force;
+    simulator_.attach(request.frame, *frame.pose(), points, tear_force);
+    follow_grips();
+    look_up();
+    publisher_of(request.frame);
+    points = sorted(points);
+    response.points.assign(points.begin(), points.end());
+    response.success = true;
+  } catch (const InvalidValue& error) {
+    response.message = error.message("", "/");
+  }
+  return true;
+}
+
+bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Response& response) {
+  try {
+    std::vector<int> held;
+    for (const auto& [name, grip] : simulator_.grips()) {
+      if (!request.frame.empty() && name != request.frame) continue;
+      for (const clothsim::Grip::Held& h : grip.held) held.push_back(h.point);
+    }
+    if (held.empty()) {
+      throw InvalidValue({"frame"}, '"' + request.frame + '"',
+                         request.frame.empty() ? "that something is attached"
+                                               : "a frame that points are attached to");
+    }
+    std::vector<int> points(request.points.begin(), request.points.end());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (std::count(held.begin(), held.end(), points[i]) > 0) continue;
+      throw InvalidValue(
+          {"points", std::to_string(i)}, std::to_string(points[i]),
+          "a point that is attached" + (request.frame.empty() ? "" : " to " + request.frame));
+    }
+    if (points.empty()) points = held;
+
+    simulator_.detach(points);
+    follow_grips();
+    points = sorted(points);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    response.points.assign(points.begin(), points.end());
+    response.success = true;
+  } catch (const InvalidValue& error) {
+    response.message = error.message("", "/");
+  }
+  return true;
+}
+
+std::vector<FrameStatus> Grasper::status() const {
+  std::vector<FrameStatus> all;
+  for (const auto& [name, frame] : frames_) all.push_back(frame.status());
+  return all;
+}
+
+}  // namespace clothsim_ros

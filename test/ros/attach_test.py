@@ -1,0 +1,219 @@
+#!/usr/bin/python3
+"""Points attached to tf frames: where they go, what they weigh, when they tear, what is refused."""
+
+import math
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped, WrenchStamped
+from tf2_ros import StaticTransformBroadcaster
+
+from clothsim.srv import Attach, Detach, GetState, RestoreState, SaveState
+from cloth_client import Cloth, Recorder, call, content, point, positions, wait_for
+
+COLUMNS = 10
+CORNERS = {"left": 0, "right": COLUMNS - 1}
+WEIGHT = 5 * 9.8  # [N] of the whole cloth
+NAN = float("nan")
+
+
+class Hands:
+    """Frames, each at a place and turned about z. Latched, so that a listener who comes has them."""
+
+    def __init__(self):
+        self.broadcaster = StaticTransformBroadcaster()
+        self.places = {}
+
+    def put(self, frame, place, angle=0.0):
+        self.places[frame] = (place, angle)
+
+    def send(self):
+        transforms = []
+        for frame, (place, angle) in self.places.items():
+            t = TransformStamped()
+            t.header.frame_id, t.child_frame_id = "map", frame
+            t.transform.translation.x, t.transform.translation.y = place[:2]
+            t.transform.translation.z = place[2]
+            t.transform.rotation.z = math.sin(angle / 2)
+            t.transform.rotation.w = math.cos(angle / 2)
+            transforms.append(t)
+        self.broadcaster.sendTransform(transforms)
+
+
+class Grasp(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        wait_for(cls.cloth.states.all, "the first state")
+        cls.hands = Hands()
+        cls.wrenches = {f: Recorder("/clothsim/wrench/" + f, WrenchStamped) for f in CORNERS}
+        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+
+    def setUp(self):
+        self.cloth.reset()
+        self.hands.put("left", (0, 0, 1))
+        self.hands.put("right", (1, 0, 1))
+        self.hands.put("far", (0, 0, 50))
+        self.hands.send()
+        time.sleep(0.1)
+
+    def attach(self, frame, points=(), radius=0.0, tear_force=0.0):
+        return call("/clothsim/attach", Attach, frame, points, radius, tear_force)
+
+    def detach(self, frame="", points=()):
+        return call("/clothsim/detach", Detach, frame, points)
+
+    def take_corners(self):
+        for frame, corner in CORNERS.items():
+            answer = self.attach(frame, radius=0.05)
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual(list(answer.points), [corner])
+
+    def carry(self):
+        """A frame of simulation after the hands are where they were put."""
+        self.hands.send()
+        time.sleep(0.02)
+        return positions(self.cloth.step(1))
+
+    def test_follows_position_and_rotation(self):
+        answer = self.attach("left", points=[0, 1, COLUMNS])
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(list(answer.points), [0, 1, COLUMNS])
+        self.hands.put("left", (0.02, 0.01, 1.03), math.radians(20))
+        for _ in range(20):
+            where = self.carry()
+        turn = math.radians(20)
+        side = 1 / 9
+        expected = np.array([0.02, 0.01, 1.03]) + np.array(
+            [[0, 0, 0], [side * math.cos(turn), side * math.sin(turn), 0],
+             [-side * math.sin(turn), side * math.cos(turn), 0]])
+        self.assertLess(np.abs(where[[0, 1, COLUMNS]] - expected).max(), 1e-6)
+
+    def test_corners_follow_at_speed(self):
+        """Half a metre a second: never farther than what the frame moves between two of ours."""
+        self.take_corners()
+        for i in range(60):
+            x = 0.5 / 90 * i
+            self.hands.put("left", (x, 0, 1))
+            self.hands.put("right", (1 + x, 0, 1))
+            where = self.carry()
+            self.assertLess(abs(where[CORNERS["left"], 0] - x), 1e-3)
+            self.assertLess(abs(where[CORNERS["right"], 0] - 1 - x), 1e-3)
+
+    def hang(self):
+        """Forces on the frames [N] with the cloth at rest."""
+        self.take_corners()
+        last = self.cloth.step(900)
+        forces = {}
+        for frame, recorder in self.wrenches.items():
+            message = recorder.wait("the wrench on " + frame,
+                                    lambda w: w.header.stamp == last.header.stamp)
+            self.assertEqual(message.header.frame_id, frame)
+            self.assertLess(np.linalg.norm(point(message.wrench.torque)), 1e-6)
+            forces[frame] = point(message.wrench.force)
+        return forces
+
+    def test_wrench_is_the_weight_carried(self):
+        forces = self.hang()
+        error = forces["left"] + forces["right"] - [0, 0, -WEIGHT]
+        self.assertLess(np.linalg.norm(error), 0.01 * WEIGHT)
+        self.assertGreater(forces["left"][0], 5)  # the cloth pulls the hands together
+
+    def test_wrench_is_in_the_frame(self):
+        """The world's x is -y of a frame turned by 90 degrees about z."""
+        self.hands.put("left", (0, 0, 1), math.pi / 2)
+        self.hands.send()
+        time.sleep(0.1)
+        left = self.hang()["left"]
+        self.assertLess(left[1], -5)
+        self.assertAlmostEqual(left[0], 0, delta=0.01)
+        self.assertAlmostEqual(left[2], -WEIGHT / 2, delta=0.01 * WEIGHT)
+
+    def test_several_frames_and_points_at_once(self):
+        self.assertTrue(self.attach("left", points=[0, 10, 20]).success)
+        self.assertTrue(self.attach("right", points=[9, 19]).success)
+        self.assertTrue(self.attach("left", points=[30]).success)
+        answer = self.detach("left", [10, 0])
+        self.assertEqual((answer.success, list(answer.points)), (True, [0, 10]))
+        answer = self.detach("left")
+        self.assertEqual(list(answer.points), [20, 30])
+        self.assertTrue(self.attach("left", points=[0]).success)
+        self.assertEqual(list(self.detach().points), [0, 9, 19])
+        self.assertLess(positions(self.cloth.step(60))[0, 2], 0.9)  # falls
+
+    def test_diagnostics_tell_of_the_frame(self):
+        self.take_corners()
+        self.diagnostics.clear()
+        self.diagnostics.wait("the age of the frame", lambda array: any(
+            v.key == "tf age of left [s]" for s in array.status for v in s.values))
+
+    def test_tears_off_above_the_force(self):
+        self.assertTrue(self.attach("left", points=[0], tear_force=5.0).success)
+        self.assertTrue(self.attach("right", points=[9], tear_force=500.0).success)
+        where = positions(self.cloth.step(180))
+        self.assertLess(where[0, 2], 0.8)
+        self.assertLess(np.abs(where[9] - [1, 0, 1]).max(), 1e-6)
+        self.assertFalse(self.detach("left").success)
+        self.assertEqual(list(self.detach("right").points), [9])
+
+    def test_reset_lets_go(self):
+        self.take_corners()
+        self.cloth.reset()
+        self.assertFalse(self.detach().success)
+
+    def test_save_and_restore(self):
+        self.take_corners()
+        self.cloth.step(30)
+        self.assertTrue(call("/clothsim/save_state", SaveState, "held").success)
+        expected = content(self.cloth.step(30))
+        self.assertTrue(self.detach().success)
+        self.cloth.step(10)
+        self.assertTrue(call("/clothsim/restore_state", RestoreState, "held").success)
+        self.assertEqual(content(self.cloth.step(30)), expected)
+        self.assertEqual(list(self.detach().points), sorted(CORNERS.values()))
+
+    def test_refused(self):
+        self.assertTrue(self.attach("left", points=[0]).success)
+        self.cloth.step(3)
+        before = call("/clothsim/get_state", GetState).state
+
+        for request, message in (
+                (("nowhere", [9]), 'frame: got "nowhere", expected a tf frame with a transform'),
+                (("", [9]), 'frame: got ""'),
+                (("/right", [9]), 'frame: got "/right"'),
+                (("right", [100]), "points/0: got 100, expected a number from 0 to 99"),
+                (("right", [9, -1]), "points/1: got -1, expected a number from 0 to 99"),
+                (("right", [], -0.1), "radius: got -0.1"),
+                (("right", [], NAN), "radius: got nan"),
+                (("right", []), "radius: got 0 and no points"),
+                (("right", [9], 0.1), "radius: got 0.1 and points"),
+                (("far", [], 0.1), "radius: got 0.1 with no point inside"),
+                (("right", [9, 0]), "points/1: got 0, which is held already"),
+                (("right", [9, 9]), "points/1: got 9 again"),
+                (("right", [9], 0.0, -1.0), "tear_force: got -1"),
+                (("right", [9], 0.0, NAN), "tear_force: got nan")):
+            answer = self.attach(*request)
+            self.assertFalse(answer.success, request)
+            self.assertIn(message, answer.message)
+            self.assertEqual(list(answer.points), [])
+            self.assertEqual(call("/clothsim/get_state", GetState).state, before, request)
+
+        for request, message in (
+                (("right",), 'frame: got "right", expected a frame that points are attached to'),
+                (("left", [1]), "points/0: got 1, expected a point that is attached to left"),
+                (("", [0, 55]), "points/1: got 55, expected a point that is attached")):
+            answer = self.detach(*request)
+            self.assertFalse(answer.success, request)
+            self.assertIn(message, answer.message)
+            self.assertEqual(call("/clothsim/get_state", GetState).state, before, request)
+        self.assertEqual(list(self.detach().points), [0])
+        self.assertFalse(self.detach().success)
+
+
+if __name__ == "__main__":
+    rospy.init_node("attach_test")
+    rostest.rosrun("clothsim", "attach", Grasp)

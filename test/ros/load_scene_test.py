@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Another scene at run time: everything follows it, or it is refused and the old one goes on."""
+
+import unittest
+
+import rospy
+import rostest
+from dynamic_reconfigure.client import Client
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
+
+from clothsim.msg import ClothTopology
+from clothsim.srv import LoadScene, RestoreState, SaveState
+from cloth_client import PATIENCE, Cloth, Recorder, call, content, marker_named, positions, wait_for
+
+START = {"cloth": {"columns": 50, "rows": 50, "pinned": [[0, 0], [49, 0]]}}
+SMALL = {"cloth": {"columns": 9, "rows": 7, "ks": 700.0},
+         "colliders": [{"name": "ball", "shape": "sphere", "center": [0.5, 0.5, 0.6]}]}
+
+
+class Load(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.topology = Recorder("/clothsim/topology", ClothTopology)
+        cls.markers = Recorder("/clothsim/markers", MarkerArray)
+        cls.points = Recorder("/clothsim/points", PointCloud2)
+        for recorder in (cls.cloth.states, cls.topology, cls.markers, cls.points):
+            wait_for(recorder.all, "the first messages")
+
+    def load(self, scene):
+        rospy.delete_param("/clothsim/scene")
+        rospy.set_param("/clothsim/scene", scene)
+        return call("/clothsim/load_scene", LoadScene)
+
+    def setUp(self):
+        answer = self.load(START)
+        self.assertTrue(answer.success, answer.message)
+
+    def test_all_topics_follow(self):
+        self.cloth.step(3)
+        before = self.topology.wait("the old topology", lambda t: t.columns == 50)
+        answer = self.load(SMALL)
+        self.assertTrue(answer.success, answer.message)
+
+        after = self.topology.wait("the new topology", lambda t: t.columns == 9)
+        self.assertGreater(after.seq, before.seq)
+        self.assertEqual((after.rows, len(after.rest_positions), list(after.pinned)), (7, 189, []))
+        start = self.cloth.states.wait("the new start", lambda s: s.topology_seq == after.seq)
+        self.assertEqual((start.step, start.time, len(start.positions)), (0, 0, 189))
+        self.points.wait("a cloud of the new size", lambda c: (c.width, c.height) == (9, 7))
+
+        array = self.markers.wait("the ball", lambda a: marker_named(a, "colliders"))
+        self.assertEqual(len(marker_named(array, "surface").points), 2 * 2 * 3 * 8 * 6)
+        state = self.cloth.step(40)
+        self.assertEqual((state.step, state.topology_seq), (40, after.seq))
+        self.assertEqual(positions(state).shape, (63, 3))
+
+    def test_markers_of_the_old_scene_go(self):
+        def pins(array):
+            return marker_named(array, "pins")
+        self.markers.wait("pins", lambda a: pins(a) and pins(a).points)
+        self.markers.clear()
+        self.load(SMALL)
+        self.markers.wait("an array that takes all others away",
+                          lambda a: a.markers[0].action == Marker.DELETEALL)
+        self.assertIsNone(pins(self.markers.all()[-1]))
+
+    def test_live_values_are_the_scenes(self):
+        self.load(SMALL)
+        client = Client("/clothsim", timeout=PATIENCE)
+        self.assertEqual(client.get_configuration(timeout=PATIENCE)["ks"], 700.0)
+        self.assertEqual(client.update_configuration({"density": 20.0})["density"], 20.0)
+        Client("/clothsim/shading/ball", timeout=PATIENCE).update_configuration({"levels": 3})
+        client.close()
+        self.load(START)
+        self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
+        self.assertEqual(rospy.get_param("/clothsim/density"), 150.0)
+
+    def test_same_bits_as_a_node_that_started_with_it(self):
+        expected = content(self.cloth.step(20))
+        self.load(SMALL)
+        self.cloth.step(20)
+        self.load(START)
+        self.assertEqual(content(self.cloth.step(20)), expected)
+
+    def test_saved_states_are_gone(self):
+        self.assertTrue(call("/clothsim/save_state", SaveState, "old").success)
+        self.load(SMALL)
+        self.assertFalse(call("/clothsim/restore_state", RestoreState, "old").success)
+
+    def test_refused(self):
+        self.cloth.step(10)
+        expected = content(self.cloth.step(1))
+        self.setUp()
+        seq = self.cloth.step(10).topology_seq
+        for scene, message in (
+                ({"cloth": {"ks": -5}}, "/clothsim/scene/cloth/ks: got -5"),
+                ({"cloth": {"columns": 100000, "rows": 100000}}, "/clothsim/scene/cloth/columns"),
+                ({"cloth": {"colour": 3}}, "/clothsim/scene/cloth/colour: got an unknown key"),
+                ({"cloth": {"ks": 1e12, "density": 1e-6}, "simulation": {"method": "verlet"}},
+                 "/clothsim/scene/cloth/ks: got a cloth that needs"),
+                (7, "/clothsim/scene: got 7, expected a map")):
+            answer = self.load(scene)
+            self.assertFalse(answer.success, scene)
+            self.assertIn(message, answer.message)
+        rospy.delete_param("/clothsim/scene")
+        self.assertIn("/clothsim/scene: got nothing",
+                      call("/clothsim/load_scene", LoadScene).message)
+        rospy.set_param("/clothsim/scene", START)
+        after = self.cloth.step(1)
+        self.assertEqual(content(after), expected)
+        self.assertEqual(after.topology_seq, seq)
+
+
+if __name__ == "__main__":
+    rospy.init_node("load_scene_test")
+    rostest.rosrun("clothsim", "load_scene", Load)
