@@ -1,5 +1,7 @@
 #include "clothsim/collision/moving_collider.h"
 
+#include <algorithm>
+
 namespace clothsim {
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
@@ -34,6 +36,15 @@ void MovingCollider::arrive() { place(target_); }
 
 Vector3 MovingCollider::velocity_at(const Vector3& point) const {
   return velocity_ + angular_velocity_.cross(point - pose_.position);
+}
+
+double MovingCollider::fastest_in(const Eigen::AlignedBox3d& box) const {
+  double fastest = 0;  // at a corner, as velocities are linear in the point
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto at = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
+    fastest = std::max(fastest, velocity_at(box.corner(at)).norm());
+  }
+  return fastest;
 }
 
 }  // namespace clothsim

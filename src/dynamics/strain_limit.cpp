@@ -26,6 +26,10 @@ constexpr double most_turning = 0.005;
 /// springs that hold others up go slack.
 constexpr double aim = 0.95;
 
+/// A spring this many times longer than its limit is left to the impulses: to repair it at once
+/// would throw its ends about.
+constexpr double beyond_repair = 1.5;
+
 /// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2).
 CLOTHSIM_TARGET_CLONES
 void check_run(const double* x, const double* y, const double* z, int offset, int count,
@@ -214,6 +218,8 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
     for_each_flagged([&](int id) {
       const Constraint& c = constraints_[static_cast<std::size_t>(id)];
       if (c.inv_mass == 0) return;
+      const Vector3 d = row(positions, c.b) - row(positions, c.a);
+      if (d.norm() > beyond_repair * longest_ * c.rest_length) return;
       over_[static_cast<std::size_t>(c.colour)].push_back(id);
       any = true;
     });
@@ -227,6 +233,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
           const Vector3 d = row(positions, c.b) - row(positions, c.a);
           const double length = d.norm();
           if (length <= (longest_ + tolerance) * c.rest_length) continue;
+          if (length > beyond_repair * longest_ * c.rest_length) continue;
           const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
           pull_together(cloth, c.a, c.b, excess / (c.inv_mass * length) * d, positions);
           moved = true;

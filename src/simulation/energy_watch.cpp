@@ -32,11 +32,7 @@ double fastest_boundary(const Cloth& cloth, const State& before, const State& af
     box.extend(points->colwise().maxCoeff().transpose());
   }
   for (const MovingCollider& collider : colliders) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vector3 v =
-          collider.velocity_at(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-      fastest = std::max(fastest, v.norm());
-    }
+    fastest = std::max(fastest, collider.fastest_in(box));
   }
   return fastest;
 }

@@ -28,6 +28,9 @@ constexpr double precision = 20;
 /// How much closer contact is solved than that: what friction leaves over, creeps.
 constexpr double contact_precision = 2.5;
 
+/// Stretch over the strain limit that pins must be asking for.
+constexpr double overpulled = 0.05;
+
 double shortest_spring(const Cloth& cloth) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
@@ -92,7 +95,8 @@ StepReport Simulator::Impl::step() {
 
 bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
   report.method = method->choice.method;
-  report.substeps = method->substeps(scene.simulation, cloth, state.positions);
+  report.substeps = method->substeps(scene.simulation, cloth, state.positions,
+                                     substeps_at_speed(cloth, contact_speed(dt), dt));
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
   const double h = dt / report.substeps;
@@ -108,26 +112,50 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   for (int k = 0; k < report.substeps; ++k) {
     if (!substep(h, report)) return false;
   }
-  return is_good(state) && (disturbed || energy_is_plausible(cloth, scene.simulation.gravity, dt,
-                                                             before, state, colliders));
+  if (!is_good(state)) return false;
+  // Where pins ask for more than the strain limit grants, it pulls without end; that shows in the
+  // stretch, and is no fault of the method.
+  const auto is_overpulled = [&] {
+    return cloth.strain_limit &&
+           worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
+  };
+  return disturbed ||
+         energy_is_plausible(cloth, scene.simulation.gravity, dt, before, state, colliders) ||
+         is_overpulled();
 }
 
 bool Simulator::Impl::recover() {
   const SimulationSpec& spec = scene.simulation;
   if (!spec.substeps && method->halvings < max_halvings) {
     ++method->halvings;
-  } else if (spec.method == "auto" && method->choice.method != refuge) {
+    method->choice.reason =
+        "a frame failed: substeps halved " + std::to_string(method->halvings) + " times";
+    return true;
+  }
+  if (spec.method == "auto" && method->choice.method != refuge) {
+    const std::string failed = method->choice.method;
     SimulationSpec last_resort = spec;
     last_resort.method = refuge;
     method.emplace(last_resort, cloth);
-  } else {
-    return false;
+    method->choice.reason = "a frame of " + failed + " failed";
+    return true;
   }
-  method->choice.reason =
-      method->choice.method == refuge
-          ? "a frame failed with shorter substeps too"
-          : "a frame failed: the substep was halved " + std::to_string(method->halvings) + " times";
-  return true;
+  return false;
+}
+
+double Simulator::Impl::contact_speed(double dt) const {
+  if (colliders.empty()) return 0;
+  const double own = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
+  Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
+                          state.positions.colwise().maxCoeff().transpose());
+  double fastest = 0;
+  for (const MovingCollider& collider : colliders) {
+    const double speed = own + collider.fastest_in(box);
+    const double distance = box.exteriorDistance(collider.pose().position);
+    if (distance > bounding_radius(collider.shape()) + speed * dt) continue;
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
 }
 
 bool Simulator::Impl::substep(double h, StepReport& report) {

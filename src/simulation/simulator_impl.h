@@ -40,13 +40,14 @@ struct Method {
       : choice(choose_method(spec, cloth)),
         integrator(make_integrator(choice.method, spec.method_parameters)) {}
 
-  /// Substeps of a frame from `positions`.
-  int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions) const {
+  /// Substeps of a frame from `positions`, `at_speed` at least.
+  int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
+               int at_speed = 1) const {
     if (spec.substeps) return *spec.substeps;
     const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
     const int needed =
         count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
-    return std::min(std::max(needed, choice.least_substeps) << halvings, max_substeps);
+    return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
   }
 
   MethodChoice choice;
@@ -125,6 +126,8 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
+  /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
+  double contact_speed(double dt) const;
 
   Scene scene;
   Cloth cloth;

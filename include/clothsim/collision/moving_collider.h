@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "clothsim/collision/collider.h"
 
 namespace clothsim {
@@ -29,6 +31,9 @@ class MovingCollider {
 
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
+
+  /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
+  double fastest_in(const Eigen::AlignedBox3d& box) const;
 
  private:
   Shape shape_;

@@ -1,0 +1,351 @@
+// Where methods fail: shown to fail there, and the failure caught.
+
+#include <cmath>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/model/errors.h"
+#include "clothsim/simulation/report.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+// ---- Step ladder: half to fifty times Verlet's limit, by every method
+
+class StepLadder : public ::testing::TestWithParam<std::string> {};
+
+/// An upright, free cloth of 5 x 5 points, uneven by 1 mm, that takes one step of `share` of
+/// Verlet's limit 2 / omega_max a frame.
+Scene ladder_scene(const std::string& method, double share) {
+  Scene scene;
+  scene.cloth = square_spec(5);
+  scene.cloth.orientation = Orientation::vertical;
+  scene.simulation.gravity = Vector3::Zero();
+  scene.simulation.method = method;
+  scene.simulation.substeps = 1;
+  // omega_max^2 = 8 k / m is exact for an endless grid only: by power iteration on the forces.
+  const Cloth cloth = make_grid(scene.cloth);
+  const Loads none{Vector3::Zero()};
+  Points e = random_points(cloth.num_points(), 1, 1);
+  Points forces;
+  double omega2 = 0;
+  for (int i = 0; i < 3000; ++i) {
+    e *= 1e-6 / e.norm();
+    compute_forces(cloth, none, cloth.rest_positions + e, forces);
+    e = cloth.inv_mass.asDiagonal() * forces;
+    omega2 = e.norm() / 1e-6;
+  }
+  scene.simulation.frames_per_second = std::sqrt(omega2) / (2 * share);
+  return scene;
+}
+
+/// Whether 3000 frames pass without Diverged, with every state finite and near its rest.
+bool survives(const Scene& scene) {
+  Simulator simulator(scene);
+  try {
+    for (int frame = 0; frame < 3000; ++frame) {
+      simulator.step();
+      EXPECT_TRUE(simulator.state().positions.allFinite());
+      EXPECT_TRUE(simulator.state().velocities.allFinite());
+    }
+  } catch (const Diverged& error) {
+    EXPECT_NE(std::string(error.what()).find(scene.simulation.method), std::string::npos);
+    EXPECT_TRUE(simulator.state().positions.allFinite());
+    EXPECT_TRUE(simulator.state().velocities.allFinite());
+    return false;
+  }
+  EXPECT_LT(farthest(simulator.state().positions, simulator.cloth().rest_positions), 5e-3);
+  return true;
+}
+
+TEST_P(StepLadder, FailsWhereTheorySaysAndIsCaught) {
+  const double limit =
+      std::visit([](const auto& m) { return m.stability_limit; }, make_integrator(GetParam()));
+  if (std::isinf(limit)) {
+    for (const double share : {0.5, 1.0, 2.0, 50.0}) {
+      EXPECT_TRUE(survives(ladder_scene(GetParam(), share))) << share;
+    }
+  } else {
+    for (const double share : {0.5, 0.95}) {
+      EXPECT_TRUE(survives(ladder_scene(GetParam(), share * limit / 2))) << share;
+    }
+    for (const double share : {1.05, 2.0}) {
+      EXPECT_FALSE(survives(ladder_scene(GetParam(), share * limit / 2))) << share;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, StepLadder, ::testing::ValuesIn(method_names()),
+                         [](const auto& test) { return test.param; });
+
+// ---- Recovery: what `auto` does where the same would end in Diverged
+
+/// A sheet held along all its edges, with as few substeps as are stable while it is flat.
+Scene taut(const std::string& method) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 12;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 12; ++column) {
+      const bool edge = row == 0 || column == 0 || row == 11 || column == 11;
+      if (edge) scene.cloth.pinned.push_back({column, row, ""});
+    }
+  }
+  scene.cloth.material.strain_limit.reset();
+  scene.cloth.material.ks = 3700;
+  scene.cloth.material.damping = 20;
+  scene.simulation.substeps = 1;
+  scene.simulation.method = method;
+  return scene;
+}
+
+/// Pulls the edges to `stretch` times their size within a frame: springs grow as stiff across as
+/// along, the whole half as stiff again.
+void pull(Simulator& simulator, double stretch) {
+  const std::vector<Pin>& pins = simulator.scene().cloth.pinned;
+  for (std::size_t i = 0; i < pins.size(); ++i) {
+    const Points& rest = simulator.cloth().rest_positions;
+    const Vector3 p = rest.row(pins[i].row * 12 + pins[i].column).transpose();
+    simulator.move_pin(static_cast<int>(i), {stretch * p.x(), stretch * p.y(), p.z()});
+  }
+}
+
+TEST(Recovery, AnUnstableMethodIsTakenBackAndChanged) {
+  Simulator simulator(taut("auto"));
+  pull(simulator, 2);
+  int recovered_at = -1;
+  for (int frame = 0; frame < 300; ++frame) {
+    const StepReport report = simulator.step();
+    ASSERT_LT(fastest(simulator.state()), 500) << frame;
+    if (report.recoveries == 0) continue;
+    EXPECT_EQ(recovered_at, -1) << "twice";
+    recovered_at = frame;
+    EXPECT_EQ(report.method, "implicit_euler");
+    EXPECT_EQ(report.reason, "a frame of verlet failed");
+  }
+  RecordProperty("recovered_at_frame", recovered_at);
+  EXPECT_GT(recovered_at, 0);
+  EXPECT_LT(recovered_at, 30);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-6) << "it rests";
+
+  // A reset starts over with the method that fits the start.
+  simulator.reset();
+  EXPECT_EQ(simulator.step().method, "verlet");
+}
+
+TEST(Recovery, ANamedMethodEndsWithATypedError) {
+  Simulator simulator(taut("verlet"));
+  pull(simulator, 2);
+  State last = simulator.state();
+  const auto run_on = [&] {
+    for (int frame = 0; frame < 300; ++frame) {
+      simulator.step();
+      last = simulator.state();
+    }
+  };
+  EXPECT_THROW(run_on(), Diverged);
+  EXPECT_EQ(simulator.state().positions, last.positions);
+  EXPECT_LT(fastest(last), 500);
+}
+
+TEST(Recovery, WhereNothingHelpsItEndsWithATypedError) {
+  // It falls farther than any cloth's numbers go, whatever the substeps and the method.
+  Scene scene;
+  scene.cloth = square_spec(5, 5);
+  scene.simulation.gravity = Vector3(0, 0, -1e6);
+  scene.simulation.frames_per_second = 1e-3;
+  Simulator simulator(scene);
+  try {
+    for (int frame = 0; frame < 3; ++frame) simulator.step();
+    FAIL() << "no error";
+  } catch (const Diverged& error) {
+    EXPECT_NE(std::string(error.what()).find("implicit_euler"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(simulator.state().positions.allFinite());
+}
+
+// ---- Hard scenes, by `auto`
+
+Scene hanging(int side = 20) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
+  return scene;
+}
+
+/// Runs and checks every frame; returns the times that a frame was taken back.
+int run_checked(Simulator& simulator, double seconds, double speed_limit) {
+  int recoveries = 0;
+  const int frames = static_cast<int>(std::lround(seconds * 90));
+  for (int frame = 0; frame < frames; ++frame) {
+    recoveries += simulator.step().recoveries;
+    const State& s = simulator.state();
+    EXPECT_TRUE(s.positions.allFinite()) << frame;
+    EXPECT_LT(fastest(s), speed_limit) << frame;
+    if (::testing::Test::HasFailure()) return recoveries;
+  }
+  return recoveries;
+}
+
+void expect_rest(const Simulator& simulator, double rms) {
+  EXPECT_LT(rms_velocity(simulator.state()), rms);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+class SphereAtSpeed : public ::testing::TestWithParam<double> {};
+
+TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
+  Scene scene = hanging();
+  scene.colliders = {{"ball", Sphere{0.2}, {Vector3(0.5, -1.5, 0.5), {}}, 0.3, ""}};
+  scene.colliders[0].pose.orientation.setIdentity();
+  Simulator simulator(scene);
+  run_checked(simulator, 3, 10);
+  const int frames = static_cast<int>(std::ceil(3 * 90 / GetParam()));
+  for (int frame = 1; frame <= frames; ++frame) {
+    const double y = -1.5 + 3.0 * frame / frames;
+    simulator.move_collider(0, {Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()});
+    simulator.step();
+    ASSERT_TRUE(simulator.state().positions.allFinite()) << frame;
+    ASSERT_LT(fastest(simulator.state()), 8 * GetParam() + 10) << frame;
+    ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
+  }
+  run_checked(simulator, 5, 8 * GetParam() + 10);
+  expect_rest(simulator, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 10.0, 100.0));
+
+TEST(HardScene, CornersPushedTogetherByHalf) {
+  Simulator simulator(hanging());
+  simulator.move_pin(1, {0.5, 0, 1});  // at 45 m/s, in one frame
+  run_checked(simulator, 5, 100);
+  expect_rest(simulator, 0.02);
+}
+
+TEST(HardScene, PinsThreeTimesAsFarApart) {
+  // Its limit cannot be met between the pins: it is stretched, says so, and stays calm.
+  Simulator simulator(hanging());
+  simulator.move_pin(1, {3, 0, 1});
+  run_checked(simulator, 5, 1000);
+  EXPECT_GT(worst_stretch(simulator.cloth(), simulator.state().positions), 1);
+  simulator.move_pin(1, {1, 0, 1});
+  run_checked(simulator, 5, 1000);
+  expect_rest(simulator, 0.02);
+}
+
+TEST(HardScene, PinchedBetweenTwoClosingSpheres) {
+  const auto at = [](double y) {
+    return Pose{Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()};
+  };
+  Scene scene = hanging();
+  scene.colliders = {{"front", Sphere{0.2}, at(-0.5), 0.3, ""},
+                     {"back", Sphere{0.2}, at(0.5), 0.3, ""}};
+  Simulator simulator(scene);
+  run_checked(simulator, 3, 10);
+  for (int frame = 1; frame <= 90; ++frame) {
+    const double y = 0.5 - 0.35 * frame / 90;  // overlapping by 0.1 m in the end
+    simulator.move_collider(0, at(-y));
+    simulator.move_collider(1, at(y));
+    run_checked(simulator, 1.0 / 90, 50);
+  }
+  run_checked(simulator, 2, 50);
+  // It slips out from between them, whole.
+  EXPECT_EQ(deepest_penetration(simulator), 0);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+TEST(HardScene, FastPlane) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 20;
+  scene.colliders = {{"floor", Plane{}, Pose{}, 0.5, ""}};
+  Simulator simulator(scene);
+  for (int frame = 1; frame <= 9; ++frame) {  // 20 m/s upwards
+    simulator.move_collider(0, {Vector3(0, 0, 20.0 * frame / 90), Eigen::Quaterniond::Identity()});
+    simulator.step();
+    ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
+    ASSERT_LT(fastest(simulator.state()), 60) << frame;
+  }
+}
+
+TEST(HardScene, TableClothPull) {
+  // The table is drawn away: slowly the cloth comes along, fast it stays behind.
+  const auto carried = [](double speed) {
+    Scene scene;
+    scene.cloth.columns = scene.cloth.rows = 20;
+    scene.cloth.origin = Vector3(0, 0, surface_offset);
+    scene.colliders = {{"table", Plane{}, Pose{}, 0.3, ""}};
+    Simulator simulator(scene);
+    run_checked(simulator, 0.5, 1);
+    const double start = simulator.state().positions.col(0).mean();
+    double x = 0;
+    for (int frame = 1; x < 1; ++frame) {
+      x += std::min(1.0, frame / 9.0) * speed / 90;  // at full speed after 0.1 s
+      simulator.move_collider(0, {Vector3(x, 0, 0), Eigen::Quaterniond::Identity()});
+      run_checked(simulator, 1.0 / 90, 3 * speed + 1);
+    }
+    return (simulator.state().positions.col(0).mean() - start) / x;
+  };
+  EXPECT_GT(carried(0.2), 0.95);
+  EXPECT_LT(carried(8), 0.25);
+}
+
+TEST(HardScene, HalfTurnTwistBetweenTwoRows) {
+  // The rows come closer as they turn, so that the limit can be met: corner to corner it is
+  // sqrt(0.3^2 + 1) = 1.044 m in the end.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 20;
+  scene.cloth.self_collision = true;
+  for (int column = 0; column < 20; ++column) {
+    scene.cloth.pinned.push_back({column, 0, ""});
+    scene.cloth.pinned.push_back({column, 19, ""});
+  }
+  Simulator simulator(scene);
+  for (int frame = 1; frame <= 180; ++frame) {
+    const double share = frame / 180.0;
+    const double angle = M_PI * share;
+    for (int column = 0; column < 20; ++column) {
+      const double r = column / 19.0 - 0.5;
+      simulator.move_pin(2 * column + 1,
+                         {0.5 + r * std::cos(angle), 1 - 0.7 * share, 1 + r * std::sin(angle)});
+    }
+    run_checked(simulator, 1.0 / 90, 50);
+  }
+  run_checked(simulator, 3, 50);
+  expect_rest(simulator, 0.01);
+}
+
+TEST(HardScene, StackOfLayersStaysAtRest) {
+  Simulator simulator(shipped_scene("self_collision"));
+  run(simulator, 6);
+  const Points before = simulator.state().positions;
+  run_checked(simulator, 10, 1);
+  const double moved = farthest(simulator.state().positions, before);
+  RecordProperty("moved_in_10_s_mm", std::to_string(1e3 * moved));
+  EXPECT_LT(moved, 1e-3);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-4);
+}
+
+TEST(HardScene, StiffnessesAMillionTimesApart) {
+  for (const double ks : {0.5, 5e5}) {
+    Scene scene = hanging();
+    scene.cloth.material.ks = ks;
+    Simulator simulator(scene);
+    EXPECT_EQ(run_checked(simulator, 4, 20), 0) << ks;
+    SCOPED_TRACE(ks);
+    expect_rest(simulator, 0.02);
+  }
+}
+
+TEST(HardScene, RealFabric) {
+  Scene scene = hanging();
+  scene.cloth.material.density = 0.15;
+  Simulator simulator(scene);
+  EXPECT_EQ(run_checked(simulator, 5, 20), 0);
+  expect_rest(simulator, 0.01);
+}
+
+}  // namespace
+}  // namespace clothsim
