@@ -27,6 +27,7 @@ Config from_scene(const clothsim::Scene& scene, Config config) {
   config.gravity_z = simulation.gravity.z();
   config.frames_per_second = simulation.frames_per_second;
   config.substeps = simulation.substeps.value_or(0);
+  config.method = simulation.method;
   return config;
 }
 
@@ -44,6 +45,8 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
   simulation.frames_per_second = config.frames_per_second;
   simulation.substeps.reset();
   if (config.substeps != 0) simulation.substeps = config.substeps;
+  if (config.method != simulation.method) simulation.method_parameters = {};  // of another one
+  simulation.method = config.method;
 
   // A strain limit is checked even while it is off, so that it can be switched on.
   clothsim::validate(scene);

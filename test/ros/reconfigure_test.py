@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """dynamic_reconfigure: every value has the effect it should, and bad values have none."""
 
+import ast
 import unittest
 
 import numpy as np
@@ -16,7 +17,8 @@ from cloth_client import PATIENCE, Cloth, Recorder, content, positions, velociti
 DEFAULTS = {
     "ks": 5000.0, "density": 150.0, "damping": 5.4, "structural": True, "shear": True,
     "bending": True, "strain_limit_enabled": True, "strain_limit": 0.1, "gravity_x": 0.0,
-    "gravity_y": 0.0, "gravity_z": -9.8, "frames_per_second": 90.0, "substeps": 0}
+    "gravity_y": 0.0, "gravity_z": -9.8, "frames_per_second": 90.0, "substeps": 0,
+    "method": "auto"}
 
 
 class Reconfigure(unittest.TestCase):
@@ -97,6 +99,30 @@ class Reconfigure(unittest.TestCase):
         keys = [v.key for status in says.status for v in status.values]
         self.assertNotIn("intersecting pairs", keys)  # without self collision nobody counts
 
+    def test_method(self):
+        # What is offered is what the message about another name says there is.
+        self.log.clear()
+        self.client.update_configuration({"method": "magic"})
+        refusal = self.log.wait("a refusal", lambda log: "/method: got" in log.msg).msg
+        known = refusal.split("expected one of ")[1].split(", ")
+        method = next(p for p in self.client.get_parameter_descriptions(PATIENCE)
+                      if p["name"] == "method")
+        offered = [choice["value"] for choice in ast.literal_eval(method["edit_method"])["enum"]]
+        self.assertEqual(offered, known)
+
+        # Each name is another method.
+        states = [positions(self.run_with(3, method=name)) for name in known[1:]]
+        self.assertTrue(np.isfinite(states).all())
+        self.assertEqual(len({state.tobytes() for state in states}), len(known) - 1)
+
+        # Taken between two frames, as the cloth goes on.
+        self.run_with(5, method="verlet")
+        self.client.update_configuration({"method": "bdf2"})
+        self.assertEqual(self.cloth.step(1).step, 6)
+        self.diagnostics.clear()
+        self.diagnostics.wait("bdf2 in the diagnostics", lambda array: any(
+            v.key == "method" and v.value == "bdf2" for s in array.status for v in s.values))
+
     def test_spring_families(self):
         before = self.topology.wait("a topology")
         self.client.update_configuration({"shear": False})
@@ -113,7 +139,7 @@ class Reconfigure(unittest.TestCase):
         nan = float("nan")
         for bad in ({"ks": -5.0}, {"ks": nan}, {"density": 0.0}, {"damping": -1.0},
                     {"strain_limit": nan}, {"gravity_z": float("inf")},
-                    {"frames_per_second": 0.0}, {"substeps": -1},
+                    {"frames_per_second": 0.0}, {"substeps": -1}, {"method": "magic"},
                     {"ks": 100.0, "damping": nan}):
             self.cloth.reset()
             expected = content(self.cloth.step(3))
@@ -128,7 +154,7 @@ class Reconfigure(unittest.TestCase):
     def test_divergence_is_caught(self):
         """A step far too long for the stiffness: the run stops at a good state, and says so."""
         self.client.update_configuration(
-            {"ks": 1e9, "substeps": 1, "strain_limit_enabled": False})
+            {"ks": 1e9, "substeps": 1, "strain_limit_enabled": False, "method": "verlet"})
         self.cloth.states.clear()
         answer = self.cloth.try_step(1000)
         self.assertFalse(answer.success)
