@@ -1,0 +1,54 @@
+#!/usr/bin/python3
+"""The example of launch/grasp.launch: lifted, folded, laid down, let go, and nothing crosses."""
+
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from rosgraph_msgs.msg import Log
+
+from cloth_client import Cloth, Recorder, positions, wait_for
+
+COLUMNS = ROWS = 30
+HANDS = ("left_hand", "right_hand")
+CORNERS = [0, COLUMNS - 1]
+WEIGHT = 5 * 9.8  # [N] of the whole cloth
+
+
+class Grasp(unittest.TestCase):
+    def test_folds(self):
+        cloth = Cloth()
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        log = Recorder("/rosout", Log)
+        wrenches = {hand: Recorder("/clothsim/wrench/" + hand, WrenchStamped) for hand in HANDS}
+        log.wait("the end of the example", lambda m: m.msg == "the cloth is folded")
+
+        # The hands lifted it, and bore no more than there is.
+        highest = max(cloth.states.all(), key=lambda s: positions(s)[CORNERS, 2].min())
+        self.assertGreater(positions(highest)[CORNERS, 2].min(), 0.5)
+        for hand in HANDS:
+            lifted = [-m.wrench.force.z for m in wrenches[hand].all()]
+            self.assertGreater(max(lifted), 0.1 * WEIGHT)
+
+        # It lies in two layers: the corners beside those of the far edge, and let go.
+        end = cloth.states.all()[-1].step
+        where = positions(cloth.states.wait("a second more", lambda s: s.step > end + 90))
+        far = where[[(ROWS - 1) * COLUMNS, ROWS * COLUMNS - 1]]
+        self.assertLess(np.linalg.norm(where[CORNERS] - far, axis=1).max(), 0.1)
+        self.assertLess(where[:, 2].max(), 0.1)
+        self.assertGreater(where[:, 2].min(), 0)
+        self.assertGreater(where[:, 1].min(), 0.3)  # nothing is left of the near half
+
+        diagnostics.clear()
+        def crossing(array):
+            return next((v.value for s in array.status for v in s.values
+                         if v.key == "intersecting pairs"), None)
+        self.assertEqual(crossing(diagnostics.wait("a count of crossings", crossing)), "0")
+
+
+if __name__ == "__main__":
+    rospy.init_node("grasp_test")
+    rostest.rosrun("clothsim", "grasp", Grasp)
