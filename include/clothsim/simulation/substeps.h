@@ -13,9 +13,9 @@ namespace clothsim {
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt);
 
-/// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a quarter
-/// of its shortest spring at once: springs must not be torn over a collider before their limit, and
-/// contact, can answer. At most max_substeps.
+/// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
+/// quarter of its shortest spring at once: springs must not be torn over a collider before their
+/// limit, and contact, can answer. At most max_substeps.
 int substeps_at_speed(const Cloth&, double speed, double dt);
 
 }  // namespace clothsim
