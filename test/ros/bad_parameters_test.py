@@ -37,7 +37,8 @@ BAD = {
         "{name: a, shape: sphere}]}", "scene/colliders/1/name", 'got "a" again'),
     "unknown method": ("scene: {cloth: {width: 1}, simulation: {method: magic}}",
                        "scene/simulation/method", 'got "magic"'),
-    "no step small enough": ("scene: {cloth: {ks: 1.0e+12, density: 1.0e-6}}", "scene/cloth/ks",
+    "no step small enough": ("scene: {cloth: {ks: 1.0e+12, density: 1.0e-6}, "
+                             "simulation: {method: verlet}}", "scene/cloth/ks",
                              "got a cloth that needs"),
     "vector too short": ("scene: {cloth: {origin: [0, 1]}}", "scene/cloth/origin", "got [0, 1]"),
     "real-time factor": ("{realtime_factor: -1, scene: {cloth: {width: 1}}}", "realtime_factor",
