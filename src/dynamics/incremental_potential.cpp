@@ -1,6 +1,5 @@
 #include "clothsim/dynamics/incremental_potential.h"
 
-#include <algorithm>
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
@@ -23,12 +22,6 @@ void potential_gradient(const Cloth& cloth, const Scalars& weights, const Points
       gradient.row(i).setZero();
     }
   }
-}
-
-double longest_rest_length(const Cloth& cloth) {
-  double longest = 0;
-  for (const SpringRun& run : cloth.springs) longest = std::max(longest, run.rest_length);
-  return longest;
 }
 
 }  // namespace clothsim

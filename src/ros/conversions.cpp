@@ -128,6 +128,14 @@ sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera& camera,
   return msg;
 }
 
+geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3& vector) {
+  geometry_msgs::Vector3 msg;
+  msg.x = vector.x();
+  msg.y = vector.y();
+  msg.z = vector.z();
+  return msg;
+}
+
 geometry_msgs::Point to_point_msg(const clothsim::Vector3& point) {
   geometry_msgs::Point msg;
   msg.x = point.x();

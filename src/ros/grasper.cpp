@@ -21,14 +21,6 @@ constexpr std::uint32_t wrench_queue = 100;
 
 constexpr clothsim::Range radius_range{0, 1e6, "m"};
 
-geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3& v) {
-  geometry_msgs::Vector3 msg;
-  msg.x = v.x();
-  msg.y = v.y();
-  msg.z = v.z();
-  return msg;
-}
-
 std::vector<int> sorted(std::vector<int> points) {
   std::sort(points.begin(), points.end());
   return points;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/model/grid.h"
@@ -30,12 +30,6 @@ constexpr double contact_precision = 2.5;
 
 /// Stretch over the strain limit that pins must be asking for.
 constexpr double overpulled = 0.05;
-
-double shortest_spring(const Cloth& cloth) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
-  return shortest;
-}
 
 /// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
 void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
@@ -183,7 +177,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (strain_limit) strain_limit->begin(cloth, reach, state);
   if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
   collider_contacts.begin(colliders, cloth, h, reach, start, predicted, state);
-  const double small = tolerance * shortest_spring(cloth) / precision;  // [m]
+  const double small = tolerance * shortest_rest_length(cloth) / precision;  // [m]
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
@@ -22,17 +22,11 @@ constexpr double tension_limit = 1;
 /// carries points off through the cloth.
 constexpr double way_share = 0.25;
 
-double shortest_spring(const Cloth& cloth) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
-  return shortest;
-}
-
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l).
 double tension_frequency(const Cloth& cloth, const Vector3& gravity) {
   return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
-                   shortest_spring(cloth));
+                   shortest_rest_length(cloth));
 }
 
 }  // namespace
@@ -53,7 +47,7 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
 }
 
 int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
-  const double steps = dt * speed / (way_share * shortest_spring(cloth));
+  const double steps = dt * speed / (way_share * shortest_rest_length(cloth));
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }
 

@@ -1,11 +1,15 @@
 """What the tests of the node's images share: subscribing, pictures as arrays, diagnostics."""
 
+import unittest
+
 import numpy as np
 from cv_bridge import CvBridge
 from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CameraInfo, Image
 
-from cloth_client import Recorder, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, wait_for
 
 KINDS = {"color": "rgb8", "depth": "32FC1", "mask": "mono8"}
 
@@ -100,3 +104,40 @@ def edges(mask):
     rows, columns = mask.shape
     return np.any([grown[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns] != mask
                    for dy in (-1, 0, 1) for dx in (-1, 0, 1)], axis=0)
+
+
+class CameraTestCase(unittest.TestCase):
+    """Each test starts at the scene's start, paused, with the values of the launch file."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.diagnostics = CameraDiagnostics()
+        cls.log = Recorder("/rosout", Log)
+        cls.shading = Client("/clothsim/shading/cloth", timeout=PATIENCE)
+        cls.sphere_shading = Client("/clothsim/shading/sphere", timeout=PATIENCE)
+        cls.light = Client("/clothsim/light", timeout=PATIENCE)
+        cls.viewpoint = Client("/clothsim/viewpoint", timeout=PATIENCE)
+        cls.clients = [cls.shading, cls.sphere_shading, cls.light, cls.viewpoint]
+        cls.start = [c.get_configuration(timeout=PATIENCE) for c in cls.clients]
+        cls.start = [{k: v for k, v in c.items() if k != "groups"} for c in cls.start]
+
+    def setUp(self):
+        self.cloth.pause()
+        for client, start in zip(self.clients, self.start):
+            client.update_configuration(start)
+        self.cloth.reset()
+        self.camera = None
+
+    def tearDown(self):
+        if self.camera:
+            self.camera.close()
+
+    def subscribe(self):
+        self.camera = Camera()
+        self.camera.wait_for_connections()
+
+    def step(self, frames):
+        """The state after some frames and the pictures of its stamp."""
+        state = self.cloth.step(frames)
+        return state, self.camera.frame(state.header.stamp)

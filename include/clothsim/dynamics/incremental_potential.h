@@ -15,7 +15,4 @@ double incremental_potential(const Cloth&, const Scalars& weights, const Points&
 void potential_gradient(const Cloth&, const Scalars& weights, const Points& positions,
                         const Points& d, Points& gradient);
 
-/// Longest rest length of all springs [m]; zero without springs.
-double longest_rest_length(const Cloth&);
-
 }  // namespace clothsim

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
@@ -12,6 +15,20 @@ void for_each_spring(const Cloth& cloth, Visitor&& visit) {
       visit(run, run.first + i, run.first + i + run.offset);
     }
   }
+}
+
+/// Of all springs [m]; infinite without springs.
+inline double shortest_rest_length(const Cloth& cloth) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
+  return shortest;
+}
+
+/// Of all springs [m]; zero without springs.
+inline double longest_rest_length(const Cloth& cloth) {
+  double longest = 0;
+  for (const SpringRun& run : cloth.springs) longest = std::max(longest, run.rest_length);
+  return longest;
 }
 
 }  // namespace clothsim

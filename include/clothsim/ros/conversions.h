@@ -5,6 +5,7 @@
 #include <clothsim/WholeState.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Vector3.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
@@ -42,6 +43,7 @@ sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::
 /// Pinhole without distortion; K and P hold the same.
 sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::Header&);
 
+geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);

@@ -1,0 +1,126 @@
+#!/usr/bin/python3
+"""What can be changed while the node's images come: looks, light and camera."""
+
+import os
+import tempfile
+
+import numpy as np
+import rospy
+import rostest
+
+from camera_client import CameraTestCase
+from cloth_client import PATIENCE, wait_for
+
+
+class CameraLiveTest(CameraTestCase):
+    def test_shader_changes_live(self):
+        self.cloth.step(1)
+        self.subscribe()
+        # Seen from above, the flat cloth's normal is +z: (1 + n) / 2 is (0.5, 0.5, 1).
+        self.shading.update_configuration({"shader": "normal"})
+
+        def mostly_blue(image):
+            return np.mean(np.all(np.abs(image.astype(int) - [128, 128, 255]) <= 2, axis=2)) > 0.1
+        self.camera.color("a cloth in the colour of its normal", mostly_blue)
+
+        self.shading.update_configuration({"shader": "diffuse", "color_r": 0.0, "color_g": 1.0})
+        self.camera.color("a green cloth", lambda image: np.mean(
+            (image[..., 1] > 30) & (image[..., 0] == 0) & (image[..., 2] == 0)) > 0.1)
+        self.assertFalse(self.has_blue_normal())
+
+    def has_blue_normal(self):
+        self.camera.clear()
+        _, frame = self.step(1)
+        return bool(np.any(np.all(np.abs(frame.color.astype(int) - [128, 128, 255]) <= 2, axis=2)))
+
+    def test_each_shader_of_the_dialog(self):
+        """And no other."""
+        self.subscribe()
+        pictures = set()
+        names = self.shader_names()
+        self.assertEqual(len(names), 11)
+        for name in names:
+            self.assertEqual(self.shading.update_configuration({"shader": name})["shader"], name)
+            self.cloth.reset()
+            pictures.add(self.step(1)[1].color.tobytes())
+        self.assertEqual(len(pictures), len(names))
+        self.log.clear()
+        self.shading.update_configuration({"shader": "shiny"})
+        refusal = self.log.wait("a refusal", lambda log: "shader: got shiny" in log.msg).msg
+        self.assertEqual(refusal.split("one of ")[1].split(", "), names)
+
+    def shader_names(self):
+        description = wait_for(self.shading.get_parameter_descriptions, "the parameters")
+        edit = next(p for p in description if p["name"] == "shader")["edit_method"]
+        return [option["value"] for option in eval(edit)["enum"]]
+
+    def test_light_and_background_change_live(self):
+        self.subscribe()
+        self.light.update_configuration({"background_r": 0.0, "background_g": 0.0,
+                                         "background_b": 1.0})
+        self.camera.color("a blue background", lambda image: tuple(image[0, 0]) == (0, 0, 255))
+        self.light.update_configuration({"intensity": 1.0})
+        dark = self.camera.color("a dim cloth", lambda image: 20 < image[..., 0].max() < 200)
+        self.light.update_configuration({"intensity": 40.0})
+        self.camera.color("a brighter cloth",
+                          lambda image: image[..., 0].max() > dark[..., 0].max() + 20)
+
+    def test_camera_changes_live(self):
+        self.subscribe()
+        self.viewpoint.update_configuration({"width": 80, "height": 60, "cx": 39.5, "cy": 29.5,
+                                             "eye_z": 4.0, "target_z": 0.0})
+        _, frame = self.step(1)
+        self.assertEqual(frame.color.shape, (60, 80, 3))
+        self.assertEqual(frame.depth.shape, (60, 80))
+        self.assertEqual(frame.infos["color"].K[2], 39.5)
+        ray = (frame.infos["color"].P[2], frame.infos["color"].P[6])
+        self.assertEqual(ray, (39.5, 29.5))
+
+    def test_refused_values_change_nothing(self):
+        self.subscribe()
+        broken = tempfile.NamedTemporaryFile(suffix=".png")
+        broken.write(b"no image")
+        broken.flush()
+        expected = self.step(1)[1].color.tobytes()
+        cases = [(self.shading, "shading/cloth", "texture", "/no/such/file.png"),
+                 (self.shading, "shading/cloth", "texture", broken.name),
+                 (self.shading, "shading/cloth", "height_map", broken.name),
+                 (self.shading, "shading/cloth", "environment", "/no/such/folder"),
+                 (self.shading, "shading/cloth", "color_g", 2.0),
+                 (self.shading, "shading/cloth", "alpha", float("nan")),
+                 (self.shading, "shading/cloth", "levels", 0),
+                 (self.sphere_shading, "shading/sphere", "segments", 2),
+                 (self.light, "light", "intensity", -1.0),
+                 (self.light, "light", "position_z", float("inf")),
+                 (self.light, "light", "background_b", -0.5),
+                 (self.light, "light", "sky", "/no/such/folder"),
+                 (self.viewpoint, "viewpoint", "fx", 0.0),
+                 (self.viewpoint, "viewpoint", "width", 100000),
+                 (self.viewpoint, "viewpoint", "eye_x", float("nan")),
+                 (self.viewpoint, "viewpoint", "frame", "/camera"),
+                 (self.viewpoint, "viewpoint", "rate", 0.0)]
+        for client, ns, key, bad in cases:
+            self.log.clear()
+            before = client.get_configuration(timeout=PATIENCE)[key]
+            answer = client.update_configuration({key: bad})
+            self.assertEqual(answer[key], before, key)
+            name = "/clothsim/%s/%s: got " % (ns, key)
+            message = self.log.wait("a message with " + name, lambda log: log.msg.startswith(name))
+            self.assertIn("expected", message.msg)
+        self.cloth.reset()
+        self.assertEqual(self.step(1)[1].color.tobytes(), expected)
+
+    def test_a_texture_of_ones_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "green.ppm")
+            with open(path, "wb") as file:
+                file.write(b"P6 1 1 255\n" + bytes([0, 255, 0]))
+            self.subscribe()
+            self.shading.update_configuration({"shader": "texture", "texture": path})
+            self.camera.color("a green cloth", lambda image: np.mean(
+                np.all(image == [0, 255, 0], axis=2)) > 0.1)
+
+
+if __name__ == "__main__":
+    rospy.init_node("camera_live_test")
+    rostest.rosrun("clothsim", "camera_live", CameraLiveTest)
