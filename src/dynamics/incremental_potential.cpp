@@ -1,6 +1,5 @@
 #include "clothsim/dynamics/incremental_potential.h"
 
-
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
 
