@@ -121,18 +121,31 @@ TEST_P(HangingScene, HoldsItsLimitInEveryFrameAndRestsWithin2mmOfTheConvergedSha
   RecordProperty("farthest_from_converged_mm", std::to_string(apart * 1e3));
   EXPECT_LT(apart, 5e-4);
 
-  // The simulator's own, its tolerance driven down by a tenth and more.
+  // The simulator's own: its tolerance driven down to 1e-6, gently, or repairs that 200 passes
+  // cannot finish shake the cloth.
   SimulationSpec spec = simulator.scene().simulation;
-  for (const auto& [tolerance, seconds] : {std::pair(1e-3, 4.0), {1e-4, 4.0}}) {
+  const auto go_on = [&](double tolerance, double seconds) {
     spec.strain_tolerance = tolerance;
     simulator.set_simulation(spec);
-    const std::string at = " at " + std::to_string(std::lround(tolerance * 1e6)) + "e-6";
-    record(at, run_and_count(simulator, seconds));
-    const double left = farthest(simulator.state().positions, converged.positions);
-    RecordProperty("farthest_mm" + at, std::to_string(left * 1e3));
-    EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.1 + 1.1 * tolerance);
-    EXPECT_LT(left, 3e-4) << at;
-  }
+    const Work work_then = run_and_count(simulator, seconds);
+    const double micro = tolerance * 1e6;
+    if (micro < 1.01 || micro > 99) {
+      const std::string at = " at " + std::to_string(std::lround(micro)) + "e-6";
+      record(at, work_then);
+      const double left = farthest(simulator.state().positions, converged.positions);
+      RecordProperty("farthest_mm" + at, std::to_string(left * 1e3));
+    }
+  };
+  go_on(1e-3, 4);
+  go_on(1e-4, 4);
+  for (double tolerance = 1e-4 / 1.5; tolerance > 1e-6; tolerance /= 1.5) go_on(tolerance, 1);
+  go_on(1e-6, 2);
+  const Points& own = simulator.state().positions;
+  EXPECT_LT(worst_stretch(simulator.cloth(), own), 0.1 + 1.1e-6);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-5);
+  EXPECT_LT(farthest(own, rest.positions), 5e-4);
+  EXPECT_LT(farthest(own, converged.positions), 3e-4);
+  RecordProperty("farthest_from_own_mm", std::to_string(farthest(own, rest.positions) * 1e3));
 }
 
 TEST_P(HangingScene, ATighterToleranceRestsToo) {
