@@ -175,4 +175,13 @@ clothsim::Pose to_pose(const geometry_msgs::Transform& transform) {
   return {{t.x, t.y, t.z}, Eigen::Quaterniond(rotation.coeffs() / rotation.norm())};
 }
 
+clothsim::Pose to_pose(const geometry_msgs::Pose& pose) {
+  geometry_msgs::Transform same;
+  same.translation.x = pose.position.x;
+  same.translation.y = pose.position.y;
+  same.translation.z = pose.position.z;
+  same.rotation = pose.orientation;
+  return to_pose(same);
+}
+
 }  // namespace clothsim_ros

@@ -13,18 +13,15 @@ namespace {
 /// A frame whose latest transform is older is lost [s]. Slower publishers than 1 Hz are no motion.
 constexpr double lost_after = 1;
 
-/// Positions farther out are no place for a cloth [m]; the scene has the same limit.
-constexpr double farthest = 1e6;
-
 /// Time that publishers take to connect, and frames of 10 Hz to come.
 const ros::WallDuration settling(0.5);
+
+}  // namespace
 
 bool is_usable(const clothsim::Pose& pose) {
   return pose.orientation.coeffs().allFinite() &&
          (pose.position.array().abs() <= farthest).all();  // false for NaN
 }
-
-}  // namespace
 
 void TfListener::listen() {
   if (listener_) return;

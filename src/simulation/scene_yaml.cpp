@@ -18,14 +18,6 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
 }
 
 /// A number, or off, which ROS hands over as false.
-void read_strain_limit(const YAML::Node& node, std::optional<double>& limit) {
-  if (is_word(node, "off") || is_word(node, "false")) {
-    limit.reset();
-  } else {
-    limit = read_number(node, "a finite number or off");
-  }
-}
-
 void read_grid_point(const YAML::Node& node, Pin& pin) {
   if (!node.IsSequence() || node.size() != 2) {
     throw InvalidValue({}, describe(node), "[column, row]");
@@ -76,8 +68,7 @@ ClothSpec read_cloth(const YAML::Node& node) {
             {"ks", into(material.ks)},
             {"density", into(material.density)},
             {"damping", into(material.damping)},
-            {"strain_limit",
-             [&](const YAML::Node& limit) { read_strain_limit(limit, material.strain_limit); }},
+            {"strain_limit", into(material.strain_limit)},
             {"thickness", into(cloth.thickness)},
             {"self_collision", into(cloth.self_collision)},
             {"friction", into(cloth.friction)}});

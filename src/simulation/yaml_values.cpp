@@ -201,4 +201,14 @@ ReadValue into(Vector3& target) {
   return [&target](const YAML::Node& node) { target = read_vector(node); };
 }
 
+ReadValue into(std::optional<double>& target) {
+  return [&target](const YAML::Node& node) {
+    if (is_word(node, "off") || is_word(node, "false")) {  // YAML 1.1 reads off as false
+      target.reset();
+    } else {
+      target = read_number(node, "a finite number or off");
+    }
+  };
+}
+
 }  // namespace clothsim

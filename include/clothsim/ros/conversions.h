@@ -50,7 +50,8 @@ geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
 
 geometry_msgs::Transform to_transform_msg(const clothsim::Pose&);
 
-/// Normalises the rotation. Not finite where the message is not, or its rotation is zero.
+/// Both normalise the rotation. Not finite where the message is not, or its rotation is zero.
 clothsim::Pose to_pose(const geometry_msgs::Transform&);
+clothsim::Pose to_pose(const geometry_msgs::Pose&);
 
 }  // namespace clothsim_ros

@@ -11,6 +11,12 @@
 
 namespace clothsim_ros {
 
+/// Positions farther out are no place for a cloth [m]; the scene has the same limit.
+inline constexpr double farthest = 1e6;
+
+/// Whether a pose is finite and no farther out than that.
+bool is_usable(const clothsim::Pose&);
+
 /// The transforms to the world that tf knows of. Listens only once it is asked to.
 class TfListener {
  public:

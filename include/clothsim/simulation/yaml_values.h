@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,5 +55,6 @@ ReadValue into(std::uint64_t& target);
 ReadValue into(bool& target);
 ReadValue into(std::string& target);
 ReadValue into(Vector3& target);
+ReadValue into(std::optional<double>& target);  // a number, or off: empty
 
 }  // namespace clothsim

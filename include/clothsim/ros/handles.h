@@ -1,0 +1,51 @@
+#pragma once
+
+#include <clothsim/ClothTopology.h>
+#include <interactive_markers/interactive_marker_server.h>
+#include <ros/node_handle.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/ros/other_broadcasters.h"
+
+namespace clothsim_ros {
+
+/// Interactive markers, one on each tf frame that carries a collider of a clothsim node, that move
+/// and turn it. A frame is broadcast from the moment its handle is taken, as a static transform, so
+/// that it holds while time stands still. Where another node broadcasts the frame, it has no handle
+/// until that node is silent.
+class Handles {
+ public:
+  /// `cloth` is the namespace of the clothsim node. Follows its scene, also to another one.
+  explicit Handles(const ros::NodeHandle& cloth);
+
+ private:
+  struct Handle {
+    clothsim::Pose pose;  // of the frame in the world
+    double size = 1;      // [m]
+    bool shown = false;
+  };
+
+  void read_scene(const clothsim::ClothTopology&);
+  void show_or_hide();
+  void show(const std::string& frame, Handle&);
+  void drag(const visualization_msgs::InteractiveMarkerFeedback&);
+  void broadcast(const std::string& frame, const clothsim::Pose&);
+  void let_go(const std::string& frame);
+
+  ros::NodeHandle cloth_;
+  std::string world_frame_;
+  std::map<std::string, Handle> handles_;                           // by frame
+  std::map<std::string, geometry_msgs::TransformStamped> dragged_;  // frames that are broadcast
+  OtherBroadcasters others_;
+  std::optional<tf2_ros::StaticTransformBroadcaster> broadcaster_;  // always there
+  interactive_markers::InteractiveMarkerServer server_;
+  ros::Subscriber topology_subscriber_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace clothsim_ros

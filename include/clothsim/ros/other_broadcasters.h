@@ -1,0 +1,49 @@
+#pragma once
+
+#include <ros/message_event.h>
+#include <ros/node_handle.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "clothsim/collision/collider.h"
+
+namespace clothsim_ros {
+
+/// Which tf frames nodes other than this one broadcast, and where those are. Knows only the latest
+/// transform of each frame, whatever its stamp: time may stand still or run backwards.
+class OtherBroadcasters {
+ public:
+  explicit OtherBroadcasters(ros::NodeHandle&);
+
+  /// The node that broadcasts the frame; empty: none, or it has been silent for a second. A static
+  /// transform holds for good.
+  std::string of(const std::string& frame) const;
+
+  /// Of the frame in the world; empty where no other node has told.
+  std::optional<clothsim::Pose> pose(const std::string& world, const std::string& frame) const;
+
+  /// A stamp for a transform of the frame that is to come after all others: listeners drop what is
+  /// older than what they have.
+  ros::Time next_stamp(const std::string& frame);
+
+ private:
+  struct Heard {
+    std::string node;
+    ros::SteadyTime when;
+    bool is_static = false;
+  };
+
+  void hear(const ros::MessageEvent<const tf2_msgs::TFMessage>&, bool is_static);
+
+  tf2::BufferCore buffer_;
+  std::map<std::string, Heard> heard_;       // by frame
+  std::map<std::string, ros::Time> newest_;  // stamp by frame
+  ros::Subscriber moving_subscriber_;
+  ros::Subscriber static_subscriber_;
+};
+
+}  // namespace clothsim_ros

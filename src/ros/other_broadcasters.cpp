@@ -1,0 +1,69 @@
+#include "clothsim/ros/other_broadcasters.h"
+
+#include <ros/this_node.h>
+#include <tf2/exceptions.h>
+
+#include <algorithm>
+
+#include "clothsim/ros/conversions.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// As many as tf2's own listener keeps.
+constexpr std::uint32_t queue_size = 100;
+
+/// A node that is silent for longer has let go of its frame.
+const ros::WallDuration silence(1);
+
+/// Smallest step that rounding to double precision leaves, fifty years on [s].
+const ros::Duration stamp_step(1e-6);
+
+}  // namespace
+
+OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) {
+  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
+  const auto subscribe = [&](const std::string& topic, bool is_static) {
+    const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
+      hear(event, is_static);
+    };
+    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
+  };
+  moving_subscriber_ = subscribe("/tf", false);
+  static_subscriber_ = subscribe("/tf_static", true);
+}
+
+void OtherBroadcasters::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
+                             bool is_static) {
+  const std::string& node = event.getPublisherName();
+  if (node == ros::this_node::getName()) return;
+  for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
+    if (!buffer_.setTransform(transform, node, true)) continue;  // logged by tf2
+    const std::string& frame = transform.child_frame_id;
+    heard_[frame] = {node, ros::SteadyTime::now(), is_static};
+    newest_[frame] = std::max(newest_[frame], transform.header.stamp);
+  }
+}
+
+std::string OtherBroadcasters::of(const std::string& frame) const {
+  const auto known = heard_.find(frame);
+  if (known == heard_.end()) return "";
+  const Heard& heard = known->second;
+  const bool holds = heard.is_static || ros::SteadyTime::now() - heard.when < silence;
+  return holds ? heard.node : "";
+}
+
+std::optional<clothsim::Pose> OtherBroadcasters::pose(const std::string& world,
+                                                      const std::string& frame) const {
+  try {
+    return to_pose(buffer_.lookupTransform(world, frame, ros::Time(0)).transform);
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
+ros::Time OtherBroadcasters::next_stamp(const std::string& frame) {
+  return newest_[frame] += stamp_step;
+}
+
+}  // namespace clothsim_ros

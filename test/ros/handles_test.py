@@ -1,0 +1,221 @@
+#!/usr/bin/python3
+"""Handles on colliders: dragged through the cloth at any speed, and never against another node."""
+
+import math
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Pose
+from rosgraph_msgs.msg import Log
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import (InteractiveMarkerFeedback, InteractiveMarkerInit,
+                                    InteractiveMarkerUpdate, MarkerArray)
+
+from clothsim.srv import LoadScene
+from cloth_client import Cloth, Recorder, call, point, positions, wait_for
+
+HANDLES = "/clothsim/handles"
+BALL, PLATE = np.array([0.5, 0.5, 0.5]), np.array([0, 0, -1.0])  # where the scene puts them [m]
+RADIUS = 0.2  # of the ball [m]
+FRAME = 1 / 90  # [s]
+
+
+def make_pose(place, tilt=0.0):
+    """Turned about x by `tilt`."""
+    pose = Pose()
+    pose.position.x, pose.position.y, pose.position.z = place
+    pose.orientation.x, pose.orientation.w = math.sin(tilt / 2), math.cos(tilt / 2)
+    return pose
+
+
+class Shown:
+    """The handles that RViz would show: poses by name."""
+
+    def __init__(self):
+        self.markers = {}
+        self.full = rospy.Subscriber(HANDLES + "/update_full", InteractiveMarkerInit, self._init)
+        self.updates = rospy.Subscriber(HANDLES + "/update", InteractiveMarkerUpdate, self._update,
+                                        queue_size=1000)
+
+    def _init(self, message):
+        for marker in message.markers:
+            self.markers.setdefault(marker.name, marker)
+
+    def _update(self, message):
+        for marker in message.markers:
+            self.markers[marker.name] = marker
+        for moved in message.poses:
+            if moved.name in self.markers:
+                self.markers[moved.name].pose = moved.pose
+        for name in message.erases:
+            self.markers.pop(name, None)
+
+    def at(self, name, place):
+        marker = self.markers.get(name)
+        return marker and np.allclose(point(marker.pose.position), place, atol=1e-9)
+
+
+class OtherNode:
+    """Broadcasts the ball's frame as a user's program does. In a process of its own: two
+    broadcasters in one would have the same name."""
+
+    def __enter__(self):
+        import subprocess
+        code = ("import rospy, sys; from tf2_ros import TransformBroadcaster\n"
+                "import time; from geometry_msgs.msg import TransformStamped\n"
+                "rospy.init_node('mover', anonymous=True, disable_rosout=True)\n"
+                "b = TransformBroadcaster(); t = TransformStamped()\n"
+                "t.header.frame_id, t.child_frame_id = 'map', 'ball'\n"
+                "t.transform.translation.x = 3; t.transform.rotation.w = 1\n"
+                "i = 0\n"
+                "while not rospy.is_shutdown():\n"
+                "    i += 1; t.header.stamp = rospy.Time.now() + rospy.Duration(1e-3 * i)\n"
+                "    b.sendTransform(t); time.sleep(0.02)\n")
+        self.process = subprocess.Popen(["/usr/bin/python3", "-c", code])
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+
+class HandlesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.shown = Shown()
+        cls.markers = Recorder("/clothsim/markers", MarkerArray)
+        cls.tf = Recorder("/tf_static", TFMessage)
+        cls.log = Recorder("/rosout", Log)
+        cls.feedback = rospy.Publisher(HANDLES + "/feedback", InteractiveMarkerFeedback,
+                                       queue_size=100)
+        wait_for(cls.cloth.states.all, "the first state")
+        wait_for(cls.feedback.get_num_connections, "the handles' node")
+
+    def send(self, name, pose, event=InteractiveMarkerFeedback.POSE_UPDATE, frame="map"):
+        message = InteractiveMarkerFeedback()
+        message.header.frame_id = frame
+        message.client_id = "/test"
+        message.marker_name = name
+        message.event_type = event
+        message.pose = pose
+        self.feedback.publish(message)
+
+    def collider(self, index):
+        """Pose of a collider in the newest markers."""
+        return [m for m in self.markers.all()[-1].markers if m.ns == "colliders"][index].pose
+
+    def drag(self, name, place, tilt=0.0):
+        """Drags, and computes the next frame when the cloth's node has heard of it."""
+        heard = len(self.tf.all())
+        self.send(name, make_pose(place, tilt))
+        wait_for(lambda: len(self.tf.all()) > heard, "the frame of the handle")
+        time.sleep(0.01)  # the node has it about as soon as the test
+        return self.cloth.step(1)
+
+    def ball_marker(self, state):
+        """Centre of the ball as drawn in the frame of a state [m]"""
+        array = self.markers.wait(
+            "the markers of frame %d" % state.step,
+            lambda a: a.markers[0].header.stamp == state.header.stamp)
+        return point(next(m for m in array.markers if m.ns == "colliders").pose.position)
+
+    def test_1_shown_where_the_scene_has_them(self):
+        wait_for(lambda: self.shown.at("ball", BALL), "the ball's handle")
+        wait_for(lambda: self.shown.at("plate", PLATE), "the plate's handle")
+        self.assertEqual(set(self.shown.markers), {"ball", "plate"})  # the wall follows no frame
+        ball = self.shown.markers["ball"]
+        self.assertEqual(ball.header.frame_id, "map")
+        self.assertTrue(ball.header.stamp.is_zero())
+        self.assertGreater(ball.scale, 2 * RADIUS)
+        kinds = sorted(c.interaction_mode for c in ball.controls)
+        self.assertEqual(kinds, [3, 3, 3, 5, 5, 5])  # MOVE_AXIS, ROTATE_AXIS
+        # Nothing is broadcast until a handle is taken.
+        self.assertEqual(self.tf.all(), [])
+
+    def test_2_dragged_through_the_cloth(self):
+        """Up and down again through the middle; at 200 m/s in one frame from side to side."""
+        for speed in (0.5, 5.0, 50.0, 200.0):
+            self.cloth.reset()
+            self.drag("ball", BALL)
+            self.cloth.step(5)
+            frames = max(1, round(1.5 / (speed * FRAME)))
+            heights = np.linspace(0, 1.5, frames + 1)[1:121]
+            nearest = []
+            for height in list(heights) + list(heights[::-1]) + [0]:
+                place = BALL + [0, 0, height]
+                state = self.drag("ball", place)
+                centre = self.ball_marker(state)
+                self.assertTrue(np.allclose(centre, place, atol=1e-9), (centre, place))
+                distance = np.linalg.norm(positions(state) - centre, axis=1)
+                nearest.append(distance.min())
+                self.assertGreaterEqual(distance.min(), RADIUS, "%g m/s" % speed)
+            self.assertLess(min(nearest), RADIUS + 0.01)  # it was no way past the cloth
+        wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
+
+    def test_3_a_tilted_plane(self):
+        self.cloth.reset()
+        self.drag("plate", PLATE)
+        for height in (0.2, 0.6, 0.8, 0.9):
+            state = self.drag("plate", [0, 0, height], tilt=0.3)
+            normal = np.array([0, -math.sin(0.3), math.cos(0.3)])
+            above = (positions(state) - [0, 0, height]) @ normal
+            self.assertGreaterEqual(above.min(), 0, height)
+        self.drag("plate", PLATE)
+
+    def test_4_refused(self):
+        """Poses that are none: nothing is broadcast, the handle goes back."""
+        self.drag("ball", BALL)
+        nan = float("nan")
+        for place in ([nan, 0, 0], [0, float("inf"), 0], [0, 0, 1e9]):
+            self.log.clear()
+            heard = len(self.tf.all())
+            self.send("ball", make_pose(place))
+            self.log.wait("a warning", lambda m: m.msg.startswith("Ignored where the handle"))
+            self.assertEqual(len(self.tf.all()), heard)
+            wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
+        self.log.clear()
+        self.send("ball", make_pose([1, 1, 1]), frame="elsewhere")
+        self.log.wait("a warning", lambda m: m.msg.startswith("Ignored where the handle"))
+        wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
+        # A move of the mouse that does not drag, and a handle that does not exist.
+        heard = len(self.tf.all())
+        self.send("ball", make_pose([1, 1, 1]), event=InteractiveMarkerFeedback.KEEP_ALIVE)
+        self.send("cube", make_pose([1, 1, 1]))
+        time.sleep(0.3)
+        self.assertEqual(len(self.tf.all()), heard)
+
+    def test_5_another_node_broadcasts(self):
+        self.drag("ball", BALL)
+        with OtherNode():
+            wait_for(lambda: "ball" not in self.shown.markers, "the handle to go")
+            self.assertIn("plate", self.shown.markers)
+            heard = len(self.tf.all())
+            self.send("ball", make_pose(BALL))
+            time.sleep(0.5)
+            self.assertFalse([t for m in self.tf.all()[heard:] for t in m.transforms
+                              if t.child_frame_id == "ball"])
+            self.assertTrue(np.allclose(self.ball_marker(self.cloth.step(2)), [3, 0, 0]))
+        # It is gone: the handle is back where that node left the frame, and takes it again.
+        wait_for(lambda: self.shown.at("ball", [3, 0, 0]), "the handle to come back")
+        state = self.drag("ball", BALL)
+        self.assertTrue(np.allclose(self.ball_marker(state), BALL))
+
+    def test_6_another_scene(self):
+        scene = rospy.get_param("/clothsim/scene")
+        rospy.set_param("/clothsim/scene/colliders", [
+            {"name": "egg", "shape": "sphere", "center": [0, 0, 3], "frame": "egg"}])
+        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
+        wait_for(lambda: self.shown.at("egg", [0, 0, 3]), "the handle of the new scene")
+        wait_for(lambda: set(self.shown.markers) == {"egg"}, "the old handles to go")
+        rospy.set_param("/clothsim/scene", scene)
+        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
+        wait_for(lambda: set(self.shown.markers) == {"ball", "plate"}, "the old handles")
+
+
+if __name__ == "__main__":
+    rospy.init_node("handles_test")
+    rostest.rosrun("clothsim", "handles", HandlesTest)
