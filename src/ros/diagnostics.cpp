@@ -1,24 +1,54 @@
 #include "clothsim/ros/diagnostics.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace clothsim_ros {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
+using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
 
-/// Share of the real-time factor asked for below which the node warns.
-constexpr double slow_share = 0.95;
+/// The level of a value that is to be at least, or at most, its limit.
+std::int8_t level_at_least(double value, const Limit& limit) {
+  if (limit.error && value < *limit.error) return DiagnosticStatus::ERROR;
+  if (limit.warning && value < *limit.warning) return DiagnosticStatus::WARN;
+  return DiagnosticStatus::OK;
+}
 
-void fill_speed(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper& out) {
+std::int8_t level_at_most(double value, const Limit& limit) {
+  if (limit.error && value > *limit.error) return DiagnosticStatus::ERROR;
+  if (limit.warning && value > *limit.warning) return DiagnosticStatus::WARN;
+  return DiagnosticStatus::OK;
+}
+
+/// What takes most of the time of a node that is late.
+std::string bottleneck(const std::array<double, 3>& cpu) {
+  const std::array<const char*, 3> names = {"calls and live values", "simulating", "publishing"};
+  const auto most = std::max_element(cpu.begin(), cpu.end());
+  const double idle = 1 - std::accumulate(cpu.begin(), cpu.end(), 0.0);
+  if (idle > *most) return "the computer is busy with other work";
+  return std::string("most of the time goes into ") +
+         names[static_cast<size_t>(most - cpu.begin())];
+}
+
+void fill_speed(const NodeStatus& status, const Limit& limit, Wrapper& out) {
   out.add("real-time factor asked", status.factor_asked);
+  for (size_t i = 0; i < status.cpu.size(); ++i) {
+    const std::array<const char*, 3> keys = {"serving", "simulating", "publishing"};
+    out.addf(std::string("CPU for ") + keys[i] + " [%]", "%.1f", 100 * status.cpu[i]);
+  }
   if (!status.factor_reached) return;
   out.add("real-time factor", *status.factor_reached);
-  if (*status.factor_reached < slow_share * status.factor_asked) {
-    out.mergeSummaryf(DiagnosticStatus::WARN, "real-time factor %.2f of %.2f",
-                      *status.factor_reached, status.factor_asked);
+  if (status.factor_asked == 0) return;
+  const std::int8_t level = level_at_least(*status.factor_reached / status.factor_asked, limit);
+  if (level != DiagnosticStatus::OK) {
+    out.mergeSummaryf(static_cast<unsigned char>(level), "real-time factor %.2f of %.2f: %s",
+                      *status.factor_reached, status.factor_asked, bottleneck(status.cpu).c_str());
   }
 }
 
-void fill_step(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper& out) {
+void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out) {
   const clothsim::StepReport& report = status.report;
   out.add("method", report.method);
   out.add("substeps", report.substeps);
@@ -26,26 +56,46 @@ void fill_step(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWra
   out.addf("predicted error", "%.1e", report.predicted_error);
   out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
+  if (status.strain_limit) {
+    const double violation = std::max(0.0, report.worst_stretch - *status.strain_limit);
+    out.addf("violation of the strain limit [%]", "%.2f", 100 * violation);
+    const std::int8_t level = level_at_most(violation, limits.violation);
+    if (level != DiagnosticStatus::OK) {
+      out.mergeSummaryf(static_cast<unsigned char>(level),
+                        "a spring is %.1f %% over the strain limit", 100 * violation);
+    }
+  }
   out.add("contacts", report.contacts);
-  if (status.intersecting_pairs) out.add("intersecting pairs", *status.intersecting_pairs);
+  if (status.intersecting_pairs) {
+    const int pairs = *status.intersecting_pairs;
+    out.add("intersecting pairs", pairs);
+    const std::int8_t level = level_at_most(pairs, limits.crossings);
+    if (level != DiagnosticStatus::OK) {
+      out.mergeSummaryf(static_cast<unsigned char>(level), "%d pairs of triangles cross", pairs);
+    }
+  }
 }
 
-void fill_frame(const FrameStatus& frame, diagnostic_updater::DiagnosticStatusWrapper& out) {
+void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
   const std::string key = "tf age of " + frame.frame + " [s]";
   if (!frame.seen) {
     out.add(key, "not seen yet");
     return;
   }
   out.addf(key, "%.3f", frame.age);
-  if (frame.lost) out.mergeSummary(DiagnosticStatus::WARN, "lost tf frame " + frame.frame);
+  std::int8_t level = level_at_most(frame.age, limit);
+  if (frame.lost) level = std::max(level, std::int8_t{DiagnosticStatus::WARN});
+  if (level != DiagnosticStatus::OK) {
+    out.mergeSummary(static_cast<unsigned char>(level), "lost tf frame " + frame.frame);
+  }
 }
 
-void fill(const NodeStatus& status, diagnostic_updater::DiagnosticStatusWrapper& out) {
+void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out) {
   out.summary(DiagnosticStatus::OK, status.paused ? "paused" : "running");
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
-  fill_speed(status, out);
-  fill_step(status, out);
-  for (const FrameStatus& frame : status.frames) fill_frame(frame, out);
+  fill_speed(status, limits.speed, out);
+  fill_step(status, limits, out);
+  for (const FrameStatus& frame : status.frames) fill_frame(frame, limits.tf_age, out);
 }
 
 std::string names(const clothsim::Outputs& outputs) {
@@ -59,7 +109,7 @@ std::string names(const clothsim::Outputs& outputs) {
   return text.empty() ? "none" : text;
 }
 
-void fill_camera(const CameraStatus& camera, diagnostic_updater::DiagnosticStatusWrapper& out) {
+void fill_camera(const CameraStatus& camera, const DiagnosticLimits& limits, Wrapper& out) {
   const clothsim::RenderStatus& render = camera.render;
   const std::string subscribed = names(camera.subscribed);
   out.summary(DiagnosticStatus::OK, "images: " + subscribed);
@@ -69,6 +119,13 @@ void fill_camera(const CameraStatus& camera, diagnostic_updater::DiagnosticStatu
   out.add("pictures drawn", render.drawn);
   out.add("pictures dropped", render.dropped);
   if (camera.rate) out.addf("pictures per second", "%.1f", *camera.rate);
+  if (camera.drawn_share) {
+    const std::int8_t level = level_at_least(*camera.drawn_share, limits.images);
+    if (level != DiagnosticStatus::OK) {
+      out.mergeSummaryf(static_cast<unsigned char>(level), "%.0f %% of the pictures due are drawn",
+                        100 * *camera.drawn_share);
+    }
+  }
   out.add("OpenGL", render.device.empty() ? "not in use" : render.device);
   const auto add_time = [&out](const char* key, double seconds) {
     out.addf(key, "%.2f", 1e3 * seconds);
@@ -76,15 +133,15 @@ void fill_camera(const CameraStatus& camera, diagnostic_updater::DiagnosticStatu
   add_time("upload [ms]", render.times.upload);
   add_time("draw [ms]", render.times.draw);
   add_time("read back [ms]", render.times.read);
-  if (camera.frame) fill_frame(*camera.frame, out);
+  if (camera.frame) fill_frame(*camera.frame, limits.tf_age, out);
 }
 
 }  // namespace
 
-Diagnostics::Diagnostics() {
+Diagnostics::Diagnostics(const DiagnosticLimits& limits) : limits_(limits) {
   updater_.setHardwareID("none");
-  updater_.add("simulation", [this](auto& out) { fill(status_, out); });
-  updater_.add("camera", [this](auto& out) { fill_camera(status_.camera, out); });
+  updater_.add("simulation", [this](auto& out) { fill(status_, limits_, out); });
+  updater_.add("camera", [this](auto& out) { fill_camera(status_.camera, limits_, out); });
 }
 
 void Diagnostics::publish(const NodeStatus& status) {

@@ -47,7 +47,7 @@ Node::Node()
       simulator_(with_full_name(node_, "scene",
                                 [this] { return clothsim::Simulator(parameters_.scene); })),
       paused_(parameters_.paused),
-      tf_(parameters_.world_frame),
+      tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
       follower_(parameters_.scene, tf_),
       grasper_(node_, simulator_, tf_),
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
@@ -55,7 +55,8 @@ Node::Node()
       photographer_(with_full_name(
           node_, "camera",
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
-      state_services_(node_, simulator_, follower_, frame_number_, [this] { jump(); }) {
+      state_services_(node_, simulator_, follower_, frame_number_, [this] { jump(); }),
+      diagnostics_(parameters_.limits) {
   serve_live_values();
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
@@ -81,9 +82,7 @@ void Node::run() {
     const ros::WallDuration wait =
         paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
     ros::getGlobalCallbackQueue()->callAvailable(std::min(wait, longest_wait));
-    outputs_.refresh();
-    if (paused_) photographer_.refresh();
-
+    refresh();
     const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
     if (due && is_running()) simulate_frame(Turn::due);
     publish_diagnostics();
@@ -91,6 +90,7 @@ void Node::run() {
 }
 
 bool Node::simulate_frame(Turn turn) {
+  const CpuShares::Scope scope(cpu_, CpuShares::Use::simulating);
   const double frame_duration = simulator_.frame_duration();
   follower_.look_up();
   follower_.move(simulator_);
@@ -118,10 +118,17 @@ bool Node::simulate_frame(Turn turn) {
 }
 
 void Node::publish_frame(const ros::Time& stamp) {
+  const CpuShares::Scope scope(cpu_, CpuShares::Use::publishing);
   publish_clock();  // first, so that no state comes from the future
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
   photographer_.update(stamp);
+}
+
+void Node::refresh() {
+  const CpuShares::Scope scope(cpu_, CpuShares::Use::publishing);
+  outputs_.refresh();
+  if (paused_) photographer_.refresh();
 }
 
 void Node::jump() {
@@ -150,7 +157,9 @@ void Node::publish_diagnostics() {
   status.failure = failure_;
   status.factor_asked = parameters_.realtime_factor;
   if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());
+  status.cpu = cpu_.take();
   status.report = report_;
+  status.strain_limit = simulator_.scene().cloth.material.strain_limit;
   if (simulator_.scene().cloth.self_collision) {
     status.intersecting_pairs =
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);

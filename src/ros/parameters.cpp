@@ -63,6 +63,9 @@ NodeParameters read(const ros::NodeHandle& node) {
     if (parameters.view.egl_device) clothsim::check_egl_device(*parameters.view.egl_device);
   });
 
+  read_optional(node, "diagnostics", [&](const YAML::Node& given) {
+    parameters.limits = read_diagnostic_limits(given);
+  });
   read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
   read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));
   read_optional(node, "paused", clothsim::into(parameters.paused));

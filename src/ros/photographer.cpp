@@ -144,8 +144,11 @@ CameraStatus Photographer::status() {
   if (frame_) status.frame = frame_->status();
 
   const ros::SteadyTime now = ros::SteadyTime::now();
-  rate_.add(status.render.drawn - std::exchange(counted_, status.render.drawn));
+  const int drawn = status.render.drawn - std::exchange(drawn_, status.render.drawn);
+  const int dropped = status.render.dropped - std::exchange(dropped_, status.render.dropped);
+  rate_.add(drawn);
   status.rate = rate_.take(now.toSec());
+  if (drawn + dropped > 0) status.drawn_share = drawn / static_cast<double>(drawn + dropped);
 
   const std::string& failure = status.render.failure;
   if (failure != logged_ && !failure.empty()) ROS_WARN("No images: %s", failure.c_str());

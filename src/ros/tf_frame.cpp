@@ -10,9 +10,6 @@
 namespace clothsim_ros {
 namespace {
 
-/// A frame whose latest transform is older is lost [s]. Slower publishers than 1 Hz are no motion.
-constexpr double lost_after = 1;
-
 /// Time that publishers take to connect, and frames of 10 Hz to come.
 const ros::WallDuration settling(0.5);
 
@@ -45,7 +42,8 @@ void TfFrame::look_up() {
   if (!status_.seen) return;  // nothing to lose yet
   const bool was_lost = status_.lost;
   status_.age = stamp_.isZero() ? 0 : (ros::Time::now() - stamp_).toSec();
-  status_.lost = !known || status_.age > lost_after;
+  const std::optional<double> lost_after = tf_->lost_after();
+  status_.lost = !known || (lost_after && status_.age > *lost_after);
   if (status_.lost && !was_lost)
     ROS_WARN("Lost tf frame %s: what it carries stays where it was", status_.frame.c_str());
 }

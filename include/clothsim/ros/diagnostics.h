@@ -2,10 +2,12 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/ros/photographer.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -17,7 +19,9 @@ struct NodeStatus {
   std::string failure;                    // why the simulation stopped; empty: it did not
   double factor_asked = 1;                // 0: as fast as possible
   std::optional<double> factor_reached;   // empty: nothing to measure
+  std::array<double, 3> cpu{};            // by CpuShares::Use
   clothsim::StepReport report;            // of the last frame
+  std::optional<double> strain_limit;     // empty: off
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;
   CameraStatus camera;
@@ -26,11 +30,12 @@ struct NodeStatus {
 /// Sends a NodeStatus to /diagnostics.
 class Diagnostics {
  public:
-  Diagnostics();
+  explicit Diagnostics(const DiagnosticLimits&);
 
   void publish(const NodeStatus&);
 
  private:
+  DiagnosticLimits limits_;
   NodeStatus status_;
   diagnostic_updater::Updater updater_;
 };

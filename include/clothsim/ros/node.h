@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/cpu_shares.h"
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
@@ -42,6 +43,8 @@ class Node {
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
   bool simulate_frame(Turn);
   void publish_frame(const ros::Time& stamp);
+  /// Publishes what is due between frames.
+  void refresh();
   /// The simulator is in another state, without a frame between.
   void jump();
   void publish_clock();
@@ -70,6 +73,7 @@ class Node {
   std::optional<Reconfigure> reconfigure_;           // of the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
+  CpuShares cpu_;
   StateServices state_services_;
   Diagnostics diagnostics_;
   ros::SteadyTime next_diagnostics_;

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/simulation/scene.h"
 #include "clothsim/view/view.h"
 
@@ -14,6 +15,7 @@ namespace clothsim_ros {
 struct NodeParameters {
   clothsim::Scene scene;
   clothsim::View view;  // of ~camera
+  DiagnosticLimits limits;
   std::string world_frame = "map";
   double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
   bool paused = false;

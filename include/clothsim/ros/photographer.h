@@ -21,7 +21,8 @@ struct CameraStatus {
   clothsim::RenderStatus render;
   clothsim::Outputs subscribed;
   std::optional<double> rate;  // [Hz] of pictures since the last status; empty: too little time
-  std::optional<FrameStatus> frame;  // that carries the camera
+  std::optional<double> drawn_share;  // of the pictures due, likewise; empty: none was due
+  std::optional<FrameStatus> frame;   // that carries the camera
 };
 
 /// Takes pictures of a simulation and publishes them. Until somebody subscribes there is neither
@@ -78,7 +79,8 @@ class Photographer {
   double next_ = 0;               // [s] of simulated time: when a picture is due
   ros::SteadyTime next_refresh_;  // not before
   RateMeter rate_;
-  int counted_ = 0;     // pictures that rate_ knows of
+  int drawn_ = 0;       // pictures that the last status knew of
+  int dropped_ = 0;     // likewise
   std::string logged_;  // the failure that was logged last
 
   CameraTopics topics_;

@@ -20,7 +20,9 @@ bool is_usable(const clothsim::Pose&);
 /// The transforms to the world that tf knows of. Listens only once it is asked to.
 class TfListener {
  public:
-  explicit TfListener(std::string world_frame) : world_frame_(std::move(world_frame)) {}
+  /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
+  TfListener(std::string world_frame, std::optional<double> lost_after)
+      : world_frame_(std::move(world_frame)), lost_after_(lost_after) {}
 
   void listen();
 
@@ -29,10 +31,12 @@ class TfListener {
   void wait_for_first();
 
   const std::string& world_frame() const { return world_frame_; }
+  std::optional<double> lost_after() const { return lost_after_; }
   const tf2::BufferCore& buffer() const { return buffer_; }
 
  private:
   std::string world_frame_;
+  std::optional<double> lost_after_;
   tf2::BufferCore buffer_;
   std::optional<tf2_ros::TransformListener> listener_;
   ros::SteadyTime settled_;  // when the first transforms have come

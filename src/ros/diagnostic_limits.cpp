@@ -1,0 +1,50 @@
+#include "clothsim/ros/diagnostic_limits.h"
+
+#include <string>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// Whether the limit bounds from below or from above.
+enum class Side { least, most };
+
+constexpr clothsim::Range range{0, 1e12, ""};
+
+void check(const Limit& limit, Side side) {
+  if (limit.warning) clothsim::check_range("warning", *limit.warning, range);
+  if (limit.error) clothsim::check_range("error", *limit.error, range);
+  if (!limit.warning || !limit.error) return;
+  const bool in_order =
+      side == Side::least ? *limit.error <= *limit.warning : *limit.error >= *limit.warning;
+  if (!in_order) {
+    throw clothsim::InvalidValue({"error"}, clothsim::to_text(*limit.error),
+                                 std::string(side == Side::least ? "at most" : "at least") +
+                                     " the limit of the warning, " +
+                                     clothsim::to_text(*limit.warning));
+  }
+}
+
+clothsim::ReadValue into(Limit& limit, Side side) {
+  return [&limit, side](const YAML::Node& node) {
+    clothsim::read_map(
+        node, {{"warning", clothsim::into(limit.warning)}, {"error", clothsim::into(limit.error)}});
+    check(limit, side);
+  };
+}
+
+}  // namespace
+
+DiagnosticLimits read_diagnostic_limits(const YAML::Node& node) {
+  DiagnosticLimits limits;
+  clothsim::read_map(node, {{"speed", into(limits.speed, Side::least)},
+                            {"violation", into(limits.violation, Side::most)},
+                            {"crossings", into(limits.crossings, Side::most)},
+                            {"tf_age", into(limits.tf_age, Side::most)},
+                            {"images", into(limits.images, Side::least)}});
+  return limits;
+}
+
+}  // namespace clothsim_ros

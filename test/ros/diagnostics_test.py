@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""Diagnostics: what they tell, and that each limit makes a warning and an error of its value."""
+
+import copy
+import subprocess
+import time
+import unittest
+
+import roslib.packages
+import rospy
+import rostest
+import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import Image
+
+from clothsim.srv import GetState, SetState
+from cloth_client import Cloth, Recorder, call, wait_for
+
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+OFF = {"speed": {"warning": "off", "error": "off"}}  # the computer may be busy
+SMALL = {"cloth": {"columns": 12, "rows": 12}}
+HELD = {"cloth": {"columns": 12, "rows": 12,
+                  "pinned": [[0, 0], {"point": [11, 0], "frame": "hand"}]}}
+
+
+def transform(x, stamp):
+    t = TransformStamped()
+    t.header.frame_id, t.child_frame_id, t.header.stamp = "map", "hand", stamp
+    t.transform.translation.x = x
+    t.transform.rotation.w = 1
+    return t
+
+
+class Node:
+    """A clothsim node with parameters of its own, and what it says of itself."""
+
+    count = 0
+
+    def __init__(self, program, scene, limits, **parameters):
+        Node.count += 1
+        self.name = "/watched_%d" % Node.count
+        rospy.set_param(self.name, {"scene": scene, **parameters})
+        rospy.set_param(self.name + "/diagnostics", limits)
+        self.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        self.process = subprocess.Popen([program, "__name:=" + self.name[1:]])
+        self.cloth = Cloth(self.name)
+        self.cloth.states.wait("the first state")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+    def statuses(self, part):
+        wanted = self.name[1:] + ": " + part
+        return [s for a in self.diagnostics.all() for s in a.status if s.name == wanted]
+
+    def wait(self, level, text, part="simulation"):
+        """The values of a status of that level whose message has the text."""
+        def found():
+            return next((s for s in reversed(self.statuses(part))
+                         if s.level == level and text in s.message), None)
+        try:
+            status = wait_for(found, "a status")
+        except AssertionError:
+            said = [(s.level, s.message) for s in self.statuses(part)]
+            raise AssertionError("no status of level %d with %r among %s" % (level, text, said))
+        return {v.key: v.value for v in status.values}
+
+
+class Diagnostics(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.program = roslib.packages.find_node("clothsim", "clothsim_node")[0]
+
+    def node(self, scene, limits, **parameters):
+        return Node(self.program, scene, limits, **parameters)
+
+    def test_tells_all(self):
+        scene = {"cloth": dict(SMALL["cloth"], self_collision=True, pinned=[[0, 0]])}
+        with self.node(scene, OFF) as node:
+            node.cloth.states.wait("a second", lambda s: s.step > 100)
+            wait_for(lambda: "real-time factor" in node.wait(OK, "running"), "the factor")
+            values = node.wait(OK, "running")
+        self.assertGreater(float(values["real-time factor"]), 0.2)  # the computer may be busy
+        self.assertLess(float(values["real-time factor"]), 1.1)
+        self.assertEqual(values["real-time factor asked"], "1")
+        self.assertIn(values["method"], ("verlet", "symplectic_euler", "rk4", "xpbd"))
+        self.assertNotEqual(values["reason"], "")
+        self.assertGreater(int(values["substeps"]), 0)
+        self.assertGreater(float(values["worst stretch [%]"]), 0)
+        self.assertGreaterEqual(float(values["violation of the strain limit [%]"]), 0)
+        self.assertEqual(values["intersecting pairs"], "0")
+        for key in ("predicted error", "sweeps", "contacts", "CPU for serving [%]",
+                    "CPU for simulating [%]", "CPU for publishing [%]"):
+            self.assertGreaterEqual(float(values[key]), 0, key)
+
+    def test_as_fast_as_possible_tells_its_factor(self):
+        with self.node(SMALL, {}, realtime_factor=0) as node:
+            node.wait(OK, "running")
+            wait_for(lambda: "real-time factor" in node.wait(OK, "running"), "the factor")
+            self.assertGreater(float(node.wait(OK, "running")["real-time factor"]), 1)
+
+    def test_speed(self):
+        """A factor that no computer reaches."""
+        scene = {"cloth": {"pinned": [[0, 0]]}}
+        for limits, level in (({}, ERROR), ({"speed": {"error": False}}, WARN),
+                              (OFF, OK)):
+            with self.node(scene, limits, realtime_factor=1000) as node:
+                text = "most of the time goes into simulating" if level else "running"
+                wait_for(lambda: "real-time factor" in node.wait(level, text), "the factor")
+
+    def test_violation(self):
+        """A pin pulled away, farther than the cloth is long."""
+        hand = tf2_ros.StaticTransformBroadcaster()
+        for limits, level in ((OFF, ERROR), ({**OFF, "violation": {"error": 100}}, WARN)):
+            hand.sendTransform(transform(0, rospy.Time()))
+            with self.node(HELD, limits) as node:
+                wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000",
+                         "the frame")
+                hand.sendTransform(transform(0.5, rospy.Time()))
+                values = node.wait(level, "over the strain limit")
+                self.assertGreater(float(values["violation of the strain limit [%]"]), 10)
+
+    def test_crossings(self):
+        """One point drawn over the cloth, another pulled up through what follows it."""
+        scene = {"cloth": dict(SMALL["cloth"], self_collision=True)}
+        for limits, level in (({}, WARN), ({"crossings": {"error": 0}}, ERROR),
+                              ({"crossings": {"warning": 1000}}, OK)):
+            with self.node(scene, limits, paused=True) as node:
+                state = call(node.name + "/get_state", GetState).state
+                moved = list(state.positions)
+                a, b = 5 * 12 + 5, 8 * 12 + 8
+                moved[3 * a:3 * a + 3] = [moved[3 * b], moved[3 * b + 1], 1.05]
+                moved[3 * b + 2] = 1.2
+                state.positions, state.memory = moved, []
+                self.assertTrue(call(node.name + "/set_state", SetState, state).success)
+                node.diagnostics.clear()
+                values = node.wait(level, "pairs of triangles cross" if level else "paused")
+                self.assertGreater(int(values["intersecting pairs"]), 0)
+
+    def test_tf_age(self):
+        for limits, level in ((OFF, WARN), ({**OFF, "tf_age": {"error": 2}}, ERROR)):
+            broadcaster = tf2_ros.TransformBroadcaster()
+            scene = copy.deepcopy(HELD)
+            frame = "hand_%d" % level
+            scene["cloth"]["pinned"][1]["frame"] = frame
+            with self.node(scene, limits) as node:
+                self.assertEqual(node.wait(OK, "running")["tf age of %s [s]" % frame],
+                                 "not seen yet")
+                for _ in range(100):
+                    t = transform(0, rospy.Time.now())
+                    t.child_frame_id = frame
+                    broadcaster.sendTransform(t)
+                    time.sleep(0.02)
+                values = node.wait(OK, "running")
+                self.assertLess(float(values["tf age of %s [s]" % frame]), 0.5)
+                values = node.wait(level, "lost tf frame " + frame)
+                self.assertGreater(float(values["tf age of %s [s]" % frame]), 1)
+
+    def test_images(self):
+        """Pictures that take longer to draw than there is time between them."""
+        camera = {"width": 2000, "height": 1500, "rate": 90, "samples": 4}
+        for limits, level in (({"images": {"warning": 1}}, WARN),
+                              ({"images": {"warning": 1, "error": 1}}, ERROR)):
+            with self.node(SMALL, limits, camera=camera) as node:
+                Recorder(node.name + "/camera/color/image_raw", Image)
+                values = node.wait(level, "% of the pictures due are drawn", "camera")
+                self.assertGreater(int(values["pictures dropped"]), 0)
+                self.assertIn("pictures per second", values)
+
+
+if __name__ == "__main__":
+    rospy.init_node("diagnostics_test")
+    rostest.rosrun("clothsim", "diagnostics", Diagnostics)
