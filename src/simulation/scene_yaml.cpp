@@ -56,22 +56,21 @@ ClothSpec read_cloth(const YAML::Node& node) {
   const auto read_pins = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
   };
-  read_map(node,
-           {{"width", into(cloth.width)},
-            {"height", into(cloth.height)},
-            {"columns", into(cloth.columns)},
-            {"rows", into(cloth.rows)},
-            {"orientation", read_orientation},
-            {"origin", into(cloth.origin)},
-            {"pinned", read_pins},
-            {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
-            {"ks", into(material.ks)},
-            {"density", into(material.density)},
-            {"damping", into(material.damping)},
-            {"strain_limit", into(material.strain_limit)},
-            {"thickness", into(cloth.thickness)},
-            {"self_collision", into(cloth.self_collision)},
-            {"friction", into(cloth.friction)}});
+  read_map(node, {{"width", into(cloth.width)},
+                  {"height", into(cloth.height)},
+                  {"columns", into(cloth.columns)},
+                  {"rows", into(cloth.rows)},
+                  {"orientation", read_orientation},
+                  {"origin", into(cloth.origin)},
+                  {"pinned", read_pins},
+                  {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
+                  {"ks", into(material.ks)},
+                  {"density", into(material.density)},
+                  {"damping", into(material.damping)},
+                  {"strain_limit", into(material.strain_limit)},
+                  {"thickness", into(cloth.thickness)},
+                  {"self_collision", into(cloth.self_collision)},
+                  {"friction", into(cloth.friction)}});
   return cloth;
 }
 
