@@ -1,7 +1,9 @@
 #include "clothsim/ros/diagnostics.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <string>
+#include <utility>
 
 namespace clothsim_ros {
 namespace {
@@ -23,28 +25,31 @@ std::int8_t level_at_most(double value, const Limit& limit) {
 }
 
 /// What takes most of the time of a node that is late.
-std::string bottleneck(const std::array<double, 3>& cpu) {
-  const std::array<const char*, 3> names = {"calls and live values", "simulating", "publishing"};
-  const auto most = std::max_element(cpu.begin(), cpu.end());
-  const double idle = 1 - std::accumulate(cpu.begin(), cpu.end(), 0.0);
-  if (idle > *most) return "the computer is busy with other work";
-  return std::string("most of the time goes into ") +
-         names[static_cast<size_t>(most - cpu.begin())];
+const char* bottleneck(const TimeShares::Shares& time) {
+  const std::array<std::pair<double, const char*>, 4> uses = {
+      {{time.simulating, "most of its time goes into simulating"},
+       {time.publishing, "most of its time goes into publishing"},
+       {time.serving, "most of its time goes into calls and live values"},
+       {time.kept, "the computer is busy with other work"}}};
+  return std::max_element(uses.begin(), uses.end())->second;
 }
 
 void fill_speed(const NodeStatus& status, const Limit& limit, Wrapper& out) {
   out.add("real-time factor asked", status.factor_asked);
-  for (size_t i = 0; i < status.cpu.size(); ++i) {
-    const std::array<const char*, 3> keys = {"serving", "simulating", "publishing"};
-    out.addf(std::string("CPU for ") + keys[i] + " [%]", "%.1f", 100 * status.cpu[i]);
-  }
+  const auto add_share = [&out](const char* key, double share) {
+    out.addf(std::string("time for ") + key + " [%]", "%.1f", 100 * share);
+  };
+  add_share("simulating", status.time.simulating);
+  add_share("publishing", status.time.publishing);
+  add_share("calls and live values", status.time.serving);
+  add_share("other work of the computer", status.time.kept);
   if (!status.factor_reached) return;
   out.add("real-time factor", *status.factor_reached);
   if (status.factor_asked == 0) return;
   const std::int8_t level = level_at_least(*status.factor_reached / status.factor_asked, limit);
   if (level != DiagnosticStatus::OK) {
     out.mergeSummaryf(static_cast<unsigned char>(level), "real-time factor %.2f of %.2f: %s",
-                      *status.factor_reached, status.factor_asked, bottleneck(status.cpu).c_str());
+                      *status.factor_reached, status.factor_asked, bottleneck(status.time));
   }
 }
 

@@ -81,7 +81,7 @@ void Node::run() {
     // Serve callbacks until the next frame is due.
     const ros::WallDuration wait =
         paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
-    ros::getGlobalCallbackQueue()->callAvailable(std::min(wait, longest_wait));
+    serve(std::min(wait, longest_wait));
     refresh();
     const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
     if (due && is_running()) simulate_frame(Turn::due);
@@ -89,8 +89,17 @@ void Node::run() {
   }
 }
 
+void Node::serve(ros::WallDuration wait) {
+  ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
+  const ros::SteadyTime begin = ros::SteadyTime::now();
+  const bool came = queue.callOne(wait) == ros::CallbackQueue::Called;
+  const ros::WallDuration passed = ros::SteadyTime::now() - begin;
+  time_.idle((came ? std::min(wait, passed) : passed).toSec());
+  queue.callAvailable();
+}
+
 bool Node::simulate_frame(Turn turn) {
-  const CpuShares::Scope scope(cpu_, CpuShares::Use::simulating);
+  const TimeShares::Scope scope(time_, TimeShares::Use::simulating);
   const double frame_duration = simulator_.frame_duration();
   follower_.look_up();
   follower_.move(simulator_);
@@ -118,7 +127,7 @@ bool Node::simulate_frame(Turn turn) {
 }
 
 void Node::publish_frame(const ros::Time& stamp) {
-  const CpuShares::Scope scope(cpu_, CpuShares::Use::publishing);
+  const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   publish_clock();  // first, so that no state comes from the future
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
@@ -126,7 +135,7 @@ void Node::publish_frame(const ros::Time& stamp) {
 }
 
 void Node::refresh() {
-  const CpuShares::Scope scope(cpu_, CpuShares::Use::publishing);
+  const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   outputs_.refresh();
   if (paused_) photographer_.refresh();
 }
@@ -136,6 +145,7 @@ void Node::jump() {
   report_ = {};
   grasper_.follow_grips();
   publish_frame(pacer_.advance_now(simulator_.frame_duration()));
+  rate_.restart(pacer_.seconds());
 }
 
 void Node::publish_clock() {
@@ -157,7 +167,7 @@ void Node::publish_diagnostics() {
   status.failure = failure_;
   status.factor_asked = parameters_.realtime_factor;
   if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());
-  status.cpu = cpu_.take();
+  status.time = time_.take();
   status.report = report_;
   status.strain_limit = simulator_.scene().cloth.material.strain_limit;
   if (simulator_.scene().cloth.self_collision) {

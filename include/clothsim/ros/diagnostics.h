@@ -2,13 +2,13 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/ros/photographer.h"
+#include "clothsim/ros/time_shares.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
@@ -16,10 +16,10 @@ namespace clothsim_ros {
 /// What the node says of itself.
 struct NodeStatus {
   bool paused = false;
-  std::string failure;                    // why the simulation stopped; empty: it did not
-  double factor_asked = 1;                // 0: as fast as possible
-  std::optional<double> factor_reached;   // empty: nothing to measure
-  std::array<double, 3> cpu{};            // by CpuShares::Use
+  std::string failure;                   // why the simulation stopped; empty: it did not
+  double factor_asked = 1;               // 0: as fast as possible
+  std::optional<double> factor_reached;  // empty: nothing to measure
+  TimeShares::Shares time;
   clothsim::StepReport report;            // of the last frame
   std::optional<double> strain_limit;     // empty: off
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for

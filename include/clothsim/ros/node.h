@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/ros/cpu_shares.h"
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
@@ -21,6 +20,7 @@
 #include "clothsim/ros/photographer.h"
 #include "clothsim/ros/reconfigure.h"
 #include "clothsim/ros/state_services.h"
+#include "clothsim/ros/time_shares.h"
 #include "clothsim/ros/view_reconfigure.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -40,6 +40,8 @@ class Node {
   /// A frame that is due by the clock, or one out of turn, from ~step.
   enum class Turn { due, now };
 
+  /// Calls the callbacks that are there, or that come within `wait`.
+  void serve(ros::WallDuration wait);
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
   bool simulate_frame(Turn);
   void publish_frame(const ros::Time& stamp);
@@ -73,7 +75,7 @@ class Node {
   std::optional<Reconfigure> reconfigure_;           // of the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
-  CpuShares cpu_;
+  TimeShares time_;
   StateServices state_services_;
   Diagnostics diagnostics_;
   ros::SteadyTime next_diagnostics_;

@@ -1,0 +1,164 @@
+#!/usr/bin/python3
+"""A node under all that disturbs it keeps its rate or says why not, and its memory does not grow.
+
+Prints what it measures: rate, CPU time and memory in each phase of each cycle.
+"""
+
+import os
+import socket
+import struct
+import sys
+import time
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from dynamic_reconfigure.client import Client
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import MarkerArray
+
+from clothsim.msg import ClothState
+from clothsim.srv import RestoreState, SaveState
+from cloth_client import PATIENCE, Cloth, Recorder, call, wait_for
+
+FRAMES_PER_SECOND = 90
+STORM = 100  # calls of dynamic_reconfigure a second
+COMERS = 20  # subscribers that come and go at once
+KEPT = 0.9  # share of the rate below which the node has to say why
+GROWTH = 4000  # of the memory from the end of the first cycle to that of the last [kB]
+TOPICS = (("/clothsim/state", ClothState), ("/clothsim/points", PointCloud2),
+          ("/clothsim/markers", MarkerArray))
+
+
+class Subscriber:
+    """A connection to a topic of the node that is never read from. (All of rospy's subscribers to a
+    topic share one connection.)"""
+
+    count = 0
+
+    def __init__(self, topic, kind):
+        Subscriber.count += 1
+        me = "/soak_%d" % Subscriber.count
+        node = ServerProxy(rosgraph.Master(me).lookupNode("/clothsim"))
+        code, why, (_, host, port) = node.requestTopic(me, topic, [["TCPROS"]])
+        assert code == 1, why
+        self.socket = socket.create_connection((host, port))
+        fields = ["callerid=" + me, "topic=" + topic, "type=" + kind._type, "md5sum=" + kind._md5sum]
+        header = b"".join(struct.pack("<I", len(f)) + f.encode() for f in fields)
+        self.socket.sendall(struct.pack("<I", len(header)) + header)
+
+    def close(self):
+        self.socket.close()
+
+
+class Process:
+    """The node, as /proc sees it."""
+
+    def __init__(self, name):
+        node = ServerProxy(rosgraph.Master("/soak").lookupNode(name))
+        self.pid = node.getPid("/soak")[2]
+
+    def memory(self):
+        """kB"""
+        with open("/proc/%d/status" % self.pid) as file:
+            return next(int(line.split()[1]) for line in file if line.startswith("VmRSS"))
+
+    def cpu(self):
+        """[s]"""
+        with open("/proc/%d/stat" % self.pid) as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+class Soak(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cycles = rospy.get_param("~cycles")
+        cls.phase = rospy.get_param("~phase")
+        cls.cloth = Cloth()
+        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        wait_for(cls.cloth.states.all, "the first state")
+        cls.process = Process("/clothsim")
+
+    # Each disturbs the node for a while.
+
+    def quiet(self, end):
+        time.sleep(end - time.monotonic())
+
+    def storm(self, end):
+        """Live values change a hundred times a second."""
+        client, calls = Client("/clothsim", timeout=PATIENCE), 0
+        begin = time.monotonic()
+        while time.monotonic() < end:
+            client.update_configuration({"ks": 4000.0 + calls % 2000})
+            calls += 1
+            time.sleep(max(0, begin + calls / STORM - time.monotonic()))
+        client.update_configuration({"ks": 5000.0})
+        client.close()
+        self.note = "%.0f calls/s" % (calls / (end - begin))
+
+    def comers(self, end):
+        """Twenty subscribers come and go."""
+        rounds = 0
+        while time.monotonic() < end:
+            subscribers = [Subscriber(*TOPICS[i % len(TOPICS)]) for i in range(COMERS)]
+            time.sleep(0.2)
+            for subscriber in subscribers:
+                subscriber.close()
+            rounds += 1
+        self.note = "%d times %d" % (rounds, COMERS)
+
+    def stalled(self, end):
+        """A subscriber of each topic that never reads."""
+        subscribers = [Subscriber(*topic) for topic in TOPICS]
+        time.sleep(end - time.monotonic())
+        for subscriber in subscribers:
+            subscriber.close()
+
+    def states(self, end):
+        """States are kept and brought back."""
+        count = 0
+        while time.monotonic() < end:
+            call("/clothsim/save_state", SaveState, "soak")
+            time.sleep(0.02)
+            call("/clothsim/restore_state", RestoreState, "soak")
+            count += 1
+        self.note = "%d times" % count
+
+    def run_phase(self, phase):
+        """Rate [Hz] and memory [kB] while the node is disturbed; it kept its rate, or said why not."""
+        self.note = ""
+        self.diagnostics.clear()
+        self.cloth.states.clear()
+        begin, cpu = time.monotonic(), self.process.cpu()
+        phase(begin + self.phase)
+        passed = time.monotonic() - begin
+        rate = len(self.cloth.states.all()) / passed
+        share = (self.process.cpu() - cpu) / passed
+        said = sorted({s.message for a in self.diagnostics.all() for s in a.status
+                       if s.name == "clothsim: simulation" and s.level != DiagnosticStatus.OK})
+        memory = self.process.memory()
+        print("%-10s %5.1f Hz  %3.0f %% CPU  %6d kB  %s  %s"
+              % (phase.__name__, rate, 100 * share, memory, self.note, "; ".join(said)),
+              file=sys.stderr)
+        return rate, memory, said
+
+    def test_soak(self):
+        afterwards = []  # memory at the end of each cycle
+        for _ in range(self.cycles):
+            for phase in (self.storm, self.comers, self.stalled, self.states, self.quiet):
+                rate, memory, said = self.run_phase(phase)
+                if rate < KEPT * FRAMES_PER_SECOND:
+                    self.assertTrue([m for m in said if m.startswith("real-time factor")],
+                                    "%s at %.1f Hz, and it said %s" % (phase.__name__, rate, said))
+            afterwards.append(memory)
+        print("after each cycle [kB]: %s" % afterwards, file=sys.stderr)
+        self.assertLess(afterwards[-1] - afterwards[0], GROWTH)
+
+
+if __name__ == "__main__":
+    rospy.init_node("soak_test")
+    rostest.rosrun("clothsim", "soak", Soak)
