@@ -1,6 +1,8 @@
 #include "clothsim/ros/parameters.h"
 
+#include <ros/master.h>
 #include <ros/param.h>
+#include <ros/this_node.h>
 
 #include <optional>
 #include <stdexcept>
@@ -44,6 +46,40 @@ void read_optional(const ros::NodeHandle& node, const std::string& key,
   clothsim::inside(key, [&] { read(to_yaml(value)); });
 }
 
+/// Another node that publishes a topic, as the master knows it; empty: there is none.
+std::string other_publisher(const std::string& topic) {
+  XmlRpc::XmlRpcValue request;
+  XmlRpc::XmlRpcValue answer;
+  XmlRpc::XmlRpcValue state;  // publishers, subscribers, services: each [[topic, [node, ...]], ...]
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, answer, state, true)) return "";
+  XmlRpc::XmlRpcValue& publishers = state[0];
+  for (int i = 0; i < publishers.size(); ++i) {
+    if (static_cast<std::string>(publishers[i][0]) != topic) continue;
+    XmlRpc::XmlRpcValue& nodes = publishers[i][1];
+    for (int j = 0; j < nodes.size(); ++j) {
+      const std::string node = nodes[j];
+      if (node != ros::this_node::getName()) return node;
+    }
+  }
+  return "";
+}
+
+/// A node that is to be the source of time has to be heard, and to be the only one.
+void check_clock() {
+  if (!ros::param::param("/use_sim_time", false)) {
+    throw InvalidValue({"publish_clock"}, "true",
+                       "/use_sim_time to be true too: without it no node listens to the clock, "
+                       "and this node's time would not be that of the others");
+  }
+  const std::string other = other_publisher("/clock");
+  if (!other.empty()) {
+    throw InvalidValue({"publish_clock"}, "true",
+                       "no other source of time, but " + other +
+                           " publishes /clock ('rosnode cleanup' forgets nodes that are gone)");
+  }
+}
+
 /// image_transport's parameters stand beside the view's, below the names of the image topics.
 YAML::Node without_topics(YAML::Node camera) {
   if (camera.IsMap())
@@ -81,11 +117,7 @@ NodeParameters read(const ros::NodeHandle& node) {
                        "0 or a number from " + clothsim::to_text(slowest_factor) + " to " +
                            clothsim::to_text(fastest_factor));
   }
-  if (parameters.publish_clock && !ros::param::param("/use_sim_time", false)) {
-    throw InvalidValue({"publish_clock"}, "true",
-                       "/use_sim_time to be true too: without it no node listens to the clock, "
-                       "and this node's time would not be that of the others");
-  }
+  if (parameters.publish_clock) check_clock();
   return parameters;
 }
 

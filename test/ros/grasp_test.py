@@ -42,11 +42,11 @@ class Grasp(unittest.TestCase):
         self.assertGreater(where[:, 2].min(), 0)
         self.assertGreater(where[:, 1].min(), 0.3)  # nothing is left of the near half
 
-        diagnostics.clear()
-        def crossing(array):
-            return next((v.value for s in array.status for v in s.values
-                         if v.key == "intersecting pairs"), None)
-        self.assertEqual(crossing(diagnostics.wait("a count of crossings", crossing)), "0")
+        # Nothing ever crossed, once a second.
+        crossings = [v.value for array in diagnostics.all() for s in array.status
+                     for v in s.values if v.key == "intersecting pairs"]
+        self.assertGreater(len(crossings), 5)
+        self.assertEqual(set(crossings), {"0"})
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ import unittest
 import rospy
 import rostest
 
-from cloth_client import Cloth, content, wait_for
+from clothsim.srv import GetState
+from cloth_client import Cloth, call, content, wait_for
 
 # The cloth is on the sphere by then, so contact and friction are part of what is compared.
 FRAMES = 60
@@ -70,8 +71,8 @@ class Lockstep(unittest.TestCase):
         self.cloth.step(5)
         self.cloth.states.clear()
         self.cloth.reset()
-        start = self.cloth.states.wait("the state after a reset")
-        self.assertEqual((start.step, start.time), (0, 0))
+        start = self.cloth.states.wait("the state after a reset", lambda s: s.step == 0)
+        self.assertEqual(start.time, 0)
         self.assertEqual(set(start.velocities), {0})
 
     def test_pause_stops_and_resume_goes_on(self):
@@ -97,15 +98,21 @@ class Lockstep(unittest.TestCase):
 
     def test_refused(self):
         self.cloth.step(3)
+        before = call("/clothsim/get_state", GetState).state
         answer = self.cloth.try_step(0)
         self.assertFalse(answer.success)
         self.assertIn("frames: got 0", answer.message)
-        self.assertEqual(self.cloth.step(1).step, 4)
+        self.assertEqual(call("/clothsim/get_state", GetState).state, before)
 
+        # While it runs: the frames go on one by one.
+        self.cloth.states.clear()
         self.cloth.pause(False)
-        answer = self.cloth.try_step(1)
+        answer = self.cloth.try_step(1000)
         self.assertFalse(answer.success)
         self.assertIn("pause", answer.message)
+        self.cloth.states.wait("frames", lambda s: s.step > 10)
+        steps = [s.step for s in self.cloth.states.all()]
+        self.assertEqual(steps, list(range(4, 4 + len(steps))))
 
 
 if __name__ == "__main__":

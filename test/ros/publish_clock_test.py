@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """With ~publish_clock the node is the source of time: a frame's worth of it with each state."""
 
+import subprocess
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
 
-from cloth_client import Cloth, Recorder
+from cloth_client import PATIENCE, Cloth, Recorder
 
 NANOSECONDS_A_FRAME = 1e9 / 90
 
@@ -49,6 +51,16 @@ class PublishClock(unittest.TestCase):
             self.assertLess(before.header.stamp, after.header.stamp)
             frames = (after.header.stamp - begin).to_nsec() / NANOSECONDS_A_FRAME
             self.assertAlmostEqual(frames, round(frames), delta=1e-6)
+
+    def test_refuses_a_second_source(self):
+        Cloth().states.wait("a state of the first source")
+        rospy.set_param("/second", {"publish_clock": True, "scene": {"cloth": {"width": 1}}})
+        program = roslib.packages.find_node("clothsim", "clothsim_node")[0]
+        second = subprocess.run([program, "__name:=second"], capture_output=True, text=True,
+                                timeout=PATIENCE)
+        self.assertIn("/second/publish_clock: got true, expected no other source of time, but "
+                      "/clothsim publishes /clock", second.stderr)
+        self.assertGreater(second.returncode, 0)
 
 
 if __name__ == "__main__":

@@ -7,9 +7,13 @@ import unittest
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Clock
+from tf2_ros import StaticTransformBroadcaster
 
-from cloth_client import Cloth, Recorder, wait_for
+from clothsim.srv import Attach, Detach
+from cloth_client import PATIENCE, Cloth, Recorder, call, positions, wait_for
 
 FRAME = 1 / 90  # [s]
 TICK = 0.01  # of the clock [s]
@@ -48,6 +52,7 @@ class SimTime(unittest.TestCase):
         self.assertEqual(self.cloth.states.wait("the start").step, 0)
         self.cloth.pause()
         self.assertEqual(self.cloth.step(2).step, 2)
+        self.frames_and_live_values_without_time()
         self.cloth.reset()
         self.cloth.pause(False)
         self.assertEqual(self.settled().step, 0)
@@ -76,6 +81,32 @@ class SimTime(unittest.TestCase):
         again = self.cloth.states.wait("frames after the jump back",
                                        lambda s: s.step > before + 80)
         self.assertLess(again.header.stamp.to_sec(), 51.001)
+
+    def frames_and_live_values_without_time(self):
+        """Paused, and no time: tf frames are followed, timers run and live values change."""
+        hand = TransformStamped()
+        hand.header.frame_id, hand.child_frame_id = "map", "hand"
+        hand.transform.translation.x, hand.transform.translation.z = 0.5, 1.0
+        hand.transform.rotation.w = 1
+        broadcaster = StaticTransformBroadcaster()
+        broadcaster.sendTransform(hand)
+        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)
+        self.assertTrue(answer.success, answer.message)
+        before = positions(self.cloth.step(1))[1275]
+        hand.transform.translation.z += 0.01
+        broadcaster.sendTransform(hand)
+        time.sleep(0.2)
+        lifted = positions(self.cloth.step(1))[1275]
+        self.assertAlmostEqual(lifted[2] - before[2], 0.01, delta=1e-6)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
+
+        client = Client("/clothsim", timeout=PATIENCE)
+        self.assertEqual(client.update_configuration({"damping": 6.0})["damping"], 6.0)
+        client.update_configuration({"damping": 5.4})
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        for _ in range(2):
+            diagnostics.clear()
+            diagnostics.wait("diagnostics without time")
 
 
 if __name__ == "__main__":
