@@ -1,5 +1,6 @@
 #include "clothsim/render/mesh.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace clothsim {
@@ -63,29 +64,56 @@ Mesh plane_mesh(double extent, int segments) {
   return mesh;
 }
 
-Mesh box_mesh(const Vector3& half_sides) {
+Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
+  // Rows on each round end and on the cylinder between, in proportion to the way along them.
+  const double arc = M_PI / 2 * capsule.radius, way = 2 * arc + capsule.length;
+  const int round = std::max(2, static_cast<int>(std::lround(rows * arc / way)));
+  const int straight = std::max(1, rows - 2 * round);
+
+  Mesh mesh = grid_mesh(columns, 2 * round + straight);
+  for (Eigen::Index i = 0; i < mesh.uv.rows(); ++i) {
+    const double around = 2 * M_PI * mesh.uv(i, 0);
+    const int row = static_cast<int>(i) / (columns + 1);
+    const int below = std::min(row, round);                  // rows so far: lower end,
+    const int along = std::clamp(row - round, 0, straight);  // cylinder,
+    const int above = std::max(row - round - straight, 0);   // upper end
+    const double up = M_PI / 2 * (below + above - round) / round;
+    const Vector3 n(std::cos(up) * std::cos(around), std::cos(up) * std::sin(around), std::sin(up));
+    const double middle = capsule.length * (1.0 * along / straight - 0.5);
+    mesh.normals.row(i) = n;
+    mesh.positions.row(i) = capsule.radius * n + middle * Vector3::UnitZ();
+    mesh.tangents.row(i) << -std::sin(around), std::cos(around), 0;
+    mesh.uv(i, 1) = (arc * (below + above) / round + capsule.length * along / straight) / way;
+  }
+  return mesh;
+}
+
+Mesh box_mesh(const Vector3& half_sides, int segments) {
+  const Mesh face = grid_mesh(segments, segments);
+  const auto count = static_cast<int>(face.uv.rows());
   Mesh mesh;
-  mesh.positions.resize(24, 3);
-  mesh.normals.resize(24, 3);
-  mesh.tangents.resize(24, 3);
-  mesh.uv.resize(24, 2);
-  for (int face = 0; face < 6; ++face) {
+  mesh.positions.resize(6 * count, 3);
+  mesh.normals.resize(6 * count, 3);
+  mesh.tangents.resize(6 * count, 3);
+  mesh.uv = face.uv.replicate(6, 1);
+  for (int side = 0; side < 6; ++side) {
     // Normal along an axis, u and v along the two after it, turned so that u x v is the normal.
-    const int axis = face / 2, sign = face % 2 == 0 ? 1 : -1;
+    const int axis = side / 2, sign = side % 2 == 0 ? 1 : -1;
     const Vector3 normal = sign * Vector3::Unit(axis);
     const Vector3 along_u = sign * Vector3::Unit((axis + 1) % 3),
                   along_v = Vector3::Unit((axis + 2) % 3);
-    for (int corner = 0; corner < 4; ++corner) {
-      const int i = 4 * face + corner, u = corner & 1, v = corner >> 1;
+    const int first = side * count;
+    for (int i = 0; i < count; ++i) {
+      const double u = face.uv(i, 0), v = face.uv(i, 1);
       const Vector3 at = normal + (2 * u - 1) * along_u + (2 * v - 1) * along_v;
-      mesh.positions.row(i) = at.cwiseProduct(half_sides);
-      mesh.normals.row(i) = normal;
-      mesh.tangents.row(i) = along_u;
-      mesh.uv.row(i) << u, v;
+      mesh.positions.row(first + i) = at.cwiseProduct(half_sides);
+      mesh.normals.row(first + i) = normal;
+      mesh.tangents.row(first + i) = along_u;
     }
-    const int i = 4 * face;
-    mesh.triangles.insert(mesh.triangles.end(), {{i, i + 1, i + 3}, {i, i + 3, i + 2}});
-    mesh.lines.insert(mesh.lines.end(), {{i, i + 1}, {i + 1, i + 3}, {i + 3, i + 2}, {i + 2, i}});
+    for (const auto& [a, b, c] : face.triangles) {
+      mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+    for (const auto& [a, b] : face.lines) mesh.lines.push_back({first + a, first + b});
   }
   return mesh;
 }
@@ -93,7 +121,9 @@ Mesh box_mesh(const Vector3& half_sides) {
 Mesh make_mesh(const Shape& shape, int segments, double extent) {
   return std::visit(
       Overloaded{[&](const Sphere& s) { return sphere_mesh(s.radius, segments, segments); },
-                 [&](const Plane&) { return plane_mesh(extent, segments); }},
+                 [&](const Plane&) { return plane_mesh(extent, segments); },
+                 [&](const Capsule& c) { return capsule_mesh(c, segments, segments); },
+                 [&](const Box& b) { return box_mesh(b.size / 2, segments); }},
       shape);
 }
 

@@ -34,6 +34,12 @@ std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<Lin
   return lines;
 }
 
+/// The numbers that make up the size of a shape, three at most.
+Vector3 size_of(const Sphere& sphere) { return {sphere.radius, 0, 0}; }
+Vector3 size_of(const Plane&) { return Vector3::Zero(); }
+Vector3 size_of(const Capsule& capsule) { return {capsule.length, capsule.radius, 0}; }
+Vector3 size_of(const Box& box) { return box.size; }
+
 }  // namespace
 
 bool needs_tangents(const Shading& shading) {
@@ -84,13 +90,19 @@ double ClothObject::dip_below_sphere(const Vector3& center, double radius) const
 }
 
 void ColliderObject::update(const ColliderView& view) {
-  const bool flat = std::holds_alternative<Plane>(view.shape) &&
-                    !std::holds_alternative<Displacement>(view.shading);
+  const bool flat =
+      (std::holds_alternative<Plane>(view.shape) || std::holds_alternative<Box>(view.shape)) &&
+      !std::holds_alternative<Displacement>(view.shading);
   const int segments = flat ? flat_segments : view.segments;
   const auto* sphere = std::get_if<Sphere>(&view.shape);
   sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
-  const std::array<double, 4> wanted{1.0 + static_cast<double>(view.shape.index()),
-                                     sphere_radius_.value_or(0), 1.0 * segments, view.extent};
+  const Vector3 size = std::visit([](const auto& shape) { return size_of(shape); }, view.shape);
+  const std::array<double, 6> wanted{1.0 + static_cast<double>(view.shape.index()),
+                                     size.x(),
+                                     size.y(),
+                                     size.z(),
+                                     1.0 * segments,
+                                     view.extent};
   if (wanted == made_of_) return;
   shape_mesh_ = make_mesh(view.shape, segments, view.extent);
   mesh_.upload_topology(shape_mesh_.uv, shape_mesh_.triangles, shape_mesh_.lines);

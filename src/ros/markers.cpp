@@ -100,28 +100,48 @@ std::array<Marker, 3> make_springs(const clothsim::Cloth& cloth, const clothsim:
   return markers;
 }
 
-void shape_marker(const clothsim::Sphere& sphere, const clothsim::Pose&, Marker& marker) {
-  marker.type = Marker::SPHERE;
-  set_scale(marker, 2 * sphere.radius, 2 * sphere.radius, 2 * sphere.radius);
+/// A solid that RViz can draw, about `center` of its collider's own frame.
+struct Part {
+  int type;
+  clothsim::Vector3 size;
+  clothsim::Vector3 center{0, 0, 0};
+};
+
+std::vector<Part> parts_of(const clothsim::Sphere& sphere) {
+  return {{Marker::SPHERE, clothsim::Vector3::Constant(2 * sphere.radius)}};
 }
 
-void shape_marker(const clothsim::Plane& plane, const clothsim::Pose& pose, Marker& marker) {
-  marker.type = Marker::CUBE;
-  set_scale(marker, plane_size, plane_size, plate_thickness);
-  if (plane.two_sided) return;
-  const clothsim::Vector3 into_solid =
-      pose.orientation * clothsim::Vector3(0, 0, -plate_thickness / 2);
-  marker.pose.position.x += into_solid.x();
-  marker.pose.position.y += into_solid.y();
-  marker.pose.position.z += into_solid.z();
+std::vector<Part> parts_of(const clothsim::Plane& plane) {
+  const double middle = plane.two_sided ? 0 : -plate_thickness / 2;
+  return {{Marker::CUBE, {plane_size, plane_size, plate_thickness}, {0, 0, middle}}};
 }
 
-Marker make_collider(const clothsim::ColliderSpec& collider, const clothsim::Pose& pose, int id,
-                     const std_msgs::Header& header) {
-  Marker marker = make_marker(header, "colliders", id, Marker::SPHERE, color(0.60f, 0.67f, 0.74f));
-  marker.pose = to_pose_msg(pose);
-  std::visit([&](const auto& shape) { shape_marker(shape, pose, marker); }, collider.shape);
-  return marker;
+std::vector<Part> parts_of(const clothsim::Capsule& capsule) {
+  const double width = 2 * capsule.radius;
+  const clothsim::Vector3 end(0, 0, capsule.length / 2);
+  const clothsim::Vector3 ball = clothsim::Vector3::Constant(width);
+  return {{Marker::CYLINDER, {width, width, capsule.length}},
+          {Marker::SPHERE, ball, end},
+          {Marker::SPHERE, ball, -end}};
+}
+
+std::vector<Part> parts_of(const clothsim::Box& box) { return {{Marker::CUBE, box.size}}; }
+
+/// The first part of collider i has the id i, its next ones have i + the number of colliders and so
+/// on: no two are equal.
+void add_collider(const clothsim::Simulator& simulator, int index, const std_msgs::Header& header,
+                  std::vector<Marker>& markers) {
+  const auto& colliders = simulator.scene().colliders;
+  const clothsim::Pose& pose = simulator.collider_pose(index);
+  const clothsim::Shape& shape = colliders[static_cast<size_t>(index)].shape;
+  int id = index;
+  for (const Part& part : std::visit([](const auto& s) { return parts_of(s); }, shape)) {
+    Marker marker = make_marker(header, "colliders", id, part.type, color(0.60f, 0.67f, 0.74f));
+    set_scale(marker, part.size.x(), part.size.y(), part.size.z());
+    marker.pose = to_pose_msg({pose.position + pose.orientation * part.center, pose.orientation});
+    markers.push_back(std::move(marker));
+    id += static_cast<int>(colliders.size());
+  }
 }
 
 Marker make_pins(const clothsim::Cloth& cloth, const clothsim::Points& positions,
@@ -146,8 +166,7 @@ visualization_msgs::MarkerArray make_markers(const clothsim::Simulator& simulato
   }
   const auto& colliders = simulator.scene().colliders;
   for (size_t i = 0; i < colliders.size(); ++i) {
-    const int id = static_cast<int>(i);
-    array.markers.push_back(make_collider(colliders[i], simulator.collider_pose(id), id, header));
+    add_collider(simulator, static_cast<int>(i), header, array.markers);
   }
   if (!cloth.pinned.empty()) array.markers.push_back(make_pins(cloth, positions, header));
   return array;

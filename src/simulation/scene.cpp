@@ -13,17 +13,28 @@ constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range tolerance_range{1e-9, 1, ""};
-constexpr Range radius_range{1e-6, 1e6, "m"};
+constexpr Range size_range{1e-6, 1e6, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
 
 void validate(const Sphere& sphere, const Pose& pose) {
   check_range("center", pose.position, position_range);
-  check_range("radius", sphere.radius, radius_range);
+  check_range("radius", sphere.radius, size_range);
 }
 
 void validate(const Plane&, const Pose& pose) {
   check_range("point", pose.position, position_range);
+}
+
+void validate(const Capsule& capsule, const Pose& pose) {
+  check_range("center", pose.position, position_range);
+  check_range("length", capsule.length, size_range);
+  check_range("radius", capsule.radius, size_range);
+}
+
+void validate(const Box& box, const Pose& pose) {
+  check_range("center", pose.position, position_range);
+  check_range("size", box.size, size_range);
 }
 
 void check_orientation(const Eigen::Quaterniond& orientation) {

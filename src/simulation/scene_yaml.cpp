@@ -84,8 +84,43 @@ Eigen::Quaterniond read_normal(const YAML::Node& node) {
   return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal.stableNormalized());
 }
 
+/// Rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, as in URDF.
+Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
+  const Vector3 angles = read_vector(node);
+  return Eigen::AngleAxisd(angles.z(), Vector3::UnitZ()) *
+         Eigen::AngleAxisd(angles.y(), Vector3::UnitY()) *
+         Eigen::AngleAxisd(angles.x(), Vector3::UnitX());
+}
+
+// The keys of each shape, beside those that all have.
+
+std::vector<Field> shape_fields(Sphere& sphere, Pose& pose) {
+  return {{"center", into(pose.position)}, {"radius", into(sphere.radius)}};
+}
+
+std::vector<Field> shape_fields(Plane& plane, Pose& pose) {
+  return {{"point", into(pose.position)},
+          {"normal", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
+          {"two_sided", into(plane.two_sided)}};
+}
+
+std::vector<Field> shape_fields(Capsule& capsule, Pose& pose) {
+  return {{"center", into(pose.position)},
+          {"axis", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
+          {"length", into(capsule.length)},
+          {"radius", into(capsule.radius)}};
+}
+
+std::vector<Field> shape_fields(Box& box, Pose& pose) {
+  return {
+      {"center", into(pose.position)},
+      {"size", into(box.size)},
+      {"rpy", [&pose](const YAML::Node& node) { pose.orientation = read_roll_pitch_yaw(node); }}};
+}
+
 ColliderSpec read_collider(const YAML::Node& node) {
-  const std::vector<std::string> shapes = {"sphere", "plane"};
+  const std::vector<std::string> shapes = {"sphere", "plane", "capsule", "box"};
+  const std::array<Shape, 4> kinds = {Sphere(), Plane(), Capsule(), Box()};
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
 
   // The shape decides which keys there are.
@@ -98,22 +133,13 @@ ColliderSpec read_collider(const YAML::Node& node) {
                                {"shape", [](const YAML::Node&) {}},
                                {"friction", into(collider.friction)},
                                {"frame", into(collider.frame)}};
-  Sphere sphere = std::get<Sphere>(collider.shape);
-  Plane plane;
-  if (shape == 0) {
-    fields.push_back({"center", into(collider.pose.position)});
-    fields.push_back({"radius", into(sphere.radius)});
-    read_map(node, fields);
-    collider.shape = sphere;
-  } else {
-    fields.push_back({"point", into(collider.pose.position)});
-    fields.push_back({"normal", [&](const YAML::Node& normal) {
-                        collider.pose.orientation = read_normal(normal);
-                      }});
-    fields.push_back({"two_sided", into(plane.two_sided)});
-    read_map(node, fields);
-    collider.shape = plane;
-  }
+  collider.shape = kinds[static_cast<size_t>(shape)];
+  std::visit(
+      [&](auto& kind) {
+        for (Field& field : shape_fields(kind, collider.pose)) fields.push_back(std::move(field));
+      },
+      collider.shape);
+  read_map(node, fields);
   return collider;
 }
 

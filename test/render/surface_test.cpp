@@ -53,7 +53,9 @@ TEST(Surface, TheBitangentOfAClothPointsAlongGrowingV) {
 }
 
 TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
-  for (const Mesh& mesh : {sphere_mesh(0.3, 20, 12), plane_mesh(2, 4), box_mesh({0.1, 0.2, 0.3})}) {
+  for (const Mesh& mesh : {sphere_mesh(0.3, 20, 12), plane_mesh(2, 4), box_mesh({0.1, 0.2, 0.3}),
+                           box_mesh({0.1, 0.2, 0.3}, 5), capsule_mesh({0.5, 0.1}, 12, 20),
+                           capsule_mesh({1e-3, 0.1}, 12, 5)}) {
     for (const auto& t : mesh.triangles) {
       const Vector3 a = mesh.positions.row(t[0]), b = mesh.positions.row(t[1]),
                     c = mesh.positions.row(t[2]);
@@ -75,6 +77,19 @@ TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
       EXPECT_NEAR(mesh.normals.row(i).norm(), 1, 1e-12);
       EXPECT_NEAR(mesh.tangents.row(i).norm(), 1, 1e-12);
       EXPECT_NEAR(mesh.normals.row(i).dot(mesh.tangents.row(i)), 0, 1e-12);
+    }
+  }
+}
+
+TEST(Surface, MeshesOfCapsuleAndBoxLieOnTheirSurface) {
+  for (const Shape& shape : {Shape(Capsule{0.5, 0.1}), Shape(Box{{0.2, 0.3, 0.4}})}) {
+    const Mesh mesh = make_mesh(shape, 16, 1);
+    for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
+      const Vector3 p = mesh.positions.row(i), n = mesh.normals.row(i), out = p + 1e-3 * n;
+      EXPECT_NEAR(signed_distance(shape, p, p).value, 0, 1e-12);
+      EXPECT_NEAR(signed_distance(shape, out, out).value, 1e-3, 1e-12);
+      EXPECT_GE(mesh.uv(i, 1), 0);
+      EXPECT_LE(mesh.uv(i, 1), 1 + 1e-12);
     }
   }
 }

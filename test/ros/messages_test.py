@@ -113,8 +113,8 @@ class Messages(unittest.TestCase):
             if m.points:
                 self.assertTrue(np.isfinite(points(m)).all())
         self.assertEqual(seen, {("surface", 0), ("structural", 0), ("shear", 0), ("bending", 0),
-                                ("colliders", 0), ("colliders", 1), ("colliders", 2),
-                                ("pins", 0)})
+                                ("pins", 0)} |
+                         {("colliders", id) for id in (0, 1, 2, 3, 3 + 5, 3 + 2 * 5, 4)})
 
     def test_markers_show_the_state(self):
         where = positions(self.state)
@@ -141,7 +141,8 @@ class Messages(unittest.TestCase):
             shown("pins"), where[np.asarray(self.topology.pinned, dtype=int)]))
 
     def test_collider_markers(self):
-        ball, ground, sheet = [m for m in self.array.markers if m.ns == "colliders"]
+        ball, ground, sheet, rod, end, other_end, crate = [
+            m for m in self.array.markers if m.ns == "colliders"]
         self.assertEqual(ball.type, Marker.SPHERE)
         self.assertTrue(np.allclose(point(ball.scale), 0.2))
         self.assertTrue(np.allclose(point(ball.pose.position), [0.3, 0.2, 0.5]))
@@ -152,6 +153,23 @@ class Messages(unittest.TestCase):
         face = point(ground.pose.position) + normal * ground.scale.z / 2
         self.assertTrue(np.allclose(face, [0, 0, 0.1], atol=1e-9))
         self.assertTrue(np.allclose(point(sheet.pose.position), [0, 0, -1]))
+
+        # A capsule is a cylinder along its z axis and two balls.
+        self.assertEqual(rod.type, Marker.CYLINDER)
+        self.assertTrue(np.allclose(point(rod.scale), [0.1, 0.1, 0.4]))
+        self.assertTrue(np.allclose(point(rod.pose.position), [2, 0, 0]))
+        q = rod.pose.orientation
+        self.assertTrue(np.allclose([q.x, q.y, q.z, q.w], [0, 0.5**0.5, 0, 0.5**0.5]))
+        for ball, x in ((end, 2.2), (other_end, 1.8)):
+            self.assertEqual(ball.type, Marker.SPHERE)
+            self.assertTrue(np.allclose(point(ball.scale), 0.1))
+            self.assertTrue(np.allclose(point(ball.pose.position), [x, 0, 0]))
+
+        self.assertEqual(crate.type, Marker.CUBE)
+        self.assertTrue(np.allclose(point(crate.scale), [0.1, 0.2, 0.3]))
+        self.assertTrue(np.allclose(point(crate.pose.position), [0, 2, 0]))
+        q = crate.pose.orientation
+        self.assertTrue(np.allclose([q.x, q.y, q.z, q.w], [0, 0, np.sin(0.25), np.cos(0.25)]))
 
     def test_family_switched_off_is_deleted(self):
         client = Client("/clothsim", timeout=PATIENCE)

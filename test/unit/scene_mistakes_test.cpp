@@ -53,6 +53,43 @@ INSTANTIATE_TEST_SUITE_P(
                 "tolerance, max_iterations"}));
 
 INSTANTIATE_TEST_SUITE_P(
+    CapsuleAndBox, SceneMistake,
+    testing::Values(
+        Mistake{"colliders.0={shape: capsule, size: 1}",
+                "colliders.0.size: got an unknown key, expected one of name, shape, friction, "
+                "frame, center, axis, length, radius"},
+        Mistake{"colliders.0={shape: box, radius: 1}",
+                "colliders.0.radius: got an unknown key, expected one of name, shape, friction, "
+                "frame, center, size, rpy"},
+        Mistake{"colliders.0={shape: capsule, radius: 0}",
+                "colliders.0.radius: got 0, expected a number of at least 1e-06 [m]"},
+        Mistake{"colliders.0={shape: capsule, length: -1}",
+                "colliders.0.length: got -1, expected a number of at least 1e-06 [m]"},
+        Mistake{"colliders.0={shape: capsule, length: 1e7}",
+                "colliders.0.length: got 1e+07, expected a number of at most 1e+06 [m]"},
+        Mistake{"colliders.0={shape: capsule, axis: [0, 0, 0]}",
+                "colliders.0.axis: got [0, 0, 0], expected a direction, of a length of at least "
+                "1e-06"},
+        Mistake{"colliders.0={shape: capsule, axis: up}",
+                "colliders.0.axis: got up, expected a list of three numbers"},
+        Mistake{"colliders.0={shape: box, size: [1, 0, 1]}",
+                "colliders.0.size.1: got 0, expected a number of at least 1e-06 [m]"},
+        Mistake{"colliders.0={shape: box, size: [1, 1, -2]}",
+                "colliders.0.size.2: got -2, expected a number of at least 1e-06 [m]"},
+        Mistake{"colliders.0={shape: box, size: [.nan, 1, 1]}",
+                "colliders.0.size.0: got .nan, expected a finite number"},
+        Mistake{"colliders.0={shape: box, size: [1e9, 1, 1]}",
+                "colliders.0.size.0: got 1e+09, expected a number of at most 1e+06 [m]"},
+        Mistake{"colliders.0={shape: box, size: 1}",
+                "colliders.0.size: got 1, expected a list of three numbers"},
+        Mistake{"colliders.0={shape: box, rpy: [0, .inf, 0]}",
+                "colliders.0.rpy.1: got .inf, expected a finite number"},
+        Mistake{"colliders.0={shape: box, rpy: [0, 1]}",
+                "colliders.0.rpy: got [0, 1], expected a list of three numbers"},
+        Mistake{"colliders.0={shape: cone}",
+                "colliders.0.shape: got cone, expected one of sphere, plane, capsule, box"}));
+
+INSTANTIATE_TEST_SUITE_P(
     MethodParameters, SceneMistake,
     testing::Values(
         Mistake{"simulation={method: xpbd, method_parameters: 5}",
@@ -223,9 +260,9 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"cloth.orientation=diagonal",
                 "cloth.orientation: got diagonal, expected one of horizontal, vertical"},
         Mistake{"colliders.0.shape=teapot",
-                "colliders.0.shape: got teapot, expected one of sphere, plane"},
+                "colliders.0.shape: got teapot, expected one of sphere, plane, capsule, box"},
         Mistake{"colliders.0={name: ball}",
-                "colliders.0.shape: got nothing, expected one of sphere, plane"},
+                "colliders.0.shape: got nothing, expected one of sphere, plane, capsule, box"},
         Mistake{"colliders.0.name=''",
                 "colliders.0.name: got \"\" (text), expected a text that is not empty"},
         Mistake{"colliders.0.frame=''",

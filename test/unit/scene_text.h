@@ -82,6 +82,13 @@ inline std::string print(const Scene& scene) {
     print_vector((normal * 1e12).array().round() * 1e-12 + 0.0);  // without rounding errors
     if (const auto* sphere = std::get_if<Sphere>(&collider.shape)) out << sphere->radius;
     if (const auto* plane = std::get_if<Plane>(&collider.shape)) out << plane->two_sided;
+    if (const auto* capsule = std::get_if<Capsule>(&collider.shape)) {
+      out << capsule->length << ' ' << capsule->radius;
+    }
+    if (const auto* box = std::get_if<Box>(&collider.shape)) {
+      print_vector(box->size);
+      print_vector(collider.pose.orientation * Vector3::UnitX());
+    }
   }
   out << ' ';
   print_vector(scene.simulation.gravity);

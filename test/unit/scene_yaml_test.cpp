@@ -119,6 +119,35 @@ TEST(SceneYaml, PlaneTurnsItsZAxisToTheNormal) {
   }
 }
 
+TEST(SceneYaml, CapsuleTurnsItsZAxisToTheAxis) {
+  const Scene scene = read_changed(
+      {"colliders.0={shape: capsule, center: [1, 2, 3], axis: [0, -2, 0], length: 0.5, radius: "
+       "0.03}"});
+  const ColliderSpec& rod = scene.colliders[0];
+  EXPECT_EQ(rod.name, "capsule");
+  EXPECT_EQ(std::get<Capsule>(rod.shape).length, 0.5);
+  EXPECT_EQ(std::get<Capsule>(rod.shape).radius, 0.03);
+  EXPECT_EQ(rod.pose.position, Vector3(1, 2, 3));
+  EXPECT_LT((rod.pose.orientation * Vector3::UnitZ() + Vector3::UnitY()).norm(), 1e-12);
+}
+
+TEST(SceneYaml, BoxIsTurnedByRollThenPitchThenYawAboutFixedAxes) {
+  const auto turned = [](const std::string& rpy) {
+    const Scene scene =
+        read_changed({"colliders.0={shape: box, size: [1, 2, 3], rpy: " + rpy + "}"});
+    EXPECT_EQ(std::get<Box>(scene.colliders[0].shape).size, Vector3(1, 2, 3));
+    return scene.colliders[0].pose.orientation;
+  };
+  const double quarter = M_PI / 2;
+  const std::string q = std::to_string(quarter);
+  EXPECT_LT((turned("[" + q + ", 0, 0]") * Vector3::UnitY() - Vector3::UnitZ()).norm(), 1e-5);
+  EXPECT_LT((turned("[0, " + q + ", 0]") * Vector3::UnitZ() - Vector3::UnitX()).norm(), 1e-5);
+  EXPECT_LT((turned("[0, 0, " + q + "]") * Vector3::UnitX() - Vector3::UnitY()).norm(), 1e-5);
+  // Roll takes y to z, and pitch then z to x.
+  EXPECT_LT((turned("[" + q + ", " + q + ", 0]") * Vector3::UnitY() - Vector3::UnitX()).norm(),
+            1e-5);
+}
+
 // ---- override_value
 
 TEST(OverrideValue, ReplacesAndAdds) {

@@ -58,6 +58,8 @@ const std::vector<Map> fixed_maps = {
     {{"cloth.springs"}, "cloth: {springs: {", "}}"},
     {{"colliders", "colliders: sphere"}, "{cloth: {}, colliders: [{shape: sphere, ", "}]}"},
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},
+    {{"colliders", "colliders: capsule"}, "{cloth: {}, colliders: [{shape: capsule, ", "}]}"},
+    {{"colliders", "colliders: box"}, "{cloth: {}, colliders: [{shape: box, ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
 };
 
@@ -144,7 +146,7 @@ TEST(ScenesDoc, HasTheRangesAndUnits) {
     const std::string min = row.range.substr(0, to), max = row.range.substr(to + 4);
     const bool is_vector = row.type == "[x, y, z]";
     const auto scene = [&](const std::string& value) {
-      const std::string text = is_vector ? "[0, " + value + ", 0]" : value;
+      const std::string text = is_vector ? "[" + value + ", " + value + ", " + value + "]" : value;
       return map.before + row.key + ": " + text + map.after;
     };
     EXPECT_EQ(refusal(scene(min)), "accepted");

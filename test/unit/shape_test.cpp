@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace clothsim {
 namespace {
@@ -11,6 +12,28 @@ namespace {
 const Shape ball = Sphere{0.5};
 const Shape ground = Plane{};
 const Shape sheet = Plane{true};
+const Shape rod = Capsule{0.8, 0.2};
+const Shape crate = Box{{1.2, 0.8, 0.4}};
+const Shape solids[] = {ball, rod, crate};
+
+/// Points on the surface of a box, so many along each side.
+std::vector<Vector3> surface_of(const Box& box, int count) {
+  std::vector<Vector3> points;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i <= count; ++i) {
+      for (int j = 0; j <= count; ++j) {
+        Vector3 p;
+        p[axis] = box.size[axis] / 2;
+        p[(axis + 1) % 3] = box.size[(axis + 1) % 3] * (1.0 * i / count - 0.5);
+        p[(axis + 2) % 3] = box.size[(axis + 2) % 3] * (1.0 * j / count - 0.5);
+        points.push_back(p);
+        p[axis] *= -1;
+        points.push_back(p);
+      }
+    }
+  }
+  return points;
+}
 
 TEST(Shape, SphereDistance) {
   const Vector3 p(0.6, 0, 0.8);
@@ -40,11 +63,58 @@ TEST(Shape, TwoSidedPlaneIsSolidBeyondWhereThePointCameFrom) {
   EXPECT_EQ(signed_distance(sheet, up, down).normal, -Vector3::UnitZ());
 }
 
+TEST(Shape, CapsuleDistanceIsThatOfTheNearestBallAlongItsAxis) {
+  std::mt19937_64 engine(3);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  for (int n = 0; n < 200; ++n) {
+    const Vector3 p(draw(engine), draw(engine), draw(engine));
+    double nearest = 10;
+    for (int i = 0; i <= 20000; ++i) {
+      nearest = std::min(nearest, (p - Vector3(0, 0, 0.8 * (i / 20000.0 - 0.5))).norm());
+    }
+    EXPECT_NEAR(signed_distance(rod, p, p).value, nearest - 0.2, 1e-7);
+  }
+}
+
+TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
+  const std::vector<Vector3> surface = surface_of(std::get<Box>(crate), 120);
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  int inside = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vector3 p(draw(engine), draw(engine), 0.5 * draw(engine));
+    double nearest = 10;
+    for (const Vector3& q : surface) nearest = std::min(nearest, (p - q).norm());
+    const bool within = (p.cwiseAbs().array() < Eigen::Array3d(0.6, 0.4, 0.2)).all();
+    inside += within;
+    const double value = signed_distance(crate, p, p).value;
+    EXPECT_EQ(value < 0, within);
+    EXPECT_LE(std::abs(value), nearest + 1e-12);
+    EXPECT_GT(std::abs(value), nearest - 0.0075) << "the points are 0.01 m apart";
+  }
+  EXPECT_GT(inside, 10);
+}
+
+TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
+  for (const Vector3& p :
+       {Vector3(0, 0, 0), Vector3(0, 0, 0.4), Vector3(0, 0, -0.4), Vector3(0, 0, 0.1),
+        Vector3(0.6, 0.4, 0.2), Vector3(-0.6, 0, 0), Vector3(0.6, -0.4, 0), Vector3(0.4, 0.2, 0)}) {
+    for (const Shape& shape : {ball, rod, crate}) {
+      const Distance d = signed_distance(shape, p, p);
+      EXPECT_TRUE(std::isfinite(d.value));
+      EXPECT_NEAR(d.normal.norm(), 1, 1e-15) << p.transpose();
+      // It leads out: a step along it gains as much.
+      const Vector3 out = p + 1e-3 * d.normal;
+      EXPECT_NEAR(signed_distance(shape, out, out).value - d.value, 1e-3, 1e-12) << p.transpose();
+    }
+  }
+}
+
 TEST(Shape, NormalIsTheGradientOfTheDistance) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> draw(-1, 1);
-  for (const Shape& shape : {ball, ground, sheet}) {
-    for (int n = 0; n < 50; ++n) {
+  for (const Shape& shape : {ball, ground, sheet, rod, crate}) {
+    for (int n = 0; n < 200; ++n) {
       const Vector3 p(draw(engine), draw(engine), draw(engine));
       const Distance d = signed_distance(shape, p, p);
       EXPECT_NEAR(d.normal.norm(), 1, 1e-14);
@@ -56,6 +126,45 @@ TEST(Shape, NormalIsTheGradientOfTheDistance) {
         EXPECT_NEAR(d.normal[axis], slope, 1e-8);
       }
     }
+  }
+}
+
+TEST(Shape, EntryPointIsWhereFineStepsAlongThePathComeWithinTheOffset) {
+  std::mt19937_64 engine(5);
+  std::uniform_real_distribution<double> draw(-1.5, 1.5);
+  const double offset = 0.01;
+  for (const Shape& shape : solids) {
+    int hits = 0, misses = 0;
+    for (int n = 0; n < 1500; ++n) {
+      const Vector3 from(draw(engine), draw(engine), draw(engine));
+      const Vector3 to(draw(engine), draw(engine), draw(engine));
+      const auto entry = entry_point(shape, from, to, offset);
+      if (signed_distance(shape, from, from).value < 0) {
+        EXPECT_FALSE(entry);
+        continue;
+      }
+      double nearest = 10, first = 2;
+      for (int i = 0; i <= 2000; ++i) {
+        const double t = i / 2000.0;
+        const Vector3 p = from + t * (to - from);
+        const double d = signed_distance(shape, p, p).value;
+        nearest = std::min(nearest, d);
+        if (d <= offset) first = std::min(first, t);
+      }
+      if (std::abs(nearest - offset) < 0.01) continue;  // it grazes, or meets an edge grown square
+      ASSERT_EQ(entry.has_value(), nearest < offset) << shape.index() << ' ' << n;
+      ++(entry ? hits : misses);
+      if (!entry) continue;
+      const double t = (*entry - from).dot(to - from) / (to - from).squaredNorm();
+      EXPECT_NEAR((from + t * (to - from) - *entry).norm(), 0, 1e-12) << "off the path";
+      EXPECT_LT(t, first + 1e-12);
+      EXPECT_LT(signed_distance(shape, *entry, *entry).value, 1.75 * offset);
+      if (signed_distance(shape, from, from).value > offset) {
+        EXPECT_GT(signed_distance(shape, *entry, *entry).value, offset - 1e-9);
+      }
+    }
+    EXPECT_GT(hits, 50);
+    EXPECT_GT(misses, 50);
   }
 }
 
@@ -104,8 +213,12 @@ TEST(Shape, EntryPointOfDegeneratePaths) {
 TEST(Shape, BoundsHoldTheSolid) {
   EXPECT_EQ(bounding_radius(ball), 0.5);
   EXPECT_TRUE(std::isinf(bounding_radius(ground)));
+  EXPECT_NEAR(bounding_radius(rod), 0.6, 1e-15);
+  EXPECT_NEAR(bounding_radius(crate), std::sqrt(0.36 + 0.16 + 0.04), 1e-15);
   EXPECT_LE(safe_depth(ball), 0.5);
-  EXPECT_GT(safe_depth(ball), 0);
+  EXPECT_LE(safe_depth(rod), 0.2);
+  EXPECT_LE(safe_depth(crate), 0.2);
+  for (const Shape& shape : solids) EXPECT_GT(safe_depth(shape), 0);
 }
 
 }  // namespace

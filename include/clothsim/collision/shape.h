@@ -24,17 +24,30 @@ struct Plane {
   bool two_sided = false;
 };
 
-using Shape = std::variant<Sphere, Plane>;
+/// All within `radius` of the z axis of its own frame from -length / 2 to length / 2.
+struct Capsule {
+  double length = 0.4;  // [m] between the centres of its round ends
+  double radius = 0.1;  // [m]
+};
+
+/// Box about the origin of its own frame, along its axes.
+struct Box {
+  Vector3 size{0.4, 0.4, 0.4};  // [m]
+};
+
+using Shape = std::variant<Sphere, Plane, Capsule, Box>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point
-/// came from; a two-sided plane is solid beyond itself as seen from there. At the centre of a
-/// sphere the normal is +z.
+/// came from; a two-sided plane is solid beyond itself as seen from there. Where the nearest
+/// surface is not one alone the normal is one of those possible: +z at the centre of a sphere, +x
+/// on the axis of a capsule, the first axis of those nearest in a box.
 Distance signed_distance(const Shape&, const Vector3& point, const Vector3& side);
 
 /// Where a point that moves in a straight line `from` -> `to`, in the shape's own frame, comes
 /// within `offset` [m] of the surface from outside; `from` where it is that near already and moves
-/// in. Empty where it stays out or starts in the solid. A plane has no far side to come out of:
-/// always empty, its signed distance tells all.
+/// in. Empty where it stays out or starts in the solid. A box is grown by the offset without
+/// rounding its edges. A plane has no far side to come out of: always empty, its signed distance
+/// tells all.
 std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vector3& to,
                                    double offset);
 

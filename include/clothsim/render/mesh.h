@@ -19,8 +19,9 @@ struct Mesh {
 };
 
 /// Mesh of `shape` in its own frame, `segments` around and along. A sphere's u goes around +z and
-/// its v from pole to pole; a plane is a square of side `extent` [m] about the origin, u and v in
-/// metres along x and y, so that textures repeat.
+/// its v from pole to pole, those of a capsule likewise, v in proportion to the way; a box has u
+/// and v from 0 to 1 on each face; a plane is a square of side `extent` [m] about the origin, u and
+/// v in metres along x and y, so that textures repeat.
 Mesh make_mesh(const Shape& shape, int segments, double extent);
 
 /// Sphere of columns x rows faces. Vertices lie on the sphere.
@@ -29,7 +30,10 @@ Mesh sphere_mesh(double radius, int columns, int rows);
 /// Square z = 0 with normal +z of segments x segments faces.
 Mesh plane_mesh(double extent, int segments);
 
-/// Box about the origin, six faces of two triangles; on each face u and v run from 0 to 1.
-Mesh box_mesh(const Vector3& half_sides);
+/// Capsule of columns x at least `rows` faces, of about one size along.
+Mesh capsule_mesh(const Capsule&, int columns, int rows);
+
+/// Box about the origin with segments x segments faces on each side.
+Mesh box_mesh(const Vector3& half_sides, int segments = 1);
 
 }  // namespace clothsim

@@ -44,7 +44,7 @@ class ColliderObject {
   GpuMesh mesh_;
   Mesh shape_mesh_;
   std::optional<double> sphere_radius_;
-  std::array<double, 4> made_of_{};  // kind, size, segments and extent of the mesh
+  std::array<double, 6> made_of_{};  // kind, size, segments and extent of the mesh
 };
 
 /// Whether the shading looks at tangents.

@@ -23,7 +23,7 @@ struct Background {
 };
 
 /// A collider as it is seen. A plane is drawn as a square about the origin of its own frame; it
-/// takes its segments for displacement only.
+/// and a box take their segments for displacement only.
 struct ColliderView {
   Shape shape = Sphere{0.2};
   Pose pose;  // of the shape's own frame in the world
