@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <tuple>
 
 namespace clothsim {
 namespace {
 
-/// A point in the frame of a collider.
-Vector3 to_local(const Pose& pose, const Vector3& point) {
-  return pose.orientation.conjugate() * (point - pose.position);
-}
+/// A turn within a step that is so small is taken as a straight way in the collider's frame [rad].
+constexpr double smallest_turn = 0.1;
 
 Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
+
+Vector3 to_world(const Pose& pose, const Vector3& local) {
+  return pose.position + pose.orientation * local;
+}
 
 /// Bounds of a cloth on its way through a step.
 Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
@@ -41,155 +42,271 @@ bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, do
   return (plane && plane->two_sided ? std::abs(middle) : middle) - spread <= margin;
 }
 
-/// Where a point that may have passed through the shape in one step came in.
-std::optional<Vector3> swept_entry(const Shape& shape, const Vector3& from, const Vector3& to) {
-  const double depth = safe_depth(shape);
+/// Where a point that may have passed through the shape in one step came in, in the collider's own
+/// frame at the step's end.
+std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3& from,
+                                   const Vector3& to, double offset) {
+  const double depth = safe_depth(collider.shape());
+  const double turn = collider.last_turn();
   if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
-  return entry_point(shape, from, to, surface_offset);
+  if (turn <= smallest_turn) return entry_point(collider.shape(), from, to, offset);
+
+  // Its way is bent in a frame that turns: piece by piece.
+  const Vector3 start = to_world(collider.previous(), from), end = to_world(collider.pose(), to);
+  const int pieces = static_cast<int>(std::ceil(turn / smallest_turn));
+  Vector3 last = from;
+  for (int i = 1; i <= pieces; ++i) {
+    const double share = static_cast<double>(i) / pieces;
+    const Vector3 next = to_local(collider.pose_at(share), start + share * (end - start));
+    const auto entry = entry_point(collider.shape(), last, next, offset);
+    if (entry) return entry;
+    last = next;
+  }
+  return std::nullopt;
+}
+
+/// Distance of a point from the surface at the step's start, 0 where it was outside [m].
+double depth_before(const Shape& shape, const Vector3& from) {
+  return std::min(0.0, signed_distance(shape, from, from).value);
+}
+
+/// Direction in which a piece of cloth, of which `held` are the points, leaves a solid about the
+/// origin: square to the piece, away from the middle.
+Vector3 way_out(const Cloth& cloth, const Points& points, const std::vector<char>& held) {
+  Vector3 normal(0, 0, 0), middle(0, 0, 0);
+  for (const auto& [a, b, c] : cloth.triangles) {
+    if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
+        !held[static_cast<std::size_t>(c)]) {
+      continue;
+    }
+    normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
+  }
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (held[static_cast<std::size_t>(i)]) middle += row(points, i);
+  }
+  if (normal.norm() == 0) normal = middle;
+  if (normal.norm() == 0) normal = Vector3::UnitZ();
+  return (normal.dot(middle) < 0 ? -1 : 1) * normal.normalized();
 }
 
 }  // namespace
 
 void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                             double h, double reach, const Points& start, const Points& drifted,
-                             State& state) {
-  const double scale = h_ > 0 ? h / h_ : 0;
-  h_ = h;
+                             const ContactStep& step, State& state) {
+  const double scale = h_ > 0 ? step.h / h_ : 0;
+  h_ = step.h;
   last_.swap(contacts_);
   contacts_.clear();
+  next_last_ = 0;
+  faces_.start_over();
+  escapes_.clear();
+  recovers_ = false;
   if (colliders.empty()) return;
 
-  const Eigen::AlignedBox3d box = bounds(start, state.positions);
+  const Eigen::AlignedBox3d box = bounds(step.start, state.positions);
   const double fastest = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
-  std::size_t kept = 0;
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
-    const Vector3 box_speed = collider.velocity_at(box.center());
-    if (!in_reach(collider, box, h * (fastest + box_speed.norm()) + surface_offset)) continue;
+    const Clearance keeps = clearance(collider.shape(), cloth);
+    const double margin = step.h * (fastest + collider.fastest_in(box)) + keeps.points;
+    if (!in_reach(collider, box, margin)) continue;
 
-    for (int i = 0; i < cloth.num_points(); ++i) {
-      if (cloth.inv_mass[i] == 0) continue;
-      const Vector3 from = to_local(collider.previous(), row(start, i));
-      Vector3 to = to_local(collider.pose(), row(state.positions, i));
-
-      // A point that may have passed through stops where it came in.
-      const auto entry = swept_entry(collider.shape(), from, to);
-      if (entry) {
-        to = *entry;
-        state.positions.row(i) =
-            (collider.pose().position + collider.pose().orientation * to).transpose();
-      }
-
-      // The gap this step would leave if the point only followed the surface.
-      const Distance d = signed_distance(collider.shape(), to, from);
-      const Vector3 normal = collider.pose().orientation * d.normal;
-      const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
-      const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
-      const double drift = normal.dot(row(drifted, i) - surface_velocity);
-      const double gap = d.value - surface_offset - reach * h * drift;
-      const double slowest = entry ? 0 : -std::max(gap, 0.0) / h;
-      // The impulse that ends its approach will carry it on to where it came in.
-      if (entry && drift < 0) state.positions.row(i) += reach * h * drift * normal.transpose();
-
-      // The last step's impulse, if it was in contact.
-      const auto id = std::make_tuple(k, i);
-      while (kept < last_.size() && std::make_tuple(last_[kept].collider, last_[kept].point) < id) {
-        ++kept;
-      }
-      const bool held = kept < last_.size() && last_[kept].collider == k &&
-                        last_[kept].point == i && last_[kept].push > 0;
-      // Others may yet push a point on the surface into it.
-      if (!held && rate >= slowest && gap > 0) continue;
-
-      Contact contact{k, i, normal, surface_velocity, slowest, collider.friction()};
-      if (held) {
-        contact.push = scale * last_[kept].push;
-        const Vector3 drag = scale * last_[kept].drag;
-        contact.drag = drag - normal.dot(drag) * normal;
-        state.velocities.row(i) += (contact.push * normal + contact.drag).transpose();
-      }
-      contacts_.push_back(contact);
+    const std::size_t first = contacts_.size(), first_face = faces_.size();
+    std::vector<std::size_t> caught;
+    std::vector<CaughtFace> caught_faces;
+    local_.place(collider, step.start, state.positions);
+    double deepest = find_points(k, collider, cloth, step, keeps.points, state, caught);
+    if (keeps.faces) {
+      faces_.find(k, collider, cloth, step, margin, local_, state, caught_faces);
     }
+    for (const CaughtFace& face : caught_faces) deepest = std::max(deepest, face.depth);
+    recovers_ = recovers_ || deepest > 0;
+    if (deepest > safe_depth(collider.shape())) {
+      escape(k, collider, cloth, caught, caught_faces);
+    }
+
+    for (std::size_t i = first; i < contacts_.size(); ++i) {
+      ContactImpulse& impulse = contacts_[i].impulse;
+      if (impulse.push == 0) continue;
+      impulse.resume(impulse, scale);
+      state.velocities.row(contacts_[i].point) += impulse.total().transpose();
+    }
+    faces_.resume(cloth, scale, first_face, state.velocities);
   }
 }
 
-double ColliderContacts::sweep(Points& velocities) {
+double ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
+                                     const ContactStep& step, double offset, State& state,
+                                     std::vector<std::size_t>& caught) {
+  const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
+  double deepest = 0;
+  local_.distance.resize(cloth.num_points());
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const Vector3 from = row(local_.from, i);
+    Vector3 to = row(local_.to, i);
+    if (cloth.inv_mass[i] == 0) {
+      local_.distance[i] = signed_distance(collider.shape(), to, from).value;
+      continue;
+    }
+
+    // A point that may have passed through stops where it came in.
+    const auto entry = swept_entry(collider, from, to, offset);
+    if (entry) {
+      to = *entry;
+      local_.to.row(i) = to.transpose();
+      state.positions.row(i) = to_world(collider.pose(), to).transpose();
+    }
+
+    // The gap this step would leave if the point only followed the surface.
+    const Distance d = signed_distance(collider.shape(), to, from);
+    local_.distance[i] = d.value;
+    const Vector3 normal = turn * d.normal;
+    const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
+    const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
+    const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
+    const double gap = d.value - offset - step.reach * step.h * drift;
+    const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
+    // The impulse that ends its approach will carry it on to where it came in.
+    if (entry && drift < 0)
+      state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
+
+    // The last step's impulse, if it was in contact.
+    const auto id = std::make_tuple(index, i);
+    const auto id_of = [](const Contact& c) { return std::make_tuple(c.collider, c.point); };
+    while (next_last_ < last_.size() && id_of(last_[next_last_]) < id) ++next_last_;
+    const bool held = next_last_ < last_.size() && id_of(last_[next_last_]) == id &&
+                      last_[next_last_].impulse.push > 0;
+    // Others may yet push a point on the surface into it.
+    if (!held && rate >= slowest && gap > 0) continue;
+
+    if (d.value < 0) {
+      const double depth = -depth_before(collider.shape(), from);
+      if (depth > 0) caught.push_back(contacts_.size());
+      deepest = std::max(deepest, depth);
+    }
+    contacts_.push_back({index, i, {normal, surface_velocity, slowest, collider.friction()}});
+    if (held) contacts_.back().impulse.resume(last_[next_last_].impulse, 1);
+  }
+  return deepest;
+}
+
+void ColliderContacts::escape(int index, const MovingCollider& collider, const Cloth& cloth,
+                              const std::vector<std::size_t>& points,
+                              const std::vector<CaughtFace>& faces) {
+  Escape out{index, {}, std::vector<char>(static_cast<std::size_t>(cloth.num_points()), 0)};
+  for (const std::size_t contact : points) {
+    out.held[static_cast<std::size_t>(contacts_[contact].point)] = 1;
+  }
+  for (const CaughtFace& face : faces) {
+    for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
+      out.held[static_cast<std::size_t>(i)] = 1;
+    }
+  }
+  out.direction = way_out(cloth, local_.from, out.held);
+  const Vector3 direction = collider.pose().orientation * out.direction;
+  for (const std::size_t contact : points) contacts_[contact].impulse.normal = direction;
+  for (const CaughtFace& face : faces) faces_.redirect(face.contact, direction);
+  escapes_.push_back(std::move(out));
+}
+
+double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
-    Vector3 v = row(velocities, c.point) - c.surface_velocity;
-
-    // Off the surface, or towards it no faster than the gap allows.
-    const double rate = c.normal.dot(v);
-    const double push = std::max(0.0, c.push + c.slowest - rate);
-    Vector3 change = (push - c.push) * c.normal;
-    c.push = push;
-
-    // Against sliding, as far as Coulomb's cone reaches.
-    Vector3 drag = c.drag - (v - rate * c.normal);
-    const double strongest = c.friction * push;
-    const double length = drag.norm();
-    if (length > strongest) drag *= strongest / length;
-    change += drag - c.drag;
-    c.drag = drag;
-
+    const Vector3 change = c.impulse.update(row(velocities, c.point), 1);
     velocities.row(c.point) += change.transpose();
     residual2 = std::max(residual2, change.squaredNorm());
   }
-  return std::sqrt(residual2) * h_;
+  return std::max(std::sqrt(residual2), faces_.sweep(cloth, velocities)) * h_;
 }
 
 void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                               const Points& start, Points& positions) const {
+                               const Points& start, Points& positions) {
   const Eigen::AlignedBox3d box = bounds(start, positions);
-  for (const MovingCollider& collider : colliders) {
-    if (!in_reach(collider, box, surface_offset)) continue;
+  for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
+    const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
+    const Clearance keeps = clearance(collider.shape(), cloth);
+    if (!in_reach(collider, box, keeps.points)) continue;
+
+    const auto escape = std::find_if(escapes_.begin(), escapes_.end(),
+                                     [&](const Escape& e) { return e.collider == k; });
+    local_.place(collider, start, positions);
+    local_.distance.resize(cloth.num_points());
+    std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
     for (int i = 0; i < cloth.num_points(); ++i) {
-      if (cloth.inv_mass[i] == 0) continue;
-      const Vector3 from = to_local(collider.previous(), row(start, i));
-      Vector3 to = to_local(collider.pose(), row(positions, i));
-      const auto entry = swept_entry(collider.shape(), from, to);
+      const Vector3 from = row(local_.from, i);
+      Vector3 to = row(local_.to, i);
+      const auto entry =
+          cloth.inv_mass[i] > 0 ? swept_entry(collider, from, to, keeps.points) : std::nullopt;
       if (entry) to = *entry;
       const Distance d = signed_distance(collider.shape(), to, from);
-      if (!entry && d.value >= surface_offset) continue;
-      to += std::max(0.0, surface_offset - d.value) * d.normal;
-      positions.row(i) = (collider.pose().position + collider.pose().orientation * to).transpose();
+      local_.distance[i] = d.value;
+      if (cloth.inv_mass[i] == 0) continue;
+
+      const bool escapes = escape != escapes_.end() && escape->held[static_cast<std::size_t>(i)];
+      if (escapes) {
+        const double way = escape->direction.dot(to - from);
+        to += std::max(0.0, recovery_speed * h_ - way) * escape->direction;
+      } else if (d.value < keeps.points) {
+        const double before = depth_before(collider.shape(), from);
+        const double wanted = required_distance(before, keeps.points, h_);
+        to += std::max(0.0, wanted - d.value) * d.normal;
+      } else if (!entry) {
+        continue;
+      }
+      local_.to.row(i) = to.transpose();
+      local_.distance[i] = signed_distance(collider.shape(), to, from).value;
+      moved[static_cast<std::size_t>(i)] = 1;
+    }
+    if (keeps.faces) {
+      const std::vector<char> none;
+      faces_.correct(collider, cloth, h_, escape != escapes_.end() ? escape->held : none, local_,
+                     moved);
+    }
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      if (!moved[static_cast<std::size_t>(i)]) continue;
+      positions.row(i) = to_world(collider.pose(), row(local_.to, i)).transpose();
     }
   }
 }
 
-int ColliderContacts::count() const {
+int ColliderContacts::points_count() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const Contact& c) { return c.push > 0; }));
+                                        [](const Contact& c) { return c.impulse.push > 0; }));
 }
+
+int ColliderContacts::count() const { return points_count() + faces_.count(); }
 
 void ColliderContacts::reset() {
   contacts_.clear();
+  faces_.reset();
   h_ = 0;
 }
 
 void ColliderContacts::write(MemoryWriter& memory) const {
   memory.add(h_);
-  memory.add(count());
+  memory.add(points_count());
   for (const Contact& c : contacts_) {
-    if (c.push == 0) continue;
+    if (c.impulse.push == 0) continue;
     memory.add(c.collider);
     memory.add(c.point);
-    memory.add(c.push);
-    memory.add(c.drag);
+    memory.add(c.impulse.push);
+    memory.add(c.impulse.drag);
   }
+  faces_.write(memory);
 }
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
   reset();
   h_ = std::max(0.0, memory.number());
   for (std::size_t left = memory.count(); left > 0; --left) {
-    const int collider = memory.index(colliders);
-    const int point = memory.index(static_cast<std::size_t>(cloth.num_points()));
-    Contact c{collider, point, Vector3::Zero(), Vector3::Zero(), 0, 0};
-    c.push = std::max(0.0, memory.number());
-    c.drag = memory.vector();
+    Contact c{};
+    c.collider = memory.index(colliders);
+    c.point = memory.index(static_cast<std::size_t>(cloth.num_points()));
+    c.impulse.push = std::max(0.0, memory.number());
+    c.impulse.drag = memory.vector();
     contacts_.push_back(c);
   }
+  faces_.read(memory, colliders, cloth);
 }
 
 }  // namespace clothsim

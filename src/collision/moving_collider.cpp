@@ -3,6 +3,16 @@
 #include <algorithm>
 
 namespace clothsim {
+namespace {
+
+/// An orientation after a turn by a vector of axis times angle [rad].
+Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return orientation;
+  return (Eigen::AngleAxisd(angle, turn / angle) * orientation).normalized();
+}
+
+}  // namespace
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
     : shape_(spec.shape), friction_(spec.friction) {
@@ -11,6 +21,7 @@ MovingCollider::MovingCollider(const ColliderSpec& spec)
 
 void MovingCollider::place(const Pose& pose) {
   pose_ = previous_ = target_ = pose;
+  last_turn_.setZero();
   velocity_.setZero();
   angular_velocity_.setZero();
 }
@@ -25,11 +36,13 @@ void MovingCollider::aim(const Pose& target, double duration) {
 void MovingCollider::advance(double h) {
   previous_ = pose_;
   pose_.position += h * velocity_;
-  const double angle = h * angular_velocity_.norm();
-  if (angle > 0) {
-    const Eigen::AngleAxisd turn(angle, angular_velocity_.normalized());
-    pose_.orientation = (turn * pose_.orientation).normalized();
-  }
+  last_turn_ = h * angular_velocity_;
+  pose_.orientation = turned(previous_.orientation, last_turn_);
+}
+
+Pose MovingCollider::pose_at(double share) const {
+  return {previous_.position + share * (pose_.position - previous_.position),
+          turned(previous_.orientation, share * last_turn_)};
 }
 
 void MovingCollider::arrive() { place(target_); }

@@ -32,7 +32,7 @@ Distance distance(const Capsule& capsule, const Vector3& point, const Vector3&) 
   return {r - capsule.radius, r > 0 ? Vector3(from_axis / r) : Vector3::UnitX()};
 }
 
-Distance distance(const Box& box, const Vector3& point, const Vector3&) {
+Distance distance(const Cuboid& box, const Vector3& point, const Vector3&) {
   const Vector3 sign = point.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
   const Vector3 beyond = point.cwiseAbs() - box.size / 2;  // of the faces on its side
   Eigen::Index axis = 0;
@@ -82,7 +82,7 @@ std::optional<double> hit(const Capsule& capsule, const Vector3& from, const Vec
   return first;
 }
 
-std::optional<double> hit(const Box& box, const Vector3& from, const Vector3& d, double offset) {
+std::optional<double> hit(const Cuboid& box, const Vector3& from, const Vector3& d, double offset) {
   double in = 0, out = infinity;
   for (int axis = 0; axis < 3; ++axis) {
     const double half = box.size[axis] / 2 + offset;
@@ -101,12 +101,12 @@ std::optional<double> hit(const Box& box, const Vector3& from, const Vector3& d,
 double depth(const Sphere& sphere) { return sphere.radius / 2; }
 double depth(const Plane&) { return infinity; }
 double depth(const Capsule& capsule) { return capsule.radius / 2; }
-double depth(const Box& box) { return box.size.minCoeff() / 4; }
+double depth(const Cuboid& box) { return box.size.minCoeff() / 4; }
 
 double bounds(const Sphere& sphere) { return sphere.radius; }
 double bounds(const Plane&) { return infinity; }
 double bounds(const Capsule& capsule) { return capsule.length / 2 + capsule.radius; }
-double bounds(const Box& box) { return box.size.norm() / 2; }
+double bounds(const Cuboid& box) { return box.size.norm() / 2; }
 
 }  // namespace
 

@@ -123,7 +123,7 @@ Mesh make_mesh(const Shape& shape, int segments, double extent) {
       Overloaded{[&](const Sphere& s) { return sphere_mesh(s.radius, segments, segments); },
                  [&](const Plane&) { return plane_mesh(extent, segments); },
                  [&](const Capsule& c) { return capsule_mesh(c, segments, segments); },
-                 [&](const Box& b) { return box_mesh(b.size / 2, segments); }},
+                 [&](const Cuboid& b) { return box_mesh(b.size / 2, segments); }},
       shape);
 }
 

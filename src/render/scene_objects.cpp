@@ -38,7 +38,7 @@ std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<Lin
 Vector3 size_of(const Sphere& sphere) { return {sphere.radius, 0, 0}; }
 Vector3 size_of(const Plane&) { return Vector3::Zero(); }
 Vector3 size_of(const Capsule& capsule) { return {capsule.length, capsule.radius, 0}; }
-Vector3 size_of(const Box& box) { return box.size; }
+Vector3 size_of(const Cuboid& box) { return box.size; }
 
 }  // namespace
 
@@ -91,7 +91,7 @@ double ClothObject::dip_below_sphere(const Vector3& center, double radius) const
 
 void ColliderObject::update(const ColliderView& view) {
   const bool flat =
-      (std::holds_alternative<Plane>(view.shape) || std::holds_alternative<Box>(view.shape)) &&
+      (std::holds_alternative<Plane>(view.shape) || std::holds_alternative<Cuboid>(view.shape)) &&
       !std::holds_alternative<Displacement>(view.shading);
   const int segments = flat ? flat_segments : view.segments;
   const auto* sphere = std::get_if<Sphere>(&view.shape);

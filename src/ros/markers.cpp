@@ -125,7 +125,7 @@ std::vector<Part> parts_of(const clothsim::Capsule& capsule) {
           {Marker::SPHERE, ball, -end}};
 }
 
-std::vector<Part> parts_of(const clothsim::Box& box) { return {{Marker::CUBE, box.size}}; }
+std::vector<Part> parts_of(const clothsim::Cuboid& box) { return {{Marker::CUBE, box.size}}; }
 
 /// The first part of collider i has the id i, its next ones have i + the number of colliders and so
 /// on: no two are equal.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "clothsim/collision/face_distance.h"
 #include "clothsim/collision/intersections.h"
 #include "clothsim/collision/shape.h"
 #include "clothsim/dynamics/energy.h"
@@ -16,12 +17,18 @@ double deepest_penetration(const Simulator& simulator) {
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   double deepest = 0;
   for (size_t c = 0; c < colliders.size(); ++c) {
+    const Shape& shape = colliders[c].shape;
     const Pose& pose = simulator.collider_pose(static_cast<int>(c));
     const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();
-    for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-      const Vector3 point = to_shape * (positions.row(i).transpose() - pose.position);
-      const double distance = signed_distance(colliders[c].shape, point, point).value;
-      deepest = std::max(deepest, -distance);
+    const auto local = [&](int i) -> Vector3 {
+      return to_shape * (positions.row(i).transpose() - pose.position);
+    };
+    for (int i = 0; i < positions.rows(); ++i) {
+      deepest = std::max(deepest, -signed_distance(shape, local(i), local(i)).value);
+    }
+    for (const auto& [i, j, k] : simulator.cloth().triangles) {
+      const auto distance = face_distance(shape, {local(i), local(j), local(k)}, 0);
+      if (distance) deepest = std::max(deepest, -distance->value);
     }
   }
   return deepest;

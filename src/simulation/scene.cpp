@@ -32,7 +32,7 @@ void validate(const Capsule& capsule, const Pose& pose) {
   check_range("radius", capsule.radius, size_range);
 }
 
-void validate(const Box& box, const Pose& pose) {
+void validate(const Cuboid& box, const Pose& pose) {
   check_range("center", pose.position, position_range);
   check_range("size", box.size, size_range);
 }

@@ -111,7 +111,7 @@ std::vector<Field> shape_fields(Capsule& capsule, Pose& pose) {
           {"radius", into(capsule.radius)}};
 }
 
-std::vector<Field> shape_fields(Box& box, Pose& pose) {
+std::vector<Field> shape_fields(Cuboid& box, Pose& pose) {
   return {
       {"center", into(pose.position)},
       {"size", into(box.size)},
@@ -120,7 +120,7 @@ std::vector<Field> shape_fields(Box& box, Pose& pose) {
 
 ColliderSpec read_collider(const YAML::Node& node) {
   const std::vector<std::string> shapes = {"sphere", "plane", "capsule", "box"};
-  const std::array<Shape, 4> kinds = {Sphere(), Plane(), Capsule(), Box()};
+  const std::array<Shape, 4> kinds = {Sphere(), Plane(), Capsule(), Cuboid()};
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
 
   // The shape decides which keys there are.

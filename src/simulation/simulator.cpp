@@ -176,14 +176,15 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
   if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
-  collider_contacts.begin(colliders, cloth, h, reach, start, predicted, state);
+  collider_contacts.begin(colliders, cloth, {h, reach, start, predicted}, state);
+  disturbed = disturbed || collider_contacts.recovers();
   const double small = tolerance * shortest_rest_length(cloth) / precision;  // [m]
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;
     if (strain_limit) stretching = strain_limit->sweep(cloth, state.velocities);
     if (point_contacts) touching = point_contacts->sweep(cloth, state.velocities);
-    touching = std::max(touching, collider_contacts.sweep(state.velocities));
+    touching = std::max(touching, collider_contacts.sweep(cloth, state.velocities));
     ++report.sweeps;
     const bool solved = stretching <= small && touching <= small / contact_precision;
     if (solved && sweep >= min_sweeps) break;

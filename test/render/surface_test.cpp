@@ -82,7 +82,7 @@ TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
 }
 
 TEST(Surface, MeshesOfCapsuleAndBoxLieOnTheirSurface) {
-  for (const Shape& shape : {Shape(Capsule{0.5, 0.1}), Shape(Box{{0.2, 0.3, 0.4}})}) {
+  for (const Shape& shape : {Shape(Capsule{0.5, 0.1}), Shape(Cuboid{{0.2, 0.3, 0.4}})}) {
     const Mesh mesh = make_mesh(shape, 16, 1);
     for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
       const Vector3 p = mesh.positions.row(i), n = mesh.normals.row(i), out = p + 1e-3 * n;

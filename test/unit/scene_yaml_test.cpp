@@ -135,7 +135,7 @@ TEST(SceneYaml, BoxIsTurnedByRollThenPitchThenYawAboutFixedAxes) {
   const auto turned = [](const std::string& rpy) {
     const Scene scene =
         read_changed({"colliders.0={shape: box, size: [1, 2, 3], rpy: " + rpy + "}"});
-    EXPECT_EQ(std::get<Box>(scene.colliders[0].shape).size, Vector3(1, 2, 3));
+    EXPECT_EQ(std::get<Cuboid>(scene.colliders[0].shape).size, Vector3(1, 2, 3));
     return scene.colliders[0].pose.orientation;
   };
   const double quarter = M_PI / 2;

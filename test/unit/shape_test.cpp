@@ -13,11 +13,11 @@ const Shape ball = Sphere{0.5};
 const Shape ground = Plane{};
 const Shape sheet = Plane{true};
 const Shape rod = Capsule{0.8, 0.2};
-const Shape crate = Box{{1.2, 0.8, 0.4}};
+const Shape crate = Cuboid{{1.2, 0.8, 0.4}};
 const Shape solids[] = {ball, rod, crate};
 
 /// Points on the surface of a box, so many along each side.
-std::vector<Vector3> surface_of(const Box& box, int count) {
+std::vector<Vector3> surface_of(const Cuboid& box, int count) {
   std::vector<Vector3> points;
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 0; i <= count; ++i) {
@@ -77,7 +77,7 @@ TEST(Shape, CapsuleDistanceIsThatOfTheNearestBallAlongItsAxis) {
 }
 
 TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
-  const std::vector<Vector3> surface = surface_of(std::get<Box>(crate), 120);
+  const std::vector<Vector3> surface = surface_of(std::get<Cuboid>(crate), 120);
   std::mt19937_64 engine(4);
   std::uniform_real_distribution<double> draw(-1, 1);
   int inside = 0;

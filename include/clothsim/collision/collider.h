@@ -13,6 +13,11 @@ struct Pose {
   Eigen::Quaterniond orientation{1, 0, 0, 0};
 };
 
+/// A point of the world in the frame at `pose`.
+inline Vector3 to_local(const Pose& pose, const Vector3& point) {
+  return pose.orientation.conjugate() * (point - pose.position);
+}
+
 /// A collider as a scene describes it.
 struct ColliderSpec {
   std::string name;

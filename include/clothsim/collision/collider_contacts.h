@@ -2,6 +2,9 @@
 
 #include <vector>
 
+#include "clothsim/collision/contact_impulse.h"
+#include "clothsim/collision/face_contacts.h"
+#include "clothsim/collision/local_cloth.h"
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -9,32 +12,35 @@
 
 namespace clothsim {
 
-/// Points of a cloth on colliders: no penetration, no restitution, Coulomb friction.
+/// A cloth on colliders: no penetration, no restitution, Coulomb friction.
 ///
 /// Contact acts on velocities, as the strain limit does: a normal impulse that lets a point come
 /// closer by at most its gap within a step, and a friction impulse of at most friction times the
 /// normal one against sliding on the (moving) surface (Moreau 1988, "Unilateral contact and dry
 /// friction in finite freedom dynamics"). So a point slips on an incline exactly when
 /// tan(angle) > friction, with acceleration g (sin - friction cos). Impulses are kept from step to
-/// step. A point too fast for that is stopped where its path enters the shape.
+/// step. A point too fast for that is stopped where its path enters the shape. Where points alone
+/// do not keep a shape off the triangles between them, edges and faces have contacts too.
+///
+/// What a shape was put upon, rather than moved against, comes out at recovery_speed without
+/// gaining velocity: by the nearest way if it is not deep, else all of it in one direction.
 class ColliderContacts {
  public:
-  /// Finds contacts after a step of h [s] from `start` to state, and gives them their last
-  /// impulses. `reach`: the share of h that a point has moved with an impulse given in the step.
-  /// `drifted`: the velocities that brought the points where they are, before the impulses that
-  /// other constraints have given since.
-  void begin(const std::vector<MovingCollider>&, const Cloth&, double h, double reach,
-             const Points& start, const Points& drifted, State&);
+  /// Finds contacts after a step from step.start to state, and gives them their last impulses.
+  void begin(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
-  double sweep(Points& velocities);
+  double sweep(const Cloth&, Points& velocities);
 
-  /// Puts every point that is inside a collider on its surface.
+  /// Moves what is inside a collider to its surface.
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
-               Points& positions) const;
+               Points& positions);
 
   /// Contacts that carry an impulse.
   int count() const;
+
+  /// Was any of the cloth in a collider when the step began?
+  bool recovers() const { return recovers_; }
 
   /// Forgets the impulses.
   void reset();
@@ -48,17 +54,35 @@ class ColliderContacts {
   struct Contact {
     int collider;
     int point;
-    Vector3 normal;            // into free space
-    Vector3 surface_velocity;  // [m/s]
-    double slowest;            // least normal velocity off the surface allowed [m/s], <= 0
-    double friction;
-    double push = 0;        // normal impulse over mass [m/s], >= 0
-    Vector3 drag{0, 0, 0};  // friction impulse over mass [m/s]
+    ContactImpulse impulse;
   };
+
+  /// Points that leave a collider together.
+  struct Escape {
+    int collider;
+    Vector3 direction;       // unit, in the collider's own frame
+    std::vector<char> held;  // by point
+  };
+
+  int points_count() const;
+
+  /// Adds the point contacts of a collider; `caught` are those in it at the step's start. Returns
+  /// the greatest depth of one [m].
+  double find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
+                     double offset, State&, std::vector<std::size_t>& caught);
+
+  /// Sends what is caught in a collider out in one direction.
+  void escape(int index, const MovingCollider&, const Cloth&,
+              const std::vector<std::size_t>& points, const std::vector<CaughtFace>& faces);
 
   double h_ = 0;                   // step of the impulses [s]
   std::vector<Contact> contacts_;  // by collider, then point
   std::vector<Contact> last_;
+  std::size_t next_last_ = 0;
+  FaceContacts faces_;
+  std::vector<Escape> escapes_;  // by collider
+  bool recovers_ = false;
+  LocalCloth local_;
 };
 
 }  // namespace clothsim

@@ -29,6 +29,12 @@ class MovingCollider {
   const Pose& pose() const { return pose_; }
   const Pose& previous() const { return previous_; }  // before the last advance()
 
+  /// Where it was at a share from 0 to 1 of the last advance().
+  Pose pose_at(double share) const;
+
+  /// Angle that it turned by in the last advance() [rad].
+  double last_turn() const { return last_turn_.norm(); }
+
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
 
@@ -43,6 +49,7 @@ class MovingCollider {
   Pose target_;
   Vector3 velocity_{0, 0, 0};          // [m/s]
   Vector3 angular_velocity_{0, 0, 0};  // [rad/s], world
+  Vector3 last_turn_{0, 0, 0};         // of the last advance(), axis times angle [rad], world
 };
 
 }  // namespace clothsim

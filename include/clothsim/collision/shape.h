@@ -30,12 +30,12 @@ struct Capsule {
   double radius = 0.1;  // [m]
 };
 
-/// Box about the origin of its own frame, along its axes.
-struct Box {
+/// A box about the origin of its own frame, along its axes.
+struct Cuboid {
   Vector3 size{0.4, 0.4, 0.4};  // [m]
 };
 
-using Shape = std::variant<Sphere, Plane, Capsule, Box>;
+using Shape = std::variant<Sphere, Plane, Capsule, Cuboid>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point
 /// came from; a two-sided plane is solid beyond itself as seen from there. Where the nearest

@@ -7,8 +7,8 @@
 
 namespace clothsim {
 
-/// Greatest depth of a point of the cloth below the surface of a collider [m], 0 where none is.
-/// A two-sided plane has no inside.
+/// Greatest depth of a point or triangle of the cloth in a collider [m], 0 where none is: how far
+/// it must move to be out. A two-sided plane has no inside.
 double deepest_penetration(const Simulator&);
 
 /// What a whole run did. Cost counts the steps alone, without setting up and writing files.

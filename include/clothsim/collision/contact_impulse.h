@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Impulse that a surface gives to what touches it, over the mass of a point of the cloth.
+struct ContactImpulse {
+  Vector3 normal{0, 0, 1};            // into free space
+  Vector3 surface_velocity{0, 0, 0};  // [m/s]
+  double slowest = 0;                 // least normal velocity off the surface allowed [m/s], <= 0
+  double friction = 0;
+  double push = 0;        // along the normal [m/s], >= 0
+  Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]
+
+  /// Brings it up to date where the cloth touches with `velocity` [m/s], of which an impulse
+  /// changes `yield` times itself. Returns the change.
+  Vector3 update(const Vector3& velocity, double yield) {
+    const Vector3 v = velocity - surface_velocity;
+
+    // Off the surface, or towards it no faster than the gap allows.
+    const double rate = normal.dot(v);
+    const double new_push = std::max(0.0, push + (slowest - rate) / yield);
+
+    // Against sliding, as far as Coulomb's cone reaches.
+    Vector3 new_drag = drag - (v - rate * normal) / yield;
+    const double strongest = friction * new_push;
+    const double length = new_drag.norm();
+    if (length > strongest) new_drag *= strongest / length;
+
+    const Vector3 change = (new_push - push) * normal + new_drag - drag;
+    push = new_push;
+    drag = new_drag;
+    return change;
+  }
+
+  /// Takes over the impulse of the last step, `scale` times as large.
+  void resume(const ContactImpulse& last, double scale) {
+    push = scale * last.push;
+    drag = scale * last.drag;
+    drag -= normal.dot(drag) * normal;
+  }
+
+  Vector3 total() const { return push * normal + drag; }
+};
+
+}  // namespace clothsim

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "clothsim/collision/contact_impulse.h"
+#include "clothsim/collision/face_distance.h"
+#include "clothsim/collision/local_cloth.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/model/state.h"
+
+namespace clothsim {
+
+/// A triangle that was in a collider when a step began.
+struct CaughtFace {
+  int triangle;
+  std::size_t contact;  // in FaceContacts
+  double depth;         // [m] at the step's start
+};
+
+/// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
+/// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
+/// its point has of them. What a corner touches is left to the contact of that point.
+class FaceContacts {
+ public:
+  /// Makes the contacts of the last step, of `h` times `scale` ago, those to resume.
+  void start_over();
+
+  /// Adds the contacts of the next collider, number `index`. `margin`: how far away one may be that
+  /// matters within the step [m]. Triangles that the step took through the shape are moved back.
+  void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
+            LocalCloth&, State&, std::vector<CaughtFace>&);
+
+  /// Gives the contacts from `first` on the impulses of the last step, `scale` times as large.
+  void resume(const Cloth&, double scale, std::size_t first, Points& velocities);
+
+  /// One pass over the contacts. Returns the largest change of a velocity [m/s].
+  double sweep(const Cloth&, Points& velocities);
+
+  /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
+  /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
+  void correct(const MovingCollider&, const Cloth&, double h, const std::vector<char>& held,
+               LocalCloth&, std::vector<char>& moved) const;
+
+  /// Turns a contact to another direction out of the solid.
+  void redirect(std::size_t contact, const Vector3& normal) {
+    contacts_[contact].impulse.normal = normal;
+  }
+
+  std::size_t size() const { return contacts_.size(); }
+  int count() const;  // that carry an impulse
+  void reset();
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, std::size_t colliders, const Cloth&);
+
+ private:
+  struct Contact {
+    int collider;
+    int triangle;
+    std::array<double, 3> weights;  // of the corners
+    double yield;                   // velocity there over impulse, 1 at a point alone
+    ContactImpulse impulse;
+  };
+
+  const Contact* last_of(int collider, int triangle);
+
+  std::vector<Contact> contacts_;  // by collider, then triangle
+  std::vector<Contact> last_;
+  std::size_t next_last_ = 0;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "clothsim/collision/intersections.h"
+#include "clothsim/collision/shape.h"
+
+namespace clothsim {
+
+/// Where a triangle comes closest to a shape, or how it gets out of it.
+struct FaceDistance {
+  double value;    // [m] between them; negative: the shortest way that takes the triangle out
+  Vector3 normal;  // unit, from the shape to the triangle, or that way's direction
+  std::array<double, 3> weights;  // of the corners, at the point of the triangle; sum 1
+};
+
+/// Distance between a solid and a triangle in the solid's own frame; empty where it is more than
+/// `reach` [m]. What touches the triangle along a whole line touches it within that line, not at an
+/// end that rounding picks. A plane bounds its corners alone: always empty.
+///
+/// Out of a polyhedron the shortest way is along the normal of one of its faces or of the triangle,
+/// or square to an edge of each (Gottschalk, Lin & Manocha 1996, "OBBTree"); round shapes are a
+/// point or a line with a radius.
+std::optional<FaceDistance> face_distance(const Shape&, const Triangle&, double reach);
+
+}  // namespace clothsim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "clothsim/collision/moving_collider.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// The step after which contacts are sought.
+struct ContactStep {
+  double h;               // [s]
+  double reach;           // the share of h that a point has moved with an impulse given in the step
+  const Points& start;    // positions at its start [m]
+  const Points& drifted;  // the velocities that brought the points where they are [m/s]
+};
+
+/// A cloth about one collider, in the collider's own frame.
+struct LocalCloth {
+  Points from;       // at a step's start [m]
+  Points to;         // at its end [m]
+  Scalars distance;  // of `to` from the surface [m]
+
+  void place(const MovingCollider&, const Points& start, const Points& end);
+};
+
+/// How contact keeps the triangles of a cloth out of a shape.
+struct Clearance {
+  double points;  // [m] that points keep from the surface, surface_offset or more
+  bool faces;     // whether edges and faces have contacts of their own
+};
+
+/// A plane needs its points alone. So does a round shape so large against the triangles that points
+/// held a little higher keep their chords off it, by no more than a tenth of the cloth's thickness.
+Clearance clearance(const Shape&, const Cloth&);
+
+/// Longest edge of a triangle that is not stretched beyond the strain limit, infinite without one
+/// [m].
+double longest_edge_within_limit(const Cloth&);
+
+/// Speed at which what a collider was put upon comes out of it [m/s].
+inline constexpr double recovery_speed = 2;
+
+/// How far from a surface what was `before` away from it, at the step's start, must end [m].
+inline double required_distance(double before, double offset, double h) {
+  return before < 0 ? std::min(offset, before + recovery_speed * h) : offset;
+}
+
+}  // namespace clothsim
