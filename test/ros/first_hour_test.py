@@ -1,0 +1,141 @@
+#!/usr/bin/python3
+"""The first hour of README.md, line by line as a user types it, and what the user then sees."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+import roslib.packages
+import rospy
+import rostest
+from dynamic_reconfigure.client import Client
+from rosgraph_msgs.msg import Log
+from visualization_msgs.msg import MarkerArray
+
+from cloth_client import PATIENCE, Cloth, Recorder, marker_named, point, wait_for
+
+
+def read_walk():
+    """Blocks of the section by the first words of the paragraph before: lists of commands, or a
+    program."""
+    readme = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "README.md")
+    with open(readme) as file:
+        section = file.read().split("\n## The first hour\n")[1].split("\n## ")[0]
+    walk, title = {}, None
+    for part in re.split(r"\n\n(?=\*\*)", section):
+        found = re.match(r"\*\*(.*?)\.\*\*", part.strip())
+        title = found.group(1) if found else None
+        for kind, text in re.findall(r"```(\w+)\n(.*?)```", part, re.DOTALL):
+            walk[title] = text if kind == "python" else text.splitlines()
+    return walk
+
+
+class FirstHour(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.going_on = []
+
+    def tearDown(self):
+        for process in reversed(self.going_on):
+            self.stop(process)
+        shutil.rmtree(self.folder)
+
+    @staticmethod
+    def stop(process):
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(PATIENCE)
+
+    def go_on(self, command):
+        process = subprocess.Popen(command, shell=True, cwd=self.folder, start_new_session=True,
+                                   stdout=subprocess.DEVNULL)
+        self.going_on.append(process)
+        return process
+
+    def run_lines(self, lines):
+        """What each command prints. Those that go on are started; RViz has no display here."""
+        printed = {}
+        for line in lines:
+            command, _, comment = (part.strip() for part in line.partition("#"))
+            if command.startswith("roslaunch"):
+                command += " rviz:=false"
+            if comment == "goes on":
+                self.go_on(command)
+                continue
+            self.wait_until_possible(command)
+            done = subprocess.run(command, shell=True, cwd=self.folder, capture_output=True,
+                                  text=True, timeout=PATIENCE)
+            self.assertEqual(done.returncode, 0, command + "\n" + done.stdout + done.stderr)
+            self.assertNotIn("success: False", done.stdout, command)
+            printed[command] = done.stdout
+        return printed
+
+    def wait_until_possible(self, command):
+        """A user types slower than the test: what was started before is there by then."""
+        service = re.match(r"rosservice call (\S+)", command)
+        if service:
+            rospy.wait_for_service(service.group(1), PATIENCE)
+        for process in self.going_on:
+            if "record" in process.args and process.poll() is None:
+                wait_for(lambda: os.path.exists(os.path.join(self.folder, "run.bag.active")), "a bag")
+                rospy.sleep(0.5)
+        if "replay_bag" in command:
+            wait_for(lambda: os.path.exists(os.path.join(self.folder, "run.bag")), "the bag")
+        if "attach" in command:
+            rospy.sleep(1)  # the hand's frame
+
+    def test_walk(self):
+        walk = read_walk()
+        self.assertEqual(list(walk), [
+            "Launch and look", "Tune it while it moves", "Drive the sphere from your node", "Grasp",
+            "Record and replay", "All of it at once"])
+
+        printed = self.run_lines(walk["Launch and look"])
+        self.assertIn("real-time factor asked", printed["rostopic echo -n 1 /diagnostics"])
+        self.assertIn("frame_id: \"map\"", printed["rostopic echo -n 1 /clothsim/state/header"])
+        cloth = Cloth()
+        cloth.states.wait("the cloth on the sphere", lambda s: s.step > 60)
+
+        *changes, load = walk["Tune it while it moves"]
+        self.run_lines(changes)
+        values = Client("/clothsim", timeout=PATIENCE).get_configuration(timeout=PATIENCE)
+        self.assertEqual([values[k] for k in ("ks", "density", "damping", "shear", "method")],
+                         [500.0, 15.0, 27.0, False, "bdf2"])
+        self.run_lines([load])
+        self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
+
+        program = os.path.join(self.folder, "move_sphere.py")
+        with open(program, "w") as file:
+            file.write(walk["Drive the sphere from your node"])
+        mover = self.go_on("exec /usr/bin/python3 " + program)
+        markers = Recorder("/clothsim/markers", MarkerArray)
+
+        def ways():
+            where = [point(marker_named(a, "colliders").pose.position)[0] for a in markers.all()]
+            return np.ptp(where) if where else 0
+        wait_for(lambda: ways() > 0.05, "the sphere's motion")
+        markers.close()
+        self.stop(mover)
+
+        printed = self.run_lines(walk["Grasp"])
+        wrench = printed["rostopic echo -n 1 /clothsim/wrench/hand"]
+        force = dict(re.findall(r"(\w): (\S+)", wrench.split("force:")[1].split("torque:")[0]))
+        self.assertLess(float(force["z"]), -1)  # a part of the cloth's weight
+
+        printed = self.run_lines(walk["Record and replay"])
+        self.assertEqual(printed["rosrun clothsim replay_bag run.bag"], "90 frames, the same bits\n")
+
+        self.stop(self.going_on[0])  # the first launch
+        log = Recorder("/rosout", Log)
+        self.run_lines(walk["All of it at once"])
+        log.wait("the fold", lambda m: m.msg == "the cloth is folded")
+
+
+if __name__ == "__main__":
+    rospy.init_node("first_hour_test")
+    rostest.rosrun("clothsim", "first_hour", FirstHour)
