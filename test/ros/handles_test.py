@@ -104,13 +104,10 @@ class HandlesTest(unittest.TestCase):
         message.pose = pose
         self.feedback.publish(message)
 
-    def collider(self, index):
-        """Pose of a collider in the newest markers."""
-        return [m for m in self.markers.all()[-1].markers if m.ns == "colliders"][index].pose
-
     def drag(self, name, place, tilt=0.0):
         """Drags, and computes the next frame when the cloth's node has heard of it."""
         heard = len(self.tf.all())
+        self.markers.clear()
         self.send(name, make_pose(place, tilt))
         wait_for(lambda: len(self.tf.all()) > heard, "the frame of the handle")
         time.sleep(0.01)  # the node has it about as soon as the test

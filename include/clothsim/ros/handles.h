@@ -42,7 +42,7 @@ class Handles {
   std::map<std::string, Handle> handles_;                           // by frame
   std::map<std::string, geometry_msgs::TransformStamped> dragged_;  // frames that are broadcast
   OtherBroadcasters others_;
-  std::optional<tf2_ros::StaticTransformBroadcaster> broadcaster_;  // always there
+  std::optional<tf2_ros::StaticTransformBroadcaster> broadcaster_;  // made anew to forget a frame
   interactive_markers::InteractiveMarkerServer server_;
   ros::Subscriber topology_subscriber_;
   ros::WallTimer timer_;
