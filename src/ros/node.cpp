@@ -96,6 +96,7 @@ void Node::serve(ros::WallDuration wait) {
   const ros::WallDuration passed = ros::SteadyTime::now() - begin;
   time_.idle((came ? std::min(wait, passed) : passed).toSec());
   queue.callAvailable();
+  tf_.receive();
 }
 
 bool Node::simulate_frame(Turn turn) {

@@ -1,6 +1,7 @@
 #include "clothsim/ros/tf_frame.h"
 
 #include <ros/console.h>
+#include <ros/node_handle.h>
 #include <tf2/exceptions.h>
 
 #include <utility>
@@ -22,9 +23,13 @@ bool is_usable(const clothsim::Pose& pose) {
 
 void TfListener::listen() {
   if (listener_) return;
-  listener_.emplace(buffer_);
+  ros::NodeHandle node;
+  node.setCallbackQueue(&queue_);
+  listener_.emplace(buffer_, node, false);
   settled_ = ros::SteadyTime::now() + settling;
 }
+
+void TfListener::receive() { queue_.callAvailable(); }
 
 void TfListener::wait_for_first() {
   listen();
@@ -49,6 +54,7 @@ void TfFrame::look_up() {
 }
 
 bool TfFrame::read() {
+  tf_->receive();
   try {
     const geometry_msgs::TransformStamped transform =
         tf_->buffer().lookupTransform(tf_->world_frame(), status_.frame, ros::Time(0));

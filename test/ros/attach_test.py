@@ -104,6 +104,16 @@ class Grasp(unittest.TestCase):
             self.assertLess(abs(where[CORNERS["left"], 0] - x), 1e-3)
             self.assertLess(abs(where[CORNERS["right"], 0] - 1 - x), 1e-3)
 
+    def test_what_was_sent_before_a_step_counts(self):
+        """Without a pause between the two, a hundred times."""
+        self.take_corners()
+        for i in range(100):
+            x = 0.002 * i
+            self.hands.put("left", (x, 0, 1))
+            self.hands.put("right", (1 + x, 0, 1))
+            self.hands.send()
+            self.assertLess(abs(positions(self.cloth.step(1))[CORNERS["left"], 0] - x), 1e-6)
+
     def hang(self):
         """Forces on the frames [N] with the cloth at rest."""
         self.take_corners()

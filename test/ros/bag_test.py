@@ -45,7 +45,6 @@ class Bag(unittest.TestCase):
         t.transform.translation.z = height
         t.transform.rotation.w = 1
         self.broadcaster.sendTransform(t)
-        time.sleep(0.05)  # the node hears of it
 
     def record(self, name, run):
         """The bag of what is published while run() runs."""

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ros/callback_queue.h>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 #include <tf2_ros/transform_listener.h>
@@ -17,7 +18,8 @@ inline constexpr double farthest = 1e6;
 /// Whether a pose is finite and no farther out than that.
 bool is_usable(const clothsim::Pose&);
 
-/// The transforms to the world that tf knows of. Listens only once it is asked to.
+/// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what has
+/// come in the thread that asks: in lockstep, what was sent before a call counts in the call.
 class TfListener {
  public:
   /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
@@ -25,6 +27,9 @@ class TfListener {
       : world_frame_(std::move(world_frame)), lost_after_(lost_after) {}
 
   void listen();
+
+  /// Reads the transforms that have come. To be called often.
+  void receive();
 
   /// Listens, and waits until what is being broadcast has come in: a moment the first time, not at
   /// all later.
@@ -38,6 +43,7 @@ class TfListener {
   std::string world_frame_;
   std::optional<double> lost_after_;
   tf2::BufferCore buffer_;
+  ros::CallbackQueue queue_;
   std::optional<tf2_ros::TransformListener> listener_;
   ros::SteadyTime settled_;  // when the first transforms have come
 };
