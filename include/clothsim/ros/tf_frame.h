@@ -18,8 +18,8 @@ inline constexpr double farthest = 1e6;
 /// Whether a pose is finite and no farther out than that.
 bool is_usable(const clothsim::Pose&);
 
-/// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what has
-/// come in the thread that asks: in lockstep, what was sent before a call counts in the call.
+/// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what
+/// has come in the thread that asks: in lockstep, what was sent before a call counts in the call.
 class TfListener {
  public:
   /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
