@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+import unittest
 
 import numpy as np
 import rospy
@@ -13,7 +14,11 @@ from clothsim.srv import Step
 
 # Long enough for a machine that is busy with something else; nothing waits so long where all is well.
 # scripts/sanitize says by how much its programs are slower; so do the time limits of the .test files.
-PATIENCE = 30.0 * float(os.environ.get("CLOTHSIM_SLOWER", "1"))
+SLOWER = float(os.environ.get("CLOTHSIM_SLOWER", "1"))
+PATIENCE = 30.0 * SLOWER
+
+# For tests of a node that keeps up with the clock.
+real_time = unittest.skipIf(SLOWER > 1, "too slow for real time")
 
 
 def wait_for(condition, what):

@@ -122,6 +122,8 @@ class Diagnostics(unittest.TestCase):
             with self.node(HELD, limits) as node:
                 wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000",
                          "the frame")
+                seen = node.cloth.states.all()[-1].step
+                node.cloth.states.wait("frames with it", lambda s: s.step > seen + 2)
                 hand.sendTransform(transform(0.5, rospy.Time()))
                 values = node.wait(level, "over the strain limit")
                 self.assertGreater(float(values["violation of the strain limit [%]"]), 10)

@@ -8,7 +8,7 @@ import rospy
 import rostest
 
 from clothsim.srv import GetState
-from cloth_client import Cloth, call, content, wait_for
+from cloth_client import Cloth, call, content, real_time, wait_for
 
 # The cloth is on the sphere by then, so contact and friction are part of what is compared.
 FRAMES = 60
@@ -85,6 +85,7 @@ class Lockstep(unittest.TestCase):
         self.cloth.pause(False)
         self.cloth.states.wait("more frames", lambda s: s.step > stopped_at + 10)
 
+    @real_time
     def test_stamps_rise_evenly(self):
         self.cloth.pause(False)
         self.cloth.states.wait("frame 30", lambda s: s.step >= 30)

@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Clock
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach
-from cloth_client import PATIENCE, Cloth, Recorder, call, positions, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, call, positions, real_time, wait_for
 
 FRAME = 1 / 90  # [s]
 TICK = 0.01  # of the clock [s]
@@ -46,6 +46,7 @@ class SimTime(unittest.TestCase):
         time.sleep(0.5)
         return self.newest()
 
+    @real_time
     def test_follows_the_clock(self):
         # No time yet: no frame, but the services answer.
         wait_for(lambda: self.clock.get_num_connections() >= 2, "the clock's subscribers")
