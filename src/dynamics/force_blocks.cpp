@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/target_clones.h"
 
 namespace clothsim {
@@ -113,16 +114,9 @@ ForceBlocks::ForceBlocks(const Cloth& cloth, const Loads& loads, const Points& p
 
 void ForceBlocks::group() {
   directions_.reserve(most);
-  const SpringRun* last = nullptr;
-  for (const SpringRun& run : cloth_.springs) {
-    if (run.stiffness == 0) continue;
-    const bool same = last && last + 1 == &run && last->offset == run.offset &&
-                      last->rest_length == run.rest_length && last->stiffness == run.stiffness &&
-                      end_of(*last) <= run.first;
-    if (!same) directions_.push_back({&run, &run, {}});
-    directions_.back().end = &run + 1;
-    last = &run;
-  }
+  for_each_band(cloth_, [&](const SpringBand& band) {
+    if (band.begin->stiffness != 0) directions_.push_back({band.begin, band.end, {}});
+  });
 }
 
 void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3]) const {

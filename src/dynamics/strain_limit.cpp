@@ -8,19 +8,9 @@
 #include <utility>
 
 #include "clothsim/dynamics/springs.h"
-#include "clothsim/dynamics/target_clones.h"
 
 namespace clothsim {
 namespace {
-
-/// Share of a length violation that the impulses work off each step. Kept impulses integrate the
-/// violation, so a large share overshoots where sweeps stop early, and worst where nearly all
-/// springs are at their limit: with ks 50 on pinned2, 0.005 rings for ever, 0.002 comes to rest.
-constexpr double violation_share = 0.002;
-
-/// Largest share of its length that a spring is shortened in a step for turning: that of a turn by
-/// 0.1. Beyond, the middle of a step says too little about its end.
-constexpr double most_turning = 0.005;
 
 /// Where in the tolerance correct() aims: inside, or the last bits take for ever, yet not far, or
 /// springs that hold others up go slack.
@@ -30,24 +20,19 @@ constexpr double aim = 0.95;
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
 
-/// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2).
-CLOTHSIM_TARGET_CLONES
-void check_run(const double* x, const double* y, const double* z, int offset, int count,
-               double longest2, unsigned char* __restrict flags) {
-  for (int i = 0; i < count; ++i) {
-    const double dx = x[i + offset] - x[i];
-    const double dy = y[i + offset] - y[i];
-    const double dz = z[i + offset] - z[i];
-    flags[i] = dx * dx + dy * dy + dz * dz > longest2;
-  }
-}
-
 /// The row of an N x 3 matrix as a vector.
 Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
 
+Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
+
+void set_row(Points& points, int i, const Quad& q) {
+  points(i, 0) = q.x;
+  points(i, 1) = q.y;
+  points(i, 2) = q.z;
+}
+
 /// points_a += w_a d, points_b -= w_b d.
-[[gnu::always_inline]] inline void pull_together(const Cloth& cloth, int a, int b, const Vector3& d,
-                                                 Points& points) {
+void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
   const double weight_a = cloth.inv_mass[a];
   const double weight_b = cloth.inv_mass[b];
   for (int axis = 0; axis < 3; ++axis) {
@@ -56,9 +41,12 @@ Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), p
   }
 }
 
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
 }  // namespace
 
-StrainLimit::StrainLimit(const Cloth& cloth) : longest_(1 + cloth.strain_limit.value()) {
+StrainLimit::StrainLimit(const Cloth& cloth)
+    : longest_(1 + cloth.strain_limit.value()), shortest_(shortest_rest_length(cloth)) {
   int direction = -1;
   const SpringRun* last = nullptr;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
@@ -71,144 +59,243 @@ StrainLimit::StrainLimit(const Cloth& cloth) : longest_(1 + cloth.strain_limit.v
   });
   assert(2 * (direction + 1) <= num_colours);
 
+  const std::size_t points = index(cloth.num_points());
+  positions_.resize(points);
+  predicted_.resize(points);
+  velocities_.resize(points);
+  given_.assign(points, Quad{});
+  is_touched_.assign(points, 0);
+  across_.assign(points, 0.0);
+  kept_.assign(constraints_.size(), 0.0);
   flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
-  reset();
 }
 
 void StrainLimit::add_impulses(double scale, Points& sum) const {
-  for (const std::vector<Active>& springs : active_) {
-    for (const Active& s : springs) {
-      const Vector3 impulse = scale * impulses_[static_cast<std::size_t>(s.id)] * s.direction;
-      sum.row(s.a) += impulse.transpose();
-      sum.row(s.b) -= impulse.transpose();
-    }
+  for (const LimitedSpring& s : active_) {
+    const Vector3 impulse =
+        scale * s.impulse * Vector3(s.direction.x, s.direction.y, s.direction.z);
+    sum.row(s.a) += impulse.transpose();
+    sum.row(s.b) -= impulse.transpose();
   }
+}
+
+double StrainLimit::tension_frequency(const Cloth& cloth) {
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const LimitedSpring& s = active_[i];
+    const double across = s.impulse / lengths_[i];
+    across_[index(s.a)] += across;
+    across_[index(s.b)] += across;
+  }
+  double omega2 = 0;
+  for (const int point : touched_) {
+    double& across = across_[index(point)];
+    omega2 = std::max(omega2, across * cloth.inv_mass[point]);
+    across = 0;
+  }
+  return step_.h > 0 ? std::sqrt(omega2 / step_.h) : 0;
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
-  impulses_ = std::move(last.impulses_);
   active_ = std::move(last.active_);
-  h_ = last.h_;
+  ids_ = std::move(last.ids_);
+  lengths_ = std::move(last.lengths_);
+  touched_ = std::move(last.touched_);
+  step_ = last.step_;
 }
 
 void StrainLimit::reset() {
-  impulses_.assign(constraints_.size(), 0.0);
-  for (std::vector<Active>& springs : active_) springs.clear();
-  h_ = 0;
+  last_flags_.clear();
+  active_.clear();
+  ids_.clear();
+  lengths_.clear();
+  touched_.clear();
+  step_ = {};
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
-  memory.add(h_);
-  const auto kept = [](double impulse) { return impulse != 0; };
-  memory.add(static_cast<double>(std::count_if(impulses_.begin(), impulses_.end(), kept)));
-  for (std::size_t id = 0; id < impulses_.size(); ++id) {
-    if (!kept(impulses_[id])) continue;
-    memory.add(static_cast<double>(id));
-    memory.add(impulses_[id]);
-  }
-  for (const std::vector<Active>& springs : active_) {
-    memory.add(static_cast<double>(springs.size()));
-    for (const Active& s : springs) {
-      memory.add(s.id);
-      memory.add(s.direction);
-    }
+  memory.add(step_.h);
+  const auto pulls = [](const LimitedSpring& s) { return s.impulse > 0; };
+  memory.add(static_cast<double>(std::count_if(active_.begin(), active_.end(), pulls)));
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const LimitedSpring& s = active_[i];
+    if (!pulls(s)) continue;
+    memory.add(ids_[i]);
+    memory.add(s.impulse);
+    memory.add(Vector3(s.direction.x, s.direction.y, s.direction.z));
   }
 }
 
 void StrainLimit::read(MemoryReader& memory) {
   reset();
-  h_ = std::max(0.0, memory.number());
+  step_.h = std::max(0.0, memory.number());
   for (std::size_t left = memory.count(); left > 0; --left) {
-    const int id = memory.index(impulses_.size());
-    impulses_[static_cast<std::size_t>(id)] = std::max(0.0, memory.number());
+    const int id = memory.index(constraints_.size());
+    add_active(id, std::max(0.0, memory.number()));
+    const Vector3 direction = memory.vector();
+    active_.back().direction = {direction.x(), direction.y(), direction.z(), 0};
   }
-  for (std::vector<Active>& springs : active_) {
-    for (std::size_t left = memory.count(); left > 0; --left) {
-      const int id = memory.index(constraints_.size());
-      const Constraint& c = constraints_[static_cast<std::size_t>(id)];
-      springs.push_back({id, c.a, c.b, c.inv_mass, memory.vector(), 0});
-    }
-  }
+  for (const int point : touched_) is_touched_[index(point)] = 0;
 }
 
 void StrainLimit::predict(const Cloth& cloth, double h, double reach, State& state) {
-  const double scale = h_ > 0 ? h / h_ : 0;  // the same forces over this step's length
-  h_ = h;
-  for (const std::vector<Active>& springs : active_) {
-    for (const Active& s : springs) {
-      double& impulse = impulses_[static_cast<std::size_t>(s.id)];
-      if (impulse == 0) continue;
-      impulse *= scale;
-      pull_together(cloth, s.a, s.b, impulse * s.direction, state.velocities);
-      pull_together(cloth, s.a, s.b, reach * h * impulse * s.direction, state.positions);
-    }
+  const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
+  step_ = {h, reach, 0};
+  for (LimitedSpring& s : active_) s.impulse *= scale;
+
+  for (const int point : touched_) given_[index(point)] = {0, 0, 0, cloth.inv_mass[point]};
+  pull_points(active_.data(), active_.size(), given_.data());
+  for (const int point : touched_) {
+    const Quad& given = given_[index(point)];
+    const double way = reach * h;
+    state.velocities(point, 0) += given.x;
+    state.velocities(point, 1) += given.y;
+    state.velocities(point, 2) += given.z;
+    state.positions(point, 0) += way * given.x;
+    state.positions(point, 1) += way * given.y;
+    state.positions(point, 2) += way * given.z;
   }
 }
 
 void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
-  // Springs longer than their limit, and those an impulse still holds.
+  step_.reach = reach;
+  solved_alone_ = false;
+  find_active(cloth, state);
+  step_.active = static_cast<double>(active_.size()) / static_cast<double>(constraints_.size());
+
+  // Take back what predict() has given, and give it anew along the present directions.
+  aim_springs(step_, positions_.data(), predicted_.data(), lengths_.data(), active_.size(),
+              active_.data());
+  for (const int point : touched_) {
+    const std::size_t i = index(point);
+    const Quad& from = predicted_[i];
+    Quad& given = given_[i];
+    velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, cloth.inv_mass[point]};
+    given = {};
+  }
+  for (const int point : last_touched_) {
+    Quad& given = given_[index(point)];
+    state.velocities.row(point) -= Eigen::RowVector3d(given.x, given.y, given.z);
+    given = {};
+  }
+  pull_points(active_.data(), active_.size(), velocities_.data());
+  store(state.velocities);
+}
+
+/// Springs longer than their limit, and those an impulse still holds.
+void StrainLimit::find_active(const Cloth& cloth, const State& state) {
   flag_longer_than(cloth, longest_, state.positions);
-  last_active_.swap(active_);
-  for (const std::vector<Active>& springs : last_active_) {
-    for (const Active& s : springs) {
-      if (impulses_[static_cast<std::size_t>(s.id)] > 0) flags_[static_cast<std::size_t>(s.id)] = 1;
-    }
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    if (active_[i].impulse > 0) flags_[index(ids_[i])] = 1;
   }
+  if (flags_ == last_flags_) {  // as ever at rest
+    last_touched_.clear();
+    load_points(state);
+    return;
+  }
+  last_flags_ = flags_;
 
-  // How fast each may still lengthen: up to its limit within a step, or shorter if it is over. A
-  // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen in
-  // the middle of it: half its centripetal acceleration v^2 / l over h makes up for that.
-  for (std::vector<Active>& springs : active_) springs.clear();
+  for (std::size_t i = 0; i < active_.size(); ++i) kept_[index(ids_[i])] = active_[i].impulse;
+  last_touched_.swap(touched_);
+  last_ids_.swap(ids_);
+  active_.clear();
+  ids_.clear();
+  lengths_.clear();
+  touched_.clear();
+  const auto add = [&](int id) { add_active(id, kept_[index(id)]); };
+  const auto add_second_colour = [&] {
+    for (const int id : second_colour_) add(id);
+    second_colour_.clear();
+  };
+  int direction = 0;
   for_each_flagged([&](int id) {
-    const Constraint& c = constraints_[static_cast<std::size_t>(id)];
+    const Constraint& c = constraints_[index(id)];
     if (c.inv_mass == 0) return;  // between two pins
-    // Where the ends were when the step's impulses act: there they make no angular momentum.
-    const Vector3 speed = row(state.velocities, c.b) - row(state.velocities, c.a);
-    const Vector3 d = row(state.positions, c.b) - row(state.positions, c.a) - reach * h_ * speed;
-    const double length = d.norm();
-    if (length == 0) return;  // slack, and no direction to hold
-    const Vector3 direction = d / length;
-    const double across2 = (speed - speed.dot(direction) * direction).squaredNorm();
-    const double excess = length - longest_ * c.rest_length;
-    const double fastest = (excess > 0 ? violation_share : 1.0) * -excess / h_ -
-                           std::min(h_ * across2 / (2 * length), most_turning * length / h_);
-    active_[static_cast<std::size_t>(c.colour)].push_back(
-        {id, c.a, c.b, c.inv_mass, direction, fastest});
+    if (c.colour / 2 != direction) add_second_colour();
+    direction = c.colour / 2;
+    if (c.colour % 2 == 1) {
+      second_colour_.push_back(id);
+    } else {
+      add(id);
+    }
   });
+  add_second_colour();
+  for (const int id : last_ids_) kept_[index(id)] = 0;
 
-  // Turn the impulses.
-  for (const std::vector<Active>& springs : last_active_) {
-    for (const Active& s : springs) {
-      const double impulse = impulses_[static_cast<std::size_t>(s.id)];
-      if (impulse > 0) pull_together(cloth, s.a, s.b, -impulse * s.direction, state.velocities);
-    }
+  for (const int point : touched_) is_touched_[index(point)] = 0;
+  load_points(state);
+}
+
+void StrainLimit::load_points(const State& state) {
+  for (const int point : touched_) {
+    positions_[index(point)] = quad(state.positions, point);
+    predicted_[index(point)] = quad(state.velocities, point);
   }
-  for (const std::vector<Active>& springs : active_) {
-    for (const Active& s : springs) {
-      const double impulse = impulses_[static_cast<std::size_t>(s.id)];
-      if (impulse > 0) pull_together(cloth, s.a, s.b, impulse * s.direction, state.velocities);
-    }
+}
+
+void StrainLimit::add_active(int id, double impulse) {
+  const Constraint& c = constraints_[index(id)];
+  active_.push_back({{}, impulse, 1 / c.inv_mass, 0, c.a, c.b});
+  ids_.push_back(id);
+  lengths_.push_back(longest_ * c.rest_length);
+  for (const int point : {c.a, c.b}) {
+    if (is_touched_[index(point)]) continue;
+    is_touched_[index(point)] = 1;
+    touched_.push_back(point);
   }
+}
+
+void StrainLimit::store(Points& velocities) const {
+  for (const int point : touched_) set_row(velocities, point, velocities_[index(point)]);
 }
 
 double StrainLimit::sweep(const Cloth& cloth, Points& velocities) {
-  double residual = 0;
-  for (const std::vector<Active>& springs : active_) {
-    for (const Active& s : springs) {
-      double& impulse = impulses_[static_cast<std::size_t>(s.id)];
-      const double rate = s.direction.dot(row(velocities, s.b) - row(velocities, s.a));
-      const double change = std::max(-impulse, (rate - s.fastest) / s.inv_mass);
-      if (change == 0) continue;
-      impulse += change;
-      pull_together(cloth, s.a, s.b, change * s.direction, velocities);
-      residual = std::max(residual, std::abs(change) * s.inv_mass * h_);
-    }
+  for (const int point : touched_) {
+    Quad& v = velocities_[index(point)];
+    v = quad(velocities, point);
+    v.w = cloth.inv_mass[point];
   }
-  return residual;
+  const double change = sweep_springs(active_.data(), active_.size(), velocities_.data());
+  store(velocities);
+  return step_.h * change;
+}
+
+int StrainLimit::solve(double enough, int least, int most, State& state) {
+  int passes = 0;
+  double change = 0;
+  do {
+    change = step_.h * sweep_springs(active_.data(), active_.size(), velocities_.data());
+    ++passes;
+  } while (passes < most && (passes < least || change > enough));
+
+  const double way = step_.reach * step_.h;
+  double moved2 = 0;
+  for (const int point : touched_) {
+    const std::size_t i = index(point);
+    const Quad& v = velocities_[i];
+    const Quad& from = predicted_[i];
+    Quad& x = positions_[i];
+    const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
+    x = {x.x + move.x, x.y + move.y, x.z + move.z, 0};
+    set_row(state.positions, point, x);
+    moved2 = std::max(moved2, move.x * move.x + move.y * move.y + move.z * move.z);
+  }
+  store(state.velocities);
+  moved_ = std::sqrt(moved2);
+  solved_alone_ = true;
+  return passes;
+}
+
+/// Do the springs hold their limit after solve()? Those that it has not swept were within it, and
+/// are longer by what their ends have moved at most.
+bool StrainLimit::holds(double tolerance) const {
+  return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
+         !any_longer(active_.data(), lengths_.data(), active_.size(), 1 + tolerance / longest_,
+                     positions_.data());
 }
 
 int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions) {
+  if (holds(tolerance)) return 0;
   int sweeps = 0;
   while (sweeps < max_sweeps) {
     // All springs are checked, those over the limit are swept until they hold.
@@ -216,11 +303,11 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
     for (std::vector<int>& ids : over_) ids.clear();
     bool any = false;
     for_each_flagged([&](int id) {
-      const Constraint& c = constraints_[static_cast<std::size_t>(id)];
+      const Constraint& c = constraints_[index(id)];
       if (c.inv_mass == 0) return;
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       if (d.norm() > beyond_repair * longest_ * c.rest_length) return;
-      over_[static_cast<std::size_t>(c.colour)].push_back(id);
+      over_[index(c.colour)].push_back(id);
       any = true;
     });
     if (!any) break;
@@ -229,7 +316,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
       moved = false;
       for (const std::vector<int>& ids : over_) {
         for (const int id : ids) {
-          const Constraint& c = constraints_[static_cast<std::size_t>(id)];
+          const Constraint& c = constraints_[index(id)];
           const Vector3 d = row(positions, c.b) - row(positions, c.a);
           const double length = d.norm();
           if (length <= (longest_ + tolerance) * c.rest_length) continue;
@@ -245,30 +332,17 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
 }
 
 void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions) {
-  const std::vector<SpringRun>& runs = cloth.springs;
-  std::size_t id = 0;
-  for (std::size_t first = 0, last = 0; first < runs.size(); first = last) {
-    // Runs of one direction are checked as one, long enough for the widest vectors.
-    const SpringRun& front = runs[first];
-    int end = front.first;
-    for (; last < runs.size(); ++last) {
-      const SpringRun& run = runs[last];
-      const bool same = run.offset == front.offset && run.rest_length == front.rest_length;
-      if (!same || run.first < end) break;
-      end = run.first + run.count;
+  over_length_.resize(index(cloth.num_points()));
+  auto flags = flags_.begin();
+  for_each_band(cloth, [&](const SpringBand& band) {
+    const int a = band.first();
+    const double longest = stretch * band.begin->rest_length;
+    flag_longer(&positions(a, 0), &positions(a, 1), &positions(a, 2), band.begin->offset,
+                band.count(), longest * longest, over_length_.data());
+    for (const SpringRun* run = band.begin; run != band.end; ++run) {
+      flags = std::copy_n(over_length_.begin() + (run->first - a), run->count, flags);
     }
-    const double longest = stretch * front.rest_length;
-    over_length_.resize(static_cast<std::size_t>(cloth.num_points()));
-    check_run(&positions(front.first, 0), &positions(front.first, 1), &positions(front.first, 2),
-              front.offset, end - front.first, longest * longest, over_length_.data());
-
-    // What lies between the runs is no spring.
-    for (std::size_t i = first; i < last; ++i) {
-      const auto from = over_length_.begin() + (runs[i].first - front.first);
-      std::copy(from, from + runs[i].count, flags_.begin() + static_cast<std::ptrdiff_t>(id));
-      id += static_cast<std::size_t>(runs[i].count);
-    }
-  }
+  });
 }
 
 template <typename Visitor>

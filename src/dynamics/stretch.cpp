@@ -10,29 +10,31 @@
 namespace clothsim {
 namespace {
 
-/// Largest squared length of springs (i, i + offset), i in [0, count).
+/// Squared lengths of springs (i, i + offset), i in [0, count).
 CLOTHSIM_TARGET_CLONES
-double longest_squared(const double* x, const double* y, const double* z, int offset, int count) {
-  constexpr int lanes = 8;  // maxima of their own, so that the loop vectorises
-  double longest[lanes] = {};
-  int i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    for (int lane = 0; lane < lanes; ++lane) {
-      const int a = i + lane;
-      const double dx = x[a + offset] - x[a];
-      const double dy = y[a + offset] - y[a];
-      const double dz = z[a + offset] - z[a];
-      const double length2 = dx * dx + dy * dy + dz * dz;
-      longest[lane] = length2 > longest[lane] ? length2 : longest[lane];
-    }
-  }
-  for (; i < count; ++i) {
+void square_lengths(const double* x, const double* y, const double* z, int offset, int count,
+                    double* __restrict length2) {
+  for (int i = 0; i < count; ++i) {
     const double dx = x[i + offset] - x[i];
     const double dy = y[i + offset] - y[i];
     const double dz = z[i + offset] - z[i];
-    longest[0] = std::max(longest[0], dx * dx + dy * dy + dz * dz);
+    length2[i] = dx * dx + dy * dy + dz * dz;
   }
-  return *std::max_element(longest, longest + lanes);
+}
+
+CLOTHSIM_TARGET_CLONES
+double largest_of(const double* values, int count) {
+  constexpr int lanes = 8;  // maxima of their own, so that the loop vectorises
+  double largest[lanes] = {};
+  int i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    for (int lane = 0; lane < lanes; ++lane) {
+      const double value = values[i + lane];
+      largest[lane] = value > largest[lane] ? value : largest[lane];
+    }
+  }
+  for (; i < count; ++i) largest[0] = std::max(largest[0], values[i]);
+  return *std::max_element(largest, largest + lanes);
 }
 
 }  // namespace
@@ -53,11 +55,15 @@ Stretch measure_stretch(const Cloth& cloth, const Points& positions) {
 double worst_stretch(const Cloth& cloth, const Points& positions) {
   if (cloth.springs.empty()) return 0;
   double worst = -1;
-  for (const SpringRun& run : cloth.springs) {
-    const double length2 = longest_squared(&positions(run.first, 0), &positions(run.first, 1),
-                                           &positions(run.first, 2), run.offset, run.count);
-    worst = std::max(worst, std::sqrt(length2) / run.rest_length - 1);
-  }
+  Scalars length2(cloth.num_points());
+  for_each_band(cloth, [&](const SpringBand& band) {
+    const int a = band.first();
+    square_lengths(&positions(a, 0), &positions(a, 1), &positions(a, 2), band.begin->offset,
+                   band.count(), length2.data());
+    band.for_each_gap([&](int from, int to) { length2.segment(from, to - from).setZero(); });
+    const double longest = std::sqrt(largest_of(length2.data(), band.count()));
+    worst = std::max(worst, longest / band.begin->rest_length - 1);
+  });
   return worst;
 }
 

@@ -112,7 +112,11 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
                const Motion& motion) {
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
-  const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt);
+  // Explicit methods follow the strain limit's tension, from none on.
+  std::optional<double> tension;
+  if (std::isfinite(stability_limit)) tension = 0;
+  const int needed =
+      count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
   const double step_cost =
       c.cost(cloth.num_springs(), cloth.num_points()) + limit_cost(spec, cloth);

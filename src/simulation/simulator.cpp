@@ -17,9 +17,11 @@ namespace {
 
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds. The most is met only in a shock.
+/// seconds; without contact passes are cheap and steps long. The most is met only in a shock.
 constexpr int min_sweeps = 4;
+constexpr int min_sweeps_alone = 6;
 constexpr int max_sweeps = 200;
+constexpr int max_corrections = 600;
 
 /// How much closer than the strain tolerance a substep's rates are solved: what is left of them
 /// adds up, from step to step.
@@ -89,11 +91,11 @@ StepReport Simulator::Impl::step() {
 
 bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
   report.method = method->choice.method;
-  report.substeps = method->substeps(scene.simulation, cloth, state.positions,
-                                     substeps_at_speed(cloth, contact_speed(dt), dt));
+  int steps = method->substeps(scene.simulation, cloth, state.positions,
+                               substeps_at_speed(cloth, contact_speed(dt), dt), tension());
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
-  const double h = dt / report.substeps;
+  report.substeps = 0;
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -103,7 +105,14 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   grips.set_out(dt, state);
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
 
-  for (int k = 0; k < report.substeps; ++k) {
+  const double weight = weight_frequency(cloth, scene.simulation.gravity);
+  for (double h = dt / steps; steps > 0; --steps, ++report.substeps) {
+    // More and shorter ones where tension has come.
+    if (const std::optional<double> now = report.substeps > 0 ? tension() : std::nullopt) {
+      const double left = h * steps;
+      const int needed = substeps_under_tension(weight, *now, left * (1 << method->halvings));
+      if (needed > steps) h = left / (steps = needed);
+    }
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
@@ -137,6 +146,16 @@ bool Simulator::Impl::recover() {
   return false;
 }
 
+std::optional<double> Simulator::Impl::tension() {
+  // Implicit methods keep to one step: to change it costs them a factorisation or their history.
+  // Contact wants the short steps that the whole weight asks for.
+  const bool touches = scene.cloth.self_collision || !colliders.empty();
+  const bool follows = strain_limit && !scene.simulation.substeps && !touches &&
+                       std::isfinite(method->stability_limit());
+  if (!follows) return {};
+  return strain_limit->tension_frequency(cloth);
+}
+
 double Simulator::Impl::contact_speed(double dt) const {
   if (colliders.empty()) return 0;
   const double own = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
@@ -159,9 +178,9 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state); }, method->integrator);
 
-  // Contact search needs numbers to sort.
-  if (!std::isfinite(state.positions.sum())) return false;
-  if (strain_limit || point_contacts || !colliders.empty()) constrain(h, report);
+  const bool touches = point_contacts || !colliders.empty();
+  if (touches && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
+  if (strain_limit || touches) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return true;
 }
@@ -172,13 +191,19 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   const double tolerance = scene.simulation.strain_tolerance;
 
   // Impulses that keep springs within their limit and points off colliders.
+  const double small = tolerance * shortest_rest_length(cloth) / precision;  // [m]
   if (strain_limit) strain_limit->predict(cloth, h, reach, state);
+  if (!point_contacts && colliders.empty()) {  // the limit alone
+    strain_limit->begin(cloth, reach, state);
+    report.sweeps += strain_limit->solve(small, min_sweeps_alone, max_sweeps, state);
+    report.corrections += strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
+    return;
+  }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
   if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
   collider_contacts.begin(colliders, cloth, {h, reach, start, predicted}, state);
   disturbed = disturbed || collider_contacts.recovers();
-  const double small = tolerance * shortest_rest_length(cloth) / precision;  // [m]
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;
@@ -193,7 +218,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) {
-    report.corrections += strain_limit->correct(cloth, tolerance, max_sweeps, state.positions);
+    report.corrections += strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
   }
   if (point_contacts) point_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);

@@ -41,13 +41,17 @@ struct Method {
         integrator(make_integrator(choice.method, spec.method_parameters)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
+  /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               int at_speed = 1) const {
+               int at_speed = 1, std::optional<double> tension = {}) const {
     if (spec.substeps) return *spec.substeps;
-    const double limit = std::visit([](const auto& m) { return m.stability_limit; }, integrator);
-    const int needed =
-        count_substeps(cloth, spec.gravity, positions, limit, 1 / spec.frames_per_second);
+    const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
+                                      1 / spec.frames_per_second, tension);
     return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
+  }
+
+  double stability_limit() const {
+    return std::visit([](const auto& m) { return m.stability_limit; }, integrator);
   }
 
   MethodChoice choice;
@@ -126,6 +130,8 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
+  /// Frequency of the strain limit's tension where substeps follow it, see StrainLimit.
+  std::optional<double> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
@@ -14,27 +15,42 @@ namespace {
 constexpr double spring_margin = 0.8;
 
 /// Largest h omega across springs under tension. Here the limit's sweeps, not stability, set the
-/// step, whatever the method: at half of Verlet's limit the directions of the springs hold through
-/// a step and a few sweeps do; nearer to it they turn so far that hundreds do not.
-constexpr double tension_limit = 1;
+/// step: at less than two thirds of Verlet's limit the directions of the springs hold through a
+/// step and a few sweeps do; nearer to it they turn so far that hundreds do not.
+constexpr double tension_limit = 1.2;
+
+/// The same for the springs of a point that carry the whole cloth's weight.
+constexpr double weight_limit = 1;
+
+/// Least share of the substeps that the whole weight asks for.
+constexpr double least_share = 0.5;
 
 /// Way of a collider in a substep, of the shortest spring. At 0.5 a sphere at 10 m/s already
 /// carries points off through the cloth.
 constexpr double way_share = 0.25;
 
-/// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
-/// strain limit can make them near a pin: omega^2 = T / (m l).
-double tension_frequency(const Cloth& cloth, const Vector3& gravity) {
-  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
-                   shortest_rest_length(cloth));
+int whole_steps(double steps) {
+  return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }
 
 }  // namespace
 
+double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
+  if (!cloth.strain_limit || cloth.springs.empty()) return 0;
+  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
+                   shortest_rest_length(cloth));
+}
+
+int substeps_under_tension(double weight, double tension, double dt) {
+  const double most = weight / weight_limit;
+  return whole_steps(dt * std::clamp(tension / tension_limit, least_share * most, most));
+}
+
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt) {
-  double steps = 1;
-  if (cloth.strain_limit) steps = dt * tension_frequency(cloth, gravity) / tension_limit;
+                   double stability_limit, double dt, std::optional<double> tension) {
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  const double weight = weight_frequency(cloth, gravity);
+  double steps = substeps_under_tension(weight, tension.value_or(endless), dt);
 
   // The springs, by the cheap bound first.
   const auto for_springs = [&](double omega) {
@@ -43,12 +59,12 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
   if (for_springs(omega_max_bound(cloth)) > steps) {
     steps = std::max(steps, for_springs(omega_max_bound(cloth, positions)));
   }
-  return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
+  return whole_steps(steps);
 }
 
 int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
   const double steps = dt * speed / (way_share * shortest_rest_length(cloth));
-  return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
+  return whole_steps(steps);
 }
 
 }  // namespace clothsim

@@ -255,6 +255,25 @@ TEST(CountSubsteps, FollowsTheFrequency) {
   EXPECT_GT(count(0.1), 5) << "the limit holds springs that have no stiffness";
 }
 
+TEST(CountSubsteps, FollowsTheTensionBetweenHalfAndAllOfTheWeight) {
+  EXPECT_EQ(substeps_under_tension(1000, 0, 0.0101), 6);
+  EXPECT_EQ(substeps_under_tension(1000, 840, 0.0101), 8);  // h omega <= 1.2
+  EXPECT_EQ(substeps_under_tension(1000, 1e300, 0.0101), 11);
+  EXPECT_EQ(substeps_under_tension(0, 1000, 0.0101), 1);
+
+  ClothSpec spec = square_spec(50, 0);
+  spec.material.strain_limit = 0.1;
+  const Cloth cloth = make_grid(spec);
+  const Vector3 gravity(0, 0, -9.8);
+  // All on one spring: omega^2 = M g / (m l) = 2500 * 9.8 * 49.
+  EXPECT_NEAR(weight_frequency(cloth, gravity), std::sqrt(2500 * 9.8 * 49), 1e-9);
+  const auto count = [&](std::optional<double> tension) {
+    return count_substeps(cloth, gravity, cloth.rest_positions, 2, 1.0 / 90, tension);
+  };
+  EXPECT_EQ(count({}), 13);
+  EXPECT_EQ(count(0.0), 7);
+}
+
 TEST(CountSubsteps, OneWithoutAStabilityLimitUnlessTensionAsksForMore) {
   const double infinite = std::numeric_limits<double>::infinity();
   ClothSpec spec = square_spec(8, 4e6);

@@ -113,6 +113,73 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   EXPECT_NEAR(state.velocities(0, 2), -9.8 * h, 1e-5 * 9.8 * h);
 }
 
+TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
+  // To the last bit: passes by solve() against passes one by one, with the points moved after.
+  ClothSpec spec = limited(square_spec(8));
+  spec.pinned = {{0, 0, ""}, {7, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  StrainLimit alone(cloth);
+  StrainLimit by_passes(cloth);
+  VelocityVerlet method;
+  State a{1.05 * cloth.rest_positions, random_points(64, 1, 3), 0};
+  for (const int pin : cloth.pinned) a.velocities.row(pin).setZero();
+  State b = a;
+  int repairs = 0;
+  for (int step = 0; step < 60; ++step) {
+    method.step(cloth, Loads{}, h, a);
+    alone.predict(cloth, h, reach, a);
+    alone.begin(cloth, reach, a);
+    const int passes = alone.solve(1e-7, 4, 50, a);
+
+    method.step(cloth, Loads{}, h, b);
+    by_passes.predict(cloth, h, reach, b);
+    const Points predicted = b.velocities;
+    by_passes.begin(cloth, reach, b);
+    double residual = 1;
+    for (int pass = 0; pass < passes; ++pass) residual = by_passes.sweep(cloth, b.velocities);
+    b.positions += reach * h * (b.velocities - predicted);
+
+    EXPECT_GE(passes, 4);
+    EXPECT_TRUE(passes == 50 || residual <= 1e-7) << passes;
+    ASSERT_EQ(a.velocities, b.velocities) << step;
+    ASSERT_LT((a.positions - b.positions).cwiseAbs().maxCoeff(), 1e-15) << step;
+    a.positions = b.positions;  // solve() may round otherwise
+
+    // What it knows of its own moves spares no repair.
+    const int needed = by_passes.correct(cloth, 1e-3, 100, b.positions);
+    EXPECT_EQ(alone.correct(cloth, 1e-3, 100, a.positions), needed) << step;
+    EXPECT_LE(needed == 100 ? 0 : worst_stretch(cloth, a.positions), limit + 1e-3 + 1e-12);
+    repairs += needed;
+  }
+  EXPECT_GT(repairs, 0) << "the scene asks for none";
+}
+
+TEST(StrainLimit, TensionFrequencyOfAWeightOnAString) {
+  // One spring carries m g: omega^2 = g / l. Two masses: 2 m g above and m g below the upper one.
+  for (const int masses : {1, 2}) {
+    ClothSpec spec = limited(chain_spec(masses + 1, 1, 0, Orientation::vertical));
+    spec.pinned = {{0, masses, ""}};
+    const Cloth cloth = make_grid(spec);
+    State state{cloth.rest_positions, Points::Zero(masses + 1, 3), 0};
+    const double top = cloth.rest_positions(masses, 2);
+    for (int i = 0; i <= masses; ++i) {
+      state.positions(i, 2) = top - 1.1 * (top - cloth.rest_positions(i, 2));
+    }
+    VelocityVerlet method;
+    StrainLimit strain_limit(cloth);
+    EXPECT_EQ(strain_limit.tension_frequency(cloth), 0);
+    for (int step = 0; step < 100; ++step) {
+      method.step(cloth, Loads{}, h, state);
+      strain_limit.predict(cloth, h, reach, state);
+      strain_limit.begin(cloth, reach, state);
+      strain_limit.solve(1e-12, 4, 200, state);
+      strain_limit.correct(cloth, 1e-6, 100, state.positions);
+    }
+    const double omega = strain_limit.tension_frequency(cloth);
+    EXPECT_NEAR(omega * omega, (masses == 1 ? 1 : 3) * 9.8 / 1.1, 1e-4);
+  }
+}
+
 TEST(StrainLimit, CorrectShortensToItsTolerance) {
   // From far over the limit; pins hold, the centre of mass of a free cloth stays.
   const double tolerance = 1e-4;

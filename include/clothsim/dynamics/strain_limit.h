@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
+#include "clothsim/dynamics/limited_spring.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -41,9 +43,19 @@ class StrainLimit {
   /// the displacement it makes in h [m].
   double sweep(const Cloth& cloth, Points& velocities);
 
+  /// As many passes as it takes for the last to change no rate by more than `enough` [m] as a
+  /// displacement, at least `least` and at most `most`; then moves the points as the impulses since
+  /// predict() ask for. For where nothing but the limit acts on the cloth; nothing else may have
+  /// changed the state since begin(). Returns the passes taken.
+  int solve(double enough, int least, int most, State&);
+
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_sweeps` passes. Returns the passes taken.
   int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions);
+
+  /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
+  /// springs between neighbours that stay: omega^2 = sum T / (m l).
+  double tension_frequency(const Cloth& cloth);
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -69,29 +81,44 @@ class StrainLimit {
     int colour;
   };
 
-  /// A spring at its limit in this step.
-  struct Active {
-    int id;  // of the constraint
-    int a;
-    int b;
-    double inv_mass;    // of both ends together [1/kg]
-    Vector3 direction;  // from a to b
-    double fastest;     // largest rate of elongation allowed [m/s]
-  };
-
   void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
+  void find_active(const Cloth& cloth, const State&);
+  void add_active(int id, double impulse);
+  void load_points(const State&);
+  void store(Points& velocities) const;
+  bool holds(double tolerance) const;
 
-  double longest_;                                       // 1 + limit
-  double h_ = 0;                                         // step that impulses_ belong to [s]
-  std::vector<Constraint> constraints_;                  // in the order of cloth.springs
-  std::vector<double> impulses_;                         // [N s], >= 0, as constraints_
-  std::vector<unsigned char> flags_;                     // as constraints_, padded to whole words
-  std::vector<unsigned char> over_length_;               // by first point, scratch of one direction
-  std::array<std::vector<Active>, num_colours> active_;  // by colour
-  std::array<std::vector<Active>, num_colours> last_active_;  // of the step before
-  std::array<std::vector<int>, num_colours> over_;  // constraint ids, scratch of correct()
+  double longest_;                       // 1 + limit
+  double shortest_;                      // rest length [m]
+  LimitStep step_{};                     // that the impulses belong to
+  std::vector<Constraint> constraints_;  // in the order of cloth.springs
+
+  std::vector<LimitedSpring> active_;  // in the order of their sweeps, by colour
+  std::vector<int> ids_;               // of their constraints, as active_
+  std::vector<double> lengths_;        // at the limit [m], as active_
+  std::vector<int> touched_;           // points of active_
+  bool solved_alone_ = false;          // by solve() in this step
+  double moved_ = 0;                   // farthest that solve() has moved a point [m]
+
+  // By point. Only what belongs to touched_ is looked at.
+  std::vector<Quad> positions_;   // w 0
+  std::vector<Quad> predicted_;   // velocities after predict(), w 0
+  std::vector<Quad> velocities_;  // w the inverse mass
+  std::vector<Quad> given_;       // velocities given by predict(); 0 where it gave none
+  std::vector<unsigned char> is_touched_;
+
+  // Scratch.
+  std::vector<double> across_;              // stiffness by point; all 0 between calls
+  std::vector<double> kept_;                // impulses by constraint; all 0 between calls
+  std::vector<unsigned char> flags_;        // by constraint, padded to whole words
+  std::vector<unsigned char> over_length_;  // by first point, of one direction
+  std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
+  std::vector<int> last_ids_;
+  std::vector<int> last_touched_;
+  std::vector<int> second_colour_;                  // constraint ids of one direction
+  std::array<std::vector<int>, num_colours> over_;  // constraint ids, of correct()
 };
 
 }  // namespace clothsim
