@@ -10,10 +10,12 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped, WrenchStamped
+from tf2_msgs.msg import TFMessage
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach, GetState, RestoreState, SaveState
-from cloth_client import Cloth, Recorder, call, content, point, positions, wait_for
+from cloth_client import (Cloth, Recorder, call, content, point, positions, publisher_at_once,
+                          wait_for)
 
 COLUMNS = 10
 CORNERS = {"left": 0, "right": COLUMNS - 1}
@@ -104,15 +106,23 @@ class Grasp(unittest.TestCase):
             self.assertLess(abs(where[CORNERS["left"], 0] - x), 1e-3)
             self.assertLess(abs(where[CORNERS["right"], 0] - 1 - x), 1e-3)
 
-    def test_what_was_sent_before_a_step_counts(self):
+    def test_what_came_before_a_step_counts(self):
         """Without a pause between the two, a hundred times."""
-        self.take_corners()
+        self.assertTrue(self.attach("right", points=[9]).success)  # from then on the node listens
+        tf = publisher_at_once("/tf", TFMessage)
+        wait_for(lambda: tf.get_num_connections() > 0, "the node to listen")
+        hand = TransformStamped()
+        hand.header.frame_id, hand.child_frame_id = "map", "quick"
+        hand.transform.translation.z, hand.transform.rotation.w = 1.0, 1.0
         for i in range(100):
-            x = 0.002 * i
-            self.hands.put("left", (x, 0, 1))
-            self.hands.put("right", (1 + x, 0, 1))
-            self.hands.send()
-            self.assertLess(abs(positions(self.cloth.step(1))[CORNERS["left"], 0] - x), 1e-6)
+            hand.header.stamp = rospy.Time.now()
+            hand.transform.translation.x = 0.002 * i
+            tf.publish([hand])
+            if i == 0:
+                answer = self.attach("quick", points=[0])
+                self.assertTrue(answer.success, answer.message)
+            where = positions(self.cloth.step(1))[0]
+            self.assertAlmostEqual(where[0], 0.002 * i, delta=1e-6)
 
     def hang(self):
         """Forces on the frames [N] with the cloth at rest."""

@@ -17,9 +17,9 @@ import rospy
 import rostest
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import TransformStamped
-from tf2_ros import TransformBroadcaster
+from tf2_msgs.msg import TFMessage
 
-from cloth_client import PATIENCE, Cloth, content, wait_for
+from cloth_client import PATIENCE, Cloth, content, publisher_at_once, wait_for
 
 FRAMES = 60  # by then the cloth is on the sphere
 TOPICS = ["/clothsim/state", "/tf", "/tf_static"]
@@ -30,7 +30,7 @@ class Bag(unittest.TestCase):
     def setUpClass(cls):
         cls.cloth = Cloth()
         wait_for(cls.cloth.states.all, "the first state")
-        cls.broadcaster = TransformBroadcaster()
+        cls.tf = publisher_at_once("/tf", TFMessage)
         cls.folder = tempfile.mkdtemp()
         cls.replay_bag = roslib.packages.find_node("clothsim", "replay_bag")[0]
 
@@ -44,7 +44,7 @@ class Bag(unittest.TestCase):
         t.transform.translation.x, t.transform.translation.y = x, 0.5
         t.transform.translation.z = height
         t.transform.rotation.w = 1
-        self.broadcaster.sendTransform(t)
+        self.tf.publish([t])
 
     def record(self, name, run):
         """The bag of what is published while run() runs."""
@@ -52,7 +52,7 @@ class Bag(unittest.TestCase):
         recorder = subprocess.Popen(["rosbag", "record", "-O", path] + TOPICS,
                                     stdout=subprocess.DEVNULL)
         wait_for(lambda: self.records("/clothsim/state"), "the recorder of the states")
-        wait_for(lambda: self.broadcaster.pub_tf.get_num_connections() == 2, "that of transforms")
+        wait_for(lambda: self.tf.get_num_connections() == 2, "that of transforms")
         run()
         wait_for(lambda: os.path.exists(path + ".active"), "the bag")
         time.sleep(1)  # what is on its way
@@ -87,7 +87,7 @@ class Bag(unittest.TestCase):
         return states[start:]  # from the last reset on
 
     def test_bag(self):
-        wait_for(lambda: self.broadcaster.pub_tf.get_num_connections() == 1, "the node to listen")
+        wait_for(lambda: self.tf.get_num_connections() == 1, "the node to listen")
         path = self.record("run", self.run_lockstep)
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))

@@ -4,6 +4,7 @@ import os
 import threading
 import time
 import unittest
+import warnings
 
 import numpy as np
 import rospy
@@ -36,6 +37,13 @@ def call(name, service_type, *args):
     """The answer of a service, which may not be there yet."""
     rospy.wait_for_service(name, PATIENCE)
     return rospy.ServiceProxy(name, service_type)(*args)
+
+
+def publisher_at_once(topic, message_type):
+    """One whose publish() returns when the message is on its way; rospy's others send it later."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # rospy's, that there is no queue
+        return rospy.Publisher(topic, message_type, queue_size=None)
 
 
 class Recorder:

@@ -19,7 +19,7 @@ inline constexpr double farthest = 1e6;
 bool is_usable(const clothsim::Pose&);
 
 /// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what
-/// has come in the thread that asks: in lockstep, what was sent before a call counts in the call.
+/// has come in the thread that asks: in lockstep, what came before a call counts in the call.
 class TfListener {
  public:
   /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
