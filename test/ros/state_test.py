@@ -48,7 +48,7 @@ class State(unittest.TestCase):
         expected = content(self.cloth.step(FRAMES))
         self.cloth.states.clear()
         self.set(state)
-        published = self.cloth.states.wait("the state that was set")
+        published = self.cloth.states.wait("the state that was set", lambda s: s.step == FRAMES)
         self.assertEqual(content(published), before)
         self.assertEqual(content(self.cloth.step(FRAMES)), expected)
         self.assertEqual(content(self.cloth.step(1))[0], 2 * FRAMES + 1)
