@@ -112,7 +112,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
     if (!in_reach(collider, box, margin)) continue;
 
     const std::size_t first = contacts_.size(), first_face = faces_.size();
-    std::vector<std::size_t> caught;
+    std::vector<int> caught;
     std::vector<CaughtFace> caught_faces;
     local_.place(collider, step.start, state.positions);
     double deepest = find_points(k, collider, cloth, step, keeps.points, state, caught);
@@ -122,7 +122,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
     for (const CaughtFace& face : caught_faces) deepest = std::max(deepest, face.depth);
     recovers_ = recovers_ || deepest > 0;
     if (deepest > safe_depth(collider.shape())) {
-      escape(k, collider, cloth, caught, caught_faces);
+      escape(k, collider, cloth, first, caught, caught_faces, state.positions);
     }
 
     for (std::size_t i = first; i < contacts_.size(); ++i) {
@@ -137,7 +137,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
 
 double ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
                                      const ContactStep& step, double offset, State& state,
-                                     std::vector<std::size_t>& caught) {
+                                     std::vector<int>& caught) {
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
   double deepest = 0;
   local_.distance.resize(cloth.num_points());
@@ -179,32 +179,49 @@ double ColliderContacts::find_points(int index, const MovingCollider& collider, 
     // Others may yet push a point on the surface into it.
     if (!held && rate >= slowest && gap > 0) continue;
 
-    if (d.value < 0) {
-      const double depth = -depth_before(collider.shape(), from);
-      if (depth > 0) caught.push_back(contacts_.size());
-      deepest = std::max(deepest, depth);
-    }
-    contacts_.push_back({index, i, {normal, surface_velocity, slowest, collider.friction()}});
+    const double depth = d.value < 0 ? -depth_before(collider.shape(), from) : 0;
+    if (depth > 0) caught.push_back(i);
+    deepest = std::max(deepest, depth);
+    contacts_.push_back(
+        {index,
+         i,
+         {normal, surface_velocity, slowest + way_out_speed(depth), collider.friction()}});
     if (held) contacts_.back().impulse.resume(last_[next_last_].impulse, 1);
   }
   return deepest;
 }
 
 void ColliderContacts::escape(int index, const MovingCollider& collider, const Cloth& cloth,
-                              const std::vector<std::size_t>& points,
-                              const std::vector<CaughtFace>& faces) {
+                              std::size_t first, const std::vector<int>& points,
+                              const std::vector<CaughtFace>& faces, const Points& positions) {
   Escape out{index, {}, std::vector<char>(static_cast<std::size_t>(cloth.num_points()), 0)};
-  for (const std::size_t contact : points) {
-    out.held[static_cast<std::size_t>(contacts_[contact].point)] = 1;
-  }
+  for (const int i : points) out.held[static_cast<std::size_t>(i)] = 1;
   for (const CaughtFace& face : faces) {
     for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
       out.held[static_cast<std::size_t>(i)] = 1;
     }
   }
   out.direction = way_out(cloth, local_.from, out.held);
+
+  // All its points go that way, those outside too.
   const Vector3 direction = collider.pose().orientation * out.direction;
-  for (const std::size_t contact : points) contacts_[contact].impulse.normal = direction;
+  std::vector<char> missing = out.held;
+  for (std::size_t c = first; c < contacts_.size(); ++c) {
+    const auto point = static_cast<std::size_t>(contacts_[c].point);
+    if (!out.held[point]) continue;
+    contacts_[c].impulse.normal = direction;
+    contacts_[c].impulse.slowest = recovery_speed;
+    missing[point] = 0;
+  }
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (!missing[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
+    contacts_.push_back({index,
+                         i,
+                         {direction, collider.velocity_at(row(positions, i)), recovery_speed,
+                          collider.friction()}});
+  }
+  std::sort(contacts_.begin() + static_cast<std::ptrdiff_t>(first), contacts_.end(),
+            [](const Contact& p, const Contact& q) { return p.point < q.point; });
   for (const CaughtFace& face : faces) faces_.redirect(face.contact, direction);
   escapes_.push_back(std::move(out));
 }

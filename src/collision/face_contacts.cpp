@@ -51,19 +51,41 @@ double yield_of(const Cloth& cloth, const Corners& corners, const std::array<dou
   return yield;
 }
 
-bool at_corner(const std::array<double, 3>& w) { return std::max({w[0], w[1], w[2]}) == 1; }
+/// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
+constexpr std::size_t features = 4;
+constexpr std::size_t face = 3;
 
-/// Calls visit(triangle, corners) where any point of the triangle may be within `margin` [m].
+/// With which of them it does; empty where it touches with a corner alone.
+std::optional<std::size_t> feature_of(const std::array<double, 3>& w) {
+  const auto zeros = std::count(w.begin(), w.end(), 0.0);
+  if (zeros > 1) return std::nullopt;
+  if (zeros == 0) return face;
+  return w[2] == 0 ? 0 : (w[0] == 0 ? 1 : 2);
+}
+
+/// May a point have passed through the shape in one step?
+bool is_fast(const Shape& shape, const Vector3& way) {
+  const double depth = safe_depth(shape);
+  return way.squaredNorm() > depth * depth;
+}
+
+/// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
+/// its corners, or may have passed through.
 template <class Visit>
-void for_each_near(const Cloth& cloth, const LocalCloth& local, double margin, Visit visit) {
+void for_each_near(const Shape& shape, const Cloth& cloth, const LocalCloth& local, double margin,
+                   Visit visit) {
   double edge = longest_edge_within_limit(cloth);
   if (std::isinf(edge)) edge = longest_edge(local.to, cloth.triangles);
   const double far = margin + edge / std::sqrt(3);  // of the nearest corner
+  const double way = std::sqrt((local.to - local.from).rowwise().squaredNorm().maxCoeff());
+  const bool fast = way > safe_depth(shape);
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const Corners& c = cloth.triangles[t];
     const double nearest =
         std::min({local.distance[c[0]], local.distance[c[1]], local.distance[c[2]]});
-    if (nearest <= far) visit(static_cast<int>(t), c);
+    if (nearest > far + (fast ? way : 0)) continue;
+    if (!fast && !touches_between_corners(shape, triangle_of(local.to, c), margin)) continue;
+    visit(static_cast<int>(t), c);
   }
 }
 
@@ -81,20 +103,19 @@ Approach approach(const MovingCollider& collider, const Corners& corners, const 
   Approach result;
   result.distance = face_distance(shape, to, margin);
 
-  double way2 = 0;
-  for (std::size_t i = 0; i < 3; ++i) way2 = std::max(way2, (to[i] - from[i]).squaredNorm());
-  const double depth = safe_depth(shape);
+  const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
+                    is_fast(shape, to[2] - from[2]);
   const bool inside = result.distance && result.distance->value < 0;
-  if (!inside && way2 <= depth * depth) return result;
+  if (!inside && !fast) return result;
 
   // It may have been in the solid before, or have come through it.
   const auto before = face_distance(shape, from, 0);
   if (before && before->value < 0) {
     result.before = before->value;
-  } else if (way2 > depth * depth || (inside && result.distance->value < -depth)) {
+  } else if (fast || result.distance->value < -safe_depth(shape)) {
     const auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
                                            to_world(collider.pose(), to), surface_offset);
-    if (swept && (!result.distance || swept->value < result.distance->value || inside)) {
+    if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
       result.swept = swept->value < surface_offset;
     }
@@ -110,52 +131,75 @@ void FaceContacts::start_over() {
   next_last_ = 0;
 }
 
-const FaceContacts::Contact* FaceContacts::last_of(int collider, int triangle) {
-  const auto id = std::make_tuple(collider, triangle);
-  const auto id_of = [](const Contact& c) { return std::make_tuple(c.collider, c.triangle); };
-  while (next_last_ < last_.size() && id_of(last_[next_last_]) < id) ++next_last_;
-  if (next_last_ == last_.size() || id_of(last_[next_last_]) != id) return nullptr;
+const FaceContacts::Contact* FaceContacts::last_of(const Id& id) {
+  while (next_last_ < last_.size() && last_[next_last_].id < id) ++next_last_;
+  if (next_last_ == last_.size() || id < last_[next_last_].id) return nullptr;
   return last_[next_last_].impulse.push > 0 ? &last_[next_last_] : nullptr;
 }
 
 void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& cloth,
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
-  const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
-  for_each_near(cloth, local, margin, [&](int triangle, const Corners& corners) {
+  for_each_near(collider.shape(), cloth, local, margin, [&](int triangle, const Corners& corners) {
     const Approach found = approach(collider, corners, local, margin);
-    if (!found.distance || (at_corner(found.distance->weights) && found.before == 0)) return;
-    const std::array<double, 3>& weights = found.distance->weights;
-    const double yield = yield_of(cloth, corners, weights);
-    if (yield == 0) return;
+    if (!found.distance) return;
 
-    const Vector3 normal = turn * found.distance->normal;
-    const Vector3 surface_velocity =
-        collider.velocity_at(weighted(state.positions, corners, weights));
-    const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
-    if (found.swept) {
-      // Back to where it came in, less what the impulse that ends its approach will move it.
-      const double back =
-          surface_offset - found.distance->value + step.reach * step.h * std::min(0.0, drift);
-      spread(cloth, corners, weights, back / yield * normal, state.positions);
-      spread(cloth, corners, weights, back / yield * found.distance->normal, local.to);
+    // Corners are left to the contacts of their points, unless they are to be led out.
+    std::array<std::optional<FaceDistance>, features> touching;
+    const auto feature = feature_of(found.distance->weights);
+    const bool alone = found.swept || found.before < 0;
+    if (!alone) {
+      const auto edges =
+          edges_along(collider.shape(), triangle_of(local.to, corners), *found.distance, margin);
+      std::copy(edges.begin(), edges.end(), touching.begin());
     }
+    if (feature || alone) touching[feature.value_or(face)] = found.distance;
 
-    // The gap this step would leave if the triangle only followed the surface.
-    const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
-    const double gap = found.distance->value - surface_offset - step.reach * step.h * drift;
-    const double slowest = found.swept ? 0 : -std::max(gap, 0.0) / step.h;
-    const Contact* last = last_of(index, triangle);
-    if (!last && rate >= slowest && gap > 0) return;
-
-    if (found.before < 0) caught.push_back({triangle, contacts_.size(), -found.before});
-    contacts_.push_back({index,
-                         triangle,
-                         weights,
-                         yield,
-                         {normal, surface_velocity, slowest, collider.friction()}});
-    if (last) contacts_.back().impulse.resume(last->impulse, 1);
+    for (std::size_t i = 0; i < features; ++i) {
+      if (!touching[i]) continue;
+      const Id id{index, triangle, static_cast<int>(i)};
+      const std::size_t before = contacts_.size();
+      add(id, collider, cloth, step, *touching[i], found.swept, -found.before, local, state);
+      if (found.before < 0 && contacts_.size() > before) {
+        caught.push_back({triangle, before, -found.before});
+      }
+    }
   });
+}
+
+void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth& cloth,
+                       const ContactStep& step, const FaceDistance& distance, bool swept,
+                       double depth, LocalCloth& local, State& state) {
+  const Corners& corners = cloth.triangles[static_cast<std::size_t>(id.triangle)];
+  const std::array<double, 3>& weights = distance.weights;
+  const double yield = yield_of(cloth, corners, weights);
+  if (yield == 0) return;
+
+  const Vector3 normal = collider.pose().orientation * distance.normal;
+  const Vector3 surface_velocity =
+      collider.velocity_at(weighted(state.positions, corners, weights));
+  const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
+  if (swept) {
+    // Back to where it came in, less what the impulse that ends its approach will move it.
+    const double back =
+        surface_offset - distance.value + step.reach * step.h * std::min(0.0, drift);
+    spread(cloth, corners, weights, back / yield * normal, state.positions);
+    spread(cloth, corners, weights, back / yield * distance.normal, local.to);
+  }
+
+  // The gap this step would leave if the triangle only followed the surface.
+  const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
+  const double gap = distance.value - surface_offset - step.reach * step.h * drift;
+  const double slowest = swept ? 0 : -std::max(gap, 0.0) / step.h;
+  const Contact* last = last_of(id);
+  if (!last && rate >= slowest && gap > 0 && depth == 0) return;
+
+  contacts_.push_back(
+      {id,
+       weights,
+       yield,
+       {normal, surface_velocity, slowest + way_out_speed(depth), collider.friction()}});
+  if (last) contacts_.back().impulse.resume(last->impulse, 1);
 }
 
 void FaceContacts::resume(const Cloth& cloth, double scale, std::size_t first, Points& velocities) {
@@ -163,7 +207,7 @@ void FaceContacts::resume(const Cloth& cloth, double scale, std::size_t first, P
     Contact& c = contacts_[i];
     if (c.impulse.push == 0) continue;
     c.impulse.resume(c.impulse, scale);
-    spread(cloth, cloth.triangles[static_cast<std::size_t>(c.triangle)], c.weights,
+    spread(cloth, cloth.triangles[static_cast<std::size_t>(c.id.triangle)], c.weights,
            c.impulse.total(), velocities);
   }
 }
@@ -171,7 +215,7 @@ void FaceContacts::resume(const Cloth& cloth, double scale, std::size_t first, P
 double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
-    const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.triangle)];
+    const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
     const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), c.yield);
     spread(cloth, corners, c.weights, change, velocities);
     residual2 = std::max(residual2, change.squaredNorm());
@@ -182,41 +226,35 @@ double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
 void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, double h,
                            const std::vector<char>& held, LocalCloth& local,
                            std::vector<char>& moved) const {
-  // Those near enough that a neighbour's move may bring them in.
-  const double margin = safe_depth(collider.shape());
-  std::vector<int> near;
-  for_each_near(cloth, local, margin, [&](int triangle, const Corners& c) {
-    if (!held.empty() &&
-        (held[static_cast<std::size_t>(c[0])] || held[static_cast<std::size_t>(c[1])] ||
-         held[static_cast<std::size_t>(c[2])])) {
-      return;
-    }
-    near.push_back(triangle);
-  });
-
+  const auto any_of = [](const auto& marks, const Corners& c, int mark) {
+    return std::any_of(c.begin(), c.end(),
+                       [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
+  };
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
   for (int pass = 1; pass <= max_passes; ++pass) {
     bool again = false;
-    for (const int triangle : near) {
-      const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
-      const auto is_new = [&](int i) { return last_move[static_cast<std::size_t>(i)] >= pass - 1; };
-      if (!is_new(corners[0]) && !is_new(corners[1]) && !is_new(corners[2])) continue;
+    for_each_near(collider.shape(), cloth, local, surface_offset, [&](int, const Corners& corners) {
+      // In the first pass all, then those with a corner that has just moved.
+      if (!any_of(last_move, corners, pass - 1)) return;
+      if (!held.empty() && any_of(held, corners, 1)) return;
       const Approach found = approach(collider, corners, local, surface_offset);
-      if (!found.distance) continue;
+      if (!found.distance) return;
       const double wanted = required_distance(found.before, surface_offset, h);
-      if (found.distance->value >= wanted - play * surface_offset) continue;
+      if (found.distance->value >= wanted - play * surface_offset) return;
       const std::array<double, 3>& weights = found.distance->weights;
       const double yield = yield_of(cloth, corners, weights);
-      if (yield == 0) continue;
+      if (yield == 0) return;
       spread(cloth, corners, weights,
              (wanted - found.distance->value) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;
         last_move[static_cast<std::size_t>(i)] = pass;
         moved[static_cast<std::size_t>(i)] = 1;
+        local.distance[i] =
+            signed_distance(collider.shape(), local.to.row(i), local.from.row(i)).value;
       }
       again = true;
-    }
+    });
     if (!again) break;
   }
 }
@@ -232,8 +270,9 @@ void FaceContacts::write(MemoryWriter& memory) const {
   memory.add(count());
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
-    memory.add(c.collider);
-    memory.add(c.triangle);
+    memory.add(c.id.collider);
+    memory.add(c.id.triangle);
+    memory.add(c.id.feature);
     memory.add(c.impulse.push);
     memory.add(c.impulse.drag);
   }
@@ -243,8 +282,9 @@ void FaceContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth
   reset();
   for (std::size_t left = memory.count(); left > 0; --left) {
     Contact c{};
-    c.collider = memory.index(colliders);
-    c.triangle = memory.index(cloth.triangles.size());
+    c.id.collider = memory.index(colliders);
+    c.id.triangle = memory.index(cloth.triangles.size());
+    c.id.feature = memory.index(features);
     c.impulse.push = std::max(0.0, memory.number());
     c.impulse.drag = memory.vector();
     contacts_.push_back(c);

@@ -1,7 +1,6 @@
 #include "clothsim/collision/face_distance.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -11,9 +10,6 @@ namespace clothsim {
 namespace {
 
 using Weights = std::array<double, 3>;
-
-/// Distances that differ by less belong to one contact along a line [m].
-constexpr double line_tolerance = 2e-5;
 
 /// Square of the sine below which two edges are parallel and have no common normal.
 constexpr double parallel = 1e-12;
@@ -36,50 +32,31 @@ Weights on_edge(std::size_t i, double s) {
 
 Vector3 edge(const Triangle& t, std::size_t i) { return t[(i + 1) % 3] - t[i]; }
 
-/// The least of distances between features, and its place. Distances that are as small belong to
-/// the same line of contact: their places are averaged.
+/// The least of distances between features, and its place.
 class Closest {
  public:
   /// `p` of the shape is near to the point of the triangle with these weights.
   void add(const Vector3& p, const Triangle& t, const Weights& weights) {
     const Vector3 gap = at(t, weights) - p;
-    add(gap.norm(), gap, weights);
-  }
-
-  void add(double distance, const Vector3& gap, const Weights& weights) {
-    assert(count_ < places_.size());
-    places_[count_++] = {distance, weights};
+    const double distance = gap.norm();
     if (distance >= least_) return;
     least_ = distance;
     gap_ = gap;
+    weights_ = weights;
   }
 
   double least() const { return least_; }
 
-  /// Where they are not nil, from distances alone.
+  /// Where it is not nil.
   std::optional<FaceDistance> result() const {
-    if (count_ == 0 || least_ == 0) return std::nullopt;
-    Weights sum{0, 0, 0};
-    double total = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const double share = 1 - (places_[i].distance - least_) / line_tolerance;
-      if (share <= 0) continue;
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += share * places_[i].weights[k];
-      total += share;
-    }
-    for (double& w : sum) w /= total;
-    return FaceDistance{least_, gap_ / least_, sum};
+    if (least_ == 0 || std::isinf(least_)) return std::nullopt;
+    return FaceDistance{least_, gap_ / least_, weights_};
   }
 
  private:
-  struct Place {
-    double distance;
-    Weights weights;
-  };
-  std::array<Place, 48> places_;  // 36 pairs of edges and 8 corners are the most
-  std::size_t count_ = 0;
   double least_ = std::numeric_limits<double>::infinity();
   Vector3 gap_{0, 0, 0};
+  Weights weights_{1, 0, 0};
 };
 
 /// Of directions along which a triangle may leave a polyhedron, the shortest way.
@@ -283,6 +260,18 @@ Closest to_edges_and_corners(const Vector3& half, const Triangle& t, const Vecto
   return closest;
 }
 
+/// Does a triangle with its corners between `least` and `most` reach into the box, or an edge of
+/// the box within `reach` of it? There is none where it is between the faces along two axes.
+bool is_near_edge(const Vector3& half, const Vector3& least, const Vector3& most, double reach) {
+  int between = 0;
+  bool apart = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (least[axis] - reach > -half[axis] && most[axis] + reach < half[axis]) ++between;
+    apart = apart || least[axis] > half[axis] || most[axis] < -half[axis];
+  }
+  return between < 2 || !apart;
+}
+
 std::optional<FaceDistance> distance(const Cuboid& box, const Triangle& t, double reach) {
   const Vector3 half = box.size / 2;
   const Vector3 least = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
@@ -298,15 +287,14 @@ std::optional<FaceDistance> distance(const Cuboid& box, const Triangle& t, doubl
     }
   }
 
-  // The faces of the box bound the corners of the triangle. Where an edge of the box is as near,
-  // it counts: it touches elsewhere too.
+  // The faces of the box bound the corners of the triangle, its edges and corners the rest.
   FaceDistance nearest{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
   for (std::size_t i = 0; i < 3; ++i) {
     const Distance d = signed_distance(box, t[i], t[i]);
     if (d.value < nearest.value) nearest = {d.value, d.normal, corner(i)};
   }
   const Closest features = to_edges_and_corners(half, t, least, most, reach);
-  if (features.least() <= nearest.value + line_tolerance) {
+  if (features.least() <= nearest.value) {
     if (const auto found = features.result()) nearest = *found;
   }
   if (nearest.value > reach) return std::nullopt;
@@ -326,6 +314,53 @@ std::optional<FaceDistance> distance(const Round& shape, const Triangle& t, doub
 std::optional<FaceDistance> distance(const Plane&, const Triangle&, double) { return std::nullopt; }
 
 }  // namespace
+
+namespace {
+
+/// Calls visit(one end, other end) for the straight lines of a shape's core that support it along
+/// `normal`.
+template <class Visit>
+void for_each_supporting_line(const Shape& shape, const Vector3& normal, Visit visit) {
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    const Vector3 end(0, 0, capsule->length / 2);
+    visit(Vector3(-end), end, capsule->radius);
+  } else if (const auto* box = std::get_if<Cuboid>(&shape)) {
+    const Vector3 support = box_corner(box->size / 2, normal);
+    for (int axis = 0; axis < 3; ++axis) {
+      Vector3 other = support;
+      other[axis] *= -1;
+      visit(support, other, 0.0);
+    }
+  }
+}
+
+}  // namespace
+
+std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const Triangle& t,
+                                                       const FaceDistance& nearest, double reach) {
+  std::array<std::optional<FaceDistance>, 3> found;
+  const double farthest = reach + 2 * std::max(0.0, -nearest.value);
+  for_each_supporting_line(
+      shape, nearest.normal, [&](const Vector3& low, const Vector3& high, double radius) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          const SegmentParameters where = closest_on_segments(t[i], t[(i + 1) % 3], low, high);
+          if (where.s <= 0 || where.s >= 1) continue;
+          const Weights weights = on_edge(i, where.s);
+          const Vector3 gap = at(t, weights) - low - where.t * (high - low);
+          if (gap.norm() - radius > farthest) continue;
+          const double value = nearest.normal.dot(gap) - radius;
+          if (found[i] && found[i]->value <= value) continue;
+          found[i] = FaceDistance{value, nearest.normal, weights};
+        }
+      });
+  return found;
+}
+
+bool touches_between_corners(const Shape& shape, const Triangle& t, double reach) {
+  const auto* box = std::get_if<Cuboid>(&shape);
+  return !box || is_near_edge(box->size / 2, t[0].cwiseMin(t[1]).cwiseMin(t[2]),
+                              t[0].cwiseMax(t[1]).cwiseMax(t[2]), reach);
+}
 
 std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& triangle,
                                           double reach) {

@@ -39,7 +39,7 @@ Distance distance(const Cuboid& box, const Vector3& point, const Vector3&) {
   const double nearest = beyond.maxCoeff(&axis);
   if (nearest <= 0) return {nearest, sign[axis] * Vector3::Unit(axis)};
   const Vector3 out = beyond.cwiseMax(0.0);
-  const double r = out.stableNorm();
+  const double r = out.norm();
   return {r, sign.cwiseProduct(out / r)};
 }
 

@@ -96,15 +96,15 @@ TEST(FaceDistance, IsTheLeastDistanceOfTheTrianglesPoints) {
       EXPECT_EQ(found->value < 0, least < -1e-9) << shape.index() << ' ' << n;
       if (least <= 1e-9) continue;
       ++apart;
-      EXPECT_NEAR(found->value, least, 1e-8 + (shape.index() == 3 ? 2e-5 : 0));
+      EXPECT_NEAR(found->value, least, 1e-8);
       // There, and with this normal.
       const auto& w = found->weights;
       EXPECT_NEAR(w[0] + w[1] + w[2], 1, 1e-12);
       for (const double share : w) EXPECT_GE(share, 0);
       const Vector3 p = at(t, w);
       const Distance d = signed_distance(shape, p, p);
-      EXPECT_NEAR(d.value, least, 4e-5);
-      EXPECT_NEAR((d.normal - found->normal).norm(), 0, 0.02 + 4e-5 / least);
+      EXPECT_NEAR(d.value, least, 1e-8);
+      EXPECT_NEAR((d.normal - found->normal).norm(), 0, 1e-6 + 1e-8 / least);
     }
     EXPECT_GT(apart, 50);
   }
@@ -145,12 +145,12 @@ TEST(FaceDistance, IsEmptyOutOfReach) {
     for (int n = 0; n < 2000; ++n) {
       const Triangle t = triangles.next();
       const double value = face_distance(shape, t, 10)->value;
-      if (std::abs(value - 0.2) < 3e-5) continue;
+      if (std::abs(value - 0.2) < 1e-9) continue;
       const auto found = face_distance(shape, t, 0.2);
       ASSERT_EQ(found.has_value(), value < 0.2);
       ++(found ? near : far);
       if (found) {
-        EXPECT_NEAR(found->value, value, 2e-5);
+        EXPECT_EQ(found->value, value);
       }
     }
     EXPECT_GT(near, 50);
@@ -175,17 +175,40 @@ TEST(FaceDistance, OfDegenerateTrianglesIsFinite) {
   }
 }
 
-TEST(FaceDistance, ALineOfContactIsHeldWithinWhateverTheRounding) {
-  // A triangle that lies square on a capsule: the same weights however it tilts by rounding.
+TEST(FaceDistance, ALineThatATriangleLiesOnIsFoundAtTwoOfItsEdges) {
+  // Square on a capsule, however it tilts by rounding; a box's edge below a triangle the same.
+  const Triangle flat{Vector3(-0.3, 0.2, 0.2), Vector3(0.3, 0.2, 0.2), Vector3(0.1, -0.3, 0.2)};
   const Capsule rod{2, 0.1};
+  const Cuboid box{{2, 0.4, 0.4}};
+  const Eigen::AngleAxisd to_x(M_PI / 2, Vector3::UnitY());  // z to x
   for (const double tilt : {0.0, 1e-9, -1e-9}) {
-    const Triangle t{Vector3(0.2, -0.3, -0.1), Vector3(0.2, 0.3, -0.1), Vector3(0.2, 0, 0.5)};
-    Triangle tilted = t;
-    for (Vector3& p : tilted) p.x() += tilt * p.z();
-    const auto found = face_distance(rod, tilted, 1);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->value, 0.1, 1e-6);
-    EXPECT_NEAR(at(t, found->weights).z(), 0.3, 1e-3) << tilt;  // of -0.1 to 0.5
+    Triangle over_rod, over_edge;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 p = flat[i] + tilt * flat[i].x() * Vector3::UnitZ();
+      over_rod[i] = to_x.inverse() * p;
+      over_edge[i] = Vector3(p.x(), 0.2, 0.3) + p.y() * Vector3(0, 1, -1) / std::sqrt(2.0);
+    }
+    const auto check = [&](const Shape& shape, const Triangle& t, double distance) {
+      const auto nearest = face_distance(shape, t, 1);
+      ASSERT_TRUE(nearest);
+      EXPECT_NEAR(nearest->value, distance, 1e-8);
+      const auto edges = edges_along(shape, t, *nearest, 0.15);
+      EXPECT_FALSE(edges[0]) << "the line does not pass below it";
+      double lowest = 1, highest = -1;
+      for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
+        ASSERT_TRUE(edges[i]) << i << ' ' << tilt;
+        EXPECT_NEAR(edges[i]->value, distance, 1e-8);
+        EXPECT_EQ(edges[i]->weights[(i + 2) % 3], 0);
+        const double x = at(flat, edges[i]->weights).x();
+        lowest = std::min(lowest, x);
+        highest = std::max(highest, x);
+      }
+      // Where y is 0 on the sides of the triangle.
+      EXPECT_NEAR(lowest, -0.3 + 0.4 * 0.4, 1e-6);
+      EXPECT_NEAR(highest, 0.3 - 0.4 * 0.2, 1e-6);
+    };
+    check(rod, over_rod, 0.1);
+    check(box, over_edge, 0.1 / std::sqrt(2.0));
   }
 }
 

@@ -22,8 +22,8 @@ namespace clothsim {
 /// step. A point too fast for that is stopped where its path enters the shape. Where points alone
 /// do not keep a shape off the triangles between them, edges and faces have contacts too.
 ///
-/// What a shape was put upon, rather than moved against, comes out at recovery_speed without
-/// gaining velocity: by the nearest way if it is not deep, else all of it in one direction.
+/// What a shape was put upon, rather than moved against, comes out at recovery_speed at most: by
+/// the nearest way if it is not deep, else all of it in one direction.
 class ColliderContacts {
  public:
   /// Finds contacts after a step from step.start to state, and gives them their last impulses.
@@ -69,11 +69,13 @@ class ColliderContacts {
   /// Adds the point contacts of a collider; `caught` are those in it at the step's start. Returns
   /// the greatest depth of one [m].
   double find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
-                     double offset, State&, std::vector<std::size_t>& caught);
+                     double offset, State&, std::vector<int>& caught);
 
-  /// Sends what is caught in a collider out in one direction.
-  void escape(int index, const MovingCollider&, const Cloth&,
-              const std::vector<std::size_t>& points, const std::vector<CaughtFace>& faces);
+  /// Sends what is caught in a collider, whose contacts are those from `first` on, out in one
+  /// direction.
+  void escape(int index, const MovingCollider&, const Cloth&, std::size_t first,
+              const std::vector<int>& points, const std::vector<CaughtFace>& faces,
+              const Points& positions);
 
   double h_ = 0;                   // step of the impulses [s]
   std::vector<Contact> contacts_;  // by collider, then point

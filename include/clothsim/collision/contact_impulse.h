@@ -10,7 +10,7 @@ namespace clothsim {
 struct ContactImpulse {
   Vector3 normal{0, 0, 1};            // into free space
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
-  double slowest = 0;                 // least normal velocity off the surface allowed [m/s], <= 0
+  double slowest = 0;                 // least normal velocity off the surface allowed [m/s]
   double friction = 0;
   double push = 0;        // along the normal [m/s], >= 0
   Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]

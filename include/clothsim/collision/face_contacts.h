@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <tuple>
 #include <vector>
 
 #include "clothsim/collision/contact_impulse.h"
@@ -45,6 +46,7 @@ class FaceContacts {
   /// Turns a contact to another direction out of the solid.
   void redirect(std::size_t contact, const Vector3& normal) {
     contacts_[contact].impulse.normal = normal;
+    contacts_[contact].impulse.slowest = recovery_speed;
   }
 
   std::size_t size() const { return contacts_.size(); }
@@ -54,17 +56,31 @@ class FaceContacts {
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
  private:
-  struct Contact {
+  struct Id {
     int collider;
     int triangle;
+    int feature;  // what touches: an edge, 0 to 2, or the face, 3
+
+    bool operator<(const Id& other) const {
+      return std::tie(collider, triangle, feature) <
+             std::tie(other.collider, other.triangle, other.feature);
+    }
+  };
+
+  struct Contact {
+    Id id;
     std::array<double, 3> weights;  // of the corners
     double yield;                   // velocity there over impulse, 1 at a point alone
     ContactImpulse impulse;
   };
 
-  const Contact* last_of(int collider, int triangle);
+  const Contact* last_of(const Id&);
 
-  std::vector<Contact> contacts_;  // by collider, then triangle
+  /// Adds a contact at `distance`, if it matters in this step.
+  void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,
+           const FaceDistance& distance, bool swept, double depth, LocalCloth&, State&);
+
+  std::vector<Contact> contacts_;  // ascending ids
   std::vector<Contact> last_;
   std::size_t next_last_ = 0;
 };

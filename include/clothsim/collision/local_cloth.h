@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
@@ -39,6 +41,13 @@ double longest_edge_within_limit(const Cloth&);
 
 /// Speed at which what a collider was put upon comes out of it [m/s].
 inline constexpr double recovery_speed = 2;
+
+/// Speed [m/s] that contact gives to what is so deep in a solid [m]: none where it is out, and that
+/// little to what others have pushed in by a fraction of a millimetre that it does not leap.
+inline double way_out_speed(double depth) {
+  constexpr double time = 0.05;  // [s]
+  return std::min(recovery_speed, depth / time);
+}
 
 /// How far from a surface what was `before` away from it, at the step's start, must end [m].
 inline double required_distance(double before, double offset, double h) {
