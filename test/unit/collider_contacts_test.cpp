@@ -141,6 +141,23 @@ TEST(ColliderContacts, ADrivenSphereTakesPointsAlong) {
   }
 }
 
+TEST(ColliderContacts, ABarThatTurnsFarInOneStepTakesAPointAlong) {
+  // Along x it turns by 2.5 rad about z; the point is met at 1.2 rad.
+  auto colliders = one(Capsule{1, 0.02});
+  const Eigen::Quaterniond along_x =
+      Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitX());
+  colliders[0].place({Vector3::Zero(), along_x});
+  colliders[0].aim({Vector3::Zero(), Eigen::AngleAxisd(2.5, Vector3::UnitZ()) * along_x}, 0.01);
+  const Cloth cloth = loose(2);
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions.row(0) << 0.4 * std::cos(1.2), 0.4 * std::sin(1.2), 0;
+  state.positions.row(1) << 9, 9, 9;
+  ColliderContacts contacts;
+  step(contacts, colliders, cloth, state, 0.01);
+  const double angle = std::atan2(state.positions(0, 1), state.positions(0, 0));
+  EXPECT_NEAR(angle, 2.5 + std::asin(0.02 / 0.4), 0.01) << "in front of the bar";
+}
+
 TEST(ColliderContacts, FrictionStaysInCoulombsCone) {
   // One impact: the normal impulse is m v_n; friction takes min(mu v_n, v_t) from the sliding.
   const double mu = 0.3;

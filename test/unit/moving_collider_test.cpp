@@ -56,6 +56,22 @@ TEST(MovingCollider, SurfaceVelocityIsThatOfARigidBody) {
   EXPECT_NEAR((v - Vector3(-2.4, 4 + 2.4 * 0.5, -2)).norm(), 0, 1e-12);
 }
 
+TEST(MovingCollider, KnowsWhereItWasWithinTheLastStep) {
+  MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ())));
+  collider.aim(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 1);
+  collider.advance(0.5);
+  EXPECT_NEAR(collider.last_turn(), 0.6, 1e-12);
+  const Pose middle = collider.pose_at(0.5);
+  EXPECT_NEAR((middle.position - Vector3(1, 0.5, -0.25)).norm(), 0, 1e-14);
+  EXPECT_NEAR(Eigen::AngleAxisd(middle.orientation).angle(), 0.5, 1e-12);
+  EXPECT_EQ(collider.pose_at(0).orientation.coeffs(), collider.previous().orientation.coeffs());
+  EXPECT_LT(
+      (collider.pose_at(1).orientation.coeffs() - collider.pose().orientation.coeffs()).norm(),
+      1e-15);
+  collider.place(middle);
+  EXPECT_EQ(collider.last_turn(), 0);
+}
+
 TEST(MovingCollider, TurnsTheShortWay) {
   MovingCollider collider(spec_at(pose(Vector3::Zero(), 3.0, Vector3::UnitZ())));
   collider.aim(pose(Vector3::Zero(), -3.0, Vector3::UnitZ()), 1);

@@ -143,5 +143,38 @@ TEST(Belt, TurntableCarriesTheClothRound) {
   }
 }
 
+TEST(Belt, ASphereThatTurnsCarriesTheClothThatHangsOverItAlong) {
+  // Wrapped round the top of a sphere that turns about z, the cloth goes round with it. Drag holds
+  // it back, far less than friction can give.
+  const double w = 0.5;
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 21;
+  scene.cloth.origin = Vector3(-0.5, -0.5, 0.31);
+  scene.colliders = {{"ball", Sphere{0.3}, {}, 1, ""}};
+  Simulator simulator(scene);
+  run(simulator, 3);
+  const auto step_round = [&](int frames) {
+    for (int frame = 1; frame <= frames; ++frame) {
+      Pose pose = simulator.collider_pose(0);
+      pose.orientation =
+          Eigen::AngleAxisd(w * simulator.frame_duration(), Vector3::UnitZ()) * pose.orientation;
+      simulator.move_collider(0, pose);
+      simulator.step();
+    }
+  };
+  step_round(180);
+  const Points before = simulator.state().positions;
+  step_round(180);
+  const Eigen::AngleAxisd turn(2 * w, Vector3::UnitZ());  // of two seconds
+  int lying = 0;
+  for (int i = 0; i < before.rows(); ++i) {
+    const Vector3 x = before.row(i).transpose();
+    if (x.norm() > 0.31 || x.z() < 0.2) continue;
+    ++lying;
+    EXPECT_LT((simulator.state().positions.row(i).transpose() - turn * x).norm(), 0.01);
+  }
+  EXPECT_GT(lying, 20);
+}
+
 }  // namespace
 }  // namespace clothsim
