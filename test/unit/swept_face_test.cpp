@@ -30,11 +30,11 @@ TEST(SweptFace, FindsEveryContactThatFineStepsFind) {
       ColliderSpec spec;
       spec.shape = shape;
       MovingCollider collider(spec);
-      collider.aim({0.5 * random(), Eigen::Quaterniond(Eigen::AngleAxisd(2.5 * draw(engine),
+      collider.aim({0.2 * random(), Eigen::Quaterniond(Eigen::AngleAxisd(2.5 * draw(engine),
                                                                          random().normalized()))},
                    1);
       collider.advance(1);
-      const Vector3 middle = 1.5 * random(), way = 2 * random();
+      const Vector3 middle = random(), way = 0.6 * random() - 1.5 * middle;
       Triangle from, to;
       for (std::size_t i = 0; i < 3; ++i) {
         from[i] = middle + 0.2 * random();
@@ -58,7 +58,7 @@ TEST(SweptFace, FindsEveryContactThatFineStepsFind) {
       ++(found ? hits : misses);
     }
     EXPECT_GT(hits, 20) << shape.index();
-    EXPECT_GT(misses, 100) << shape.index();
+    EXPECT_GT(misses, 20) << shape.index();
   }
 }
 
