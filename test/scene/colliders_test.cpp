@@ -121,6 +121,20 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Dropped,
                                                               Stuff{5000, 10000})),
                          name_of);
 
+TEST(Colliders, GoOnToTheSameBitsFromAStateAndItsMemory) {
+  for (const Drop& drop : drops) {
+    const Scene scene = with_colliders(drop.colliders);
+    Simulator first(scene);
+    run(first, 0.7);
+    Simulator second(scene);
+    second.set_state(first.state(), first.memory());
+    run(first, 0.3);
+    run(second, 0.3);
+    EXPECT_EQ(first.state().positions, second.state().positions) << drop.name;
+    EXPECT_EQ(first.state().velocities, second.state().velocities) << drop.name;
+  }
+}
+
 // ---- Driven through a hanging cloth
 
 class Driven : public ::testing::TestWithParam<double> {};
