@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/model/errors.h"
@@ -26,6 +27,7 @@ constexpr int max_corrections = 600;
 /// How much closer than the strain tolerance a substep's rates are solved: what is left of them
 /// adds up, from step to step.
 constexpr double precision = 20;
+constexpr double precision_alone = 14;
 
 /// How much closer contact is solved than that: what friction leaves over, creeps.
 constexpr double contact_precision = 2.5;
@@ -95,6 +97,10 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
                                substeps_at_speed(cloth, contact_speed(dt), dt), tension());
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
+  if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
+    report.reason += "; so few substeps are beyond the method's stability limit";
+  }
+  ran_out = false;
   report.substeps = 0;
 
   // Pins and colliders set out for where they must be at the frame's end.
@@ -116,6 +122,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
+  if (ran_out) report.reason += "; passes ran out before every spring was within its strain limit";
   // Where pins ask for more than the strain limit grants, it pulls without end; that shows in the
   // stretch, and is no fault of the method.
   const auto is_overpulled = [&] {
@@ -125,6 +132,12 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   return disturbed ||
          energy_is_plausible(cloth, scene.simulation.gravity, dt, before, state, colliders) ||
          is_overpulled();
+}
+
+bool Simulator::Impl::is_beyond_stability(double h) const {
+  const double limit = method->stability_limit();
+  if (h * omega_max_bound(cloth) < limit) return false;  // by far the cheaper bound
+  return h * omega_max_bound(cloth, state.positions) > limit;
 }
 
 bool Simulator::Impl::recover() {
@@ -188,15 +201,15 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 void Simulator::Impl::constrain(double h, StepReport& report) {
   const double reach =
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
-  const double tolerance = scene.simulation.strain_tolerance;
 
   // Impulses that keep springs within their limit and points off colliders.
-  const double small = tolerance * shortest_rest_length(cloth) / precision;  // [m]
+  const double length = scene.simulation.strain_tolerance * shortest_rest_length(cloth);  // [m]
   if (strain_limit) strain_limit->predict(cloth, h, reach, state);
   if (!point_contacts && colliders.empty()) {  // the limit alone
     strain_limit->begin(cloth, reach, state);
-    report.sweeps += strain_limit->solve(small, min_sweeps_alone, max_sweeps, state);
-    report.corrections += strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
+    report.sweeps +=
+        strain_limit->solve(length / precision_alone, min_sweeps_alone, max_sweeps, state);
+    repair(report);
     return;
   }
   predicted = state.velocities;
@@ -204,6 +217,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
   collider_contacts.begin(colliders, cloth, {h, reach, start, predicted}, state);
   disturbed = disturbed || collider_contacts.recovers();
+  const double small = length / precision;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;
@@ -217,11 +231,16 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   state.positions += reach * h * (state.velocities - predicted);
 
   // What curvature and early stops have left in the positions.
-  if (strain_limit) {
-    report.corrections += strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
-  }
+  if (strain_limit) repair(report);
   if (point_contacts) point_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
+}
+
+void Simulator::Impl::repair(StepReport& report) {
+  const double tolerance = scene.simulation.strain_tolerance;
+  const int passes = strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
+  report.corrections += passes;
+  ran_out = ran_out || passes == max_corrections;
 }
 
 Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}

@@ -130,6 +130,10 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
+  /// Shortens the springs that are left over their limit.
+  void repair(StepReport&);
+  /// Whether steps of h [s] leave the method's limit for the springs as they are.
+  bool is_beyond_stability(double h) const;
   /// Frequency of the strain limit's tension where substeps follow it, see StrainLimit.
   std::optional<double> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
@@ -148,6 +152,7 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   bool disturbed = false;  // by a jump since the last frame
+  bool ran_out = false;    // repairs of springs in this frame, before all were within their limit
   Points start;            // positions at the substep's start, where contact needs them
   Points predicted;        // velocities with the last substep's impulses
   Points impulses;         // that points had from others in this frame, with grips [N s]

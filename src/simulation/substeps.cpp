@@ -12,7 +12,7 @@ namespace clothsim {
 namespace {
 
 /// Share of the stability limit used: springs may stretch within a frame.
-constexpr double spring_margin = 0.8;
+constexpr double spring_margin = 0.85;
 
 /// Largest h omega across springs under tension. Here the limit's sweeps, not stability, set the
 /// step: at less than two thirds of Verlet's limit the directions of the springs hold through a
@@ -23,7 +23,7 @@ constexpr double tension_limit = 1.2;
 constexpr double weight_limit = 1;
 
 /// Least share of the substeps that the whole weight asks for.
-constexpr double least_share = 0.5;
+constexpr double least_share = 0.45;
 
 /// Way of a collider in a substep, of the shortest spring. At 0.5 a sphere at 10 m/s already
 /// carries points off through the cloth.

@@ -21,7 +21,8 @@ double weight_frequency(const Cloth&, const Vector3& gravity);
 
 /// Substeps of `dt` [s] in which the strain limit can follow a `tension` [rad/s], see
 /// StrainLimit::tension_frequency(): not more than the whole `weight` [rad/s] on the springs of one
-/// point would ask for, and not less than half of that, since tension can come within a substep.
+/// point would ask for, and not less than nearly half of that, since tension can come within a
+/// substep.
 int substeps_under_tension(double weight, double tension, double dt);
 
 /// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
