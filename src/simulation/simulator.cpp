@@ -20,7 +20,7 @@ namespace {
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
 /// seconds; without contact passes are cheap and steps long. The most is met only in a shock.
 constexpr int min_sweeps = 4;
-constexpr int min_sweeps_alone = 6;
+constexpr int min_sweeps_alone = 7;
 constexpr int max_sweeps = 200;
 constexpr int max_corrections = 600;
 
