@@ -93,7 +93,8 @@ void self_collision_folded(benchmark::State& run) {
     state.velocities.array() -= 9.8 * scene.h;
     state.positions += scene.h * state.velocities;
     const double start = cpu_seconds();
-    contacts.begin(cloth, scene.h, reach, scene.simulator.state().velocities, state);
+    contacts.begin(cloth, {scene.h, reach, state.positions, scene.simulator.state().velocities},
+                   state);
     for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(cloth, state.velocities);
     contacts.correct(cloth, state.positions);
     run.SetIterationTime(cpu_seconds() - start);

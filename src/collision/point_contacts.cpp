@@ -55,10 +55,9 @@ void PointContacts::seek(const Cloth& cloth, const Points& positions, double dis
                     candidates_.end());
 }
 
-void PointContacts::begin(const Cloth& cloth, double h, double reach, const Points& drifted,
-                          State& state) {
-  const double scale = h_ > 0 ? h / h_ : 0;
-  h_ = h;
+void PointContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
+  const double scale = h_ > 0 ? step.h / h_ : 0;
+  h_ = step.h;
   const double nearest = contact_distance(cloth);
   find_candidates(cloth, state.positions, nearest);
 
@@ -73,25 +72,23 @@ void PointContacts::begin(const Cloth& cloth, double h, double reach, const Poin
 
     // The gap this step would leave if the pair did not part.
     const double rate = normal.dot(row(state.velocities, pair.b) - row(state.velocities, pair.a));
-    const double drift = normal.dot(row(drifted, pair.b) - row(drifted, pair.a));
-    const double gap = length - nearest - reach * h * drift;
-    const double slowest = -std::max(gap, 0.0) / h;
+    const double drift = normal.dot(row(step.drifted, pair.b) - row(step.drifted, pair.a));
+    const double gap = length - nearest - step.reach * h_ * drift;
+    const double slowest = -std::max(gap, 0.0) / h_;
 
     while (kept != last_.end() && kept->pair < pair) ++kept;
-    const bool held = kept != last_.end() && kept->pair == pair && kept->push > 0;
+    const bool held = kept != last_.end() && kept->pair == pair && kept->impulse.push > 0;
     // Others may yet push a touching pair together.
     if (!held && rate >= slowest && gap > 0) continue;
 
-    Contact contact{pair, normal, slowest, cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b]};
-    if (held) {
-      contact.push = scale * kept->push;
-      const Vector3 drag = scale * kept->drag;
-      contact.drag = drag - normal.dot(drag) * normal;
-    }
+    Contact contact{pair,
+                    cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b],
+                    {normal, Vector3::Zero(), slowest, cloth.friction}};
+    if (held) contact.impulse.resume(kept->impulse, scale);
     contacts_.push_back(contact);
   }
   for (const Contact& c : contacts_) {
-    if (c.push > 0) push_apart(cloth, c.pair, c.push * c.normal + c.drag, state.velocities);
+    if (c.impulse.push > 0) push_apart(cloth, c.pair, c.impulse.total(), state.velocities);
   }
 }
 
@@ -99,21 +96,7 @@ double PointContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
     const Vector3 v = row(velocities, c.pair.b) - row(velocities, c.pair.a);
-
-    // Apart, or closer no faster than the gap allows.
-    const double rate = c.normal.dot(v);
-    const double push = std::max(0.0, c.push + (c.slowest - rate) / c.inv_mass);
-    Vector3 change = (push - c.push) * c.normal;
-    c.push = push;
-
-    // Against sliding, as far as Coulomb's cone reaches.
-    Vector3 drag = c.drag - (v - rate * c.normal) / c.inv_mass;
-    const double strongest = cloth.friction * push;
-    const double length = drag.norm();
-    if (length > strongest) drag *= strongest / length;
-    change += drag - c.drag;
-    c.drag = drag;
-
+    const Vector3 change = c.impulse.update(v, c.inv_mass);
     push_apart(cloth, c.pair, change, velocities);
     residual2 = std::max(residual2, change.squaredNorm() * c.inv_mass * c.inv_mass);
   }
@@ -134,7 +117,7 @@ void PointContacts::correct(const Cloth& cloth, Points& positions) const {
 
 void PointContacts::add_impulses(double scale, Points& sum) const {
   for (const Contact& c : contacts_) {
-    const Vector3 impulse = scale * (c.push * c.normal + c.drag);
+    const Vector3 impulse = scale * c.impulse.total();
     sum.row(c.pair.b) += impulse.transpose();
     sum.row(c.pair.a) -= impulse.transpose();
   }
@@ -142,7 +125,7 @@ void PointContacts::add_impulses(double scale, Points& sum) const {
 
 int PointContacts::count() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const Contact& c) { return c.push > 0; }));
+                                        [](const Contact& c) { return c.impulse.push > 0; }));
 }
 
 void PointContacts::reset() {
@@ -157,11 +140,11 @@ void PointContacts::write(MemoryWriter& memory) const {
   memory.add(found_at_);
   memory.add(count());
   for (const Contact& c : contacts_) {
-    if (c.push == 0) continue;
+    if (c.impulse.push == 0) continue;
     memory.add(c.pair.a);
     memory.add(c.pair.b);
-    memory.add(c.push);
-    memory.add(c.drag);
+    memory.add(c.impulse.push);
+    memory.add(c.impulse.drag);
   }
 }
 
@@ -175,9 +158,9 @@ void PointContacts::read(MemoryReader& memory, const Cloth& cloth) {
   for (std::size_t left = memory.count(); left > 0; --left) {
     const int a = memory.index(points);
     const int b = memory.index(points);
-    Contact c{{a, b}, Vector3::Zero(), 0, 0};
-    c.push = std::max(0.0, memory.number());
-    c.drag = memory.vector();
+    Contact c{{a, b}, 0, {}};
+    c.impulse.push = std::max(0.0, memory.number());
+    c.impulse.drag = memory.vector();
     contacts_.push_back(c);
   }
 }

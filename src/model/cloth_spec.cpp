@@ -82,6 +82,10 @@ void validate(const ClothSpec& spec) {
   validate(spec.material);
   check_range("thickness", spec.thickness, thickness_range);
   check_range("friction", spec.friction, friction_range);
+  if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {
+    throw InvalidValue({"self_collision"}, "surface",
+                       "points: a cloth of one column or row has no surface");
+  }
 }
 
 }  // namespace clothsim

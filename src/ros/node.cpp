@@ -171,7 +171,7 @@ void Node::publish_diagnostics() {
   status.time = time_.take();
   status.report = report_;
   status.strain_limit = simulator_.scene().cloth.material.strain_limit;
-  if (simulator_.scene().cloth.self_collision) {
+  if (simulator_.cloth().self_collision != clothsim::SelfCollision::off) {
     status.intersecting_pairs =
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);
   }

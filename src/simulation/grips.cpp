@@ -85,10 +85,16 @@ void Grips::set_out(double dt, State& state) const {
   }
 }
 
+void arrive_at(const Vector3& target, int point, State& state) {
+  constexpr double rounding = 1e-9;  // [m] of a frame's steps
+  if ((state.positions.row(point).transpose() - target).norm() > rounding) return;
+  state.positions.row(point) = target.transpose();
+}
+
 void Grips::arrive(State& state) const {
   for (const auto& [frame, grip] : all_) {
     for (const Grip::Held& held : grip.held) {
-      state.positions.row(held.point) = place(grip, held).transpose();
+      arrive_at(place(grip, held), held.point, state);
     }
   }
 }

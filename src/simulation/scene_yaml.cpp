@@ -17,7 +17,17 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
   read_map(node, fields);
 }
 
-/// A number, or off, which ROS hands over as false.
+/// true, false, or the name of a method.
+void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
+  if (is_word(node, "points")) {
+    self_collision = SelfCollision::points;
+  } else if (is_word(node, "surface")) {
+    self_collision = SelfCollision::surface;
+  } else {
+    self_collision = read_switch(node) ? SelfCollision::automatic : SelfCollision::off;
+  }
+}
+
 void read_grid_point(const YAML::Node& node, Pin& pin) {
   if (!node.IsSequence() || node.size() != 2) {
     throw InvalidValue({}, describe(node), "[column, row]");
@@ -56,21 +66,23 @@ ClothSpec read_cloth(const YAML::Node& node) {
   const auto read_pins = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
   };
-  read_map(node, {{"width", into(cloth.width)},
-                  {"height", into(cloth.height)},
-                  {"columns", into(cloth.columns)},
-                  {"rows", into(cloth.rows)},
-                  {"orientation", read_orientation},
-                  {"origin", into(cloth.origin)},
-                  {"pinned", read_pins},
-                  {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
-                  {"ks", into(material.ks)},
-                  {"density", into(material.density)},
-                  {"damping", into(material.damping)},
-                  {"strain_limit", into(material.strain_limit)},
-                  {"thickness", into(cloth.thickness)},
-                  {"self_collision", into(cloth.self_collision)},
-                  {"friction", into(cloth.friction)}});
+  read_map(node,
+           {{"width", into(cloth.width)},
+            {"height", into(cloth.height)},
+            {"columns", into(cloth.columns)},
+            {"rows", into(cloth.rows)},
+            {"orientation", read_orientation},
+            {"origin", into(cloth.origin)},
+            {"pinned", read_pins},
+            {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
+            {"ks", into(material.ks)},
+            {"density", into(material.density)},
+            {"damping", into(material.damping)},
+            {"strain_limit", into(material.strain_limit)},
+            {"thickness", into(cloth.thickness)},
+            {"self_collision",
+             [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }},
+            {"friction", into(cloth.friction)}});
   return cloth;
 }
 

@@ -51,7 +51,7 @@ Simulator::Impl::Impl(const Scene& s) : scene(s) {
   validate(scene);
   cloth = make_grid(scene.cloth);
   build_strain_limit();
-  if (scene.cloth.self_collision) point_contacts.emplace();
+  self_contacts = make_self_contacts(cloth);
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   reset();
   check_feasible(scene.simulation, cloth, state.positions, {"cloth", "ks"});
@@ -76,9 +76,9 @@ StepReport Simulator::Impl::step() {
     ++report.recoveries;
   }
 
-  // Pins and colliders arrive, to the last bit.
+  // Pins and colliders arrive, to the last bit. Pins that the cloth itself is in the way of do not.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    state.positions.row(pin_point(i)) = pin_targets[i].transpose();
+    arrive_at(pin_targets[i], pin_point(i), state);
     state.velocities.row(pin_point(i)).setZero();
   }
   for (MovingCollider& collider : colliders) collider.arrive();
@@ -87,7 +87,8 @@ StepReport Simulator::Impl::step() {
   if (!grips.empty()) finish_grips(dt, last_good);
   state.time = last_good.time + dt;
   report.worst_stretch = worst_stretch(cloth, state.positions);
-  report.contacts = collider_contacts.count() + (point_contacts ? point_contacts->count() : 0);
+  report.contacts = collider_contacts.count();
+  visit_self_contacts([&](const auto& contacts) { report.contacts += contacts.count(); });
   return report;
 }
 
@@ -186,12 +187,12 @@ double Simulator::Impl::contact_speed(double dt) const {
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
   for (MovingCollider& collider : colliders) collider.advance(h);
-  if (!colliders.empty()) start = state.positions;
+  if (self_contacts || !colliders.empty()) start = state.positions;
 
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state); }, method->integrator);
 
-  const bool touches = point_contacts || !colliders.empty();
+  const bool touches = self_contacts || !colliders.empty();
   if (touches && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
   if (strain_limit || touches) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
@@ -205,7 +206,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   // Impulses that keep springs within their limit and points off colliders.
   const double length = scene.simulation.strain_tolerance * shortest_rest_length(cloth);  // [m]
   if (strain_limit) strain_limit->predict(cloth, h, reach, state);
-  if (!point_contacts && colliders.empty()) {  // the limit alone
+  if (!self_contacts && colliders.empty()) {  // the limit alone
     strain_limit->begin(cloth, reach, state);
     report.sweeps +=
         strain_limit->solve(length / precision_alone, min_sweeps_alone, max_sweeps, state);
@@ -214,15 +215,17 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
-  if (point_contacts) point_contacts->begin(cloth, h, reach, predicted, state);
-  collider_contacts.begin(colliders, cloth, {h, reach, start, predicted}, state);
+  const ContactStep contact_step{h, reach, start, predicted};
+  visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
+  collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
   const double small = length / precision;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double touching = 0;
     if (strain_limit) stretching = strain_limit->sweep(cloth, state.velocities);
-    if (point_contacts) touching = point_contacts->sweep(cloth, state.velocities);
+    visit_self_contacts(
+        [&](auto& contacts) { touching = contacts.sweep(cloth, state.velocities); });
     touching = std::max(touching, collider_contacts.sweep(cloth, state.velocities));
     ++report.sweeps;
     const bool solved = stretching <= small && touching <= small / contact_precision;
@@ -232,8 +235,12 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) repair(report);
-  if (point_contacts) point_contacts->correct(cloth, state.positions);
+  visit_self_contacts([&](const auto& contacts) { contacts.correct(cloth, state.positions); });
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
+
+  // Whatever has moved the points, the cloth does not pass through itself.
+  visit_self_contacts(
+      [&](auto& contacts) { report.held_back += contacts.guard(cloth, start, state); });
 }
 
 void Simulator::Impl::repair(StepReport& report) {
@@ -261,7 +268,9 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
 
   // An impulse of pairs belongs to their masses.
   const bool density_changed = material.density != impl_->scene.cloth.material.density;
-  if (density_changed && impl_->point_contacts) impl_->point_contacts->reset();
+  if (density_changed) impl_->visit_self_contacts([](auto& contacts) { contacts.reset(); });
+
+  const bool other_contacts = cloth.self_collision != impl_->cloth.self_collision;
 
   const SimulationSpec& last = impl_->scene.simulation;
   const bool method_changed = simulation.method != last.method ||
@@ -274,6 +283,7 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   if (last_limit && impl_->strain_limit && !springs_changed) {
     impl_->strain_limit->take_over(std::move(*last_limit));
   }
+  if (other_contacts) impl_->self_contacts = make_self_contacts(impl_->cloth);
   impl_->choose(method_changed);
   impl_->disturbed = true;
   if (springs_changed) ++impl_->topology_seq;

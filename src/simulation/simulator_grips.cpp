@@ -17,7 +17,7 @@ void Simulator::Impl::hold_points() {
   std::optional<StrainLimit> last_limit = std::move(strain_limit);
   build_strain_limit();
   if (last_limit && strain_limit) strain_limit->take_over(std::move(*last_limit));
-  if (point_contacts) point_contacts->seek_anew();
+  visit_self_contacts([](auto& contacts) { contacts.seek_anew(); });
   disturbed = true;
 }
 
@@ -27,7 +27,7 @@ void Simulator::Impl::add_impulses(double h) {
   // forces through the substep they would be that much larger.
   const double scale = h / Drag(cloth.damping, h).distance;
   if (strain_limit) strain_limit->add_impulses(scale, impulses);
-  if (point_contacts) point_contacts->add_impulses(scale, impulses);
+  visit_self_contacts([&](const auto& contacts) { contacts.add_impulses(scale, impulses); });
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {

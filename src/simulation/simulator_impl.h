@@ -7,7 +7,7 @@
 
 #include "clothsim/collision/collider_contacts.h"
 #include "clothsim/collision/moving_collider.h"
-#include "clothsim/collision/point_contacts.h"
+#include "clothsim/collision/self_contacts.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/model/grid.h"
@@ -97,7 +97,7 @@ struct Simulator::Impl {
   void forget_constraints() {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
-    if (point_contacts) point_contacts->reset();
+    visit_self_contacts([](auto& contacts) { contacts.reset(); });
   }
 
   void build_strain_limit() {
@@ -130,6 +130,10 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
+  template <typename Visitor>
+  void visit_self_contacts(Visitor&& visit) {
+    if (self_contacts) std::visit(visit, *self_contacts);
+  }
   /// Shortens the springs that are left over their limit.
   void repair(StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
@@ -146,7 +150,7 @@ struct Simulator::Impl {
   std::optional<StrainLimit> strain_limit;
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
-  std::optional<PointContacts> point_contacts;
+  std::optional<SelfContacts> self_contacts;
   std::vector<Vector3> pin_targets;
   Grips grips;
   unsigned topology_seq = 0;

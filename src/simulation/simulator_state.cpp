@@ -29,7 +29,7 @@ std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
           static_cast<double>(cloth.rows),
           static_cast<double>(cloth.num_springs()),
           static_cast<double>(cloth.strain_limit.has_value()),
-          static_cast<double>(scene.cloth.self_collision),
+          static_cast<double>(cloth.self_collision),
           static_cast<double>(scene.colliders.size()),
           static_cast<double>(place)};
 }
@@ -68,7 +68,9 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory);
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
-  if (point_contacts) point_contacts->write(memory);
+  if (self_contacts) {
+    std::visit([&](const auto& contacts) { contacts.write(memory); }, *self_contacts);
+  }
 }
 
 void Simulator::Impl::read(const std::vector<double>& numbers) {
@@ -102,14 +104,16 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   if (read_limit) read_limit->read(memory);
   ColliderContacts read_contacts;
   read_contacts.read(memory, colliders.size(), cloth);
-  std::optional<PointContacts> read_point_contacts = point_contacts;
-  if (read_point_contacts) read_point_contacts->read(memory, cloth);
+  std::optional<SelfContacts> read_self_contacts = self_contacts;
+  if (read_self_contacts) {
+    std::visit([&](auto& contacts) { contacts.read(memory, cloth); }, *read_self_contacts);
+  }
   memory.finish();
 
   method = std::move(read_method);
   strain_limit = std::move(read_limit);
   collider_contacts = std::move(read_contacts);
-  point_contacts = std::move(read_point_contacts);
+  self_contacts = std::move(read_self_contacts);
   disturbed = read_disturbed;
 }
 

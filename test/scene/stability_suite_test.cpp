@@ -302,7 +302,7 @@ TEST(HardScene, HalfTurnTwistBetweenTwoRows) {
   // sqrt(0.3^2 + 1) = 1.044 m in the end.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 20;
-  scene.cloth.self_collision = true;
+  scene.cloth.self_collision = SelfCollision::automatic;
   for (int column = 0; column < 20; ++column) {
     scene.cloth.pinned.push_back({column, 0, ""});
     scene.cloth.pinned.push_back({column, 19, ""});

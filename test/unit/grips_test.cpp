@@ -157,7 +157,7 @@ TEST(Grips, DetachedPointsFlyOn) {
 TEST(Grips, LeaveNoTraceAfterAReset) {
   Scene scene = free_cloth();
   scene.cloth.pinned = {{5, 5, ""}};
-  scene.cloth.self_collision = true;
+  scene.cloth.self_collision = SelfCollision::automatic;
   Simulator simulator(scene);
   run(simulator, 0.5);
   const State expected = simulator.state();
@@ -210,7 +210,7 @@ TEST(Grips, TouchingLayersMayBeHeldTogether) {
   Scene scene = free_cloth();
   scene.cloth.orientation = Orientation::vertical;
   scene.cloth.thickness = 0.03;
-  scene.cloth.self_collision = true;
+  scene.cloth.self_collision = SelfCollision::automatic;
   scene.cloth.origin = Vector3(0, 0, 0);
   ColliderSpec ground;
   ground.name = "ground";

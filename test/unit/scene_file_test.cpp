@@ -79,7 +79,7 @@ TEST(SceneFile, SelfCollision) {
   Scene expected;
   expected.cloth.orientation = Orientation::vertical;
   expected.cloth.origin = {0, 0, 0};
-  expected.cloth.self_collision = true;
+  expected.cloth.self_collision = SelfCollision::automatic;
   expected.colliders = {ground()};
   EXPECT_EQ(print(load("self_collision")), print(expected));
 }

@@ -19,7 +19,7 @@ Scene busy(const std::string& method) {
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 10;
   scene.cloth.thickness = 0.02;
-  scene.cloth.self_collision = true;
+  scene.cloth.self_collision = SelfCollision::automatic;
   scene.cloth.material.ks = 300;
   scene.cloth.pinned = {{0, 0, ""}};
   ColliderSpec ball;

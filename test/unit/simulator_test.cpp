@@ -70,7 +70,7 @@ TEST(Simulator, TakesAsManySubstepsAsAreAllowed) {
 TEST(Simulator, ADivergingFrameRollsBackCollidersToo) {
   // Contact searches in every substep, so it must not be handed what is no longer a number.
   Scene scene = with_ball();
-  scene.cloth.self_collision = true;
+  scene.cloth.self_collision = SelfCollision::automatic;
   scene.cloth.material.ks = 1e12;
   scene.simulation.substeps = 300;
   scene.simulation.method = VelocityVerlet::name;

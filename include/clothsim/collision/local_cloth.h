@@ -2,19 +2,12 @@
 
 #include <algorithm>
 
+#include "clothsim/collision/contact_step.h"
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
-
-/// The step after which contacts are sought.
-struct ContactStep {
-  double h;               // [s]
-  double reach;           // the share of h that a point has moved with an impulse given in the step
-  const Points& start;    // positions at its start [m]
-  const Points& drifted;  // the velocities that brought the points where they are [m/s]
-};
 
 /// A cloth about one collider, in the collider's own frame.
 struct LocalCloth {

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "clothsim/collision/cell_list.h"
+#include "clothsim/collision/contact_impulse.h"
+#include "clothsim/collision/contact_step.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -16,17 +18,17 @@ namespace clothsim {
 /// for a layer. Points cannot see an edge or a face pass between them; this is the cheap method.
 class PointContacts {
  public:
-  /// Finds touching pairs after a step of h [s], and gives them their last impulses. `reach`: the
-  /// share of h that a point has moved with an impulse given in the step. `drifted`: the velocities
-  /// that brought the points where they are, before the impulses that other constraints have given
-  /// since.
-  void begin(const Cloth&, double h, double reach, const Points& drifted, State&);
+  /// Finds touching pairs after a step to `state`, and gives them their last impulses.
+  void begin(const Cloth&, const ContactStep&, State&);
 
   /// One pass over the pairs. Returns the largest change as a displacement in h [m].
   double sweep(const Cloth&, Points& velocities);
 
   /// Moves pairs that are closer than they may be apart, in one pass.
   void correct(const Cloth&, Points& positions) const;
+
+  /// Nothing holds points back.
+  int guard(const Cloth&, const Points&, State&) const { return 0; }
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -48,11 +50,8 @@ class PointContacts {
  private:
   struct Contact {
     PointPair pair;
-    Vector3 normal;         // from pair.a to pair.b
-    double slowest;         // least rate of separation allowed [m/s], <= 0
-    double inv_mass;        // of both together [1/kg]
-    double push = 0;        // normal impulse [N s], >= 0
-    Vector3 drag{0, 0, 0};  // friction impulse on pair.b [N s]
+    double inv_mass;         // of both together [1/kg]
+    ContactImpulse impulse;  // of a on b [N s]
   };
 
   /// Pairs that may touch, at `positions` unless those of an earlier call still serve.

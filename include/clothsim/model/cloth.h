@@ -33,8 +33,9 @@ struct Cloth {
   std::vector<int> pinned;                      // point ids, ascending
   double damping = 0;                           // [1/s]
   std::optional<double> strain_limit;
-  double friction = 0;   // of the cloth on itself
-  double thickness = 0;  // [m]
+  SelfCollision self_collision = SelfCollision::off;  // never automatic
+  double friction = 0;                                // of the cloth on itself
+  double thickness = 0;                               // [m]
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;

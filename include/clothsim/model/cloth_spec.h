@@ -33,6 +33,10 @@ struct Pin {
 
 enum class Orientation { horizontal, vertical };
 
+/// What a cloth does where it meets itself: passes through, keeps its points apart, or its surface;
+/// `automatic` takes points where they are enough.
+enum class SelfCollision { off, points, surface, automatic };
+
 /// A rectangular grid cloth as a scene describes it.
 struct ClothSpec {
   double width = 1;   // [m] along x
@@ -44,7 +48,7 @@ struct ClothSpec {
   std::vector<Pin> pinned;
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
-  bool self_collision = false;
+  SelfCollision self_collision = SelfCollision::off;
   double friction = 0.3;  // Coulomb's coefficient of the cloth on itself
 };
 

@@ -11,6 +11,10 @@
 
 namespace clothsim {
 
+/// Puts a point that a frame brought to `target` [m] there to the last bit. One that was held back
+/// on its way stays where it is.
+void arrive_at(const Vector3& target, int point, State&);
+
 /// Force [N] and torque [N m] about an origin, in the world.
 struct Wrench {
   Vector3 force{0, 0, 0};
@@ -54,7 +58,7 @@ class Grips {
   /// Gives held points the velocities that bring them where they must be in dt [s].
   void set_out(double dt, State&) const;
 
-  /// Puts held points there, to the last bit.
+  /// Puts held points there, to the last bit, but for those held back on their way.
   void arrive(State&) const;
 
   /// Sets wrenches after a step of dt [s] in which the cloth gave its points `impulses` [N s], N

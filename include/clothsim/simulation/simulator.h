@@ -24,7 +24,8 @@ struct StepReport {
   int sweeps = 0;              // passes over strain limit and contacts, summed over the substeps
   int corrections = 0;         // passes that shortened springs still over the limit, likewise
   double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
-  int contacts = 0;            // points on colliders plus touching point pairs, in the last substep
+  int contacts = 0;            // points on colliders plus those of self contact, last substep
+  int held_back = 0;           // moves of points cut short lest the cloth cross itself
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.

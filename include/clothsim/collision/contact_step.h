@@ -1,0 +1,15 @@
+#pragma once
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// The step after which contacts are sought.
+struct ContactStep {
+  double h;               // [s]
+  double reach;           // the share of h that a point has moved with an impulse given in the step
+  const Points& start;    // positions at its start [m]
+  const Points& drifted;  // the velocities that brought the points where they are [m/s]
+};
+
+}  // namespace clothsim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/model/cloth.h"
+
+namespace clothsim {
+
+/// Bounds of the gradient F of the map from a cloth at rest to space, over some triangles: its
+/// columns along the grid's rows and along its columns.
+struct GradientBounds {
+  Eigen::AlignedBox3d along_row;
+  Eigen::AlignedBox3d along_column;
+
+  void extend(const GradientBounds&);
+};
+
+/// Over both triangles of the cell between points (column, row) and (column + 1, row + 1).
+GradientBounds gradient_bounds(const Cloth&, const Points& positions, int column, int row);
+
+/// Proves that a part of a cloth does not touch itself, without looking at pairs.
+///
+/// If there are two orthonormal directions Q such that the symmetric part of Q^T F has no
+/// eigenvalue below L on any triangle of a rectangle of the grid, then two points of it that are d
+/// apart at rest are at least L d apart: project their difference on Q and integrate F along the
+/// line between them. It is the normal cone and the boundary test (Volino & Magnenat-Thalmann
+/// 1994) in one, since a rectangle is convex, and it bounds the distance.
+///
+/// `bounds`: over all cells of the rectangle. False where it cannot be told.
+bool is_unfolded(const GradientBounds& bounds, double least_stretch);
+
+}  // namespace clothsim

@@ -1,0 +1,248 @@
+#include "clothsim/collision/surface_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace clothsim {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Way of a point between two measurements, of its distance to the nearest feature: below a half,
+/// or two could meet.
+constexpr double bound_share = 0.45;
+
+/// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
+/// which would let them cross.
+constexpr double least_share = 1e-5;
+
+/// Measurements in a step: points that must wait for others to move get as many chances.
+constexpr int most_legs = 6;
+
+/// Share of an overlap that the impulses work off each step. Kept impulses integrate it, so a large
+/// share shakes piles.
+constexpr double overlap_share = 0.01;
+
+/// Cosine of the angle by which the direction of a pair may turn in half a step.
+constexpr double least_turn = 0.5;
+
+Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
+
+/// Sum of the points, by weight.
+Vector3 sum(const std::array<int, 4>& points, const std::array<double, 4>& weights,
+            const Points& x) {
+  Vector3 result = Vector3::Zero();
+  for (std::size_t k = 0; k < 4; ++k) result += weights[k] * row(x, points[k]);
+  return result;
+}
+
+/// points_k += w_k / m_k d.
+void push_apart(const Cloth& cloth, const std::array<int, 4>& points,
+                const std::array<double, 4>& weights, const Vector3& d, Points& x) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double weight = weights[k] * cloth.inv_mass[points[k]];
+    for (int axis = 0; axis < 3; ++axis) x(points[k], axis) += weight * d[axis];
+  }
+}
+
+/// Ways of the points beyond their common one, which brings nobody closer.
+Points own_ways(const Points& from, const Points& to) {
+  Points ways = to - from;
+  const Eigen::RowVector3d common = ways.colwise().mean();
+  ways.rowwise() -= common;
+  return ways;
+}
+
+double longest(const Points& ways) { return std::sqrt(ways.rowwise().squaredNorm().maxCoeff()); }
+
+}  // namespace
+
+SurfaceContacts::SurfaceContacts(const Cloth& cloth) : near_(cloth) {}
+
+/// Does no other triangle hold the same closest points? Where they lie on edges and corners, the
+/// triangle that owns these answers for them, unless it has the point itself.
+bool SurfaceContacts::is_nearest_on_surface(const SurfacePair& pair, const Separation& s) const {
+  if (pair.edges) {
+    return std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
+  }
+  const SurfaceMesh& mesh = near_.mesh();
+  int zeros = 0;
+  std::size_t zero = 0, corner = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (s.weights[k + 1] == 0) {
+      ++zeros;
+      zero = k;
+    } else {
+      corner = k;
+    }
+  }
+  if (zeros == 0) return true;
+  const auto triangle = static_cast<std::size_t>(pair.b);
+  const int owner =
+      zeros == 1
+          ? mesh.triangle_of_edge[triangle][zero]
+          : mesh.triangle_of_point[static_cast<std::size_t>(mesh.triangles[triangle][corner])];
+  const auto& has = mesh.triangles[static_cast<std::size_t>(owner)];
+  return owner == pair.b || std::find(has.begin(), has.end(), pair.a) != has.end();
+}
+
+void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
+  const double scale = h_ > 0 ? step.h / h_ : 0;
+  h_ = step.h;
+
+  last_.swap(contacts_);
+  contacts_.clear();
+  const Points middle = state.positions - step.reach * h_ * step.drifted;  // where impulses act
+  auto kept = last_.begin();
+  for (const NearPair& near : near_.measure(cloth, step.start)) {
+    const SurfacePair& pair = near.pair;
+    if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) continue;
+    while (kept != last_.end() && kept->key < near.key) ++kept;
+    const bool held = kept != last_.end() && kept->key == near.key && kept->impulse.push > 0;
+
+    // Most do not get there.
+    const Vector3& last_normal = near.separation.normal;
+    const double way = h_ * -gap_along(last_normal, pair, state.velocities);
+    const double room = gap_along(last_normal, pair, middle) - pair.nearest;
+    if (!held && room > 0 && way < room) continue;
+
+    // As they lie where impulses act; if they have passed through each other by then, as they lay.
+    Separation s = separation(pair, middle);
+    if (s.normal.dot(near.separation.normal) < least_turn) {
+      s = near.separation;
+      s.distance = s.normal.dot(sum(pair.points, s.weights, middle));
+    }
+
+    // The gap may close within a step. Others may yet push a touching pair together.
+    const double gap = s.distance - pair.nearest;
+    const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / h_;
+    const double rate = s.normal.dot(sum(pair.points, s.weights, state.velocities));
+    if (!held && rate >= slowest && gap > 0) continue;
+
+    double inv_mass = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      inv_mass += s.weights[k] * s.weights[k] * cloth.inv_mass[pair.points[k]];
+    }
+    if (inv_mass == 0) continue;
+    contacts_.push_back({near.key,
+                         pair.points,
+                         s.weights,
+                         inv_mass,
+                         {s.normal, Vector3::Zero(), slowest, cloth.friction}});
+    if (held) contacts_.back().impulse.resume(kept->impulse, scale);
+  }
+  for (const Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    push_apart(cloth, c.points, c.weights, c.impulse.total(), state.velocities);
+  }
+}
+
+double SurfaceContacts::sweep(const Cloth& cloth, Points& velocities) {
+  double residual2 = 0;
+  for (Contact& c : contacts_) {
+    const Vector3 v = sum(c.points, c.weights, velocities);
+    if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
+    const Vector3 change = c.impulse.update(v, c.inv_mass);
+    push_apart(cloth, c.points, c.weights, change, velocities);
+    residual2 = std::max(residual2, change.squaredNorm() * c.inv_mass * c.inv_mass);
+  }
+  return std::sqrt(residual2) * h_;
+}
+
+int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state) {
+  Points& positions = state.positions;
+  Points here = start;
+  for (int leg = 1;; ++leg) {
+    // Features that start nearer than they may ever come have no side to be kept on.
+    const double floor = least_share * near_.least_nearest();
+    const auto bound = [floor](double distance) {
+      return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
+    };
+    // Pairs that are not near are further apart than the nearest may be plus the margin.
+    const double unseen = bound(near_.least_nearest() + near_.margin());
+    double least = unseen;
+    for (const NearPair& near : near_.pairs()) {
+      least = std::min(least, bound(near.separation.distance));
+    }
+    Points ways = own_ways(here, positions);
+    if (longest(ways) <= least) return 0;
+
+    Scalars bounds = Scalars::Constant(here.rows(), unseen);
+    for (const NearPair& near : near_.pairs()) {
+      const double of_pair = bound(near.separation.distance);
+      for (const int point : near.pair.points) {
+        bounds[point] = std::min(bounds[point], of_pair);
+      }
+    }
+    std::vector<int> held_back;
+    const Eigen::RowVector3d common = (positions - here).colwise().mean();
+    for (int i = 0; i < here.rows(); ++i) {
+      const double way = ways.row(i).norm();
+      if (way > bounds[i]) {
+        ways.row(i) *= bounds[i] / way;
+        here.row(i) += common + ways.row(i);
+        held_back.push_back(i);
+      } else {
+        here.row(i) = positions.row(i);
+      }
+    }
+    if (held_back.empty() || leg == most_legs) {
+      positions = here;
+      for (const int i : held_back) {
+        if (cloth.inv_mass[i] > 0) state.velocities.row(i) = (here.row(i) - start.row(i)) / h_;
+      }
+      return static_cast<int>(held_back.size());
+    }
+    near_.measure(cloth, here);
+  }
+}
+
+void SurfaceContacts::add_impulses(double scale, Points& total) const {
+  for (const Contact& c : contacts_) {
+    const Vector3 impulse = scale * c.impulse.total();
+    for (std::size_t k = 0; k < 4; ++k) {
+      total.row(c.points[k]) += c.weights[k] * impulse.transpose();
+    }
+  }
+}
+
+int SurfaceContacts::count() const {
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const Contact& c) { return c.impulse.push > 0; }));
+}
+
+void SurfaceContacts::reset() {
+  contacts_.clear();
+  h_ = 0;
+}
+
+void SurfaceContacts::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  memory.add(count());
+  for (const Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    memory.add(static_cast<double>(c.key >> 40));
+    memory.add(static_cast<double>(c.key >> 16 & 0xffffff));
+    memory.add(static_cast<double>(c.key & 0xffff));
+    memory.add(c.impulse.push);
+    memory.add(c.impulse.drag);
+  }
+}
+
+void SurfaceContacts::read(MemoryReader& memory, const Cloth&) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    Contact c{0, {}, {}, 0, {}};
+    for (const int bits : {24, 24, 16}) {
+      c.key = c.key << bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << bits));
+    }
+    c.impulse.push = std::max(0.0, memory.number());
+    c.impulse.drag = memory.vector();
+    contacts_.push_back(c);
+  }
+}
+
+}  // namespace clothsim

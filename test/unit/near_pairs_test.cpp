@@ -1,0 +1,257 @@
+#include "clothsim/collision/near_pairs.h"
+
+#include <cmath>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double pi = 3.14159265358979323846;
+
+Cloth cloth_of(int columns, int rows, double thickness) {
+  ClothSpec spec;
+  spec.columns = columns;
+  spec.rows = rows;
+  spec.origin = Vector3::Zero();
+  spec.thickness = thickness;
+  return make_grid(spec);
+}
+
+/// The cloth rolled up along x with so many turns.
+Points rolled(const Cloth& cloth, double turns) {
+  Points x = cloth.rest_positions;
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const double angle = 2 * pi * turns * x(i, 0);
+    const double radius = 0.03 + 0.004 * angle;
+    x(i, 0) = radius * std::cos(angle);
+    x(i, 2) = radius * std::sin(angle);
+  }
+  return x;
+}
+
+/// Every point and triangle, edge and edge that share no point and are near.
+std::vector<SurfacePair> brute_force(const Cloth& cloth, const NearPairs& finder,
+                                     const Points& positions) {
+  const SurfaceMesh& mesh = finder.mesh();
+  const NearestDistances nearest(cloth);
+  std::vector<SurfacePair> pairs;
+  const auto consider = [&](SurfacePair pair) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (pair.points[i] == pair.points[j]) return;
+      }
+    }
+    pair.nearest = nearest.of(pair);
+    const double distance = separation(pair, positions).distance;
+    if (distance <= pair.nearest + finder.margin()) pairs.push_back(pair);
+  };
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+      const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
+      consider({false, i, t, {i, a, b, c}, 0});
+    }
+  }
+  for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
+    for (int f = 0; f < e; ++f) {
+      const auto& [a, b] = mesh.edges[static_cast<std::size_t>(e)];
+      const auto& [c, d] = mesh.edges[static_cast<std::size_t>(f)];
+      consider({true, e, f, {a, b, c, d}, 0});
+    }
+  }
+  return pairs;
+}
+
+using Features = std::tuple<bool, int, int>;
+
+Features features(const SurfacePair& pair) {
+  if (!pair.edges) return {false, pair.a, pair.b};
+  return {true, std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
+}
+
+void expect_equals_brute_force(const Cloth& cloth, NearPairs& finder, const Points& positions) {
+  std::vector<Features> found, expected;
+  for (const NearPair& near : finder.measure(cloth, positions)) {
+    found.push_back(features(near.pair));
+  }
+  for (const SurfacePair& pair : brute_force(cloth, finder, positions)) {
+    expected.push_back(features(pair));
+  }
+  std::sort(found.begin(), found.end());
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(found.size(), expected.size());
+  EXPECT_TRUE(found == expected);
+}
+
+TEST(NearPairs, NoneOnAFlatClothHoweverThick) {
+  for (const double thickness : {0.001, 0.0095, 0.2}) {
+    const Cloth cloth = cloth_of(20, 15, thickness);
+    NearPairs finder(cloth);
+    EXPECT_TRUE(finder.measure(cloth, cloth.rest_positions).empty()) << thickness;
+  }
+}
+
+TEST(NearPairs, EqualBruteForceOnAClothInAnyShape) {
+  const Cloth cloth = cloth_of(14, 9, 0.02);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    NearPairs finder(cloth);
+    expect_equals_brute_force(cloth, finder, shaken(cloth, 0.05, seed));
+    NearPairs other(cloth);
+    expect_equals_brute_force(cloth, other, random_points(cloth.num_points(), 0.15, seed));
+  }
+  NearPairs finder(cloth);
+  expect_equals_brute_force(cloth, finder, rolled(cloth, 2.5));
+  NearPairs flat(cloth);
+  Points line = cloth.rest_positions;
+  line.rightCols(2).setZero();
+  expect_equals_brute_force(cloth, flat, line);
+}
+
+TEST(NearPairs, EqualBruteForceWhileTheClothMoves) {
+  // Rolled up step by step with all points trembling, then blown apart at once.
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  NearPairs finder(cloth);
+  std::size_t most = 0;
+  for (int step = 0; step < 60; ++step) {
+    const double share = step / 60.0;
+    const Points x = (1 - share) * cloth.rest_positions + share * rolled(cloth, 2) +
+                     random_points(cloth.num_points(), 1e-3, static_cast<std::uint64_t>(step));
+    expect_equals_brute_force(cloth, finder, x);
+    most = std::max(most, finder.pairs().size());
+  }
+  EXPECT_GT(most, 50u);
+  expect_equals_brute_force(cloth, finder, 3 * cloth.rest_positions);
+  EXPECT_TRUE(finder.pairs().empty());
+}
+
+TEST(NearPairs, HaveKeysThatAscendAndDoNotDependOnWhatCameBefore) {
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  NearPairs moving(cloth), fresh(cloth);
+  for (const double share : {0.0, 0.5, 0.8, 0.9}) {
+    moving.measure(cloth, (1 - share) * cloth.rest_positions + share * rolled(cloth, 2));
+  }
+  const Points x = rolled(cloth, 2);
+  const std::vector<NearPair> of_moving = moving.measure(cloth, x);
+  const std::vector<NearPair> of_fresh = fresh.measure(cloth, x);
+  ASSERT_EQ(of_moving.size(), of_fresh.size());
+  ASSERT_GT(of_fresh.size(), 50u);
+  for (std::size_t k = 0; k < of_fresh.size(); ++k) {
+    EXPECT_EQ(of_moving[k].key, of_fresh[k].key);
+    EXPECT_EQ(of_moving[k].separation.distance, of_fresh[k].separation.distance);
+    if (k > 0) {
+      EXPECT_LT(of_fresh[k - 1].key, of_fresh[k].key);
+    }
+  }
+}
+
+TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
+  for (const double thickness : {0.004, 0.02, 0.1}) {
+    ClothSpec spec;
+    spec.columns = 8;
+    spec.rows = 7;
+    spec.height = 0.5;
+    spec.thickness = thickness;
+    const Cloth cloth = make_grid(spec);
+    const NearestDistances nearest(cloth);
+    const SurfaceMesh mesh(cloth);
+    double least = 2 * thickness;
+    const auto check = [&](const SurfacePair& pair, int cell, int other) {
+      const double rest = separation(pair, cloth.rest_positions).distance;
+      if (rest < 1e-9) return;  // they share a point
+      const double expected = std::min(2 * thickness, rest / 4);
+      EXPECT_NEAR(nearest.of(pair), expected, 1e-12);
+      EXPECT_GE(nearest.most_of_cells(cell, other), expected - 1e-12);
+      least = std::min(least, expected);
+    };
+    for (int p = 0; p < mesh.num_cells(); ++p) {
+      for (int q = 0; q < mesh.num_cells(); ++q) {
+        const auto cell = static_cast<std::size_t>(p), other = static_cast<std::size_t>(q);
+        for (const int i : mesh.cell_points[cell]) {
+          for (const int t : {2 * q, 2 * q + 1}) {
+            const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
+            check({false, i, t, {i, a, b, c}, 0}, p, q);
+          }
+        }
+        for (const int e : mesh.cell_edges[cell]) {
+          for (const int f : mesh.cell_edges[other]) {
+            const auto& [a, b] = mesh.edges[static_cast<std::size_t>(e)];
+            const auto& [c, d] = mesh.edges[static_cast<std::size_t>(f)];
+            check({true, e, f, {a, b, c, d}, 0}, p, q);
+          }
+        }
+      }
+    }
+    EXPECT_NEAR(nearest.least(), least, 1e-12);
+  }
+}
+
+TEST(SurfaceMesh, HasEachFeatureOnce) {
+  const Cloth cloth = cloth_of(5, 4, 0.01);
+  const SurfaceMesh mesh(cloth);
+  EXPECT_EQ(mesh.triangles.size(), 2u * 4 * 3);
+  EXPECT_EQ(mesh.edges.size(), 4u * 4 + 5 * 3 + 4 * 3);  // along rows, columns, diagonals
+  std::vector<int> points(20, 0), edges(mesh.edges.size(), 0);
+  for (int cell = 0; cell < mesh.num_cells(); ++cell) {
+    for (const int i : mesh.cell_points[static_cast<std::size_t>(cell)]) {
+      ++points[static_cast<std::size_t>(i)];
+    }
+    for (const int e : mesh.cell_edges[static_cast<std::size_t>(cell)]) {
+      ++edges[static_cast<std::size_t>(e)];
+    }
+  }
+  EXPECT_EQ(points, std::vector<int>(20, 1));
+  EXPECT_EQ(edges, std::vector<int>(mesh.edges.size(), 1));
+}
+
+TEST(Unfolded, BoundsTheDistancesOfARectangle) {
+  // Bent, sheared and shaken rectangles: where it holds, no two points are nearer than it says.
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Cloth cloth = cloth_of(4, 5, 0.01);
+    const Points random = random_points(3, 1, seed);
+    Points x = shaken(cloth, 0.05, seed);
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      x(i, 2) += 0.5 * random(0, 0) * x(i, 0) * x(i, 1) + random(0, 1) * x(i, 0) * x(i, 0);
+      x(i, 0) += random(1, 0) * x(i, 1);
+    }
+    GradientBounds bounds;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        bounds.extend(gradient_bounds(cloth, x, column, row));
+      }
+    }
+    for (const double least : {0.2, 0.5}) {
+      if (!is_unfolded(bounds, least)) continue;
+      ++held;
+      for (int i = 0; i < cloth.num_points(); ++i) {
+        for (int j = 0; j < i; ++j) {
+          const double rest = (cloth.rest_positions.row(i) - cloth.rest_positions.row(j)).norm();
+          EXPECT_GE((x.row(i) - x.row(j)).norm(), least * rest - 1e-12);
+        }
+      }
+    }
+  }
+  EXPECT_GT(held, 20);
+}
+
+TEST(Unfolded, HoldsForAnyRigidMotionAndNotForAFold) {
+  const Cloth cloth = cloth_of(6, 6, 0.01);
+  const Eigen::AngleAxisd turn(2, Vector3(1, 2, 3).normalized());
+  const Points turned = cloth.rest_positions * turn.toRotationMatrix().transpose();
+  Points folded = cloth.rest_positions;
+  folded.col(0) = (folded.col(0).array() - 0.5).abs();
+  GradientBounds of_turned, of_folded;
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 5; ++column) {
+      of_turned.extend(gradient_bounds(cloth, turned, column, row));
+      of_folded.extend(gradient_bounds(cloth, folded, column, row));
+    }
+  }
+  EXPECT_TRUE(is_unfolded(of_turned, 0.99));
+  EXPECT_FALSE(is_unfolded(of_folded, 0.01));
+}
+
+}  // namespace
+}  // namespace clothsim

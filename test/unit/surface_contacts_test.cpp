@@ -1,0 +1,201 @@
+#include "clothsim/collision/surface_contacts.h"
+
+#include <cmath>
+
+#include "clothsim/collision/intersections.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double reach = 0.5;
+constexpr double h = 1e-3;
+constexpr double thickness = 0.01;
+
+/// A strip, free and without springs that matter here.
+Cloth strip(int columns, double friction = 0) {
+  ClothSpec spec;
+  spec.columns = columns;
+  spec.rows = 2;
+  spec.width = 0.1 * (columns - 1);
+  spec.height = 0.1;
+  spec.origin = Vector3::Zero();
+  spec.thickness = thickness;
+  spec.friction = friction;
+  spec.material.density = 100;
+  return make_grid(spec);
+}
+
+/// Its last cell, narrower, turned back over the first at height z and moved by `shift`.
+State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shift) {
+  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
+  for (int row = 0; row < 2; ++row) {
+    const int end = row * cloth.columns + cloth.columns - 1;
+    state.positions.row(end) = Eigen::RowVector3d(0, 0.02 + 0.06 * row, z) + shift;
+    state.positions.row(end - 1) = Eigen::RowVector3d(0.1, 0.02 + 0.06 * row, z) + shift;
+    for (int column = 2; column < cloth.columns - 2; ++column) {  // the way round
+      const double x = 0.2 + 0.1 * column;
+      state.positions.row(row * cloth.columns + column) << x, 0.1 * row, z * column * 0.15;
+    }
+  }
+  return state;
+}
+
+/// Of layers: pairs that must keep the whole contact distance.
+double least_distance(const Cloth& cloth, const Points& positions) {
+  double least = 1;
+  NearPairs finder(cloth);
+  for (const NearPair& near : finder.measure(cloth, positions)) {
+    if (near.pair.nearest == 2 * thickness) least = std::min(least, near.separation.distance);
+  }
+  return least;
+}
+
+/// One step: points move, contact answers till it holds, nothing crosses.
+void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
+  const Points start = state.positions;
+  state.positions += h * state.velocities;
+  const Points before = state.velocities;
+  contacts.begin(cloth, {h, reach, start, before}, state);
+  for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+  }
+  state.positions += reach * h * (state.velocities - before);
+  contacts.guard(cloth, start, state);
+}
+
+Eigen::RowVector3d momentum(const Cloth& cloth, const State& state) {
+  return (state.velocities.array().colwise() * cloth.mass.array()).colwise().sum();
+}
+
+Eigen::RowVector3d angular_momentum(const Cloth& cloth, const State& state) {
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    sum += cloth.mass[i] * state.positions.row(i).cross(state.velocities.row(i));
+  }
+  return sum;
+}
+
+TEST(SurfaceContacts, LayersStopWhereTheyTouchAndKeepTheirMomentum) {
+  // Points land inside triangles: those of points against points would pass.
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 0.05, Eigen::RowVector3d(0.031, 0.007, 0));
+  for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -1;
+  const Eigen::RowVector3d before = momentum(cloth, state);
+  SurfaceContacts contacts(cloth);
+  for (int i = 0; i < 60; ++i) step(contacts, cloth, state);
+  EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12);
+  EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
+  EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+}
+
+TEST(SurfaceContacts, EdgesThatCrossInMidAirStop) {
+  // Two edges at a right angle, no point near a triangle.
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 0.05, Eigen::RowVector3d(0.03, 0, 0));
+  state.positions.row(7) << 0.05, -0.2, 0.05;
+  state.positions.row(15) << 0.05, 0.3, 0.05;
+  state.positions.row(6) << 0.3, -0.2, 0.3;
+  state.positions.row(14) << 0.3, 0.3, 0.3;
+  for (const int i : {7, 15}) state.velocities(i, 2) = -1;
+  const Eigen::RowVector3d before = angular_momentum(cloth, state);
+  SurfaceContacts contacts(cloth);
+  for (int i = 0; i < 60; ++i) {
+    step(contacts, cloth, state);
+    EXPECT_GE(least_distance(cloth, state.positions), 2 * thickness - 2e-4);
+  }
+  EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
+  EXPECT_LT((angular_momentum(cloth, state) - before).norm(), 2e-5) << "of " << before.norm();
+  EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+}
+
+TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
+  // Impulses act in the middle of the step, so there the angular momentum is counted.
+  const Cloth cloth = strip(8, 0.4);
+  State state = folded(cloth, 2.05 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  state.velocities = random_points(cloth.num_points(), 0.3, 3);
+  for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) -= 1;
+  const Points start = state.positions;
+  state.positions += h * state.velocities;
+  State middle = state;
+  middle.positions -= reach * h * state.velocities;
+  const Eigen::RowVector3d linear = momentum(cloth, middle);
+  const Eigen::RowVector3d angular = angular_momentum(cloth, middle);
+  const double energy = middle.velocities.squaredNorm();
+  SurfaceContacts contacts(cloth);
+  contacts.begin(cloth, {h, reach, start, Points(state.velocities)}, state);
+  for (int i = 0; i < 500; ++i) contacts.sweep(cloth, state.velocities);
+  ASSERT_GT(contacts.count(), 2);
+  middle.velocities = state.velocities;
+  EXPECT_LT((momentum(cloth, middle) - linear).norm(), 1e-13);
+  // Friction at a distance, 2 * thickness apart, has a moment: that of points has it too.
+  EXPECT_LT((angular_momentum(cloth, middle) - angular).norm(), 0.05 * angular.norm());
+  EXPECT_LT(middle.velocities.squaredNorm(), energy);
+}
+
+TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
+  // Pressed down with acceleration g, it slows down by mu g.
+  const double mu = 0.4, g = 10;
+  const Cloth cloth = [&] {
+    Cloth c = strip(8, mu);
+    for (int i = 0; i < 16; ++i) {
+      if (i != 6 && i != 7 && i != 14 && i != 15) c.inv_mass[i] = 0;
+    }
+    return c;
+  }();
+  State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  for (const int i : {6, 7, 14, 15}) state.velocities(i, 1) = 0.1;
+  SurfaceContacts contacts(cloth);
+  for (int k = 0; k < 10; ++k) {
+    const Points start = state.positions;
+    state.positions += reach * h * state.velocities;
+    for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) -= g * h;
+    state.positions += reach * h * state.velocities;
+    const Points before = state.velocities;
+    contacts.begin(cloth, {h, reach, start, before}, state);
+    for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+    }
+    state.positions += reach * h * (state.velocities - before);
+  }
+  double mean = 0;
+  for (const int i : {6, 7, 14, 15}) mean += state.velocities(i, 1) / 4;
+  EXPECT_NEAR(mean, 0.1 - mu * g * 10 * h, 0.01 * mu * g * 10 * h);
+}
+
+TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {
+  ClothSpec spec;
+  spec.columns = spec.rows = 9;
+  spec.thickness = thickness;
+  const Cloth cloth = make_grid(spec);
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SurfaceContacts contacts(cloth);
+    State state{cloth.rest_positions, Points::Zero(81, 3), 0};
+    for (std::uint64_t k = 0; k < 60; ++k) {
+      // All points drawn to one place, by far too much at once.
+      const Points start = state.positions;
+      state.positions *= 0.8;
+      state.positions += random_points(81, 0.02, 1000 * seed + k);
+      contacts.begin(cloth, {h, reach, start, state.velocities}, state);
+      held += contacts.guard(cloth, start, state);
+      ASSERT_EQ(count_intersections(cloth, state.positions), 0) << seed << ' ' << k;
+    }
+  }
+  EXPECT_GT(held, 0);
+}
+
+TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  const Points start = state.positions;
+  state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
+  const Points target = state.positions;
+  SurfaceContacts contacts(cloth);
+  contacts.begin(cloth, {h, reach, start, state.velocities}, state);
+  EXPECT_EQ(contacts.guard(cloth, start, state), 0);
+  EXPECT_EQ(state.positions, target);
+}
+
+}  // namespace
+}  // namespace clothsim
