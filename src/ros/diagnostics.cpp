@@ -74,6 +74,12 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   if (status.intersecting_pairs) {
     const int pairs = *status.intersecting_pairs;
     out.add("intersecting pairs", pairs);
+    out.add("moves held back", report.held_back);
+    if (report.held_back > 0) {
+      out.mergeSummaryf(DiagnosticStatus::WARN,
+                        "%d moves of points held back: the cloth itself is in the way",
+                        report.held_back);
+    }
     const std::int8_t level = level_at_most(pairs, limits.crossings);
     if (level != DiagnosticStatus::OK) {
       out.mergeSummaryf(static_cast<unsigned char>(level), "%d pairs of triangles cross", pairs);

@@ -52,6 +52,8 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("predicted_error", run.last_frame.predicted_error);
   put("reason", run.last_frame.reason);
   put("recoveries", run.recoveries);
+  put("self_collision", self_collision_names[static_cast<std::size_t>(cloth.self_collision)]);
+  put("held_back", run.held_back);
   put("frames", run.frames);
   put("simulated_seconds", state.time);
   put("wall_seconds", run.wall_seconds);

@@ -111,9 +111,9 @@ int read_int(const YAML::Node& node, const std::string& expected) {
   return static_cast<int>(read_integer(node, Limits::min(), Limits::max(), expected));
 }
 
-bool read_switch(const YAML::Node& node) {
+bool read_switch(const YAML::Node& node, const std::string& expected) {
   const auto value = parse_switch(node);
-  if (!value) refuse(node, "true or false");
+  if (!value) refuse(node, expected);
   return *value;
 }
 

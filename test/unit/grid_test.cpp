@@ -159,5 +159,24 @@ TEST(StartState, VerticalClothStandsOffItsPlaneByTheSeed) {
   EXPECT_NE(start_state(spec, cloth, 2).positions, state.positions);
 }
 
+TEST(Grid, ChoosesHowItIsKeptOffItself) {
+  ClothSpec spec;
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::off);
+  spec.self_collision = SelfCollision::automatic;
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::points);
+  spec.material.ks = 1000;  // pressed together by its weight
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::surface);
+  spec.material.ks = 5000;
+  spec.material.density = 500;
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::surface);
+  spec.material.density = 150;
+  spec.thickness = 0.009;  // points 20.4 mm apart, 18 of them covered
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::surface);
+  spec.rows = 1;  // has none
+  EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::points);
+  spec.self_collision = SelfCollision::surface;
+  EXPECT_THROW(make_grid(spec), InvalidValue);
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -14,7 +14,7 @@ namespace {
 TEST(SceneYaml, ReadsEveryKey) {
   const Scene scene = read_changed({});
   EXPECT_EQ(print(scene),
-            "1 2 5 4 0 0.0095 0 0.3 [0 0 1] pin 0 0  pin 4 3 hand "
+            "1 2 5 4 0 0.0095 off 0.3 [0 0 1] pin 0 0  pin 4 3 hand "
             "5000 150 5.4 0.1 110"
             " collider ball 0.3 ball [0.5 0.5 0.2] [0 0 1] "
             "0.2"
@@ -32,8 +32,18 @@ TEST(SceneYaml, ReadsEveryKey) {
        "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
        "tolerance: 0.25, method: verlet, seed: 9223372036854775807}"});
   EXPECT_EQ(print(other),
-            "3 4 7 8 1 4 1 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] [1 0 0] 1 "
+            "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] [1 0 0] 1 "
             "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807");
+}
+
+TEST(SceneYaml, ReadsHowAClothIsKeptOffItself) {
+  const auto read = [](const std::string& value) {
+    return read_changed({"cloth.self_collision=" + value}).cloth.self_collision;
+  };
+  EXPECT_EQ(read("false"), SelfCollision::off);
+  EXPECT_EQ(read("true"), SelfCollision::automatic);
+  EXPECT_EQ(read("points"), SelfCollision::points);
+  EXPECT_EQ(read("surface"), SelfCollision::surface);
 }
 
 TEST(SceneYaml, ReadsTheParametersOfTheMethod) {

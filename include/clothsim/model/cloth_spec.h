@@ -37,6 +37,9 @@ enum class Orientation { horizontal, vertical };
 /// `automatic` takes points where they are enough.
 enum class SelfCollision { off, points, surface, automatic };
 
+inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
+                                                                    "automatic"};
+
 /// A rectangular grid cloth as a scene describes it.
 struct ClothSpec {
   double width = 1;   // [m] along x

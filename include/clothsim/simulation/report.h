@@ -19,8 +19,9 @@ struct RunReport {
   double wall_seconds = 0;
   double cpu_seconds = 0;  // of all threads
   StepReport last_frame;
-  int recoveries = 0;     // frames taken back and tried again
-  bool diverged = false;  // the simulator then holds the last good frame
+  int recoveries = 0;       // frames taken back and tried again
+  long long held_back = 0;  // moves of points cut short, summed over the steps
+  bool diverged = false;    // the simulator then holds the last good frame
 };
 
 /// The report of a run that left `simulator` as it is, as YAML in SI units.

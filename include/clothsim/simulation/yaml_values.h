@@ -21,7 +21,7 @@ double read_number(const YAML::Node&, const std::string& expected = "a finite nu
 std::int64_t read_integer(const YAML::Node&, std::int64_t min, std::int64_t max,
                           const std::string& expected = "a whole number");
 int read_int(const YAML::Node&, const std::string& expected = "a whole number");
-bool read_switch(const YAML::Node&);
+bool read_switch(const YAML::Node&, const std::string& expected = "true or false");
 std::string read_text(const YAML::Node&);  // not empty
 Vector3 read_vector(const YAML::Node&);
 

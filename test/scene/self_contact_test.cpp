@@ -1,0 +1,222 @@
+// A cloth that meets itself, in the ways that tangle other codes: no two of its triangles cross, in
+// any frame.
+
+#include <cmath>
+
+#include "clothsim/collision/intersections.h"
+#include "clothsim/dynamics/energy.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// A cloth of 25 x 25 points, 4 cm apart, so that points alone would let layers pass.
+Scene pile() {
+  Scene scene = shipped_scene("self_collision");
+  scene.cloth.columns = scene.cloth.rows = 25;
+  scene.cloth.self_collision = SelfCollision::surface;
+  return scene;
+}
+
+struct Judgement {
+  int held_back = 0;
+  int frames_that_cross = 0;
+};
+
+/// Counts crossings after each frame, moving what `drive(frame)` moves before it.
+template <typename Drive>
+Judgement judge(Simulator& simulator, int frames, const Drive& drive) {
+  Judgement judgement;
+  for (int frame = 1; frame <= frames; ++frame) {
+    drive(frame);
+    judgement.held_back += simulator.step().held_back;
+    EXPECT_TRUE(simulator.state().positions.allFinite()) << frame;
+    const int crossing = count_intersections(simulator.cloth(), simulator.state().positions);
+    EXPECT_EQ(crossing, 0) << "in frame " << frame;
+    if (crossing > 0 && ++judgement.frames_that_cross > 3) break;
+  }
+  return judgement;
+}
+
+Judgement judge(Simulator& simulator, int frames) {
+  return judge(simulator, frames, [](int) {});
+}
+
+/// A cloth with both end rows pinned, `width` x 1 m of 2 cm cells.
+Scene strip(double width) {
+  Scene scene;
+  scene.cloth.width = width;
+  scene.cloth.columns = static_cast<int>(std::lround(width / 0.04)) + 1;
+  scene.cloth.rows = 26;
+  scene.cloth.self_collision = SelfCollision::surface;
+  return scene;
+}
+
+class Pile : public ::testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(Pile, NeverCrossesItself) {
+  Scene scene = pile();
+  scene.cloth.material.ks = GetParam().first;
+  scene.cloth.material.density = GetParam().second;
+  Simulator simulator(scene);
+  judge(simulator, 100);
+}
+
+// Stiffness [N/m] and density [kg/m^2].
+INSTANTIATE_TEST_SUITE_P(Materials, Pile,
+                         ::testing::Values(std::pair(50.0, 150.0), std::pair(5000.0, 150.0),
+                                           std::pair(1e5, 150.0), std::pair(5000.0, 10.0),
+                                           std::pair(5000.0, 1e4)));
+
+TEST(SelfContact, APileComesToRest) {
+  Simulator simulator(pile());
+  judge(simulator, 6 * 90);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
+}
+
+TEST(SelfContact, ADropOfTwoMetres) {
+  Scene scene = pile();
+  scene.cloth.origin.z() = 2;
+  Simulator simulator(scene);
+  judge(simulator, 130);
+}
+
+class Twist : public ::testing::TestWithParam<double> {};
+
+TEST_P(Twist, OfAStripBetweenTwoRows) {
+  Scene scene = strip(0.32);
+  const int columns = scene.cloth.columns, last = scene.cloth.rows - 1;
+  for (int column = 0; column < columns; ++column) {
+    scene.cloth.pinned.push_back({column, 0, ""});
+    scene.cloth.pinned.push_back({column, last, ""});
+  }
+  Simulator simulator(scene);
+  const auto drive = [&](int frame) {
+    const double share = std::min(1.0, frame / 180.0);
+    const double angle = 2 * M_PI * GetParam() * share;
+    for (int column = 0; column < columns; ++column) {
+      const double r = 0.04 * column - 0.16;
+      simulator.move_pin(2 * column + 1, {0.16 + r * std::cos(angle), 1 - 0.5 * GetParam() * share,
+                                          1 + r * std::sin(angle)});
+    }
+  };
+  judge(simulator, 4 * 90, drive);
+  EXPECT_LT(rms_velocity(simulator.state()), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Turns, Twist, ::testing::Values(0.5, 1.0));
+
+TEST(SelfContact, FiveLayersPressedByAPlane) {
+  // A strip in five layers, pressed to the height that they have when all touch.
+  constexpr int cells_a_layer = 5;
+  Scene scene;
+  scene.cloth.width = 0.12;
+  scene.cloth.columns = 4;
+  scene.cloth.rows = 5 * cells_a_layer + 1;
+  scene.cloth.self_collision = SelfCollision::surface;
+  scene.colliders = {{"ground", Plane{}, Pose{}, 0.5, ""}, {"press", Plane{}, Pose{}, 0.5, ""}};
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Vector3::UnitX()));
+  scene.colliders[1].pose = {Vector3(0, 0, 0.3), down};
+  Simulator simulator(scene);
+
+  State state = simulator.state();
+  for (int row = 0; row < scene.cloth.rows; ++row) {
+    const int layer = std::min(row / cells_a_layer, 4);
+    const int along = row - layer * cells_a_layer;
+    const double y = 0.04 * (layer % 2 == 0 ? along : cells_a_layer - along);
+    const double z = 0.005 + 0.04 * layer + 0.04 / cells_a_layer * along;
+    for (int column = 0; column < 4; ++column) {
+      state.positions.row(row * 4 + column) << 0.04 * column, y, z;
+    }
+  }
+  ASSERT_EQ(count_intersections(simulator.cloth(), state.positions), 0);
+  simulator.set_state(state);
+  const double pressed = 4 * 2 * scene.cloth.thickness;
+  judge(simulator, 4 * 90, [&](int frame) {
+    const double share = std::min(1.0, frame / 180.0);
+    simulator.move_collider(1, {Vector3(0, 0, 0.3 + share * (pressed + 0.002 - 0.3)), down});
+  });
+  EXPECT_LT(simulator.state().positions.col(2).maxCoeff(), pressed + 0.0025);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
+}
+
+class SphereThroughPile : public ::testing::TestWithParam<double> {};
+
+TEST_P(SphereThroughPile, CrossesNothing) {
+  Scene scene = pile();
+  const auto at = [](double z) { return Pose{Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; };
+  scene.colliders.push_back({"ball", Sphere{0.15}, at(1), 0.3, ""});
+  Simulator simulator(scene);
+  run(simulator, 1);
+  const int frames = std::max(1, static_cast<int>(std::lround(90 * 0.9 / GetParam())));
+  judge(simulator, frames,
+        [&](int frame) { simulator.move_collider(1, at(1 - 0.9 * frame / frames)); });
+  judge(simulator, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
+
+TEST(SelfContact, PinsDraggedThroughTheClothAreHeldBackAndSaidSo) {
+  // One corner of a hanging cloth is drawn through its middle: it cannot go there.
+  Scene scene = pile();
+  scene.colliders.clear();
+  scene.cloth.pinned = {{0, 24, ""}, {24, 24, ""}, {12, 0, ""}};
+  Simulator simulator(scene);
+  run(simulator, 0.5);
+  const Vector3 from = simulator.state().positions.row(12).transpose();
+  const Vector3 middle = simulator.state().positions.row(12 * 25 + 12).transpose();
+  const Judgement judgement = judge(simulator, 90, [&](int frame) {
+    const double share = frame / 90.0;
+    simulator.move_pin(2, from + share * 1.6 * (middle - from) + Vector3(0, 0.4 * share, 0));
+  });
+  EXPECT_EQ(judgement.frames_that_cross, 0);
+}
+
+TEST(SelfContact, PinchedBetweenTwoClosingSpheres) {
+  Scene scene = pile();
+  scene.cloth.pinned = {{0, 24, ""}, {24, 24, ""}};
+  const auto at = [](double y) {
+    return Pose{Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()};
+  };
+  scene.colliders = {{"front", Sphere{0.2}, at(-0.4), 0.3, ""},
+                     {"back", Sphere{0.2}, at(0.4), 0.3, ""}};
+  Simulator simulator(scene);
+  judge(simulator, 120, [&](int frame) {
+    const double y = 0.4 - 0.25 * std::min(1.0, frame / 60.0);  // overlapping in the end
+    simulator.move_collider(0, at(-y));
+    simulator.move_collider(1, at(y));
+  });
+}
+
+TEST(SelfContact, TumbledInARoomThatTurns) {
+  Scene scene = pile();
+  scene.colliders.clear();
+  scene.cloth.origin = Vector3(0, 0.5, 0.01);
+  const Vector3 centre(0.5, 0.5, 0.5);
+  std::vector<Eigen::Quaterniond> walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      walls.push_back(
+          Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), sign * Vector3::Unit(axis)));
+    }
+  }
+  const auto wall = [&](std::size_t i, double angle) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Vector3::UnitY()));
+    const Eigen::Quaterniond orientation = turn * walls[i];
+    return Pose{centre - 0.55 * (orientation * Vector3::UnitZ()), orientation};
+  };
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    scene.colliders.push_back({"wall" + std::to_string(i), Plane{}, wall(i, 0), 0.5, ""});
+  }
+  Simulator simulator(scene);
+  judge(simulator, 180, [&](int frame) {
+    for (std::size_t i = 0; i < walls.size(); ++i) {
+      simulator.move_collider(static_cast<int>(i), wall(i, 2 * M_PI * frame / 180.0));
+    }
+  });
+}
+
+}  // namespace
+}  // namespace clothsim
