@@ -24,7 +24,8 @@ void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) 
   } else if (is_word(node, "surface")) {
     self_collision = SelfCollision::surface;
   } else {
-    self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic : SelfCollision::off;
+    self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic
+                                                                         : SelfCollision::off;
   }
 }
 

@@ -32,7 +32,8 @@ TEST(SceneYaml, ReadsEveryKey) {
        "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
        "tolerance: 0.25, method: verlet, seed: 9223372036854775807}"});
   EXPECT_EQ(print(other),
-            "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] [1 0 0] 1 "
+            "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] "
+            "[1 0 0] 1 "
             "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807");
 }
 
