@@ -163,7 +163,7 @@ bool Simulator::Impl::recover() {
 std::optional<double> Simulator::Impl::tension() {
   // Implicit methods keep to one step: to change it costs them a factorisation or their history.
   // Contact wants the short steps that the whole weight asks for.
-  const bool touches = scene.cloth.self_collision || !colliders.empty();
+  const bool touches = self_contacts || !colliders.empty();
   const bool follows = strain_limit && !scene.simulation.substeps && !touches &&
                        std::isfinite(method->stability_limit());
   if (!follows) return {};
