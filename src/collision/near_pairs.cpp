@@ -1,7 +1,6 @@
 #include "clothsim/collision/near_pairs.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 

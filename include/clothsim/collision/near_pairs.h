@@ -85,8 +85,8 @@ class NearPairs {
   std::vector<Patch> patches_;
   std::vector<PatchPair> patch_pairs_;  // by p, then q
   Points last_;                         // positions last measured; none yet: no rows
-  double spread_ =
-      0;  // farthest way of a point beyond the common one since patches were paired [m]
+  double spread_ = 0;                   // farthest way of a point, beyond the common one, since
+                                        // patches were paired [m]
   std::vector<NearPair> near_;
 
   // Scratch of one measure().
