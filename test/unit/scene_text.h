@@ -65,7 +65,8 @@ inline std::string print(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;
   out << cloth.width << ' ' << cloth.height << ' ' << cloth.columns << ' ' << cloth.rows << ' '
       << static_cast<int>(cloth.orientation) << ' ' << cloth.thickness << ' '
-      << self_collision_names[static_cast<std::size_t>(cloth.self_collision)] << ' ' << cloth.friction << ' ';
+      << self_collision_names[static_cast<std::size_t>(cloth.self_collision)] << ' '
+      << cloth.friction << ' ';
   print_vector(cloth.origin);
   for (const Pin& pin : cloth.pinned) {
     out << "pin " << pin.column << ' ' << pin.row << ' ' << pin.frame << ' ';
