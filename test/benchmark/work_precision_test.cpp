@@ -128,6 +128,7 @@ TEST_F(WorkPrecision, StrainLimitBeatsTheClassicOne) {
   for (const Row& row : read(folder_ / "strain_limit.csv")) rows[row.at("solver")] = row;
   const Row& ours = rows.at("auto");
   EXPECT_LT(number(ours, "worst_violation"), 1.01 * number(ours, "tolerance"));
+  EXPECT_LT(number(ours, "rest_speed"), 1e-4);
   EXPECT_LT(number(ours, "rest_error_max"), 1e-3);
   EXPECT_LT(number(ours, "rest_error_max"), number(rows.at("classic"), "rest_error_max"));
 }

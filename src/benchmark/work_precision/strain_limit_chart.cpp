@@ -27,7 +27,7 @@ struct Shared {
 Trial hanging(bool quick) {
   return {"pinned2",
           shipped_scene("pinned2", quick ? 10 : 50),
-          quick ? 180 : 540,
+          540,
           Compared::rest_shape,
           false,
           0,
