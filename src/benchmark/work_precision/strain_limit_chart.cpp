@@ -25,12 +25,7 @@ struct Shared {
 
 /// pinned2 at its defaults until it hangs still.
 Trial hanging(bool quick) {
-  return {"pinned2",
-          shipped_scene("pinned2", quick ? 10 : 50),
-          540,
-          Compared::rest_shape,
-          false,
-          0,
+  return {"pinned2", shipped_scene("pinned2", quick ? 10 : 50), 540, Compared::rest_shape, false, 0,
           false};
 }
 
