@@ -1,0 +1,356 @@
+// Scenes that ask much of a cloth and starts that no cloth can have, by `auto`: no failure at all.
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/dynamics/verlet.h"
+#include "clothsim/simulation/report.h"
+#include "clothsim/simulation/substeps.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+// ---- Hard scenes
+
+Scene hanging(int side = 20) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
+  return scene;
+}
+
+/// Runs and checks every frame; returns the times that a frame was taken back.
+int run_checked(Simulator& simulator, double seconds, double speed_limit) {
+  int recoveries = 0;
+  const int frames = static_cast<int>(std::lround(seconds * 90));
+  for (int frame = 0; frame < frames; ++frame) {
+    recoveries += simulator.step().recoveries;
+    const State& s = simulator.state();
+    EXPECT_TRUE(s.positions.allFinite()) << frame;
+    EXPECT_LT(fastest(s), speed_limit) << frame;
+    if (::testing::Test::HasFailure()) return recoveries;
+  }
+  return recoveries;
+}
+
+void expect_rest(const Simulator& simulator, double rms) {
+  EXPECT_LT(rms_velocity(simulator.state()), rms);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+class SphereAtSpeed : public ::testing::TestWithParam<double> {};
+
+TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
+  Scene scene = hanging();
+  scene.colliders = {{"ball", Sphere{0.2}, {Vector3(0.5, -1.5, 0.5), {}}, 0.3, ""}};
+  scene.colliders[0].pose.orientation.setIdentity();
+  Simulator simulator(scene);
+  run_checked(simulator, 3, 10);
+  const int frames = static_cast<int>(std::ceil(3 * 90 / GetParam()));
+  for (int frame = 1; frame <= frames; ++frame) {
+    const double y = -1.5 + 3.0 * frame / frames;
+    simulator.move_collider(0, {Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()});
+    simulator.step();
+    ASSERT_TRUE(simulator.state().positions.allFinite()) << frame;
+    ASSERT_LT(fastest(simulator.state()), 8 * GetParam() + 10) << frame;
+    ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
+  }
+  run_checked(simulator, 5, 8 * GetParam() + 10);
+  expect_rest(simulator, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 10.0, 100.0));
+
+TEST(HardScene, CornersPushedTogetherByHalf) {
+  Simulator simulator(hanging());
+  simulator.move_pin(1, {0.5, 0, 1});  // at 45 m/s, in one frame
+  run_checked(simulator, 5, 100);
+  expect_rest(simulator, 0.02);
+}
+
+TEST(HardScene, PinsThreeTimesAsFarApart) {
+  // Its limit cannot be met between the pins: it is stretched, says so, and stays calm.
+  Simulator simulator(hanging());
+  simulator.move_pin(1, {3, 0, 1});
+  run_checked(simulator, 5, 1000);
+  EXPECT_GT(worst_stretch(simulator.cloth(), simulator.state().positions), 1);
+  simulator.move_pin(1, {1, 0, 1});
+  run_checked(simulator, 5, 1000);
+  expect_rest(simulator, 0.02);
+}
+
+TEST(HardScene, PinchedBetweenTwoClosingSpheres) {
+  const auto at = [](double y) {
+    return Pose{Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()};
+  };
+  Scene scene = hanging();
+  scene.colliders = {{"front", Sphere{0.2}, at(-0.5), 0.3, ""},
+                     {"back", Sphere{0.2}, at(0.5), 0.3, ""}};
+  Simulator simulator(scene);
+  run_checked(simulator, 3, 10);
+  for (int frame = 1; frame <= 90; ++frame) {
+    const double y = 0.5 - 0.35 * frame / 90;  // overlapping by 0.1 m in the end
+    simulator.move_collider(0, at(-y));
+    simulator.move_collider(1, at(y));
+    run_checked(simulator, 1.0 / 90, 50);
+  }
+  run_checked(simulator, 2, 50);
+  // It slips out from between them, whole.
+  EXPECT_EQ(deepest_penetration(simulator), 0);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+TEST(HardScene, FastPlane) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 20;
+  scene.colliders = {{"floor", Plane{}, Pose{}, 0.5, ""}};
+  Simulator simulator(scene);
+  for (int frame = 1; frame <= 9; ++frame) {  // 20 m/s upwards
+    simulator.move_collider(0, {Vector3(0, 0, 20.0 * frame / 90), Eigen::Quaterniond::Identity()});
+    simulator.step();
+    ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
+    ASSERT_LT(fastest(simulator.state()), 60) << frame;
+  }
+}
+
+TEST(HardScene, TableClothPull) {
+  // The table is drawn away: slowly the cloth comes along, fast it stays behind.
+  const auto carried = [](double speed) {
+    Scene scene;
+    scene.cloth.columns = scene.cloth.rows = 20;
+    scene.cloth.origin = Vector3(0, 0, surface_offset);
+    scene.colliders = {{"table", Plane{}, Pose{}, 0.3, ""}};
+    Simulator simulator(scene);
+    run_checked(simulator, 0.5, 1);
+    const double start = simulator.state().positions.col(0).mean();
+    double x = 0;
+    for (int frame = 1; x < 1; ++frame) {
+      x += std::min(1.0, frame / 9.0) * speed / 90;  // at full speed after 0.1 s
+      simulator.move_collider(0, {Vector3(x, 0, 0), Eigen::Quaterniond::Identity()});
+      run_checked(simulator, 1.0 / 90, 3 * speed + 1);
+    }
+    return (simulator.state().positions.col(0).mean() - start) / x;
+  };
+  EXPECT_GT(carried(0.2), 0.95);
+  EXPECT_LT(carried(8), 0.25);
+}
+
+TEST(HardScene, HalfTurnTwistBetweenTwoRows) {
+  // The rows come closer as they turn, so that the limit can be met: corner to corner it is
+  // sqrt(0.3^2 + 1) = 1.044 m in the end.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 20;
+  scene.cloth.self_collision = SelfCollision::automatic;
+  for (int column = 0; column < 20; ++column) {
+    scene.cloth.pinned.push_back({column, 0, ""});
+    scene.cloth.pinned.push_back({column, 19, ""});
+  }
+  Simulator simulator(scene);
+  for (int frame = 1; frame <= 180; ++frame) {
+    const double share = frame / 180.0;
+    const double angle = M_PI * share;
+    for (int column = 0; column < 20; ++column) {
+      const double r = column / 19.0 - 0.5;
+      simulator.move_pin(2 * column + 1,
+                         {0.5 + r * std::cos(angle), 1 - 0.7 * share, 1 + r * std::sin(angle)});
+    }
+    run_checked(simulator, 1.0 / 90, 50);
+  }
+  run_checked(simulator, 3, 50);
+  expect_rest(simulator, 0.01);
+}
+
+TEST(HardScene, StackOfLayersStaysAtRest) {
+  Simulator simulator(shipped_scene("self_collision"));
+  run(simulator, 6);
+  const Points before = simulator.state().positions;
+  run_checked(simulator, 10, 1);
+  const double moved = farthest(simulator.state().positions, before);
+  RecordProperty("moved_in_10_s_mm", std::to_string(1e3 * moved));
+  EXPECT_LT(moved, 1e-3);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-4);
+}
+
+TEST(HardScene, StiffnessesAMillionTimesApart) {
+  for (const double ks : {0.5, 5e5}) {
+    Scene scene = hanging();
+    scene.cloth.material.ks = ks;
+    Simulator simulator(scene);
+    EXPECT_EQ(run_checked(simulator, 4, 20), 0) << ks;
+    SCOPED_TRACE(ks);
+    expect_rest(simulator, 0.02);
+  }
+}
+
+// ---- Starts that no cloth can have: it must find back into its shape
+
+/// The hanging cloth at rest, then with its free points put where `put` says, at rest there; 6 s
+/// later.
+template <typename Put>
+State after_start_from(Put&& put) {
+  Simulator simulator(hanging());
+  run(simulator, 4);
+  const State rest = simulator.state();
+  State start = rest;
+  start.velocities.setZero();
+  for (int i = 0; i < start.positions.rows(); ++i) {
+    if (simulator.cloth().inv_mass[i] > 0) start.positions.row(i) = put(rest, i).transpose();
+  }
+  simulator.set_state(start);
+  run_checked(simulator, 8, 1000);
+  expect_rest(simulator, 0.02);
+  return simulator.state();
+}
+
+Vector3 point(const State& state, int i) { return state.positions.row(i).transpose(); }
+
+TEST(WildStart, ScrambledInABall) {
+  const Points random = random_points(400, 0.2, 7);
+  after_start_from([&](const State&, int i) {
+    return Vector3(Vector3(0.5, 0, 0.6) + random.row(i).transpose());
+  });
+}
+
+TEST(WildStart, FlattenedToAPlane) {
+  after_start_from(
+      [](const State& rest, int i) { return Vector3(point(rest, i).x(), 0, point(rest, i).z()); });
+}
+
+TEST(WildStart, FlattenedToALine) {
+  after_start_from([](const State& rest, int i) { return Vector3(point(rest, i).x(), 0, 0.9); });
+}
+
+TEST(WildStart, AllInOnePoint) {
+  // Nothing has a direction but the springs at the pins: they pull out what they can.
+  Simulator simulator(hanging());
+  State start = simulator.state();
+  for (int i = 0; i < start.positions.rows(); ++i) {
+    if (simulator.cloth().inv_mass[i] > 0) start.positions.row(i) << 0.5, 0, 0.8;
+  }
+  simulator.set_state(start);
+  run_checked(simulator, 8, 1000);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+TEST(WildStart, PairsInOnePlace) {
+  // Every second point where its neighbour is.
+  after_start_from(
+      [](const State& rest, int i) { return point(rest, i % 20 == 0 ? i : i - i % 2); });
+}
+
+TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
+  // Then it hangs as low as one that was always so. CLOTHSIM_SOAK_SECONDS=3600 makes it an hour's
+  // soak.
+  const char* asked = std::getenv("CLOTHSIM_SOAK_SECONDS");
+  const double seconds = asked ? std::atof(asked) : 10;
+  Simulator simulator(hanging());
+  const Material usual = simulator.scene().cloth.material;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int frame = 0; frame < seconds * 90; ++frame) {
+    Material material = usual;
+    material.ks *= std::pow(10, any(random));
+    material.density *= std::pow(10, any(random));
+    material.damping *= std::pow(10, any(random));
+    simulator.set_material(material);
+    simulator.step();
+    ASSERT_LT(fastest(simulator.state()), 50) << frame;
+    ASSERT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.11) << frame;
+  }
+  simulator.set_material(usual);
+  run_checked(simulator, 6, 20);
+  expect_rest(simulator, 0.002);
+
+  Simulator calm(hanging());
+  run(calm, 6);
+  const double height = simulator.state().positions.col(2).mean();
+  EXPECT_NEAR(height, calm.state().positions.col(2).mean(), 0.02) << "folds may have stayed";
+}
+
+TEST(HardScene, TooFewSubstepsAreNotTakenWithoutAWord) {
+  Scene scene = hanging();
+  scene.cloth.material.strain_limit.reset();
+  const auto reason = [&](int substeps) {
+    scene.simulation.substeps = substeps;
+    return Simulator(scene).step().reason;
+  };
+  scene.simulation.method = "verlet";
+  const Cloth cloth = make_grid(scene.cloth);
+  const double most = omega_max_bound(cloth, cloth.rest_positions) / 90 / 2;
+  EXPECT_EQ(reason(static_cast<int>(most) + 1), "named by the scene");
+  EXPECT_NE(reason(static_cast<int>(most)).find("beyond the method's stability limit"),
+            std::string::npos);
+  scene.simulation.method = "implicit_euler";
+  EXPECT_EQ(reason(1), "named by the scene");
+}
+
+TEST(HardScene, ALimitThatCannotBeMetIsReported) {
+  Simulator simulator(hanging());
+  EXPECT_EQ(simulator.step().reason.find("ran out"), std::string::npos);
+  simulator.move_pin(1, {1.15, 0, 1});  // springs between the pins must be 15 % longer
+  std::string reason;
+  for (int frame = 0; frame < 90; ++frame) reason = simulator.step().reason;
+  EXPECT_NE(reason.find("passes ran out"), std::string::npos) << reason;
+}
+
+class HeavyPoint : public ::testing::TestWithParam<double> {};
+
+TEST_P(HeavyPoint, Hangs) {
+  // It hangs in the middle of the hem; substeps as its weight asks for, twice a frame's passes.
+  Scene scene = hanging(8);
+  Cloth cloth = make_grid(scene.cloth);
+  const int heavy = 7 * 8 + 4;
+  cloth.mass[heavy] *= GetParam();
+  cloth.inv_mass[heavy] /= GetParam();
+  const Loads loads{scene.simulation.gravity};
+  StrainLimit limit(cloth);
+  VelocityVerlet method;
+  State state = start_state(scene.cloth, cloth, 1);
+  double worst = 0;
+  const double dt = 1.0 / 90;
+  for (int frame = 0; frame < 8 * 90; ++frame) {
+    const int n = count_substeps(cloth, loads.gravity, state.positions, 2, dt);
+    const double h = dt / n;
+    const double reach = VelocityVerlet::reach(cloth.damping, h);
+    for (int k = 0; k < n; ++k) {
+      method.step(cloth, loads, h, state);
+      limit.predict(cloth, h, reach, state);
+      limit.begin(cloth, reach, state);
+      limit.solve(1e-6, 6, 400, state);
+      limit.correct(cloth, 0.004, 600, state.positions);
+    }
+    ASSERT_TRUE(state.positions.allFinite()) << frame;
+    worst = std::max(worst, worst_stretch(cloth, state.positions));
+  }
+  RecordProperty("worst_stretch", std::to_string(worst));
+  RecordProperty("rms_velocity", std::to_string(rms_velocity(state)));
+  if (GetParam() <= 100) {
+    EXPECT_LT(worst, 0.1041);
+    EXPECT_LT(rms_velocity(state), 1e-4);
+  } else {  // passes are too few: what hangs from it trembles, without end and within bounds
+    EXPECT_LT(worst, 0.13);
+    EXPECT_LT(rms_velocity(state), 5);
+    EXPECT_GT(rms_velocity(state), 0.1) << "it rests: say so in docs/method.md";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(MassRatios, HeavyPoint, ::testing::Values(10.0, 100.0, 1e3, 1e4));
+
+TEST(HardScene, RealFabric) {
+  Scene scene = hanging();
+  scene.cloth.material.density = 0.15;
+  Simulator simulator(scene);
+  EXPECT_EQ(run_checked(simulator, 5, 20), 0);
+  expect_rest(simulator, 0.01);
+}
+
+}  // namespace
+}  // namespace clothsim
