@@ -32,6 +32,23 @@ clothsim::Points to_points(const std::string& key, const std::vector<double>& fl
   return Eigen::Map<const ExactXyz>(flat.data(), static_cast<Eigen::Index>(flat.size() / 3), 3);
 }
 
+/// A message with fields x, y and z.
+template <class Message>
+Message to_xyz(const clothsim::Vector3& vector) {
+  Message msg;
+  msg.x = vector.x();
+  msg.y = vector.y();
+  msg.z = vector.z();
+  return msg;
+}
+
+/// From a message with fields x, y and z and a rotation, which is normalised.
+template <class Message>
+clothsim::Pose make_pose(const Message& p, const geometry_msgs::Quaternion& r) {
+  const Eigen::Quaterniond rotation(r.w, r.x, r.y, r.z);
+  return {{p.x, p.y, p.z}, Eigen::Quaterniond(rotation.coeffs() / rotation.norm())};
+}
+
 }  // namespace
 
 clothsim::ClothState to_state_msg(const clothsim::State& state, const std_msgs::Header& header,
@@ -129,59 +146,46 @@ sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera& camera,
 }
 
 geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3& vector) {
-  geometry_msgs::Vector3 msg;
-  msg.x = vector.x();
-  msg.y = vector.y();
-  msg.z = vector.z();
-  return msg;
+  return to_xyz<geometry_msgs::Vector3>(vector);
 }
 
 geometry_msgs::Point to_point_msg(const clothsim::Vector3& point) {
-  geometry_msgs::Point msg;
-  msg.x = point.x();
-  msg.y = point.y();
-  msg.z = point.z();
-  return msg;
+  return to_xyz<geometry_msgs::Point>(point);
 }
 
 geometry_msgs::Point to_point_msg(const clothsim::Points& points, int point) {
   return to_point_msg(clothsim::Vector3(points.row(point)));
 }
 
+geometry_msgs::Quaternion to_quaternion_msg(const Eigen::Quaterniond& rotation) {
+  geometry_msgs::Quaternion msg;
+  msg.x = rotation.x();
+  msg.y = rotation.y();
+  msg.z = rotation.z();
+  msg.w = rotation.w();
+  return msg;
+}
+
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose& pose) {
   geometry_msgs::Pose msg;
   msg.position = to_point_msg(pose.position);
-  msg.orientation.x = pose.orientation.x();
-  msg.orientation.y = pose.orientation.y();
-  msg.orientation.z = pose.orientation.z();
-  msg.orientation.w = pose.orientation.w();
+  msg.orientation = to_quaternion_msg(pose.orientation);
   return msg;
 }
 
 geometry_msgs::Transform to_transform_msg(const clothsim::Pose& pose) {
-  const geometry_msgs::Pose same = to_pose_msg(pose);
   geometry_msgs::Transform msg;
-  msg.translation.x = same.position.x;
-  msg.translation.y = same.position.y;
-  msg.translation.z = same.position.z;
-  msg.rotation = same.orientation;
+  msg.translation = to_vector_msg(pose.position);
+  msg.rotation = to_quaternion_msg(pose.orientation);
   return msg;
 }
 
 clothsim::Pose to_pose(const geometry_msgs::Transform& transform) {
-  const auto& t = transform.translation;
-  const auto& r = transform.rotation;
-  const Eigen::Quaterniond rotation(r.w, r.x, r.y, r.z);
-  return {{t.x, t.y, t.z}, Eigen::Quaterniond(rotation.coeffs() / rotation.norm())};
+  return make_pose(transform.translation, transform.rotation);
 }
 
 clothsim::Pose to_pose(const geometry_msgs::Pose& pose) {
-  geometry_msgs::Transform same;
-  same.translation.x = pose.position.x;
-  same.translation.y = pose.position.y;
-  same.translation.z = pose.position.z;
-  same.rotation = pose.orientation;
-  return to_pose(same);
+  return make_pose(pose.position, pose.orientation);
 }
 
 }  // namespace clothsim_ros

@@ -43,10 +43,7 @@ std::vector<InteractiveMarkerControl> make_controls() {
   std::vector<InteractiveMarkerControl> controls;
   for (const auto& [axis, turn] : axes) {
     InteractiveMarkerControl control;
-    control.orientation.w = turn.w();
-    control.orientation.x = turn.x();
-    control.orientation.y = turn.y();
-    control.orientation.z = turn.z();
+    control.orientation = to_quaternion_msg(turn);
     control.name = std::string("move_") + axis;
     control.interaction_mode = InteractiveMarkerControl::MOVE_AXIS;
     controls.push_back(control);

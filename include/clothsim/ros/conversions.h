@@ -4,6 +4,7 @@
 #include <clothsim/ClothTopology.h>
 #include <clothsim/WholeState.h>
 #include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Vector3.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -46,8 +47,8 @@ sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::
 geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
+geometry_msgs::Quaternion to_quaternion_msg(const Eigen::Quaterniond&);
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
-
 geometry_msgs::Transform to_transform_msg(const clothsim::Pose&);
 
 /// Both normalise the rotation. Not finite where the message is not, or its rotation is zero.
