@@ -9,13 +9,13 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TransformStamped, WrenchStamped
+from geometry_msgs.msg import WrenchStamped
 from tf2_msgs.msg import TFMessage
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach, GetState, RestoreState, SaveState
-from cloth_client import (Cloth, Recorder, call, content, point, positions, publisher_at_once,
-                          wait_for)
+from cloth_client import (Cloth, Recorder, call, content, make_transform, point, positions,
+                          publisher_at_once, wait_for)
 
 COLUMNS = 10
 CORNERS = {"left": 0, "right": COLUMNS - 1}
@@ -34,16 +34,8 @@ class Hands:
         self.places[frame] = (place, angle)
 
     def send(self):
-        transforms = []
-        for frame, (place, angle) in self.places.items():
-            t = TransformStamped()
-            t.header.frame_id, t.child_frame_id = "map", frame
-            t.transform.translation.x, t.transform.translation.y = place[:2]
-            t.transform.translation.z = place[2]
-            t.transform.rotation.z = math.sin(angle / 2)
-            t.transform.rotation.w = math.cos(angle / 2)
-            transforms.append(t)
-        self.broadcaster.sendTransform(transforms)
+        self.broadcaster.sendTransform(
+            [make_transform(frame, place, angle) for frame, (place, angle) in self.places.items()])
 
 
 class Grasp(unittest.TestCase):
@@ -111,13 +103,8 @@ class Grasp(unittest.TestCase):
         self.assertTrue(self.attach("right", points=[9]).success)  # from then on the node listens
         tf = publisher_at_once("/tf", TFMessage)
         wait_for(lambda: tf.get_num_connections() > 0, "the node to listen")
-        hand = TransformStamped()
-        hand.header.frame_id, hand.child_frame_id = "map", "quick"
-        hand.transform.translation.z, hand.transform.rotation.w = 1.0, 1.0
         for i in range(100):
-            hand.header.stamp = rospy.Time.now()
-            hand.transform.translation.x = 0.002 * i
-            tf.publish([hand])
+            tf.publish([make_transform("quick", (0.002 * i, 0, 1), stamp=rospy.Time.now())])
             if i == 0:
                 answer = self.attach("quick", points=[0])
                 self.assertTrue(answer.success, answer.message)

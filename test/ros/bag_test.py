@@ -16,10 +16,9 @@ import roslib.packages
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from cloth_client import PATIENCE, Cloth, content, publisher_at_once, wait_for
+from cloth_client import PATIENCE, Cloth, content, make_transform, publisher_at_once, wait_for
 
 FRAMES = 60  # by then the cloth is on the sphere
 TOPICS = ["/clothsim/state", "/tf", "/tf_static"]
@@ -39,12 +38,7 @@ class Bag(unittest.TestCase):
         shutil.rmtree(cls.folder)
 
     def put_sphere(self, x, height):
-        t = TransformStamped()
-        t.header.stamp, t.header.frame_id, t.child_frame_id = rospy.Time.now(), "map", "sphere"
-        t.transform.translation.x, t.transform.translation.y = x, 0.5
-        t.transform.translation.z = height
-        t.transform.rotation.w = 1
-        self.tf.publish([t])
+        self.tf.publish([make_transform("sphere", (x, 0.5, height), stamp=rospy.Time.now())])
 
     def record(self, name, run):
         """The bag of what is published while run() runs."""

@@ -5,12 +5,11 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import TransformStamped
 from image_geometry import PinholeCameraModel
 import tf2_ros
 
 from camera_client import KINDS, CameraTestCase, edges
-from cloth_client import positions, wait_for
+from cloth_client import make_transform, positions, wait_for
 
 WIDTH, HEIGHT = 320, 240
 K = [520, 0, 140.25, 0, 450, 126.5, 0, 0, 1]
@@ -232,9 +231,7 @@ class CameraTest(CameraTestCase):
     # ---- A camera on a tf frame ----
 
     def send_frame(self, broadcaster, eye, target, frame="hand_optical"):
-        t = TransformStamped()
-        t.header.stamp, t.header.frame_id, t.child_frame_id = rospy.Time.now(), "map", frame
-        t.transform.translation.x, t.transform.translation.y, t.transform.translation.z = eye
+        t = make_transform(frame, eye, stamp=rospy.Time.now())
         r = t.transform.rotation
         r.x, r.y, r.z, r.w = quaternion(axes(eye, target))
         broadcaster.sendTransform(t)

@@ -1,5 +1,6 @@
 """What the tests of the node share: waiting, recording topics, reading messages as arrays."""
 
+import math
 import os
 import threading
 import time
@@ -8,6 +9,7 @@ import warnings
 
 import numpy as np
 import rospy
+from geometry_msgs.msg import TransformStamped
 from std_srvs.srv import SetBool, Trigger
 
 from clothsim.msg import ClothState
@@ -44,6 +46,16 @@ def publisher_at_once(topic, message_type):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # rospy's, that there is no queue
         return rospy.Publisher(topic, message_type, queue_size=None)
+
+
+def make_transform(frame, place, angle=0.0, parent="map", stamp=None):
+    """Of a frame at a place [m], turned about z by an angle [rad]; without a stamp it has time 0."""
+    t = TransformStamped()
+    t.header.stamp = stamp or rospy.Time()
+    t.header.frame_id, t.child_frame_id = parent, frame
+    t.transform.translation.x, t.transform.translation.y, t.transform.translation.z = place
+    t.transform.rotation.z, t.transform.rotation.w = math.sin(angle / 2), math.cos(angle / 2)
+    return t
 
 
 class Recorder:

@@ -11,25 +11,16 @@ import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import Image
 
 from clothsim.srv import GetState, SetState
-from cloth_client import Cloth, Recorder, call, wait_for
+from cloth_client import Cloth, Recorder, call, make_transform, wait_for
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OFF = {"speed": {"warning": "off", "error": "off"}}  # the computer may be busy
 SMALL = {"cloth": {"columns": 12, "rows": 12}}
 HELD = {"cloth": {"columns": 12, "rows": 12,
                   "pinned": [[0, 0], {"point": [11, 0], "frame": "hand"}]}}
-
-
-def transform(x, stamp):
-    t = TransformStamped()
-    t.header.frame_id, t.child_frame_id, t.header.stamp = "map", "hand", stamp
-    t.transform.translation.x = x
-    t.transform.rotation.w = 1
-    return t
 
 
 class Node:
@@ -124,13 +115,13 @@ class Diagnostics(unittest.TestCase):
         """A pin pulled away, farther than the cloth is long."""
         hand = tf2_ros.StaticTransformBroadcaster()
         for limits, level in ((OFF, ERROR), ({**OFF, "violation": {"error": 100}}, WARN)):
-            hand.sendTransform(transform(0, rospy.Time()))
+            hand.sendTransform(make_transform("hand", (0, 0, 0)))
             with self.node(HELD, limits) as node:
                 wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000",
                          "the frame")
                 seen = node.cloth.states.all()[-1].step
                 node.cloth.states.wait("frames with it", lambda s: s.step > seen + 2)
-                hand.sendTransform(transform(0.5, rospy.Time()))
+                hand.sendTransform(make_transform("hand", (0.5, 0, 0)))
                 values = node.wait(level, "over the strain limit")
                 self.assertGreater(float(values["violation of the strain limit [%]"]), 10)
 
@@ -161,7 +152,7 @@ class Diagnostics(unittest.TestCase):
                 self.assertEqual(node.wait(OK, "running")["tf age of %s [s]" % frame],
                                  "not seen yet")
                 for _ in range(100):
-                    t = transform(0, rospy.Time.now())
+                    t = make_transform("hand", (0, 0, 0), stamp=rospy.Time.now())
                     t.child_frame_id = frame
                     broadcaster.sendTransform(t)
                     time.sleep(0.02)

@@ -7,11 +7,10 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import ClothTopology
-from cloth_client import Cloth, Recorder, positions, wait_for
+from cloth_client import Cloth, Recorder, make_transform, positions, wait_for
 
 BALL = np.array([0.5, 0.5, 0.65])  # where they start [m]
 CRATE = np.array([0.5, 0.5, 0.65])
@@ -74,15 +73,7 @@ class DrivenColliders(unittest.TestCase):
         cls.triangles = np.asarray(topology.triangles, dtype=int).reshape(-1, 3)
 
     def send(self, frame, position, angle=0.0):
-        msg = TransformStamped()
-        msg.header.stamp = rospy.Time.now()
-        msg.header.frame_id = "map"
-        msg.child_frame_id = frame
-        t = msg.transform.translation
-        t.x, t.y, t.z = position
-        msg.transform.rotation.z = np.sin(angle / 2)
-        msg.transform.rotation.w = np.cos(angle / 2)
-        self.tf.publish(TFMessage([msg]))
+        self.tf.publish([make_transform(frame, position, angle, stamp=rospy.Time.now())])
         time.sleep(0.003)  # it comes by another socket than a call
 
     def lay(self, ball, crate):

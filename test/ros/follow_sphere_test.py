@@ -9,11 +9,10 @@ import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Log
 from visualization_msgs.msg import MarkerArray
 
-from cloth_client import Cloth, Recorder, marker_named, point, positions, wait_for
+from cloth_client import Cloth, Recorder, make_transform, marker_named, point, positions, wait_for
 
 START = np.array([0.5, 0.5, 0.2])  # of the sphere, as in the scene [m]
 RADIUS = 0.2  # [m]
@@ -53,14 +52,8 @@ class MovingSphere:
             self._position = known
 
     def _send(self):
-        msg = TransformStamped()
-        msg.header.stamp = rospy.Time.now()
-        msg.header.frame_id = "map"
-        msg.child_frame_id = "sphere"
-        t = msg.transform.translation
-        t.x, t.y, t.z = self._position
-        msg.transform.rotation.w = 1
-        self._broadcaster.sendTransform(msg)
+        self._broadcaster.sendTransform(
+            make_transform("sphere", self._position, stamp=rospy.Time.now()))
 
     def go_to(self, target):
         with self._lock:

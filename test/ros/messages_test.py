@@ -9,13 +9,13 @@ import rostest
 import sensor_msgs.point_cloud2
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import PointCloud2
 from tf2_ros import StaticTransformBroadcaster
 from visualization_msgs.msg import Marker, MarkerArray
 
 from clothsim.msg import ClothTopology
-from cloth_client import PATIENCE, Cloth, Recorder, marker_named, point, points, positions, velocities
+from cloth_client import (PATIENCE, Cloth, Recorder, make_transform, marker_named, point, points,
+                          positions, velocities)
 
 COLUMNS, ROWS = 7, 5
 N = COLUMNS * ROWS
@@ -184,11 +184,7 @@ class Messages(unittest.TestCase):
     def test_pin_follows_its_frame(self):
         """With the offset it has at the first transform, which may be any."""
         broadcaster = StaticTransformBroadcaster()
-        hand = TransformStamped()
-        hand.header.frame_id = "table"
-        hand.child_frame_id = "hand"
-        hand.transform.translation.x = 5.0
-        hand.transform.rotation.w = 1
+        hand = make_transform("hand", (5, 0, 0), parent="table")
         start = positions(self.cloth.step(1))[COLUMNS - 1].copy()
         broadcaster.sendTransform(hand)
 

@@ -8,12 +8,12 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Clock
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach
-from cloth_client import PATIENCE, Cloth, Recorder, call, positions, real_time, wait_for
+from cloth_client import (PATIENCE, Cloth, Recorder, call, make_transform, positions, real_time,
+                          wait_for)
 
 FRAME = 1 / 90  # [s]
 TICK = 0.01  # of the clock [s]
@@ -85,10 +85,7 @@ class SimTime(unittest.TestCase):
 
     def frames_and_live_values_without_time(self):
         """Paused, and no time: tf frames are followed, timers run and live values change."""
-        hand = TransformStamped()
-        hand.header.frame_id, hand.child_frame_id = "map", "hand"
-        hand.transform.translation.x, hand.transform.translation.z = 0.5, 1.0
-        hand.transform.rotation.w = 1
+        hand = make_transform("hand", (0.5, 0, 1))
         broadcaster = StaticTransformBroadcaster()
         broadcaster.sendTransform(hand)
         answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)

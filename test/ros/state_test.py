@@ -9,11 +9,10 @@ import numpy as np
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import TransformStamped
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import GetState, RestoreState, SaveState, SetState
-from cloth_client import PATIENCE, Cloth, call, content, wait_for
+from cloth_client import PATIENCE, Cloth, call, content, make_transform, wait_for
 
 # By then the cloth touches the ball.
 FRAMES = 40
@@ -166,15 +165,8 @@ class State(unittest.TestCase):
         broadcaster = StaticTransformBroadcaster()
 
         def carry(x, wait_until_seen=False):
-            transforms = []
-            for frame, place in (("hand", (1 - x, 0, 1)), ("ball", (0.5 + x, 0.5, 0.75))):
-                t = TransformStamped()
-                t.header.frame_id, t.child_frame_id = "map", frame
-                t.transform.translation.x, t.transform.translation.y = place[:2]
-                t.transform.translation.z = place[2]
-                t.transform.rotation.w = 1
-                transforms.append(t)
-            broadcaster.sendTransform(transforms)
+            broadcaster.sendTransform([make_transform("hand", (1 - x, 0, 1)),
+                                       make_transform("ball", (0.5 + x, 0.5, 0.75))])
             time.sleep(1.0 if wait_until_seen else 0.2)
 
         carry(0, wait_until_seen=True)
