@@ -3,6 +3,7 @@
 
 import copy
 import subprocess
+import threading
 import time
 import unittest
 
@@ -11,10 +12,11 @@ import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from dynamic_reconfigure.client import Client
 from sensor_msgs.msg import Image
 
 from clothsim.srv import GetState, SetState
-from cloth_client import Cloth, Recorder, call, make_transform, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, call, make_transform, wait_for
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OFF = {"speed": {"warning": "off", "error": "off"}}  # the computer may be busy
@@ -110,6 +112,35 @@ class Diagnostics(unittest.TestCase):
                 for status in node.statuses("simulation"):
                     if status.level == level != OK:
                         self.assertTrue(status.message.endswith(reasons), status.message)
+
+    def test_says_when_calls_take_the_time(self):
+        """Eight callers that set all numbers as fast as they are answered."""
+        with self.node(SMALL, {"speed": {"error": False}}) as node:
+            stop = threading.Event()
+
+            def storm():
+                client, calls = Client(node.name, timeout=PATIENCE), 0
+                while not stop.is_set():
+                    calls += 1
+                    client.update_configuration({"ks": 5000.0 + calls, "density": 150.0 + calls % 7,
+                                                 "damping": 5 + 0.1 * (calls % 7),
+                                                 "gravity_x": 0.1 * (calls % 7),
+                                                 "gravity_y": 0.1 * (calls % 7)})
+                client.close()
+            callers = [threading.Thread(target=storm) for _ in range(8)]
+            for caller in callers:
+                caller.start()
+            try:
+                values = node.wait(WARN, "most of its time goes into calls and live values")
+            finally:
+                stop.set()
+                for caller in callers:
+                    caller.join()
+            self.assertLess(float(values["real-time factor"]), 0.95)
+            self.assertGreater(float(values["time for calls and live values [%]"]), 30)
+            # The storm is over: it keeps up again.
+            node.diagnostics.clear()
+            node.wait(OK, "running")
 
     def test_violation(self):
         """A pin pulled away, farther than the cloth is long."""

@@ -88,17 +88,23 @@ class Soak(unittest.TestCase):
     def quiet(self, end):
         time.sleep(end - time.monotonic())
 
-    def storm(self, end):
-        """Live values change a hundred times a second."""
+    def storm(self, end, keys=("ks",)):
+        """A live value changes a hundred times a second."""
         client, calls = Client("/clothsim", timeout=PATIENCE), 0
+        usual = client.get_configuration(timeout=PATIENCE)
         begin = time.monotonic()
         while time.monotonic() < end:
-            client.update_configuration({"ks": 4000.0 + calls % 2000})
             calls += 1
+            client.update_configuration({k: usual[k] + 1e-4 * (calls % 100) for k in keys})
             time.sleep(max(0, begin + calls / STORM - time.monotonic()))
-        client.update_configuration({"ks": 5000.0})
+        client.update_configuration({k: usual[k] for k in keys})
         client.close()
         self.note = "%.0f calls/s" % (calls / (end - begin))
+
+    def storm_of_all(self, end):
+        """All numbers at once."""
+        self.storm(end, ("ks", "density", "damping", "strain_limit", "gravity_x", "gravity_y",
+                         "gravity_z", "frames_per_second"))
 
     def comers(self, end):
         """Twenty subscribers come and go."""
@@ -141,7 +147,7 @@ class Soak(unittest.TestCase):
         said = sorted({s.message for a in self.diagnostics.all() for s in a.status
                        if s.name == "clothsim: simulation" and s.level != DiagnosticStatus.OK})
         memory = self.process.memory()
-        print("%-10s %5.1f Hz  %3.0f %% CPU  %6d kB  %s  %s"
+        print("%-12s %5.1f Hz  %3.0f %% CPU  %6d kB  %s  %s"
               % (phase.__name__, rate, 100 * share, memory, self.note, "; ".join(said)),
               file=sys.stderr)
         return rate, memory, said
@@ -149,7 +155,7 @@ class Soak(unittest.TestCase):
     def test_soak(self):
         afterwards = []  # memory at the end of each cycle
         for _ in range(self.cycles):
-            for phase in (self.storm, self.comers, self.stalled, self.states, self.quiet):
+            for phase in (self.storm, self.storm_of_all, self.comers, self.stalled, self.states, self.quiet):
                 rate, memory, said = self.run_phase(phase)
                 if rate < KEPT * FRAMES_PER_SECOND:
                     self.assertTrue([m for m in said if m.startswith("real-time factor")],

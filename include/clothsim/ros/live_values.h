@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "clothsim/model/errors.h"
@@ -20,12 +21,35 @@ std::string live_message(const clothsim::InvalidValue&, const std::string& ns);
 template <class Generated>
 class LiveValues {
  public:
-  /// The limits of the .cfg are for sliders. The server would move a value beyond them to the limit
-  /// without a word; `apply` is to accept or refuse it as it is.
+  /// Its functions take the place of the library's, whose names they have.
   struct Config : Generated {
     Config() = default;
     Config(const Generated& config) : Generated(config) {}
-    void __clamp__() {}  // NOLINT(bugprone-reserved-identifier): the library's name
+
+    // NOLINTBEGIN(bugprone-reserved-identifier)
+    /// The limits of the .cfg are for sliders. The server would move a value beyond them to the
+    /// limit without a word; `apply` is to accept or refuse it as it is.
+    void __clamp__() {}
+
+    /// Each value is a call of the master, some 1 ms that frames wait for: tells it what is new.
+    void __toServer__(const ros::NodeHandle& node) const {
+      for (const auto& value : Generated::__getParamDescriptions__()) {
+        if (!known || !*known || differs(*value, **known)) value->toServer(node, *this);
+      }
+      if (known) *known = *this;
+    }
+    // NOLINTEND(bugprone-reserved-identifier)
+
+    template <class Description>
+    bool differs(const Description& value, const Generated& other) const {
+      dynamic_reconfigure::Config mine;
+      dynamic_reconfigure::Config others;
+      value.toMessage(mine, *this);
+      value.toMessage(others, other);
+      return mine != others;
+    }
+
+    std::optional<Generated>* known = nullptr;  // what the master has
   };
 
   /// Starts from `start`, whatever an earlier node left on the parameter server, and applies it.
@@ -34,6 +58,7 @@ class LiveValues {
   LiveValues(const ros::NodeHandle& node, const Generated& start,
              std::function<void(const Generated&)> apply)
       : accepted_(start), server_(mutex_, node) {
+    accepted_.known = &known_;
     server_.updateConfig(accepted_);
     server_.setCallback([this, apply, ns = node.getNamespace()](Config& config, std::uint32_t) {
       try {
@@ -46,7 +71,11 @@ class LiveValues {
     });
   }
 
+  /// The values that hold.
+  const Generated& accepted() const { return accepted_; }
+
  private:
+  std::optional<Generated> known_;
   Config accepted_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
