@@ -21,8 +21,9 @@ using visualization_msgs::InteractiveMarkerFeedback;
 
 constexpr std::uint32_t topology_queue = 1;
 
-/// How often to look whether another node has taken a frame or left one.
-const ros::WallDuration look_period(0.1);
+/// How often to look whether another node has taken a frame or left one, and to say again where the
+/// dragged ones are.
+const ros::WallDuration period(0.1);
 
 /// The handle stands out from its collider; that of an unbounded one has a size of its own [m].
 constexpr double size_share = 2.5;  // of the collider's radius
@@ -58,10 +59,12 @@ std::vector<InteractiveMarkerControl> make_controls() {
 
 Handles::Handles(const ros::NodeHandle& cloth)
     : cloth_(cloth), others_(cloth_), server_(cloth.getNamespace() + "/handles") {
-  broadcaster_.emplace();  // at once, for listeners take a moment to connect
   topology_subscriber_ = cloth_.subscribe<clothsim::ClothTopology>(
       "topology", topology_queue, [this](const auto& msg) { read_scene(*msg); });
-  timer_ = cloth_.createWallTimer(look_period, [this](const auto&) { show_or_hide(); });
+  timer_ = cloth_.createWallTimer(period, [this](const auto&) {
+    show_or_hide();
+    for (const auto& [frame, pose] : dragged_) broadcast(frame, pose);
+  });
 }
 
 void Handles::read_scene(const clothsim::ClothTopology& topology) {
@@ -81,7 +84,7 @@ void Handles::read_scene(const clothsim::ClothTopology& topology) {
     if (collider.frame.empty()) continue;
     Handle handle{collider.pose, handle_size(collider.shape), false};
     const auto dragged = dragged_.find(collider.frame);
-    if (dragged != dragged_.end()) handle.pose = to_pose(dragged->second.transform);
+    if (dragged != dragged_.end()) handle.pose = dragged->second;
     handles_[collider.frame] = handle;
   }
   show_or_hide();
@@ -94,7 +97,7 @@ void Handles::show_or_hide() {
       ROS_INFO("No handle on frame %s: %s broadcasts it", frame.c_str(), other.c_str());
       server_.erase(frame);
       handle.shown = false;
-      let_go(frame);
+      dragged_.erase(frame);
     } else if (!handle.shown && other.empty()) {
       if (dragged_.count(frame) == 0) {
         handle.pose = others_.pose(world_frame_, frame).value_or(handle.pose);
@@ -129,6 +132,7 @@ void Handles::drag(const InteractiveMarkerFeedback& feedback) {
   const bool in_world = feedback.header.frame_id == world_frame_;
   if (in_world && is_usable(pose)) {
     handle.pose = pose;
+    dragged_[frame] = pose;
     broadcast(frame, pose);
   } else {
     ROS_WARN(
@@ -140,19 +144,12 @@ void Handles::drag(const InteractiveMarkerFeedback& feedback) {
 }
 
 void Handles::broadcast(const std::string& frame, const clothsim::Pose& pose) {
-  geometry_msgs::TransformStamped& msg = dragged_[frame];
+  geometry_msgs::TransformStamped msg;
   msg.header.stamp = others_.next_stamp(frame);
   msg.header.frame_id = world_frame_;
   msg.child_frame_id = frame;
   msg.transform = to_transform_msg(pose);
-  broadcaster_->sendTransform(msg);
-}
-
-void Handles::let_go(const std::string& frame) {
-  if (dragged_.erase(frame) == 0) return;
-  // Only another broadcaster forgets what it has latched.
-  broadcaster_.emplace();
-  for (const auto& [name, msg] : dragged_) broadcaster_->sendTransform(msg);
+  broadcaster_.sendTransform(msg);
 }
 
 }  // namespace clothsim_ros

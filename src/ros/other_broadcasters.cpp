@@ -1,5 +1,6 @@
 #include "clothsim/ros/other_broadcasters.h"
 
+#include <ros/master.h>
 #include <ros/this_node.h>
 #include <tf2/exceptions.h>
 
@@ -19,9 +20,22 @@ const ros::WallDuration silence(1);
 /// Smallest step that rounding to double precision leaves, fifty years on [s].
 const ros::Duration stamp_step(1e-6);
 
+constexpr std::uint32_t clock_queue = 1;
+
+/// Asked of the master, for this node has the parameter remapped to go by wall time itself.
+bool others_use_sim_time() {
+  XmlRpc::XmlRpcValue request;
+  XmlRpc::XmlRpcValue response;
+  XmlRpc::XmlRpcValue value;
+  request[0] = ros::this_node::getName();
+  request[1] = "/use_sim_time";
+  return ros::master::execute("getParam", request, response, value, false) &&
+         value.getType() == XmlRpc::XmlRpcValue::TypeBoolean && static_cast<bool>(value);
+}
+
 }  // namespace
 
-OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) {
+OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) : sim_time_(others_use_sim_time()) {
   using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
   const auto subscribe = [&](const std::string& topic, bool is_static) {
     const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
@@ -31,6 +45,15 @@ OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) {
   };
   moving_subscriber_ = subscribe("/tf", false);
   static_subscriber_ = subscribe("/tf_static", true);
+  if (!sim_time_) return;
+  clock_subscriber_ = node.subscribe<rosgraph_msgs::Clock>(
+      "/clock", clock_queue, [this](const auto& msg) { tick(msg->clock); });
+}
+
+void OtherBroadcasters::tick(const ros::Time& clock) {
+  // Back in time: listeners forget all transforms, and later stamps would be of the future.
+  if (clock < clock_) newest_.clear();
+  clock_ = clock;
 }
 
 void OtherBroadcasters::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
@@ -63,7 +86,9 @@ std::optional<clothsim::Pose> OtherBroadcasters::pose(const std::string& world,
 }
 
 ros::Time OtherBroadcasters::next_stamp(const std::string& frame) {
-  return newest_[frame] += stamp_step;
+  ros::Time& newest = newest_[frame];
+  newest = std::max(newest + stamp_step, sim_time_ ? clock_ : ros::Time::now());
+  return newest;
 }
 
 }  // namespace clothsim_ros

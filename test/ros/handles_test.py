@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
@@ -29,6 +30,12 @@ def make_pose(place, tilt=0.0):
     pose.position.x, pose.position.y, pose.position.z = place
     pose.orientation.x, pose.orientation.w = math.sin(tilt / 2), math.cos(tilt / 2)
     return pose
+
+
+def same_pose(transform, pose):
+    t, r, o = transform.translation, transform.rotation, pose.orientation
+    return (np.allclose(point(t), point(pose.position), rtol=0, atol=1e-9)
+            and np.allclose([r.x, r.y, r.z, r.w], [o.x, o.y, o.z, o.w], rtol=0, atol=1e-9))
 
 
 class Shown:
@@ -88,7 +95,8 @@ class HandlesTest(unittest.TestCase):
         cls.cloth = Cloth()
         cls.shown = Shown()
         cls.markers = Recorder("/clothsim/markers", MarkerArray)
-        cls.tf = Recorder("/tf_static", TFMessage)
+        cls.tf = Recorder("/tf", TFMessage)
+        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
         cls.log = Recorder("/rosout", Log)
         cls.feedback = rospy.Publisher(HANDLES + "/feedback", InteractiveMarkerFeedback,
                                        queue_size=100)
@@ -106,12 +114,24 @@ class HandlesTest(unittest.TestCase):
 
     def drag(self, name, place, tilt=0.0):
         """Drags, and computes the next frame when the cloth's node has heard of it."""
-        heard = len(self.tf.all())
+        self.tf.clear()
         self.markers.clear()
         self.send(name, make_pose(place, tilt))
-        wait_for(lambda: len(self.tf.all()) > heard, "the frame of the handle")
+        wait_for(lambda: any(same_pose(t.transform, make_pose(place, tilt))
+                             for t in self.transforms(name)), "the frame of the handle")
         time.sleep(0.01)  # the node has it about as soon as the test
         return self.cloth.step(1)
+
+    def transforms(self, name):
+        """Of a frame, since the last drag or clear()."""
+        return [t for m in self.tf.all() for t in m.transforms if t.child_frame_id == name]
+
+    def expect_still(self, name, place):
+        """The frame goes on being broadcast, at one place."""
+        self.tf.clear()
+        wait_for(lambda: len(self.transforms(name)) >= 3, "the frame, again and again")
+        for t in self.transforms(name):
+            self.assertTrue(same_pose(t.transform, make_pose(place)), t)
 
     def ball_marker(self, state):
         """Centre of the ball as drawn in the frame of a state [m]"""
@@ -131,7 +151,7 @@ class HandlesTest(unittest.TestCase):
         kinds = sorted(c.interaction_mode for c in ball.controls)
         self.assertEqual(kinds, [3, 3, 3, 5, 5, 5])  # MOVE_AXIS, ROTATE_AXIS
         # Nothing is broadcast until a handle is taken.
-        self.assertEqual(self.tf.all(), [])
+        self.assertEqual(self.transforms("ball") + self.transforms("plate"), [])
 
     def test_2_dragged_through_the_cloth(self):
         """Up and down again through the middle; at 200 m/s in one frame from side to side."""
@@ -169,37 +189,45 @@ class HandlesTest(unittest.TestCase):
         nan = float("nan")
         for place in ([nan, 0, 0], [0, float("inf"), 0], [0, 0, 1e9]):
             self.log.clear()
-            heard = len(self.tf.all())
             self.send("ball", make_pose(place))
             self.log.wait("a warning", lambda m: m.msg.startswith("Ignored where the handle"))
-            self.assertEqual(len(self.tf.all()), heard)
+            self.expect_still("ball", BALL)
             wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
         self.log.clear()
         self.send("ball", make_pose([1, 1, 1]), frame="elsewhere")
         self.log.wait("a warning", lambda m: m.msg.startswith("Ignored where the handle"))
         wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
         # A move of the mouse that does not drag, and a handle that does not exist.
-        heard = len(self.tf.all())
         self.send("ball", make_pose([1, 1, 1]), event=InteractiveMarkerFeedback.KEEP_ALIVE)
         self.send("cube", make_pose([1, 1, 1]))
         time.sleep(0.3)
-        self.assertEqual(len(self.tf.all()), heard)
+        self.expect_still("ball", BALL)
+        self.assertEqual(self.transforms("cube"), [])
 
     def test_5_another_node_broadcasts(self):
         self.drag("ball", BALL)
         with OtherNode():
             wait_for(lambda: "ball" not in self.shown.markers, "the handle to go")
             self.assertIn("plate", self.shown.markers)
-            heard = len(self.tf.all())
+            self.tf.clear()
             self.send("ball", make_pose(BALL))
             time.sleep(0.5)
-            self.assertFalse([t for m in self.tf.all()[heard:] for t in m.transforms
-                              if t.child_frame_id == "ball"])
+            theirs = self.transforms("ball")
+            self.assertGreater(len(theirs), 3)
+            self.assertEqual({t.transform.translation.x for t in theirs}, {3.0})
             self.assertTrue(np.allclose(self.ball_marker(self.cloth.step(2)), [3, 0, 0]))
         # It is gone: the handle is back where that node left the frame, and takes it again.
         wait_for(lambda: self.shown.at("ball", [3, 0, 0]), "the handle to come back")
         state = self.drag("ball", BALL)
         self.assertTrue(np.allclose(self.ball_marker(state), BALL))
+        # The node goes by the handle, well after the other's last stamp.
+        time.sleep(2)
+        self.diagnostics.clear()
+        array = self.diagnostics.wait("diagnostics", lambda a: "simulation" in a.status[0].name)
+        ages = [float(v.value) for v in array.status[0].values if v.key == "tf age of ball [s]"]
+        self.assertEqual(len(ages), 1)
+        self.assertLess(ages[0], 0.9)
+        self.assertNotIn("lost tf frame", array.status[0].message)
 
     def test_6_another_scene(self):
         scene = rospy.get_param("/clothsim/scene")

@@ -3,10 +3,9 @@
 #include <clothsim/ClothTopology.h>
 #include <interactive_markers/interactive_marker_server.h>
 #include <ros/node_handle.h>
-#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include <map>
-#include <optional>
 #include <string>
 
 #include "clothsim/collision/collider.h"
@@ -15,9 +14,9 @@
 namespace clothsim_ros {
 
 /// Interactive markers, one on each tf frame that carries a collider of a clothsim node, that move
-/// and turn it. A frame is broadcast from the moment its handle is taken, as a static transform, so
-/// that it holds while time stands still. Where another node broadcasts the frame, it has no handle
-/// until that node is silent.
+/// and turn it. A frame is broadcast from the moment its handle is taken, again and again, also
+/// while time stands still. Where another node broadcasts the frame, it has no handle until that
+/// node is silent.
 class Handles {
  public:
   /// `cloth` is the namespace of the clothsim node. Follows its scene, also to another one.
@@ -35,14 +34,13 @@ class Handles {
   void show(const std::string& frame, Handle&);
   void drag(const visualization_msgs::InteractiveMarkerFeedback&);
   void broadcast(const std::string& frame, const clothsim::Pose&);
-  void let_go(const std::string& frame);
 
   ros::NodeHandle cloth_;
   std::string world_frame_;
-  std::map<std::string, Handle> handles_;                           // by frame
-  std::map<std::string, geometry_msgs::TransformStamped> dragged_;  // frames that are broadcast
+  std::map<std::string, Handle> handles_;          // by frame
+  std::map<std::string, clothsim::Pose> dragged_;  // frames that are broadcast
   OtherBroadcasters others_;
-  std::optional<tf2_ros::StaticTransformBroadcaster> broadcaster_;  // made anew to forget a frame
+  tf2_ros::TransformBroadcaster broadcaster_;
   interactive_markers::InteractiveMarkerServer server_;
   ros::Subscriber topology_subscriber_;
   ros::WallTimer timer_;

@@ -2,6 +2,7 @@
 
 #include <ros/message_event.h>
 #include <ros/node_handle.h>
+#include <rosgraph_msgs/Clock.h>
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -26,8 +27,8 @@ class OtherBroadcasters {
   /// Of the frame in the world; empty where no other node has told.
   std::optional<clothsim::Pose> pose(const std::string& world, const std::string& frame) const;
 
-  /// A stamp for a transform of the frame that is to come after all others: listeners drop what is
-  /// older than what they have.
+  /// A stamp for a transform of the frame, of now by the time that others go by, and after all
+  /// others: listeners drop what is older than what they have.
   ros::Time next_stamp(const std::string& frame);
 
  private:
@@ -38,12 +39,16 @@ class OtherBroadcasters {
   };
 
   void hear(const ros::MessageEvent<const tf2_msgs::TFMessage>&, bool is_static);
+  void tick(const ros::Time& clock);
 
+  const bool sim_time_;  // others go by /clock
+  ros::Time clock_;
   tf2::BufferCore buffer_;
   std::map<std::string, Heard> heard_;       // by frame
   std::map<std::string, ros::Time> newest_;  // stamp by frame
   ros::Subscriber moving_subscriber_;
   ros::Subscriber static_subscriber_;
+  ros::Subscriber clock_subscriber_;
 };
 
 }  // namespace clothsim_ros
