@@ -28,8 +28,9 @@ std::vector<int> sorted(std::vector<int> points) {
 
 }  // namespace
 
-Grasper::Grasper(const ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf)
-    : node_(node), simulator_(simulator), tf_(tf) {
+Grasper::Grasper(const ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf,
+                 Changes& changes)
+    : node_(node), simulator_(simulator), tf_(tf), changes_(changes) {
   services_ = {node_.advertiseService("attach", &Grasper::attach, this),
                node_.advertiseService("detach", &Grasper::detach, this)};
 }
@@ -120,6 +121,11 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     follow_grips();
     look_up();
     publisher_of(request.frame);
+    clothsim::Change change;
+    change.frame = request.frame;
+    change.points.assign(points.begin(), points.end());
+    change.tear_force = request.tear_force;
+    changes_.publish("attach", change);
     points = sorted(points);
     response.points.assign(points.begin(), points.end());
     response.success = true;
@@ -155,6 +161,10 @@ bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Respo
     points = sorted(points);
     points.erase(std::unique(points.begin(), points.end()), points.end());
     response.points.assign(points.begin(), points.end());
+    clothsim::Change change;
+    change.frame = request.frame;
+    change.points = response.points;
+    changes_.publish("detach", change);
     response.success = true;
   } catch (const InvalidValue& error) {
     response.message = error.message("", "/");

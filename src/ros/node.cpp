@@ -47,15 +47,16 @@ Node::Node()
       simulator_(with_full_name(node_, "scene",
                                 [this] { return clothsim::Simulator(parameters_.scene); })),
       paused_(parameters_.paused),
+      pacer_(parameters_.realtime_factor, parameters_.publish_clock),
+      changes_(node_, pacer_, frame_number_),
       tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
       follower_(parameters_.scene, tf_),
-      grasper_(node_, simulator_, tf_),
-      pacer_(parameters_.realtime_factor, parameters_.publish_clock),
+      grasper_(node_, simulator_, tf_, changes_),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       photographer_(with_full_name(
           node_, "camera",
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
-      state_services_(node_, simulator_, follower_, frame_number_, [this] { jump(); }),
+      state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
       diagnostics_(parameters_.limits) {
   serve_live_values();
   if (parameters_.publish_clock) {
@@ -69,7 +70,7 @@ Node::Node()
 }
 
 void Node::serve_live_values() {
-  reconfigure_.emplace(node_, simulator_);
+  reconfigure_.emplace(node_, simulator_, changes_);
   view_reconfigure_.emplace(node_, photographer_, simulator_.scene());
 }
 
@@ -193,6 +194,9 @@ bool Node::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Respons
 }
 
 bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  clothsim::Change change;
+  change.values = reconfigure_->values();
+  changes_.publish("reset", change);
   simulator_.reset();
   follower_.reset();
   frame_number_ = 0;
@@ -210,6 +214,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
     response.message = error.message(node_.getNamespace() + "/", "/");
     return true;
   }
+  changes_.publish("load_scene");
   follower_ = FrameFollower(simulator_.scene(), tf_);
   state_services_.clear();
   serve_live_values();

@@ -31,6 +31,12 @@ Config from_scene(const clothsim::Scene& scene, Config config) {
   return config;
 }
 
+dynamic_reconfigure::Config to_message(const Config& config) {
+  dynamic_reconfigure::Config msg;
+  config.__toMessage__(msg);
+  return msg;
+}
+
 /// `scene` with the values of `config`.
 clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
   clothsim::Material& material = scene.cloth.material;
@@ -57,19 +63,31 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
 }  // namespace
 
 struct Reconfigure::Impl {
-  Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator)
+  Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator, Changes& changes)
       : values(node, from_scene(simulator.scene(), Config::__getDefault__()),
-               [&simulator](const Config& config) {
+               [this, &simulator, &changes](const Config& config) {
                  const clothsim::Scene scene = to_scene(config, simulator.scene());
                  simulator.set(scene.cloth.material, scene.simulation);
-               }) {}
+                 if (!serving) return;
+                 clothsim::Change change;
+                 change.values = to_message(config);
+                 changes.publish("set_parameters", change);
+               }) {
+    serving = true;
+  }
 
+  bool serving = false;  // the start is no call
   LiveValues<Config> values;
 };
 
-Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simulator)
-    : impl_(std::make_unique<Impl>(node, simulator)) {}
+Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simulator,
+                         Changes& changes)
+    : impl_(std::make_unique<Impl>(node, simulator, changes)) {}
 
 Reconfigure::~Reconfigure() = default;
+
+dynamic_reconfigure::Config Reconfigure::values() const {
+  return to_message(impl_->values.accepted());
+}
 
 }  // namespace clothsim_ros

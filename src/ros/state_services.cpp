@@ -14,10 +14,11 @@ constexpr std::size_t most_saved = 1000;
 }  // namespace
 
 StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulator,
-                             FrameFollower& follower, std::uint64_t& frame_number,
+                             FrameFollower& follower, Changes& changes, std::uint64_t& frame_number,
                              std::function<void()> jumped)
     : simulator_(simulator),
       follower_(follower),
+      changes_(changes),
       frame_number_(frame_number),
       jumped_(std::move(jumped)) {
   services_ = {node.advertiseService("get_state", &StateServices::get, this),
@@ -39,6 +40,7 @@ bool StateServices::set(clothsim::SetState::Request& request,
     response.message = error.message("state/", "/");
     return true;
   }
+  changes_.publish("set_state");
   frame_number_ = request.state.step;
   jumped_();
   response.success = true;
@@ -71,6 +73,7 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
   simulator_.restore(*entry->second.simulation);
   follower_.look_up();
   follower_.jump(simulator_);
+  changes_.publish("restore_state");
   frame_number_ = entry->second.frame_number;
   jumped_();
   response.success = true;

@@ -18,10 +18,16 @@ import rostest
 from dynamic_reconfigure.client import Client
 from tf2_msgs.msg import TFMessage
 
-from cloth_client import PATIENCE, Cloth, content, make_transform, publisher_at_once, wait_for
+from clothsim.msg import Change
+from clothsim.srv import (Attach, Detach, GetState, LoadScene, RestoreState, SaveState, SetState)
+from cloth_client import (PATIENCE, Cloth, Recorder, call, content, make_transform, positions,
+                          publisher_at_once, wait_for)
 
 FRAMES = 60  # by then the cloth is on the sphere
 TOPICS = ["/clothsim/state", "/tf", "/tf_static"]
+CHANGES = "/clothsim/changes"
+CORNER = 0  # where the hand is
+LIVE = {"ks": 5000.0, "damping": 5.4, "gravity_x": 0.0}  # at the start
 
 
 class Bag(unittest.TestCase):
@@ -31,6 +37,7 @@ class Bag(unittest.TestCase):
         wait_for(cls.cloth.states.all, "the first state")
         cls.tf = publisher_at_once("/tf", TFMessage)
         cls.folder = tempfile.mkdtemp()
+        cls.live = Client("/clothsim", timeout=PATIENCE)
         cls.replay_bag = roslib.packages.find_node("clothsim", "replay_bag")[0]
 
     @classmethod
@@ -40,12 +47,14 @@ class Bag(unittest.TestCase):
     def put_sphere(self, x, height):
         self.tf.publish([make_transform("sphere", (x, 0.5, height), stamp=rospy.Time.now())])
 
-    def record(self, name, run):
+    def record(self, name, run, topics=TOPICS):
         """The bag of what is published while run() runs."""
         path = os.path.join(self.folder, name + ".bag")
-        recorder = subprocess.Popen(["rosbag", "record", "-O", path] + TOPICS,
+        recorder = subprocess.Popen(["rosbag", "record", "-O", path] + topics,
                                     stdout=subprocess.DEVNULL)
-        wait_for(lambda: self.records("/clothsim/state"), "the recorder of the states")
+        for topic in topics:
+            if topic.startswith("/clothsim"):
+                wait_for(lambda t=topic: self.records(t), "the recorder of " + topic)
         wait_for(lambda: self.tf.get_num_connections() == 2, "that of transforms")
         run()
         wait_for(lambda: os.path.exists(path + ".active"), "the bag")
@@ -68,6 +77,32 @@ class Bag(unittest.TestCase):
         for i in range(FRAMES // 2):
             self.put_sphere(0.5 + 0.002 * i, 0.25 + 0.004 * i)
             self.cloth.step(2)
+
+    def put_hand(self, x, height):
+        self.tf.publish([make_transform("hand", (x, 0, height), stamp=rospy.Time.now())])
+
+    def run_with_calls(self):
+        """Live values change, a hand takes the cloth at a corner, carries it and lets go; another
+        one is torn off."""
+        self.put_sphere(0.5, 0.25)
+        self.put_hand(0, 1)
+        self.cloth.reset()
+        self.cloth.step(10)
+        self.live.update_configuration({"ks": 3000.0, "damping": 3.0})
+        self.cloth.step(10)
+        corner = positions(self.cloth.step(1))[CORNER]
+        self.put_hand(corner[0], corner[2])
+        answer = call("/clothsim/attach", Attach, "hand", [], 0.01 + abs(corner[1]), 0.0)
+        self.assertIn(CORNER, answer.points, answer.message)
+        for i in range(15):
+            self.put_hand(corner[0] + 0.01 * i, corner[2] + 0.005 * i)
+            self.cloth.step(1)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
+        self.assertTrue(call("/clothsim/attach", Attach, "sphere", [2499], 0.0, 1.0).success)
+        self.cloth.step(10)
+        self.assertFalse(call("/clothsim/detach", Detach, "sphere", []).success)  # it is torn off
+        self.live.update_configuration({"gravity_x": 2.0})
+        self.cloth.step(FRAMES - 46)
 
     def replay(self, path):
         return subprocess.run([self.replay_bag, path], capture_output=True, text=True,
@@ -94,18 +129,79 @@ class Bag(unittest.TestCase):
         self.assertEqual(self.contents(again), recorded)
 
         # Another value: it is found.
-        client = Client("/clothsim", timeout=PATIENCE)
-        client.update_configuration({"damping": 5.5})
+        self.live.update_configuration({"damping": 5.5})
         answer = self.replay(path)
         self.assertEqual(answer.returncode, 1)
         self.assertRegex(answer.stderr, "^frame 1: ")
-        client.update_configuration({"damping": 5.4})
+        self.live.update_configuration({"damping": 5.4})
         self.assertEqual(self.replay(path).returncode, 0)
 
         # A bag without the start of a run.
         answer = self.replay(self.record("late", lambda: self.cloth.step(3)))
         self.assertEqual(answer.returncode, 1)
         self.assertIn("no frame of /clothsim/state after a ~reset", answer.stderr)
+
+    def test_bag_with_calls(self):
+        """Live values and attached points come from the bag."""
+        path = self.record("calls", self.run_with_calls, TOPICS + [CHANGES])
+        with rosbag.Bag(path) as bag:
+            calls = [m.service for _, m, _ in bag.read_messages(CHANGES)]
+        self.assertEqual(calls, ["reset", "set_parameters", "attach", "detach", "attach",
+                                 "set_parameters"])
+        recorded = self.contents(path)
+        self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
+
+        # From another state, with other values and the hands elsewhere: the same bytes.
+        self.cloth.reset()
+        self.put_hand(5, 5)
+        self.live.update_configuration({"ks": 700.0, "damping": 9.0, "gravity_x": -1.0})
+        self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER, 60], 0.0, 0.0).success)
+        answers = []
+        again = self.record("calls_again", lambda: answers.append(self.replay(path)))
+        self.assertEqual((answers[0].returncode, answers[0].stderr), (0, ""))
+        self.assertEqual(answers[0].stdout, "%d frames, the same bits\n" % len(recorded[1:]))
+        self.assertEqual(self.contents(again), recorded)
+        self.live.update_configuration(LIVE)
+
+        # Without the calls it is not the same, and said so.
+        answer = self.replay(self.without_changes(path))
+        self.assertEqual(answer.returncode, 1)
+        self.assertRegex(answer.stderr, "^frame 1[1-9]: ")
+
+    def without_changes(self, path):
+        copy = os.path.join(self.folder, "less.bag")
+        with rosbag.Bag(path) as whole, rosbag.Bag(copy, "w") as less:
+            for topic, message, stamp in whole.read_messages(TOPICS):
+                less.write(topic, message, stamp)
+        return copy
+
+    def test_calls_that_are_not_repeated(self):
+        state = call("/clothsim/get_state", GetState).state
+        for name, args in (("set_state", (SetState, state)), ("restore_state", (RestoreState, "a")),
+                           ("load_scene", (LoadScene,))):
+            def run(name=name, args=args):
+                self.cloth.reset()
+                self.cloth.step(3)
+                self.assertTrue(call("/clothsim/save_state", SaveState, "a").success)
+                answer = call("/clothsim/" + name, *args)
+                self.assertTrue(answer.success, answer.message)
+            answer = self.replay(self.record(name, run, TOPICS + [CHANGES]))
+            self.assertEqual(answer.returncode, 1)
+            self.assertEqual(answer.stderr, "frame 3: ~%s was called, which is not repeated\n" % name)
+
+    def test_a_call_that_is_refused_is_no_change(self):
+        changes = Recorder(CHANGES, Change)
+        wait_for(changes.connected, "the node's changes")
+        self.cloth.reset()
+        self.assertFalse(call("/clothsim/attach", Attach, "nowhere", [0], 0.0, 0.0).success)
+        self.assertFalse(call("/clothsim/detach", Detach, "", []).success)
+        self.assertFalse(call("/clothsim/restore_state", RestoreState, "never saved").success)
+        self.live.update_configuration({"ks": -1.0})
+        self.live.update_configuration(LIVE)
+        wait_for(lambda: len(changes.all()) >= 2, "the calls that were not refused")
+        self.assertEqual([m.service for m in changes.all()], ["reset", "set_parameters"])
+        self.assertEqual([m.step for m in changes.all()][1:], [0])
+        changes.close()
 
 
 if __name__ == "__main__":

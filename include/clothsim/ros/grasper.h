@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/changes.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -18,8 +19,8 @@ namespace clothsim_ros {
 /// after their tf frames. A frame that is lost holds its points where they are.
 class Grasper {
  public:
-  /// Simulator and `tf` must outlive this.
-  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf);
+  /// Simulator, `tf` and Changes must outlive this.
+  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&);
 
   /// Reads the latest transforms.
   void look_up();
@@ -45,6 +46,7 @@ class Grasper {
   ros::NodeHandle node_;
   clothsim::Simulator& simulator_;
   TfListener& tf_;
+  Changes& changes_;
   std::map<std::string, TfFrame> frames_;  // of the simulator's grips
   // By frame, kept: a subscriber may miss that a topic goes and comes again.
   std::map<std::string, ros::Publisher> publishers_;

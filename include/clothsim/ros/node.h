@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/changes.h"
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
@@ -66,10 +67,11 @@ class Node {
   bool paused_;
   std::string failure_;  // why the simulation stopped
 
+  Pacer pacer_;
+  Changes changes_;
   TfListener tf_;
   FrameFollower follower_;
   Grasper grasper_;
-  Pacer pacer_;
   Outputs outputs_;
   Photographer photographer_;
   std::optional<Reconfigure> reconfigure_;           // of the scene

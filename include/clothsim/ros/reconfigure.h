@@ -1,9 +1,11 @@
 #pragma once
 
+#include <dynamic_reconfigure/Config.h>
 #include <ros/node_handle.h>
 
 #include <memory>
 
+#include "clothsim/ros/changes.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
@@ -13,10 +15,13 @@ namespace clothsim_ros {
 class Reconfigure {
  public:
   /// Starts from the simulator's values, whatever an earlier node left on the parameter server.
-  /// The simulator must outlive this. A request with a value that the simulator refuses changes
-  /// nothing, is logged, and is answered with the values that hold.
-  Reconfigure(const ros::NodeHandle&, clothsim::Simulator&);
+  /// Simulator and Changes must outlive this. A request with a value that the simulator refuses
+  /// changes nothing, is logged, and is answered with the values that hold.
+  Reconfigure(const ros::NodeHandle&, clothsim::Simulator&, Changes&);
   ~Reconfigure();
+
+  /// All of them.
+  dynamic_reconfigure::Config values() const;
 
  private:
   struct Impl;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/changes.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -23,8 +24,8 @@ class StateServices {
  public:
   /// All given must outlive this. `jumped` is called after another state was set, the frame number
   /// with it.
-  StateServices(ros::NodeHandle&, clothsim::Simulator&, FrameFollower&, std::uint64_t& frame_number,
-                std::function<void()> jumped);
+  StateServices(ros::NodeHandle&, clothsim::Simulator&, FrameFollower&, Changes&,
+                std::uint64_t& frame_number, std::function<void()> jumped);
 
   /// Forgets the states that were saved.
   void clear() { saved_.clear(); }
@@ -42,6 +43,7 @@ class StateServices {
 
   clothsim::Simulator& simulator_;
   FrameFollower& follower_;
+  Changes& changes_;
   std::uint64_t& frame_number_;
   std::function<void()> jumped_;
   std::map<std::string, Entry> saved_;
