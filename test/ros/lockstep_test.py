@@ -22,7 +22,11 @@ class Lockstep(unittest.TestCase):
 
     def setUp(self):
         self.cloth.pause()
+        now = rospy.Time.now()
         self.cloth.reset()
+        # Past this one, no state of the test before is on its way.
+        self.cloth.states.wait("the start", lambda s: s.header.stamp >= now)
+        self.cloth.states.clear()
 
     def run_frames(self, *counts):
         """Contents of the states after each call, from the scene's start."""
