@@ -3,6 +3,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/verlet.h"
@@ -104,6 +108,37 @@ void forces_and_integration(benchmark::State& run) {
                 [&] { method.step(setup.cloth, Loads(), h, setup.state); });
 }
 
+/// Wall time of forces and integration with one thread and, in turn, with two: the least of each,
+/// to which other work on the machine adds nothing.
+void two_threads(benchmark::State& run) {
+  using Clock = std::chrono::steady_clock;
+  Setup setup(run);
+  VelocityVerlet method;
+  const Workers one;
+  const Workers two(2);
+  const auto seconds_with = [&](const Workers& workers) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 20; ++i) {
+      const auto start = Clock::now();
+      method.step(setup.cloth, Loads(), h, setup.state, workers);
+      least = std::min(least, std::chrono::duration<double>(Clock::now() - start).count());
+    }
+    return least;
+  };
+  double alone = std::numeric_limits<double>::infinity();
+  double together = alone;
+  for (auto _ : run) {
+    alone = std::min(alone, seconds_with(one));
+    const double seconds = seconds_with(two);
+    together = std::min(together, seconds);
+    run.SetIterationTime(seconds);
+  }
+  run.counters["one [us]"] = 1e6 * alone;
+  run.counters["two [us]"] = 1e6 * together;
+  run.counters["one/two"] = alone / together;
+}
+
+BENCHMARK(two_threads)->Arg(50)->Arg(100)->Arg(200)->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(forces)->Arg(50)->Arg(200)->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(forces_and_integration)
     ->Arg(50)

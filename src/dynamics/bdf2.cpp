@@ -4,7 +4,7 @@
 
 namespace clothsim {
 
-void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, const Workers&) {
   const int n = cloth.num_points();
   const bool has_last = !watch_.changed(cloth, h);
   h_ = h;

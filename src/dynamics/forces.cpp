@@ -4,12 +4,14 @@
 
 namespace clothsim {
 
-void compute_forces(const Cloth& cloth, const Loads& loads, const Points& positions,
-                    Points& forces) {
+void compute_forces(const Cloth& cloth, const Loads& loads, const Points& positions, Points& forces,
+                    const Workers& workers) {
   forces.resize(cloth.num_points(), 3);
-  for (ForceBlocks blocks(cloth, loads, positions, 0, cloth.num_points()); blocks.next();) {
-    for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &forces(blocks.first(), axis));
-  }
+  workers.share(cloth.num_points(), [&](int begin, int end) {
+    for (ForceBlocks blocks(cloth, loads, positions, begin, end); blocks.next();) {
+      for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &forces(blocks.first(), axis));
+    }
+  });
 }
 
 }  // namespace clothsim

@@ -4,7 +4,8 @@
 
 namespace clothsim {
 
-void ImplicitEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void ImplicitEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                         const Workers&) {
   coast(cloth, loads, h, state);
   solver_.solve(cloth, coast_weights(cloth, h), state.positions, displacement_);
   state.positions += displacement_;

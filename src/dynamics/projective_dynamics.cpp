@@ -102,7 +102,8 @@ ProjectiveDynamics::~ProjectiveDynamics() = default;
 ProjectiveDynamics::ProjectiveDynamics(ProjectiveDynamics&&) noexcept = default;
 ProjectiveDynamics& ProjectiveDynamics::operator=(ProjectiveDynamics&&) noexcept = default;
 
-void ProjectiveDynamics::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void ProjectiveDynamics::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                              const Workers&) {
   if (impl_->watch.changed(cloth, h)) {
     impl_->weights = coast_weights(cloth, h);
     impl_->small = impl_->parameters.tolerance * longest_rest_length(cloth);

@@ -8,8 +8,8 @@ namespace {
 
 /// to = from + t rate.
 CLOTHSIM_TARGET_CLONES
-void advance(Eigen::Index count, double t, const double* from, const double* rate, double* to) {
-  for (Eigen::Index i = 0; i < count; ++i) to[i] = from[i] + t * rate[i];
+void advance(int count, double t, const double* from, const double* rate, double* to) {
+  for (int i = 0; i < count; ++i) to[i] = from[i] + t * rate[i];
 }
 
 /// to = decay from + t f / m; pins keep their velocity.
@@ -21,17 +21,25 @@ void kick(int count, double decay, double t, const double* inv_mass, const doubl
   }
 }
 
-void advance(double t, const Points& from, const Points& rate, Points& to) {
-  advance(from.size(), t, from.data(), rate.data(), to.data());
-}
+/// Points [begin, end) of a cloth: the updates between two forces, each of its points alone.
+struct Band {
+  const Cloth& cloth;
+  int begin;
+  int end;
 
-void kick(const Cloth& cloth, double decay, double t, const Points& from, const Points& forces,
-          Points& to) {
-  for (int axis = 0; axis < 3; ++axis) {
-    kick(cloth.num_points(), decay, t, cloth.inv_mass.data(), from.col(axis).data(),
-         forces.col(axis).data(), to.col(axis).data());
+  void advance(double t, const Points& from, const Points& rate, Points& to) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      clothsim::advance(end - begin, t, &from(begin, axis), &rate(begin, axis), &to(begin, axis));
+    }
   }
-}
+
+  void kick(double decay, double t, const Points& from, const Points& forces, Points& to) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      clothsim::kick(end - begin, decay, t, &cloth.inv_mass[begin], &from(begin, axis),
+                     &forces(begin, axis), &to(begin, axis));
+    }
+  }
+};
 
 }  // namespace
 
@@ -41,7 +49,8 @@ double RungeKutta4::reach(double damping, double h) {
   return (1 + 2 * half) / (1 + 4 * half + half * half);
 }
 
-void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                       const Workers& workers) {
   for (Points* points : {&forces_, &x_, &v_, &end_positions_, &end_velocities_}) {
     points->resize(cloth.num_points(), 3);
   }
@@ -49,32 +58,41 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   const double whole = Drag(cloth.damping, h).decay;
   const Points& x0 = state.positions;
   const Points& v0 = state.velocities;
+  // The forces at x, then what follows from them, point by point.
+  const auto stage = [&](const Points& x, const auto& update) {
+    compute_forces(cloth, loads, x, forces_, workers);
+    workers.share(cloth.num_points(), [&](int begin, int end) { update(Band{cloth, begin, end}); });
+  };
 
   // Slopes at the start.
-  compute_forces(cloth, loads, x0, forces_);
-  advance(h / 6, x0, v0, end_positions_);
-  kick(cloth, whole, h / 6 * whole, v0, forces_, end_velocities_);
+  stage(x0, [&](const Band& band) {
+    band.advance(h / 6, x0, v0, end_positions_);
+    band.kick(whole, h / 6 * whole, v0, forces_, end_velocities_);
+    band.advance(h / 2, x0, v0, x_);
+    band.kick(half, h / 2 * half, v0, forces_, v_);
+  });
 
   // In the middle, by those.
-  advance(h / 2, x0, v0, x_);
-  kick(cloth, half, h / 2 * half, v0, forces_, v_);
-  compute_forces(cloth, loads, x_, forces_);
-  advance(h / 3, end_positions_, v_, end_positions_);
-  kick(cloth, 1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+  stage(x_, [&](const Band& band) {
+    band.advance(h / 3, end_positions_, v_, end_positions_);
+    band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+    band.advance(h / 2, x0, v_, x_);
+    band.kick(half, h / 2, v0, forces_, v_);
+  });
 
   // In the middle again.
-  advance(h / 2, x0, v_, x_);
-  kick(cloth, half, h / 2, v0, forces_, v_);
-  compute_forces(cloth, loads, x_, forces_);
-  advance(h / 3, end_positions_, v_, end_positions_);
-  kick(cloth, 1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+  stage(x_, [&](const Band& band) {
+    band.advance(h / 3, end_positions_, v_, end_positions_);
+    band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+    band.advance(h, x0, v_, x_);
+    band.kick(whole, h * half, v0, forces_, v_);
+  });
 
   // At the end.
-  advance(h, x0, v_, x_);
-  kick(cloth, whole, h * half, v0, forces_, v_);
-  compute_forces(cloth, loads, x_, forces_);
-  advance(h / 6, end_positions_, v_, end_positions_);
-  kick(cloth, 1, h / 6, end_velocities_, forces_, end_velocities_);
+  stage(x_, [&](const Band& band) {
+    band.advance(h / 6, end_positions_, v_, end_positions_);
+    band.kick(1, h / 6, end_velocities_, forces_, end_velocities_);
+  });
 
   std::swap(state.positions, end_positions_);
   std::swap(state.velocities, end_velocities_);

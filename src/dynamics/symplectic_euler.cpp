@@ -19,16 +19,19 @@ void kick_and_drift(int count, double h, double time, double decay,
 
 }  // namespace
 
-void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                           const Workers& workers) {
   forces_.resize(cloth.num_points(), 3);
-  compute_forces(cloth, loads, state.positions, forces_);
+  compute_forces(cloth, loads, state.positions, forces_, workers);
 
   const Drag drag(cloth.damping, h);
-  for (int axis = 0; axis < 3; ++axis) {
-    kick_and_drift(cloth.num_points(), h, drag.distance, drag.decay, cloth.inv_mass.data(),
-                   forces_.col(axis).data(), state.positions.col(axis).data(),
-                   state.velocities.col(axis).data());
-  }
+  workers.share(cloth.num_points(), [&](int begin, int end) {
+    for (int axis = 0; axis < 3; ++axis) {
+      kick_and_drift(end - begin, h, drag.distance, drag.decay, &cloth.inv_mass[begin],
+                     &forces_(begin, axis), &state.positions(begin, axis),
+                     &state.velocities(begin, axis));
+    }
+  });
 }
 
 }  // namespace clothsim

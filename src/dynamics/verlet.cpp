@@ -35,25 +35,30 @@ double VelocityVerlet::reach(double damping, double h) {
   return after_kick.distance / (after_kick.decay * h);
 }
 
-void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                          const Workers& workers) {
   const Drag drag(cloth.damping, h / 2);
   const int n = cloth.num_points();
   middle_.resize(n, 3);
   forces_.resize(n, 3);
 
-  for (int axis = 0; axis < 3; ++axis) {
-    drift(n, h / 2, drag.distance, cloth.inv_mass.data(), state.velocities.col(axis).data(),
-          state.positions.col(axis).data(), middle_.col(axis).data());
-  }
-  for (ForceBlocks blocks(cloth, loads, middle_, 0, n); blocks.next();) {
-    const int i = blocks.first();
+  workers.share(n, [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
-      double* f = &forces_(i, axis);
-      blocks.sum(axis, f);
-      kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
-                     &middle_(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
+      drift(end - begin, h / 2, drag.distance, &cloth.inv_mass[begin],
+            &state.velocities(begin, axis), &state.positions(begin, axis), &middle_(begin, axis));
     }
-  }
+  });
+  workers.share(n, [&](int begin, int end) {
+    for (ForceBlocks blocks(cloth, loads, middle_, begin, end); blocks.next();) {
+      const int i = blocks.first();
+      for (int axis = 0; axis < 3; ++axis) {
+        double* f = &forces_(i, axis);
+        blocks.sum(axis, f);
+        kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
+                       &middle_(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
+      }
+    }
+  });
 }
 
 }  // namespace clothsim

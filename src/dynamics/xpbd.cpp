@@ -30,23 +30,32 @@ void Xpbd::build(const Cloth& cloth, double h) {
   });
 
   constraints_.clear();
+  colour_ends_.clear();
   for (const std::vector<Constraint>& colour : colours) {
     constraints_.insert(constraints_.end(), colour.begin(), colour.end());
+    colour_ends_.push_back(static_cast<int>(constraints_.size()));
   }
 }
 
-void Xpbd::sweep(const Cloth& cloth, Points& positions) {
-  for (std::size_t c = 0; c < constraints_.size(); ++c) {
+void Xpbd::sweep(const Cloth& cloth, Points& positions, const Workers& workers) {
+  const auto sweep_one = [&](std::size_t c) {
     const Constraint& spring = constraints_[c];
     const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
     const double length = d.norm();
-    if (length == 0) continue;  // has no direction
+    if (length == 0) return;  // has no direction
     const double change =
         (spring.rest_length - length - spring.compliance * lambda_[c]) * spring.share;
     lambda_[c] += change;
     const Eigen::RowVector3d push = (change / length) * d.transpose();
     positions.row(spring.a) -= cloth.inv_mass[spring.a] * push;
     positions.row(spring.b) += cloth.inv_mass[spring.b] * push;
+  };
+  int first = 0;
+  for (const int end : colour_ends_) {
+    workers.share(end - first, [&](int from, int to) {
+      for (int c = first + from; c < first + to; ++c) sweep_one(static_cast<std::size_t>(c));
+    });
+    first = end;
   }
 }
 
@@ -72,7 +81,8 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
 }
 
-void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
+                const Workers& workers) {
   if (watch_.changed(cloth, h)) build(cloth, h);
 
   coast(cloth, loads, h, state);
@@ -80,7 +90,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state) 
   lambda_.assign(constraints_.size(), 0);
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
-    sweep(cloth, state.positions);
+    sweep(cloth, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;
 }

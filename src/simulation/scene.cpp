@@ -11,6 +11,7 @@ namespace {
 
 constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
+constexpr Range threads_range{1, max_threads, ""};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range tolerance_range{1e-9, 1, ""};
 constexpr Range size_range{1e-6, 1e6, "m"};
@@ -84,6 +85,7 @@ void validate(const SimulationSpec& spec) {
     throw InvalidValue({"substeps"}, std::to_string(*spec.substeps),
                        "auto or a whole number from 1 to " + std::to_string(max_substeps));
   }
+  check_range("threads", spec.threads, threads_range);
   check_range("strain_tolerance", spec.strain_tolerance, strain_tolerance_range);
   check_range("tolerance", spec.tolerance, tolerance_range);
   check_method(spec.method);

@@ -204,7 +204,8 @@ SimulationSpec read_simulation(const YAML::Node& node) {
                parameters.reset(value);
                has_parameters = true;
              }},
-            {"seed", into(spec.seed)}});
+            {"seed", into(spec.seed)},
+            {"threads", into(spec.threads)}});
   check_method(spec.method);
   if (has_parameters) {
     inside("method_parameters",

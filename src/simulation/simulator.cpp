@@ -49,6 +49,7 @@ void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points
 
 Simulator::Impl::Impl(const Scene& s) : scene(s) {
   validate(scene);
+  workers = Workers(scene.simulation.threads);
   cloth = make_grid(scene.cloth);
   build_strain_limit();
   self_contacts = make_self_contacts(cloth);
@@ -190,7 +191,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (self_contacts || !colliders.empty()) start = state.positions;
 
   const Loads loads{scene.simulation.gravity};
-  std::visit([&](auto& m) { m.step(cloth, loads, h, state); }, method->integrator);
+  std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
 
   const bool touches = self_contacts || !colliders.empty();
   if (touches && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
@@ -277,6 +278,9 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
                               !same(simulation.method_parameters, last.method_parameters);
   impl_->scene.cloth = std::move(spec);
   impl_->scene.simulation = simulation;
+  if (impl_->workers.threads() != simulation.threads) {
+    impl_->workers = Workers(simulation.threads);
+  }
   impl_->cloth = std::move(cloth);
   std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
   impl_->build_strain_limit();

@@ -151,6 +151,7 @@ struct Simulator::Impl {
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
   std::optional<SelfContacts> self_contacts;
+  Workers workers;
   std::vector<Vector3> pin_targets;
   Grips grips;
   unsigned topology_seq = 0;

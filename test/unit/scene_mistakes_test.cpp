@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "frame, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
-                "substeps, strain_tolerance, tolerance, method, method_parameters, seed"},
+                "substeps, strain_tolerance, tolerance, method, method_parameters, seed, threads"},
         Mistake{"simulation={method: bdf2, method_parameters: {iterations: 3}}",
                 "simulation.method_parameters.iterations: got an unknown key, expected one of "
                 "tolerance, max_iterations"}));
@@ -219,6 +219,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "simulation.substeps: got 10001, expected auto or a whole number from 1 to 10000"},
         Mistake{"simulation.strain_tolerance=0",
                 "simulation.strain_tolerance: got 0, expected a number of at least 1e-09"},
+        Mistake{"simulation.threads=0",
+                "simulation.threads: got 0, expected a whole number from 1 to 64"},
+        Mistake{"simulation.threads=65",
+                "simulation.threads: got 65, expected a whole number from 1 to 64"},
+        Mistake{"simulation.threads=1.5", "simulation.threads: got 1.5, expected a whole number"},
         Mistake{"simulation.seed=-1",
                 "simulation.seed: got -1, expected a whole number of at least 0"},
         Mistake{"simulation.seed=18446744073709551616",

@@ -71,6 +71,10 @@ TEST(Validate, SimulationKeysStandAlone) {
   EXPECT_EQ(refused_key(simulation), "strain_tolerance");
 
   simulation = SimulationSpec();
+  simulation.threads = 0;
+  EXPECT_EQ(refused_key(simulation), "threads");
+
+  simulation = SimulationSpec();
   simulation.method = "";
   EXPECT_EQ(refused_key(simulation), "method");
 }

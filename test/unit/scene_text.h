@@ -36,6 +36,7 @@ simulation:
   substeps: auto
   method: auto
   seed: 1
+  threads: 2
 )";
 
 /// Reads `text`; the message of the refusal, or "accepted".
@@ -95,7 +96,7 @@ inline std::string print(const Scene& scene) {
   print_vector(scene.simulation.gravity);
   out << scene.simulation.frames_per_second << ' ' << scene.simulation.substeps.value_or(0) << ' '
       << scene.simulation.strain_tolerance << ' ' << scene.simulation.tolerance << ' '
-      << scene.simulation.method << ' ' << scene.simulation.seed;
+      << scene.simulation.method << ' ' << scene.simulation.seed << ' ' << scene.simulation.threads;
   std::visit(
       [&](const auto& parameters) {
         using Parameters = std::decay_t<decltype(parameters)>;

@@ -19,7 +19,7 @@ TEST(SceneYaml, ReadsEveryKey) {
             " collider ball 0.3 ball [0.5 0.5 0.2] [0 0 1] "
             "0.2"
             " collider ground 0.5  [0 0 0] [0 0 1] 0 "
-            "[0 0 -9.8] 90 0 0.004 0.001 auto 1");
+            "[0 0 -9.8] 90 0 0.004 0.001 auto 1 2");
 
   const Scene other = read_changed(
       {"cloth.width=3", "cloth.height=4", "cloth.columns=7", "cloth.rows=8",
@@ -30,11 +30,11 @@ TEST(SceneYaml, ReadsEveryKey) {
        "colliders=[{shape: plane, name: wall, point: [1, 2, 3], normal: [5, 0, 0], friction: 6, "
        "two_sided: true, frame: arm}]",
        "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
-       "tolerance: 0.25, method: verlet, seed: 9223372036854775807}"});
+       "tolerance: 0.25, method: verlet, seed: 9223372036854775807, threads: 3}"});
   EXPECT_EQ(print(other),
             "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] "
             "[1 0 0] 1 "
-            "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807");
+            "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807 3");
 }
 
 TEST(SceneYaml, ReadsHowAClothIsKeptOffItself) {

@@ -36,7 +36,7 @@ class Bdf2 {
   explicit Bdf2(const Parameters& parameters) : solver_(parameters) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
   /// The history. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;

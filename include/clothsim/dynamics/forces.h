@@ -1,5 +1,6 @@
 #pragma once
 
+#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 
@@ -13,6 +14,7 @@ struct Loads {
 /// Writes gravity and spring forces [N] at `positions` to `forces`, both N x 3.
 /// Hooke's law: k (l - L0) (x_b - x_a) / l on point a, the opposite on b. A spring of zero length
 /// has no direction and gives no force.
-void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces);
+void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
+                    const Workers& = {});
 
 }  // namespace clothsim

@@ -28,7 +28,7 @@ class ImplicitEuler {
   explicit ImplicitEuler(const Parameters& parameters) : solver_(parameters) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   NewtonSolver solver_;

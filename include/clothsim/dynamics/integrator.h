@@ -20,7 +20,8 @@ namespace clothsim {
 /// - `reach(damping, h)`, the share of h by which an impulse p given in the step displaces a point
 ///   whose velocity at the end it changes by p / m: such that a force and the impulse that undoes
 ///   it leave no displacement behind, drag included;
-/// - `step(const Cloth&, const Loads&, double h, State&)`;
+/// - `step(const Cloth&, const Loads&, double h, State&, const Workers&)`, to the same bits with
+///   any number of threads; Newton's method uses one;
 /// - `Parameters`, a struct of double and int with defaults, whose
 ///   `each(parameters, visit)` calls `visit(const char* key, value, const Range&)` for each, and
 ///   a constructor that takes it.

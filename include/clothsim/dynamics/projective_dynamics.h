@@ -47,7 +47,7 @@ class ProjectiveDynamics {
   ProjectiveDynamics& operator=(ProjectiveDynamics&&) noexcept;
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   struct Impl;

@@ -28,7 +28,7 @@ class RungeKutta4 {
   explicit RungeKutta4(const Parameters&) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   Points forces_;                          // [N], N x 3

@@ -27,7 +27,7 @@ class SymplecticEuler {
   explicit SymplecticEuler(const Parameters&) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   Points forces_;  // [N], N x 3

@@ -30,7 +30,7 @@ class VelocityVerlet {
   explicit VelocityVerlet(const Parameters&) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   Points middle_;  // positions in the middle of the step [m], N x 3

@@ -42,7 +42,7 @@ class Xpbd {
   explicit Xpbd(const Parameters& parameters) : parameters_(parameters) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
-  void step(const Cloth&, const Loads&, double h, State&);
+  void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
  private:
   struct Constraint {
@@ -54,12 +54,13 @@ class Xpbd {
   };
 
   void build(const Cloth&, double h);
-  void sweep(const Cloth&, Points& positions);
+  void sweep(const Cloth&, Points& positions, const Workers&);
   void realign(const Cloth&, Points& positions);
 
   Parameters parameters_;
   ClothWatch watch_;
   std::vector<Constraint> constraints_;  // by colour
+  std::vector<int> colour_ends_;         // in constraints_
   std::vector<double> lambda_;           // as constraints_
   Points start_;                         // positions before the sweeps [m], N x 3
   Points target_;                        // where multipliers put the points [m], N x 3

@@ -14,6 +14,9 @@ namespace clothsim {
 /// Most substeps a frame may have: beyond, a frame takes minutes.
 inline constexpr int max_substeps = 10'000;
 
+/// Most threads that may compute.
+inline constexpr int max_threads = 64;
+
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
   double frames_per_second = 90;    // [Hz]
@@ -23,6 +26,7 @@ struct SimulationSpec {
   std::string method = "auto";      // or a name of method_names()
   MethodParameters method_parameters;  // of that method; none: its defaults
   std::uint64_t seed = 1;
+  int threads = 1;  // that compute; the same bits from any number
 };
 
 /// All that defines a simulation. Equal scenes give equal bits.

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+
+namespace clothsim {
+
+/// Threads that share loops over points or springs. One, the default, starts no thread and costs
+/// nothing: the loop runs where it is.
+///
+///   workers.share(n, [&](int begin, int end) { ... });
+///
+/// calls the body for bands that together are [0, n), each once, and returns when all are done. A
+/// band must not depend on another one; then the result is the same to the last bit whatever the
+/// number of threads.
+///
+/// A pool of our own: a substep has some ten such loops of 10 to 200 us, so a thread waits for the
+/// next one awake for a moment before it sleeps, and whoever is awake takes the bands of those who
+/// are not. GCC's OpenMP waits for all its threads, which is slow on a busy machine, and
+/// ThreadSanitizer does not see its barriers.
+class Workers {
+ public:
+  /// `threads`: at least 1, the caller's among them.
+  Workers();  // one
+  explicit Workers(int threads);
+  ~Workers();
+  Workers(Workers&&) noexcept;
+  Workers& operator=(Workers&&) noexcept;
+
+  int threads() const;
+
+  /// To be called from one thread at a time, and not from within a body. A body must not throw.
+  /// Loops shorter than `least` a thread are shared by fewer.
+  template <typename Body>
+  void share(int count, const Body& body, int least = 1024) const {
+    if (!pool_ || count < 2 * least) {
+      body(0, count);
+    } else {
+      run({[](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); },
+           &body, count, least});
+    }
+  }
+
+ private:
+  struct Loop {
+    void (*call)(const void* body, int begin, int end);
+    const void* body;
+    int count;
+    int least;
+  };
+  struct Pool;
+
+  void run(const Loop&) const;
+
+  std::unique_ptr<Pool> pool_;  // none: one thread
+};
+
+}  // namespace clothsim

@@ -1,0 +1,130 @@
+#include "clothsim/dynamics/workers.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+int threads_of_this_process() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word == "Threads:") {
+      int count = 0;
+      status >> count;
+      return count;
+    }
+  }
+  return 0;
+}
+
+TEST(Workers, ShareEveryElementOnce) {
+  for (const int threads : {1, 2, 3, 7}) {
+    const Workers workers(threads);
+    EXPECT_EQ(workers.threads(), threads);
+    for (const int count : {0, 1, 7, 8, 9, 1000, 4097}) {
+      std::vector<int> visits(static_cast<std::size_t>(count), 0);
+      std::atomic<int> bands{0};
+      workers.share(
+          count,
+          [&](int begin, int end) {
+            ++bands;
+            for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+          },
+          8);
+      EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1)) << count;
+      EXPECT_LE(bands, threads);
+      if (count >= 8 * threads) {
+        EXPECT_EQ(bands, threads) << count;
+      }
+    }
+  }
+}
+
+TEST(Workers, ManyLoopsInARowAndAfterASleep) {
+  const Workers workers(3);
+  std::vector<double> sums(3000, 0);
+  for (int loop = 0; loop < 3000; ++loop) {
+    workers.share(
+        3000,
+        [&](int begin, int end) {
+          for (int i = begin; i < end; ++i) sums[static_cast<std::size_t>(i)] += 1;
+        },
+        1);
+    if (loop % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(sums, std::vector<double>(3000, 3000));
+}
+
+TEST(Workers, OneThreadStartsNoneAndManyEnd) {
+  const int before = threads_of_this_process();
+  ASSERT_GT(before, 0);
+  Scene scene = shipped_scene("pinned2");
+  {
+    Simulator simulator(scene);
+    simulator.step();
+    EXPECT_EQ(threads_of_this_process(), before);
+
+    SimulationSpec simulation = scene.simulation;
+    simulation.threads = 3;
+    simulator.set_simulation(simulation);
+    simulator.step();
+    EXPECT_EQ(threads_of_this_process(), before + 2);
+    simulation.threads = 1;
+    simulator.set_simulation(simulation);
+    EXPECT_EQ(threads_of_this_process(), before);
+  }
+  scene.simulation.threads = 4;
+  { const Simulator simulator(scene); }
+  EXPECT_EQ(threads_of_this_process(), before);
+}
+
+/// Every method, with all that a scene may have, takes the same steps with any number of threads.
+class ThreadBits : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ThreadBits, AreTheSame) {
+  for (const char* name : {"pinned2", "sphere"}) {
+    Scene scene = shipped_scene(name);
+    // Wide enough for three threads; Newton's method is slow and has one.
+    const bool has_one = GetParam() == ImplicitEuler::name || GetParam() == Bdf2::name;
+    const int side = has_one ? 12 : 70;
+    scene.cloth.columns = scene.cloth.rows = side;
+    for (Pin& pin : scene.cloth.pinned) pin.column = pin.column == 0 ? 0 : side - 1;
+    scene.simulation.method = GetParam();
+    Simulator one(scene);
+    scene.simulation.threads = 2;
+    Simulator two(scene);
+    scene.simulation.threads = 3;
+    Simulator three(scene);
+    for (int frame = 0; frame < 15; ++frame) {
+      one.step();
+      two.step();
+      three.step();
+    }
+    for (const Simulator* other : {&two, &three}) {
+      EXPECT_EQ(one.state().positions, other->state().positions) << name;
+      EXPECT_EQ(one.state().velocities, other->state().velocities) << name;
+    }
+  }
+}
+
+std::vector<std::string> auto_and_methods() {
+  std::vector<std::string> names = method_names();
+  names.emplace_back("auto");
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, ThreadBits, ::testing::ValuesIn(auto_and_methods()));
+
+}  // namespace
+}  // namespace clothsim
