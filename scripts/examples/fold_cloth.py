@@ -16,7 +16,7 @@ from clothsim.srv import Attach, Detach
 
 HANDS = {"left_hand": 0.0, "right_hand": 1.0}  # tf frame: x of its corner [m]
 GRASP = 0.02  # the hands take what is this near [m]
-SPEED = 0.4  # [m/s]
+SPEED = 0.5  # [m/s]
 RATE = 90  # [Hz], as the simulation
 
 # Where both hands go, y and z [m]: up, over the middle, down beside the far edge.

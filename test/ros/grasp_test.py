@@ -9,8 +9,9 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from rosgraph_msgs.msg import Log
+from tf2_msgs.msg import TFMessage
 
-from cloth_client import Cloth, Recorder, positions, wait_for
+from cloth_client import Cloth, Recorder, point, positions
 
 COLUMNS = ROWS = 30
 HANDS = ("left_hand", "right_hand")
@@ -23,6 +24,7 @@ class Grasp(unittest.TestCase):
         cloth = Cloth()
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
         log = Recorder("/rosout", Log)
+        transforms = Recorder("/tf", TFMessage)
         wrenches = {hand: Recorder("/clothsim/wrench/" + hand, WrenchStamped) for hand in HANDS}
         log.wait("the end of the example", lambda m: m.msg == "the cloth is folded")
 
@@ -32,6 +34,8 @@ class Grasp(unittest.TestCase):
         for hand in HANDS:
             lifted = [-m.wrench.force.z for m in wrenches[hand].all()]
             self.assertGreater(max(lifted), 0.1 * WEIGHT)
+
+        self.expect_held(cloth.states.all(), transforms.all())
 
         # It lies in two layers: the corners beside those of the far edge, and let go.
         end = cloth.states.all()[-1].step
@@ -47,6 +51,28 @@ class Grasp(unittest.TestCase):
                      for v in s.values if v.key == "intersecting pairs"]
         self.assertGreater(len(crossings), 5)
         self.assertEqual(set(crossings), {"0"})
+
+    def expect_held(self, states, transforms):
+        """While they move at 0.5 m/s, the corners are within 1 mm of where the hands were shortly
+        before: what the node had last heard of them."""
+        ways = {hand: [(t.header.stamp.to_sec(), point(t.transform.translation)) for m in transforms
+                       for t in m.transforms if t.child_frame_id == hand] for hand in HANDS}
+        moving = [(a[0], np.linalg.norm(b[1] - a[1]) / (b[0] - a[0]))
+                  for a, b in zip(ways[HANDS[0]][:-9:9], ways[HANDS[0]][9::9]) if b[0] > a[0]]
+        begin = min(time for time, speed in moving if speed > 0.1)
+        end = max(time for time, speed in moving if speed > 0.1)
+        self.assertGreater(np.median([speed for time, speed in moving if begin < time < end]), 0.4)
+        compared = 0
+        for state in states:
+            now = state.header.stamp.to_sec()
+            if not begin < now < end:
+                continue
+            for hand, corner in zip(HANDS, CORNERS):
+                near = [place for time, place in ways[hand] if -0.3 < time - now < 0.05]
+                distance = np.linalg.norm(positions(state)[corner] - near, axis=1).min()
+                self.assertLess(distance, 1e-3, "%s at frame %d" % (hand, state.step))
+                compared += 1
+        self.assertGreater(compared, 200)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from visualization_msgs.msg import MarkerArray
 
 from clothsim.msg import ClothState
 from clothsim.srv import RestoreState, SaveState
-from cloth_client import PATIENCE, Cloth, Recorder, call, wait_for
+from cloth_client import PATIENCE, SLOWER, Cloth, Recorder, call, wait_for
 
 FRAMES_PER_SECOND = 90
 STORM = 100  # calls of dynamic_reconfigure a second
@@ -162,7 +162,8 @@ class Soak(unittest.TestCase):
                                     "%s at %.1f Hz, and it said %s" % (phase.__name__, rate, said))
             afterwards.append(memory)
         print("after each cycle [kB]: %s" % afterwards, file=sys.stderr)
-        self.assertLess(afterwards[-1] - afterwards[0], GROWTH)
+        if SLOWER == 1:  # a sanitizer's memory grows
+            self.assertLess(afterwards[-1] - afterwards[0], GROWTH)
 
 
 if __name__ == "__main__":
