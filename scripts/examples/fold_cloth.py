@@ -68,6 +68,7 @@ def main():
 
     for place in PATH[:3]:
         hands.go(place)
+    rospy.sleep(0.5)  # it hangs still
     for frame in HANDS:
         wrench = rospy.wait_for_message("/clothsim/wrench/" + frame, WrenchStamped)
         rospy.loginfo("%s carries %.1f N", frame, -wrench.wrench.force.z)

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The example of launch/grasp.launch: lifted, folded, laid down, let go, and nothing crosses."""
 
+import re
 import unittest
 
 import numpy as np
@@ -34,6 +35,13 @@ class Grasp(unittest.TestCase):
         for hand in HANDS:
             lifted = [-m.wrench.force.z for m in wrenches[hand].all()]
             self.assertGreater(max(lifted), 0.1 * WEIGHT)
+
+        carried = [float(re.search(r"carries (\S+) N", m.msg)[1]) for m in log.all()
+                   if "carries" in m.msg]
+        self.assertEqual(len(carried), 2)
+        for force in carried:  # half of what hangs between the ground and the hands
+            self.assertGreater(force, 0.1 * WEIGHT)
+            self.assertLess(force, 0.5 * WEIGHT)
 
         self.expect_held(cloth.states.all(), transforms.all())
 

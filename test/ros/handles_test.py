@@ -2,6 +2,7 @@
 """Handles on colliders: dragged through the cloth at any speed, and never against another node."""
 
 import math
+import subprocess
 import time
 import unittest
 
@@ -70,7 +71,6 @@ class OtherNode:
     broadcasters in one would have the same name."""
 
     def __enter__(self):
-        import subprocess
         code = ("import rospy, sys; from tf2_ros import TransformBroadcaster\n"
                 "import time; from geometry_msgs.msg import TransformStamped\n"
                 "rospy.init_node('mover', anonymous=True, disable_rosout=True)\n"
@@ -239,6 +239,15 @@ class HandlesTest(unittest.TestCase):
         rospy.set_param("/clothsim/scene", scene)
         self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
         wait_for(lambda: set(self.shown.markers) == {"ball", "plate"}, "the old handles")
+
+    def test_7_comes_with_rviz(self):
+        def nodes(*arguments):
+            listed = subprocess.run(["roslaunch", "--nodes", "clothsim", "sphere.launch", *arguments],
+                                    capture_output=True, text=True, check=True)
+            return set(listed.stdout.split())
+        self.assertEqual(nodes(), {"/clothsim", "/rviz", "/clothsim_handles"})
+        self.assertEqual(nodes("interactive:=false"), {"/clothsim", "/rviz"})
+        self.assertEqual(nodes("rviz:=false"), {"/clothsim"})
 
 
 if __name__ == "__main__":

@@ -83,6 +83,13 @@ class SimTime(unittest.TestCase):
                                        lambda s: s.step > before + 80)
         self.assertLess(again.header.stamp.to_sec(), 51.001)
 
+        # And from a later one: no frame for the time in between.
+        before = self.settled().step
+        self.run_clock(500, 501)
+        frames = self.settled().step - before
+        self.assertGreater(frames, 80)
+        self.assertLess(frames, 95)
+
     def frames_and_live_values_without_time(self):
         """Paused, and no time: tf frames are followed, timers run and live values change."""
         hand = make_transform("hand", (0.5, 0, 1))
