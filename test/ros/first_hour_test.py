@@ -10,8 +10,10 @@ import tempfile
 import unittest
 
 import numpy as np
+import rosgraph
 import roslib.packages
 import rospy
+import rosservice
 import rostest
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
@@ -20,19 +22,37 @@ from visualization_msgs.msg import MarkerArray
 from cloth_client import PATIENCE, Cloth, Recorder, marker_named, point, wait_for
 
 
+def read_section(title):
+    readme = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "README.md")
+    with open(readme) as file:
+        return file.read().split("\n## %s\n" % title)[1].split("\n## ")[0]
+
+
 def read_walk():
     """Blocks of the section by the first words of the paragraph before: lists of commands, or a
     program."""
-    readme = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "README.md")
-    with open(readme) as file:
-        section = file.read().split("\n## The first hour\n")[1].split("\n## ")[0]
     walk, title = {}, None
-    for part in re.split(r"\n\n(?=\*\*)", section):
+    for part in re.split(r"\n\n(?=\*\*)", read_section("The first hour")):
         found = re.match(r"\*\*(.*?)\.\*\*", part.strip())
         title = found.group(1) if found else None
         for kind, text in re.findall(r"```(\w+)\n(.*?)```", part, re.DOTALL):
             walk[title] = text if kind == "python" else text.splitlines()
     return walk
+
+
+def read_interface():
+    """Types of the topics and services in the tables, by name; of a scene with a sphere."""
+    types = {}
+    for line in read_section("Interface").splitlines():
+        cells = line.split("|")
+        if len(cells) < 4 or not re.match(r" \w+/\w", cells[2]):
+            continue
+        names = re.findall("`(.*?)`", cells[1])
+        kinds = re.sub(r", each .*", "", cells[2]).strip().split(", ")
+        for name, kind in zip(names, kinds if len(kinds) == len(names) else kinds * len(names)):
+            name = re.sub("FRAME|COLLIDER", "sphere", name.replace("~", "/clothsim/"))
+            types[name] = kind if "/" in kind else "clothsim/" + kind
+    return types
 
 
 class FirstHour(unittest.TestCase):
@@ -88,6 +108,22 @@ class FirstHour(unittest.TestCase):
             wait_for(lambda: os.path.exists(os.path.join(self.folder, "run.bag")), "the bag")
         if "attach" in command:
             rospy.sleep(1)  # the hand's frame
+
+    def test_interface_tables(self):
+        """The node has the topics and services of the tables, and no others."""
+        self.run_lines(["roslaunch clothsim sphere.launch paused:=true # goes on",
+                        "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 map sphere # goes on",
+                        'rosservice call /clothsim/attach "{frame: sphere, points: [0]}"'])
+        topics = {name: kind for name, kind in rospy.get_published_topics()
+                  if name.startswith(("/clothsim/", "/diagnostics"))}
+        _, _, provided = rosgraph.Master("/first_hour").getSystemState()
+        services = {name: rosservice.get_service_type(name) for name, nodes in provided
+                    if "/clothsim" in nodes}
+        # What libraries add.
+        theirs = r"parameter_(updates|descriptions)$|camera_info$|logger"
+        found = {name: kind for name, kind in {**topics, **services}.items()
+                 if not re.search(theirs, name)}
+        self.assertEqual(found, read_interface())
 
     def test_walk(self):
         walk = read_walk()
