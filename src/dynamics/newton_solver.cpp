@@ -34,6 +34,7 @@ struct NewtonSolver::Impl {
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
 
   Parameters parameters;
+  bool ran_out = false;
   SpringSystem<3> system;
   Scalars spare;     // inertia for each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
@@ -109,6 +110,7 @@ bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, con
 int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const Points& y,
                               Points& d) {
   d.setZero(cloth.num_points(), 3);
+  ran_out = false;
   if (cloth.springs.empty()) return 0;
 
   share_inertia(cloth, weights);
@@ -125,8 +127,12 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
       d += step;
       return iteration;
     }
-    if (!descend(cloth, weights, y, d)) return iteration;
+    if (!descend(cloth, weights, y, d)) {
+      ran_out = true;
+      return iteration;
+    }
   }
+  ran_out = true;
   return parameters.max_iterations;
 }
 
@@ -139,5 +145,7 @@ NewtonSolver& NewtonSolver::operator=(NewtonSolver&&) noexcept = default;
 int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d) {
   return impl_->solve(cloth, weights, y, d);
 }
+
+bool NewtonSolver::ran_out() const { return impl_->ran_out; }
 
 }  // namespace clothsim

@@ -59,6 +59,11 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   out.add("substeps", report.substeps);
   out.add("reason", report.reason);
   out.addf("predicted error", "%.1e", report.predicted_error);
+  if (report.ran_out > 0) {
+    out.mergeSummaryf(DiagnosticStatus::WARN,
+                      "Newton's method ran out of iterations in %d of %d substeps", report.ran_out,
+                      report.substeps);
+  }
   out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
   if (status.strain_limit) {

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <variant>
 #include <vector>
 
+#include "clothsim/collision/shape.h"
+#include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/simulation/substeps.h"
 
 namespace clothsim {
@@ -25,22 +29,84 @@ constexpr double solve_cost = 2.5e-9;
 
 /// What errors depend on.
 struct Motion {
-  double size;     // of the cloth [m]
-  double gravity;  // [m/s^2]
-  double fastest;  // omega_max [rad/s]
-  double axial;    // lowest frequency along the cloth's longer side, hung from one end [rad/s]
-  double swing;    // frequency of a sheet that swings about one edge [rad/s]
+  double size;      // of the cloth [m]
+  double gravity;   // [m/s^2]
+  double drag;      // [1/s]
+  double fastest;   // omega_max [rad/s]
+  double axial;     // lowest frequency along the cloth's longer side, hung from one end [rad/s]
+  double swing;     // frequency of a sheet that swings about one edge [rad/s]
+  double loaded;    // share of the horizon in which something holds the cloth
+  double fallen;    // rms over the horizon of how far it falls before [m]
+  double velocity;  // rms over the horizon of its velocity in that fall [m/s]
+  double buckling;  // rate at which an upright column that stands on something buckles [1/s]
+  double folded;    // rms over the cloth of how far it has folded when that ends [m]
 };
 
-Motion motion_of(const SimulationSpec& spec, const Cloth& cloth) {
+/// How far a cloth that nothing holds may fall [m]: to the nearest collider.
+double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  double room = std::numeric_limits<double>::infinity();
+  for (const ColliderSpec& collider : colliders) {
+    const Eigen::Matrix3d to_shape = collider.pose.orientation.conjugate().toRotationMatrix();
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      const Vector3 x =
+          to_shape * (cloth.rest_positions.row(i).transpose() - collider.pose.position);
+      room = std::min(room, signed_distance(collider.shape, x, x).value);
+    }
+  }
+  return std::max(room, 0.0);
+}
+
+/// A free cloth falls with drag, v = g (1 - exp(-c t)) / c, until it lands.
+void add_fall(double room, Motion& m) {
+  constexpr int samples = 50;
+  m.loaded = 0;
+  double fallen2 = 0;
+  double velocity2 = 0;
+  double x = 0;
+  for (int i = 1; i <= samples; ++i) {
+    const double dt = horizon / samples;
+    const double v = m.gravity * Drag(m.drag, (i - 0.5) * dt).distance;
+    x += dt * v;
+    if (x >= room) {
+      m.loaded = 1 - (i - 1.0) / samples;
+      break;
+    }
+    fallen2 += x * x / samples;
+    velocity2 += v * v / samples;
+  }
+  m.fallen = std::sqrt(fallen2);
+  m.velocity = std::sqrt(velocity2);
+}
+
+/// A column that stands on something has no stiffness across: under the weight W above it a link
+/// of length a buckles at the rate sqrt(4 W / (m a)), until folds are as deep as links are long,
+/// over the part of the cloth that has buckled by then.
+void add_buckling(const Cloth& cloth, double height, Motion& m) {
+  const double link = shortest_rest_length(cloth);
+  if (m.loaded == 0 || height < 0.5 * m.size) return;
+  constexpr double unevenness = 1e-3;  // of an upright cloth's start [m]
+  constexpr double part = 0.11;        // fitted to one fold, see method.md for others
+  m.buckling = 2 * std::sqrt(m.gravity * height) / link;
+  m.folded = part * link * std::log(std::max(link / unevenness, M_E));
+}
+
+Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
+                 const std::vector<ColliderSpec>& colliders) {
   const Eigen::RowVector3d extent =
       cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-  Motion m;
+  Motion m{};
   m.size = extent.maxCoeff();
   m.gravity = spec.gravity.norm();
+  m.drag = cloth.damping;
   m.fastest = omega_max_bound(cloth, cloth.rest_positions);
   m.axial = m.fastest * M_PI / (4 * std::max(cloth.columns, cloth.rows));
   m.swing = std::sqrt(1.5 * m.gravity / m.size);
+  m.loaded = 1;
+  const bool is_free = (cloth.inv_mass.array() > 0).all();
+  if (is_free && m.gravity > 0) {
+    add_fall(room_below(cloth, colliders), m);
+    add_buckling(cloth, std::abs(extent.dot(spec.gravity)) / m.gravity, m);
+  }
   return m;
 }
 
@@ -53,24 +119,41 @@ struct Candidate {
   double (*cost)(double springs, double points);
 };
 
-/// Phase error w t (w h)^2 / 24 of an amplitude: g / w^2 along the cloth, its size as it swings.
+/// What a method's `error` of the springs of a cloth that is held all the time comes to here.
+/// Errors of phase grow with the time under load, and the part of the cloth that waves have reached
+/// grows with it: with t^1.5 in all, or t^2 in the mean over the horizon. A fold's rate is off by
+/// the share (rate h)^2 / 24; contact leaves no method a better order.
+double under_load(const Motion& m, double h, double error) {
+  const double of_rate = m.buckling * m.buckling * h * h / 24;
+  return m.loaded * m.loaded * (error + of_rate * m.folded);
+}
+
+/// Phase error w t (w h)^2 / 24 of an amplitude: g / w^2 along the cloth, its size as it swings;
+/// and the share (c h)^2 / 24 by which drag and gravity, taken in turn, miss the speed of a fall.
+/// The first factor is that of cloths held by an edge (0.35) and by two corners (0.55 to 1.25).
 double verlet_error(const Motion& m, double h) {
-  return horizon * h * h / 24 * (m.gravity * m.axial + m.size * std::pow(m.swing, 3));
+  const double phase = horizon * h * h / 24 * (m.gravity * m.axial + m.size * std::pow(m.swing, 3));
+  return under_load(m, h, 0.65 * phase) + m.drag * m.drag * h * h / 24 * m.fallen;
 }
 
 /// Of fourth order, led by the fast waves: fitted.
 double rk4_error(const Motion& m, double h) {
-  return 840 * m.gravity * std::pow(m.axial, 1.2) * std::pow(h, 4) * horizon;
+  const double waves = 840 * m.gravity * std::pow(m.axial, 1.2) * std::pow(h, 4) * horizon;
+  return under_load(m, h, waves);
 }
 
-/// Between first order, where impulses or the start restart it, and second: fitted.
+/// Between first order, where impulses or the start restart it, and second: fitted. The first step
+/// of a fall, implicit Euler's, puts it half a step ahead.
 double bdf2_error(const Motion& m, double h) {
-  return 0.056 * m.gravity * std::pow(h, 1.3) * horizon;
+  const double held = 0.056 * m.gravity * std::pow(h, 1.3) * horizon;
+  return under_load(m, h, held) + (m.fallen > 0 ? m.gravity * h * h / 2 : 0);
 }
 
-/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted.
+/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted. A fall is half a
+/// step ahead.
 double xpbd_error(const Motion& m, double h) {
-  return 0.047 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
+  const double held = 0.047 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
+  return under_load(m, h, held) + h / 2 * m.velocity;
 }
 
 const std::vector<Candidate>& candidates() {
@@ -141,13 +224,14 @@ MethodChoice choice_of(const Offer& offer, std::string reason) {
 
 }  // namespace
 
-MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth) {
+MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
+                           const std::vector<ColliderSpec>& colliders) {
   if (spec.method != "auto") return {spec.method, 1, 0, 0, "named by the scene"};
   if (cloth.springs.empty()) {
     return {VelocityVerlet::name, 1, 0, 0, "no springs to integrate"};
   }
 
-  const Motion motion = motion_of(spec, cloth);
+  const Motion motion = motion_of(spec, cloth, colliders);
   std::vector<Offer> offers;
   for (const Candidate& c : candidates()) {
     const Offer offer = offer_of(c, spec, cloth, motion);

@@ -53,6 +53,7 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("reason", run.last_frame.reason);
   put("recoveries", run.recoveries);
   put("self_collision", self_collision_names[static_cast<std::size_t>(cloth.self_collision)]);
+  put("ran_out", run.ran_out);
   put("held_back", run.held_back);
   put("frames", run.frames);
   put("simulated_seconds", state.time);

@@ -90,6 +90,7 @@ ExitCode simulate(const Options& options) {
         run.last_frame = simulator.step();
       }
       ++run.frames;
+      run.ran_out += run.last_frame.ran_out;
       run.held_back += run.last_frame.held_back;
       if (run.last_frame.recoveries > 0) {
         run.recoveries += run.last_frame.recoveries;

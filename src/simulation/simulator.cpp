@@ -36,10 +36,12 @@ constexpr double contact_precision = 2.5;
 constexpr double overpulled = 0.05;
 
 /// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
-void check_feasible(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
+void check_feasible(const SimulationSpec& spec, const Cloth& cloth,
+                    const std::vector<ColliderSpec>& colliders, const Points& positions,
                     const std::vector<std::string>& key) {
   if (spec.substeps) return;
-  if (Method(spec, cloth).substeps(spec, cloth, positions) < max_substeps) return;
+  const Method method(spec, cloth, colliders);
+  if (method.substeps(spec, cloth, positions) < max_substeps) return;
   throw InvalidValue(
       key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
       "a softer or heavier one, or more frames per second, or a count of substeps");
@@ -55,7 +57,7 @@ Simulator::Impl::Impl(const Scene& s) : scene(s) {
   self_contacts = make_self_contacts(cloth);
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   reset();
-  check_feasible(scene.simulation, cloth, state.positions, {"cloth", "ks"});
+  check_feasible(scene.simulation, cloth, scene.colliders, state.positions, {"cloth", "ks"});
 }
 
 StepReport Simulator::Impl::step() {
@@ -104,6 +106,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   }
   ran_out = false;
   report.substeps = 0;
+  report.ran_out = 0;
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -124,6 +127,11 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
+  if (report.ran_out > 0) {
+    report.reason += "; Newton's method ran out of iterations in " +
+                     std::to_string(report.ran_out) + " of " + std::to_string(report.substeps) +
+                     " substeps";
+  }
   if (ran_out) report.reason += "; passes ran out before every spring was within its strain limit";
   // Where pins ask for more than the strain limit grants, it pulls without end; that shows in the
   // stretch, and is no fault of the method.
@@ -154,7 +162,7 @@ bool Simulator::Impl::recover() {
     const std::string failed = method->choice.method;
     SimulationSpec last_resort = spec;
     last_resort.method = refuge;
-    method.emplace(last_resort, cloth);
+    method.emplace(last_resort, cloth, scene.colliders);
     method->choice.reason = "a frame of " + failed + " failed";
     return true;
   }
@@ -192,6 +200,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
+  report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
 
   const bool touches = self_contacts || !colliders.empty();
   if (touches && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
@@ -265,7 +274,7 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   spec.material = material;
   Cloth cloth = make_grid(spec);
   impl_->grips.hold(cloth);
-  check_feasible(simulation, cloth, impl_->state.positions, {"ks"});
+  check_feasible(simulation, cloth, impl_->scene.colliders, impl_->state.positions, {"ks"});
 
   // An impulse of pairs belongs to their masses.
   const bool density_changed = material.density != impl_->scene.cloth.material.density;

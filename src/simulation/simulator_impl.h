@@ -36,8 +36,8 @@ inline bool is_good(const State& state) {  // false for NaN
 
 /// How a scene with `cloth` is integrated, and by what.
 struct Method {
-  Method(const SimulationSpec& spec, const Cloth& cloth)
-      : choice(choose_method(spec, cloth)),
+  Method(const SimulationSpec& spec, const Cloth& cloth, const std::vector<ColliderSpec>& colliders)
+      : choice(choose_method(spec, cloth, colliders)),
         integrator(make_integrator(choice.method, spec.method_parameters)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
@@ -78,16 +78,16 @@ struct Simulator::Impl {
 
   /// Drops what methods and constraints remember of earlier steps.
   void forget() {
-    method.emplace(scene.simulation, cloth);
+    method.emplace(scene.simulation, cloth, scene.colliders);
     forget_constraints();
   }
 
   /// Takes the method that the scene asks for now. Goes on with the present one where it is the
   /// same, unless it is to be `anew`.
   void choose(bool anew) {
-    const MethodChoice choice = choose_method(scene.simulation, cloth);
+    const MethodChoice choice = choose_method(scene.simulation, cloth, scene.colliders);
     if (anew || choice.method != method->choice.method) {
-      method.emplace(scene.simulation, cloth);
+      method.emplace(scene.simulation, cloth, scene.colliders);
     } else {
       method->choice = choice;
       method->halvings = 0;

@@ -22,7 +22,7 @@ std::string vector_text(const Vector3& v) {
 /// What of a scene decides which numbers a memory has.
 std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
   const std::vector<std::string> names = method_names();
-  const std::string method = choose_method(scene.simulation, cloth).method;
+  const std::string method = choose_method(scene.simulation, cloth, scene.colliders).method;
   const auto place = std::find(names.begin(), names.end(), method) - names.begin();
   return {double{memory_version},
           static_cast<double>(cloth.columns),
@@ -83,7 +83,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   for (std::size_t i = 0; i < shape.size(); ++i) memory.number();
 
   // The method, which may be another one since a frame failed.
-  Method read_method(scene.simulation, cloth);
+  Method read_method(scene.simulation, cloth, scene.colliders);
   const std::vector<std::string> names = method_names();
   const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
   if (name != read_method.choice.method) {
@@ -92,7 +92,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     }
     SimulationSpec last_resort = scene.simulation;
     last_resort.method = refuge;
-    read_method = Method(last_resort, cloth);
+    read_method = Method(last_resort, cloth, scene.colliders);
     read_method.choice.reason = "a frame failed before the state that was set";
   }
   read_method.halvings = memory.index(max_halvings + 1);

@@ -107,6 +107,16 @@ TEST_F(WorkPrecision, EveryMethodIsChartedAndVerletFallsWithOrderTwo) {
   EXPECT_NEAR(std::log2(verlet.at(8) / verlet.at(16)), 2, 0.1);
 }
 
+TEST_F(WorkPrecision, AutoPassesOverNothingBetterAtItsCost) {
+  const std::vector<Row> rows = read(folder_ / "choices.csv");
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].at("method"), "verlet");
+  EXPECT_GT(number(rows[0], "predicted_error"), 0);
+  if (rows[0].at("passed_over").empty()) return;
+  EXPECT_LE(number(rows[0], "its_cost_ms_per_s"), number(rows[0], "cost_ms_per_s"));
+  EXPECT_LE(number(rows[0], "position_error"), 1.5 * number(rows[0], "its_position_error"));
+}
+
 TEST_F(WorkPrecision, FailuresAreRecordedWhereTheoryHasThem) {
   // Explicit methods beyond their limit, with room for a step that only just fails.
   int failed = 0;

@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "which chooses a method and its parameters"},
         Mistake{"simulation={method: magic, method_parameters: {iterations: 3}}",
                 "simulation.method: got \"magic\", expected one of auto, verlet, "
-                "symplectic_euler, rk4, implicit_euler, bdf2, projective_dynamics, xpbd"}));
+                "symplectic_euler, rk4, implicit_euler, bdf2, xpbd"}));
 
 INSTANTIATE_TEST_SUITE_P(
     WrongType, SceneMistake,

@@ -172,6 +172,31 @@ TEST(Simulator, ChangesSimulationBetweenFrames) {
   EXPECT_NEAR(simulator.state().velocities(63, 2), 0, 1e-12);
 }
 
+TEST(Simulator, SaysWhereNewtonsMethodRanOut) {
+  for (const std::string method : {"implicit_euler", "bdf2"}) {
+    Scene scene = hanging();
+    scene.cloth.material.strain_limit.reset();
+    scene.simulation.method = method;
+    scene.simulation.substeps = 2;
+    StepReport report = Simulator(scene).step();
+    EXPECT_EQ(report.ran_out, 0);
+    EXPECT_EQ(report.reason, "named by the scene");
+
+    NewtonSolver::Parameters few;
+    few.max_iterations = 1;
+    few.tolerance = 1e-9;
+    if (method == "bdf2") {
+      scene.simulation.method_parameters = Bdf2::Parameters{few};
+    } else {
+      scene.simulation.method_parameters = ImplicitEuler::Parameters{few};
+    }
+    report = Simulator(scene).step();
+    EXPECT_EQ(report.ran_out, 2);
+    EXPECT_EQ(report.reason,
+              "named by the scene; Newton's method ran out of iterations in 2 of 2 substeps");
+  }
+}
+
 TEST(Simulator, ChangesMethodAndItsParametersBetweenFrames) {
   Scene scene = hanging();
   scene.cloth.material.strain_limit.reset();

@@ -38,6 +38,8 @@ class Bdf2 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
+
   /// The history. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;
   void read(MemoryReader&, const Cloth&);

@@ -30,6 +30,8 @@ class ImplicitEuler {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
+
  private:
   NewtonSolver solver_;
   Points displacement_;  // by the springs [m], N x 3

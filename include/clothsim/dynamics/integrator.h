@@ -6,7 +6,6 @@
 
 #include "clothsim/dynamics/bdf2.h"
 #include "clothsim/dynamics/implicit_euler.h"
-#include "clothsim/dynamics/projective_dynamics.h"
 #include "clothsim/dynamics/rk4.h"
 #include "clothsim/dynamics/symplectic_euler.h"
 #include "clothsim/dynamics/verlet.h"
@@ -22,11 +21,12 @@ namespace clothsim {
 ///   it leave no displacement behind, drag included;
 /// - `step(const Cloth&, const Loads&, double h, State&, const Workers&)`, to the same bits with
 ///   any number of threads; Newton's method uses one;
+/// - `ran_out()`, whether the last step stopped iterating before it met its own tolerance;
 /// - `Parameters`, a struct of double and int with defaults, whose
 ///   `each(parameters, visit)` calls `visit(const char* key, value, const Range&)` for each, and
 ///   a constructor that takes it.
-using Integrator = std::variant<VelocityVerlet, SymplecticEuler, RungeKutta4, ImplicitEuler, Bdf2,
-                                ProjectiveDynamics, Xpbd>;
+using Integrator =
+    std::variant<VelocityVerlet, SymplecticEuler, RungeKutta4, ImplicitEuler, Bdf2, Xpbd>;
 
 template <typename Methods>
 struct ParametersOf;

@@ -39,6 +39,10 @@ class NewtonSolver {
   /// Newton steps taken.
   int solve(const Cloth&, const Scalars& weights, const Points& y, Points& d);
 
+  /// Whether the last solve() ended before a step was as small as `tolerance`: the iterations ran
+  /// out, or no share of a step made the potential fall.
+  bool ran_out() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

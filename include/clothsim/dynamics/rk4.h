@@ -30,6 +30,8 @@ class RungeKutta4 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  static constexpr bool ran_out() { return false; }  // see Integrator
+
  private:
   Points forces_;                          // [N], N x 3
   Points x_, v_;                           // of the stage

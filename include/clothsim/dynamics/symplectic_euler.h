@@ -29,6 +29,8 @@ class SymplecticEuler {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  static constexpr bool ran_out() { return false; }  // see Integrator
+
  private:
   Points forces_;  // [N], N x 3
 };

@@ -32,6 +32,8 @@ class VelocityVerlet {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  static constexpr bool ran_out() { return false; }  // see Integrator
+
  private:
   Points middle_;  // positions in the middle of the step [m], N x 3
   Points forces_;  // [N], N x 3

@@ -44,6 +44,8 @@ class Xpbd {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  static constexpr bool ran_out() { return false; }  // see Integrator
+
  private:
   struct Constraint {
     int a;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/simulation/scene.h"
@@ -21,8 +22,9 @@ struct MethodChoice {
 /// none is in real time, the cheapest. A given count of substeps is kept.
 ///
 /// A function of its arguments alone, so that equal scenes give equal bits on every machine: costs
-/// are known per spring or point, not measured as it runs. Errors are those of the springs'
-/// integration; the strain limit and contact have tolerances of their own.
-MethodChoice choose_method(const SimulationSpec&, const Cloth&);
+/// are known per spring or point, not measured as it runs. Errors are those of the integration of a
+/// cloth that starts as the scene has it and falls, swings or buckles; the strain limit and contact
+/// have tolerances of their own.
+MethodChoice choose_method(const SimulationSpec&, const Cloth&, const std::vector<ColliderSpec>&);
 
 }  // namespace clothsim

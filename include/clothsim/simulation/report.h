@@ -20,6 +20,7 @@ struct RunReport {
   double cpu_seconds = 0;  // of all threads
   StepReport last_frame;
   int recoveries = 0;       // frames taken back and tried again
+  long long ran_out = 0;    // substeps whose method stopped iterating before its tolerance
   long long held_back = 0;  // moves of points cut short, summed over the steps
   bool diverged = false;    // the simulator then holds the last good frame
 };

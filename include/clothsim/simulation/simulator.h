@@ -25,6 +25,7 @@ struct StepReport {
   int corrections = 0;         // passes that shortened springs still over the limit, likewise
   double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
   int contacts = 0;            // points on colliders plus those of self contact, last substep
+  int ran_out = 0;             // substeps whose method stopped iterating before its tolerance
   int held_back = 0;           // moves of points cut short lest the cloth cross itself
 };
 

@@ -22,7 +22,8 @@ bool wanted(const std::vector<std::string>& list, const std::string& name);
 /// A chart is a row of jobs, done in order; the last one writes its CSV.
 using Job = std::function<void()>;
 
-/// Error against cost of every method on each scene: methods.csv, references.csv.
+/// Error against cost of every method on each scene, and what `auto` chose: methods.csv,
+/// references.csv, choices.csv.
 std::vector<Job> methods_jobs(const Options&);
 
 /// The cheapest method by stiffness and number of points: winners.csv.

@@ -1,6 +1,11 @@
 #include "dials.h"
 
+#include <algorithm>
+#include <cmath>
 #include <variant>
+
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/model/grid.h"
 
 namespace clothsim::work_precision {
 namespace {
@@ -10,6 +15,9 @@ constexpr double newton_tolerance = 1e-8;
 
 /// Most substeps a frame that are carried to convergence: it costs milliseconds a step.
 constexpr int most_converged_substeps = 4;
+
+/// Of a stiff ribbon, they cost seconds.
+constexpr int most_explicit_substeps = 4096;
 
 template <typename Value>
 struct Assign {
@@ -53,9 +61,7 @@ Scene at(Scene scene, const Dial& dial) {
 }
 
 std::optional<Scene> converged(Scene scene, const Dial& dial) {
-  const bool solves_implicit_euler =
-      dial.method == ProjectiveDynamics::name || dial.method == Xpbd::name;
-  if (!solves_implicit_euler && !uses_newton(dial.method)) return {};
+  if (dial.method != Xpbd::name && !uses_newton(dial.method)) return {};
   if (!dial.substeps || *dial.substeps > most_converged_substeps) return {};
   scene = at(scene, {uses_newton(dial.method) ? dial.method : ImplicitEuler::name, dial.substeps});
   set_parameter(scene.simulation.method_parameters, "tolerance", newton_tolerance);
@@ -63,21 +69,23 @@ std::optional<Scene> converged(Scene scene, const Dial& dial) {
   return scene;
 }
 
-std::vector<Dial> dials(bool quick, int most_newton_substeps) {
-  const std::vector<int> explicit_steps =
+std::vector<Dial> dials(const Trial& trial, bool quick) {
+  std::vector<int> explicit_steps =
       quick ? std::vector{1, 4, 8, 16} : std::vector{1, 2, 3, 4, 5, 6, 8, 12, 16, 32, 64, 128};
-  std::vector<Dial> list{{"auto", {}}};
+  const Cloth cloth = make_grid(trial.scene.cloth);
+  const double least =
+      omega_max_bound(cloth, cloth.rest_positions) / (2 * trial.scene.simulation.frames_per_second);
+  const int unit = std::max(1, static_cast<int>(std::lround(least / 4)));
+  for (int& steps : explicit_steps) steps = std::min(steps * unit, most_explicit_substeps);
+  explicit_steps.erase(std::unique(explicit_steps.begin(), explicit_steps.end()),
+                       explicit_steps.end());
+  std::vector<Dial> list;
+  if (!trial.reference_damping) list.push_back({"auto", {}});  // it chooses for motion
   for (const std::string& method : method_names()) {
     if (uses_newton(method)) {
-      for (int n = 1; n <= most_newton_substeps; n *= 2) list.push_back({method, n});
-    } else if (method == ProjectiveDynamics::name) {
-      for (const int n : quick ? std::vector{1} : std::vector{1, 4, 16}) {
-        for (const int iterations : quick ? std::vector{10} : std::vector{1, 5, 20}) {
-          list.push_back({method, n, iterations});
-        }
-      }
+      for (int n = 1; n <= trial.most_newton_substeps; n *= 2) list.push_back({method, n});
     } else if (method == Xpbd::name) {
-      for (const int n : quick ? std::vector{8} : std::vector{4, 8, 16, 30, 64, 128, 256}) {
+      for (const int n : quick ? std::vector{8} : std::vector{1, 2, 4, 8, 16, 30, 64, 128, 256}) {
         list.push_back({method, n, 1});
       }
       if (!quick) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/simulation/scene.h"
+#include "scenes.h"
 
 namespace clothsim::work_precision {
 
@@ -19,12 +20,12 @@ struct Dial {
 Scene at(Scene, const Dial&);
 
 /// The same with the method's iterations carried to convergence, so that only its scheme's error is
-/// left. Empty for methods that do not iterate. Projective dynamics and XPBD converge to implicit
-/// Euler.
+/// left. Empty for methods that do not iterate. XPBD converges to implicit Euler.
 std::optional<Scene> converged(Scene, const Dial&);
 
-/// `auto`, and every method from its coarsest step to its finest, those that solve by Newton's
-/// method to `most_newton_substeps`. Quick: few and cheap.
-std::vector<Dial> dials(bool quick, int most_newton_substeps);
+/// `auto`, and every method from its coarsest step to its finest: explicit ones from a fourth of
+/// what Verlet's limit asks for, those that solve by Newton's method to the trial's
+/// `most_newton_substeps`. Quick: few and cheap.
+std::vector<Dial> dials(const Trial&, bool quick);
 
 }  // namespace clothsim::work_precision

@@ -1,14 +1,17 @@
 // Error against CPU time for every method on each scene.
 
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "chart.h"
 #include "dials.h"
 #include "peers.h"
 #include "score.h"
 #include "table.h"
+#include "verdict.h"
 
 namespace clothsim::work_precision {
 namespace {
@@ -29,6 +32,8 @@ struct Tables {
               "predicted_error"}};
   Table references{{"scene", "columns", "seconds", "substeps", "smooth", "order", "cross_check",
                     "uncertainty", "twin_growth", "horizon_s", "own_error"}};
+  Table choices{{"scene", "method", "cost_ms_per_s", "position_error", "predicted_error",
+                 "passed_over", "its_cost_ms_per_s", "its_position_error"}};
 };
 
 /// A trial's reference, made by its first job, and the converged runs of iterative schemes.
@@ -38,6 +43,9 @@ struct Judge {
   const Trial trial;
   Reference reference;
   std::map<std::pair<std::string, int>, Trajectory> converged_runs;
+  std::optional<Contender> chosen;  // by `auto`
+  double predicted_error = 0;       // by it
+  std::vector<Contender> others;
 
   /// The run of the same scheme without solver error; null where it does not iterate.
   const Trajectory* converged_run(const Dial& dial) {
@@ -52,6 +60,13 @@ struct Judge {
   }
 };
 
+/// The least error of a run that the reference can tell.
+double least_error(const Reference& reference) {
+  double own = 0;
+  for (std::size_t i = 0; i < reference.horizon; ++i) own = std::max(own, reference.own_error(i));
+  return own / trusted;
+}
+
 void add_reference(const Judge& judge, Tables& tables) {
   const Trial& trial = judge.trial;
   const Reference& reference = judge.reference;
@@ -63,10 +78,7 @@ void add_reference(const Judge& judge, Tables& tables) {
   const double seconds = reference.trajectory.back().time;
   const double horizon =
       reference.horizon > 0 ? reference.trajectory[reference.horizon - 1].time : 0;
-  double own_error = 0;  // up to there
-  for (std::size_t i = 0; i < reference.horizon; ++i) {
-    own_error = std::max(own_error, reference.own_error(i));
-  }
+  const double own_error = trusted * least_error(reference);  // up to there
   tables.references.add({trial.name, trial.scene.cloth.columns, seconds, reference.substeps,
                          trial.smooth ? 1 : 0, reference.order, reference.cross_check, uncertainty,
                          growth, horizon, own_error});
@@ -77,7 +89,7 @@ void add_reference(const Judge& judge, Tables& tables) {
   std::fflush(stdout);
 }
 
-void add_run(const Judge& judge, const std::string& name, const Dial& dial, const Run& run,
+void add_run(Judge& judge, const std::string& name, const Dial& dial, const Run& run,
              const Trajectory* solved, Tables& tables) {
   const Score s = score(run, judge.reference, judge.trial);
   const bool failed = run.outcome == Outcome::done && s.position >= lost;
@@ -110,6 +122,29 @@ void add_run(const Judge& judge, const std::string& name, const Dial& dial, cons
                    scheme_error,
                    s.horizon,
                    run.predicted_error});
+  if (failed || run.outcome != Outcome::done) return;
+  const double least = least_error(judge.reference);
+  const Contender contender{run.method, run.cost, std::isnan(s.position) ? least : s.position};
+  if (name == "auto") {
+    judge.chosen = contender;
+    judge.predicted_error = run.predicted_error;
+  } else if (wanted(method_names(), name)) {
+    judge.others.push_back(contender);
+  }
+}
+
+/// What `auto` chose, how far off it foretold, and what it passed over.
+void add_choice(const Judge& judge, Tables& tables) {
+  if (!judge.chosen) return;
+  const Contender& chosen = *judge.chosen;
+  const Contender best =
+      best_passed_over(chosen, judge.others).value_or(Contender{"", Score::none, Score::none});
+  tables.choices.add({judge.trial.name, chosen.method, chosen.cost, chosen.error,
+                      judge.predicted_error, best.method, best.cost, best.error});
+  std::printf("%-16s auto: %s, error %.1e, foretold %.1e; passed over at its cost: %s %.1e\n",
+              judge.trial.name.c_str(), chosen.method.c_str(), chosen.error, judge.predicted_error,
+              best.method.empty() ? "none" : best.method.c_str(), best.error);
+  std::fflush(stdout);
 }
 
 }  // namespace
@@ -124,7 +159,7 @@ std::vector<Job> methods_jobs(const Options& options) {
       judge->reference = make_reference(judge->trial);
       add_reference(*judge, *tables);
     });
-    for (const Dial& dial : dials(options.quick, trial.most_newton_substeps)) {
+    for (const Dial& dial : dials(trial, options.quick)) {
       if (!wanted(options.methods, dial.method)) continue;
       jobs.push_back([=] {
         const Run result =
@@ -141,10 +176,12 @@ std::vector<Job> methods_jobs(const Options& options) {
     }
     // After each scene, so that a run that is broken off leaves something.
     jobs.push_back([=] {
+      add_choice(*judge, *tables);
       judge->reference = {};
       judge->converged_runs.clear();
       tables->runs.write(options.output / "methods.csv");
       tables->references.write(options.output / "references.csv");
+      tables->choices.write(options.output / "choices.csv");
     });
   }
   return jobs;

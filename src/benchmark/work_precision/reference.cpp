@@ -13,7 +13,7 @@ namespace {
 constexpr double nudge = 1e-10;  // of the size
 
 /// How far inside Verlet's limit its coarsest reference run stays: h omega is 2 / refinement at
-/// most.
+/// most, or as near to it as the most substeps a frame may have allow.
 constexpr double refinement = 16;
 constexpr double rough_refinement = 32;  // where contact or the strain limit lower the order
 constexpr double cheap_refinement = 1.25;
@@ -103,8 +103,12 @@ Reference make_cheap_reference(const Trial& trial) {
   return extrapolate(trial, substeps_of(trial.scene, cheap_refinement));
 }
 
-Reference make_reference(const Trial& trial) {
-  const int coarsest = substeps_of(trial.scene, trial.smooth ? refinement : rough_refinement);
+Reference make_reference(const Trial& original) {
+  Trial trial = original;
+  Material& material = trial.scene.cloth.material;
+  material.damping = trial.reference_damping.value_or(material.damping);
+  const int wanted = substeps_of(trial.scene, trial.smooth ? refinement : rough_refinement);
+  const int coarsest = std::min(wanted, max_substeps / 4);
   Reference reference = extrapolate(trial, coarsest);
 
   // Another method, and twins of one method.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct Trial {
   bool smooth;               // neither contact nor strain limit: the reference must show its order
   int most_newton_substeps;  // finest step of the methods that cost milliseconds a step
   bool split;                // solver and scheme error are told apart
+  /// Drag of the reference, where it is not the scene's [1/s]: a shape at rest does not depend on
+  /// it.
+  std::optional<double> reference_damping{};
 };
 
 /// A shipped scene with `side` x `side` points, its pins kept at the corners.

@@ -75,7 +75,7 @@ bool is_stable(Scene scene, const std::string& method, int steps, Points& end) {
 
 int finest(const std::string& method) {
   if (method == ImplicitEuler::name || method == Bdf2::name) return most_newton_steps;
-  if (method == ProjectiveDynamics::name || method == Xpbd::name) return most_iterative_steps;
+  if (method == Xpbd::name) return most_iterative_steps;
   return most_steps;
 }
 

@@ -58,10 +58,6 @@ std::vector<Dial> cell_dials(const Scene& scene, bool quick) {
     if (std::isfinite(limit)) {
       const int least = static_cast<int>(std::ceil(1.05 * angle / limit));
       for (const int factor : {1, 2, 4, 8}) list.push_back({method, factor * least});
-    } else if (method == ProjectiveDynamics::name) {
-      for (const int n : {1, 4, 16}) {
-        for (const int iterations : {5, 20}) list.push_back({method, n, iterations});
-      }
     } else if (method == Xpbd::name) {
       for (const int n : {4, 16, 64, 256}) list.push_back({method, n, 1});
     } else {
