@@ -13,11 +13,25 @@ Changes::Changes(ros::NodeHandle& node, const Pacer& pacer, const std::uint64_t&
       frame_number_(frame_number),
       publisher_(node.advertise<clothsim::Change>("changes", change_queue)) {}
 
-void Changes::publish(const std::string& service, clothsim::Change change) {
-  change.service = service;
+void Changes::publish(const std::string& what, clothsim::Change change) {
+  change.what = what;
   change.stamp = pacer_.now();
   change.step = frame_number_;
   publisher_.publish(change);
+  if (what == "reset") told_.clear();
+}
+
+void Changes::follow(const TfFrame& frame) {
+  if (!frame.pose()) return;
+  const std::string& name = frame.status().frame;
+  const auto told = told_.find(name);
+  if (told != told_.end() && told->second == frame.transform()) return;
+  told_[name] = frame.transform();
+
+  clothsim::Change change;
+  change.frame = name;
+  change.transform = frame.transform();
+  publish("tf", change);
 }
 
 }  // namespace clothsim_ros

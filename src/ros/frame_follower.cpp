@@ -47,6 +47,10 @@ void FrameFollower::move(clothsim::Simulator& simulator) {
   }
 }
 
+void FrameFollower::tell(Changes& changes) const {
+  for (const Follower& follower : followers_) changes.follow(follower.frame);
+}
+
 void FrameFollower::reset() {
   forget_applied();
   for (Follower& follower : followers_) follower.pin_offset.reset();

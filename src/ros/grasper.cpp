@@ -41,6 +41,7 @@ void Grasper::look_up() {
 
 void Grasper::move() {
   for (const auto& [name, frame] : frames_) {
+    changes_.follow(frame);
     if (frame.pose()) simulator_.move_grip(name, *frame.pose());
   }
 }
@@ -121,6 +122,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     follow_grips();
     look_up();
     publisher_of(request.frame);
+    changes_.follow(frame);
     clothsim::Change change;
     change.frame = request.frame;
     change.points.assign(points.begin(), points.end());

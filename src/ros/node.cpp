@@ -104,6 +104,7 @@ bool Node::simulate_frame(Turn turn) {
   const TimeShares::Scope scope(time_, TimeShares::Use::simulating);
   const double frame_duration = simulator_.frame_duration();
   follower_.look_up();
+  follower_.tell(changes_);
   follower_.move(simulator_);
   grasper_.look_up();
   grasper_.move();

@@ -61,6 +61,7 @@ bool TfFrame::read() {
     const clothsim::Pose pose = to_pose(transform.transform);
     if (is_usable(pose)) {
       pose_ = pose;
+      transform_ = transform.transform;
       stamp_ = transform.header.stamp;
       status_.seen = true;
     } else {

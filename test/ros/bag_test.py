@@ -24,8 +24,7 @@ from cloth_client import (PATIENCE, Cloth, Recorder, call, content, make_transfo
                           publisher_at_once, wait_for)
 
 FRAMES = 60  # by then the cloth is on the sphere
-TOPICS = ["/clothsim/state", "/tf", "/tf_static"]
-CHANGES = "/clothsim/changes"
+STATES, CHANGES = "/clothsim/state", "/clothsim/changes"
 CORNER = 0  # where the hand is
 LIVE = {"ks": 5000.0, "damping": 5.4, "gravity_x": 0.0}  # at the start
 
@@ -47,15 +46,13 @@ class Bag(unittest.TestCase):
     def put_sphere(self, x, height):
         self.tf.publish([make_transform("sphere", (x, 0.5, height), stamp=rospy.Time.now())])
 
-    def record(self, name, run, topics=TOPICS):
+    def record(self, name, run):
         """The bag of what is published while run() runs."""
         path = os.path.join(self.folder, name + ".bag")
-        recorder = subprocess.Popen(["rosbag", "record", "-O", path] + topics,
+        recorder = subprocess.Popen(["rosbag", "record", "-O", path, STATES, CHANGES],
                                     stdout=subprocess.DEVNULL)
-        for topic in topics:
-            if topic.startswith("/clothsim"):
-                wait_for(lambda t=topic: self.records(t), "the recorder of " + topic)
-        wait_for(lambda: self.tf.get_num_connections() == 2, "that of transforms")
+        for topic in (STATES, CHANGES):
+            wait_for(lambda t=topic: self.records(t), "the recorder of " + topic)
         run()
         wait_for(lambda: os.path.exists(path + ".active"), "the bag")
         time.sleep(1)  # what is on its way
@@ -111,7 +108,7 @@ class Bag(unittest.TestCase):
     @staticmethod
     def contents(path):
         with rosbag.Bag(path) as bag:
-            states = [content(m) for _, m, _ in bag.read_messages(TOPICS[:1])]
+            states = [content(m) for _, m, _ in bag.read_messages(STATES)]
         start = max(i for i, state in enumerate(states) if state[0] == 0)
         return states[start:]  # from the last reset on
 
@@ -128,24 +125,24 @@ class Bag(unittest.TestCase):
         self.assertEqual(answers[0].stdout, "%d frames, the same bits\n" % FRAMES)
         self.assertEqual(self.contents(again), recorded)
 
-        # Another value: it is found.
-        self.live.update_configuration({"damping": 5.5})
-        answer = self.replay(path)
-        self.assertEqual(answer.returncode, 1)
-        self.assertRegex(answer.stderr, "^frame 1: ")
-        self.live.update_configuration({"damping": 5.4})
-        self.assertEqual(self.replay(path).returncode, 0)
+        # Another scene: it is found.
+        for height, code, message in ((1.001, 1, "^frame 1: "), (1, 0, "^$")):
+            rospy.set_param("/clothsim/scene/cloth/origin", [0, 0, height])
+            self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
+            answer = self.replay(path)
+            self.assertEqual(answer.returncode, code)
+            self.assertRegex(answer.stderr, message)
 
         # A bag without the start of a run.
         answer = self.replay(self.record("late", lambda: self.cloth.step(3)))
         self.assertEqual(answer.returncode, 1)
-        self.assertIn("no frame of /clothsim/state after a ~reset", answer.stderr)
+        self.assertIn("no ~reset on /clothsim/changes", answer.stderr)
 
     def test_bag_with_calls(self):
         """Live values and attached points come from the bag."""
-        path = self.record("calls", self.run_with_calls, TOPICS + [CHANGES])
+        path = self.record("calls", self.run_with_calls)
         with rosbag.Bag(path) as bag:
-            calls = [m.service for _, m, _ in bag.read_messages(CHANGES)]
+            calls = [m.what for _, m, _ in bag.read_messages(CHANGES) if m.what != "tf"]
         self.assertEqual(calls, ["reset", "set_parameters", "attach", "detach", "attach",
                                  "set_parameters"])
         recorded = self.contents(path)
@@ -163,16 +160,18 @@ class Bag(unittest.TestCase):
         self.assertEqual(self.contents(again), recorded)
         self.live.update_configuration(LIVE)
 
-        # Without the calls it is not the same, and said so.
-        answer = self.replay(self.without_changes(path))
-        self.assertEqual(answer.returncode, 1)
-        self.assertRegex(answer.stderr, "^frame 1[1-9]: ")
+        # Without one of the changes it is not the same, and said so.
+        for what, frame in (("set_parameters", 11), ("attach", 22), ("detach", 37), ("tf", 22)):
+            answer = self.replay(self.without(path, what))
+            self.assertEqual(answer.returncode, 1, what)
+            self.assertRegex(answer.stderr, "^frame %d: " % frame, what)
 
-    def without_changes(self, path):
+    def without(self, path, what):
         copy = os.path.join(self.folder, "less.bag")
         with rosbag.Bag(path) as whole, rosbag.Bag(copy, "w") as less:
-            for topic, message, stamp in whole.read_messages(TOPICS):
-                less.write(topic, message, stamp)
+            for topic, message, stamp in whole.read_messages():
+                if topic != CHANGES or message.what != what:
+                    less.write(topic, message, stamp)
         return copy
 
     def test_calls_that_are_not_repeated(self):
@@ -185,7 +184,7 @@ class Bag(unittest.TestCase):
                 self.assertTrue(call("/clothsim/save_state", SaveState, "a").success)
                 answer = call("/clothsim/" + name, *args)
                 self.assertTrue(answer.success, answer.message)
-            answer = self.replay(self.record(name, run, TOPICS + [CHANGES]))
+            answer = self.replay(self.record(name, run))
             self.assertEqual(answer.returncode, 1)
             self.assertEqual(answer.stderr, "frame 3: ~%s was called, which is not repeated\n" % name)
 
@@ -199,7 +198,7 @@ class Bag(unittest.TestCase):
         self.live.update_configuration({"ks": -1.0})
         self.live.update_configuration(LIVE)
         wait_for(lambda: len(changes.all()) >= 2, "the calls that were not refused")
-        self.assertEqual([m.service for m in changes.all()], ["reset", "set_parameters"])
+        self.assertEqual([m.what for m in changes.all()], ["reset", "set_parameters"])
         self.assertEqual([m.step for m in changes.all()][1:], [0])
         changes.close()
 

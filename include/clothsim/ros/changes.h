@@ -5,25 +5,32 @@
 #include <ros/publisher.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "clothsim/ros/pacer.h"
+#include "clothsim/ros/tf_frame.h"
 
 namespace clothsim_ros {
 
-/// Tells on ~changes which calls changed how the simulation goes on, for bags.
+/// Tells on ~changes which calls and which tf frames changed how the simulation goes on, for bags.
 class Changes {
  public:
   /// Pacer and `frame_number` must outlive this.
   Changes(ros::NodeHandle&, const Pacer&, const std::uint64_t& frame_number);
 
-  /// To be called before a call has changed the frame number. Adds when that is.
-  void publish(const std::string& service, clothsim::Change = {});
+  /// A call came. To be called before it changes the frame number. Adds what it is and when.
+  void publish(const std::string& what, clothsim::Change = {});
+
+  /// The next frame goes by the latest transform of `frame`, if there is one. Tells where that is
+  /// another than at the last call; after a reset all are told.
+  void follow(const TfFrame& frame);
 
  private:
   const Pacer& pacer_;
   const std::uint64_t& frame_number_;
   ros::Publisher publisher_;
+  std::map<std::string, geometry_msgs::Transform> told_;  // by frame
 };
 
 }  // namespace clothsim_ros

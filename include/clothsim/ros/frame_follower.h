@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "clothsim/ros/changes.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -25,6 +26,9 @@ class FrameFollower {
 
   /// To be called when the simulator was reset: the next move is a first one again.
   void reset();
+
+  /// Tells of what move() goes by.
+  void tell(Changes&) const;
 
   /// As move(), but places colliders at once: to be called when the simulator went to another
   /// state.

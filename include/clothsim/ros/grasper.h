@@ -25,7 +25,7 @@ class Grasper {
   /// Reads the latest transforms.
   void look_up();
 
-  /// Hands what look_up() found to the simulator, for its next frame.
+  /// Hands what look_up() found to the simulator, for its next frame, and tells of it.
   void move();
 
   /// A frame has been simulated. Publishes the wrenches, each in its frame.

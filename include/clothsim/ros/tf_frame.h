@@ -68,6 +68,9 @@ class TfFrame {
   /// Of the frame in the world; empty until it is seen.
   const std::optional<clothsim::Pose>& pose() const { return pose_; }
 
+  /// What that was made of.
+  const geometry_msgs::Transform& transform() const { return transform_; }
+
   const FrameStatus& status() const { return status_; }
 
  private:
@@ -76,6 +79,7 @@ class TfFrame {
   TfListener* tf_;
   FrameStatus status_;
   std::optional<clothsim::Pose> pose_;
+  geometry_msgs::Transform transform_;
   ros::Time stamp_;  // of that; zero: a static transform
 };
 
