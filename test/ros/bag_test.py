@@ -8,10 +8,8 @@ import subprocess
 import tempfile
 import time
 import unittest
-from xmlrpc.client import ServerProxy
 
 import rosbag
-import rosgraph
 import roslib.packages
 import rospy
 import rostest
@@ -20,8 +18,8 @@ from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import Change
 from clothsim.srv import (Attach, Detach, GetState, LoadScene, RestoreState, SaveState, SetState)
-from cloth_client import (PATIENCE, Cloth, Recorder, call, content, make_transform, positions,
-                          publisher_at_once, wait_for)
+from cloth_client import (PATIENCE, Cloth, Recorder, call, content, is_connected, make_transform,
+                          positions, publisher_at_once, wait_for)
 
 FRAMES = 60  # by then the cloth is on the sphere
 STATES, CHANGES = "/clothsim/state", "/clothsim/changes"
@@ -52,7 +50,7 @@ class Bag(unittest.TestCase):
         recorder = subprocess.Popen(["rosbag", "record", "-O", path, STATES, CHANGES],
                                     stdout=subprocess.DEVNULL)
         for topic in (STATES, CHANGES):
-            wait_for(lambda t=topic: self.records(t), "the recorder of " + topic)
+            wait_for(lambda t=topic: is_connected(t, "/record"), "the recorder of " + topic)
         run()
         wait_for(lambda: os.path.exists(path + ".active"), "the bag")
         time.sleep(1)  # what is on its way
@@ -60,12 +58,6 @@ class Bag(unittest.TestCase):
         recorder.wait(PATIENCE)
         wait_for(lambda: os.path.exists(path), "the bag")
         return path
-
-    @staticmethod
-    def records(topic):
-        """Whether rosbag is connected to a topic of the node."""
-        node = ServerProxy(rosgraph.Master("/bag_test").lookupNode("/clothsim"))
-        return any("/record" in c[1] and c[4] == topic for c in node.getBusInfo("/bag_test")[2])
 
     def run_lockstep(self):
         """The sphere rises and goes aside under the cloth, a step at a time."""

@@ -6,8 +6,10 @@ import threading
 import time
 import unittest
 import warnings
+from xmlrpc.client import ServerProxy
 
 import numpy as np
+import rosgraph
 import rospy
 from geometry_msgs.msg import TransformStamped
 from std_srvs.srv import SetBool, Trigger
@@ -56,6 +58,12 @@ def make_transform(frame, place, angle=0.0, parent="map", stamp=None):
     t.transform.translation.x, t.transform.translation.y, t.transform.translation.z = place
     t.transform.rotation.z, t.transform.rotation.w = math.sin(angle / 2), math.cos(angle / 2)
     return t
+
+
+def is_connected(topic, name):
+    """Whether a topic of /clothsim goes to a node with that in its name."""
+    node = ServerProxy(rosgraph.Master("/test").lookupNode("/clothsim"))
+    return any(name in c[1] and c[4] == topic for c in node.getBusInfo("/test")[2])
 
 
 class Recorder:

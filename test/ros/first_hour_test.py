@@ -19,7 +19,7 @@ from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
 from visualization_msgs.msg import MarkerArray
 
-from cloth_client import PATIENCE, Cloth, Recorder, marker_named, point, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, is_connected, marker_named, point, wait_for
 
 
 def read_section(title):
@@ -101,9 +101,10 @@ class FirstHour(unittest.TestCase):
         if service:
             rospy.wait_for_service(service.group(1), PATIENCE)
         for process in self.going_on:
-            if "record" in process.args and process.poll() is None:
-                wait_for(lambda: os.path.exists(os.path.join(self.folder, "run.bag.active")), "a bag")
-                rospy.sleep(0.5)
+            if "record" in process.args:
+                for topic in re.findall(r"/clothsim/\w+", process.args):
+                    wait_for(lambda p=process, t=topic: p.poll() is not None
+                             or is_connected(t, "/recorder"), "the recorder")
         if "replay_bag" in command:
             wait_for(lambda: os.path.exists(os.path.join(self.folder, "run.bag")), "the bag")
         if "attach" in command:
