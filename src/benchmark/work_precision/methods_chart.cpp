@@ -30,8 +30,9 @@ struct Tables {
               "energy_error",   "momentum_error", "centre_error", "worst_stretch",
               "p99_stretch",    "solver_error",   "scheme_error", "horizon_s",
               "predicted_error"}};
-  Table references{{"scene", "columns", "seconds", "substeps", "smooth", "order", "cross_check",
-                    "uncertainty", "twin_growth", "horizon_s", "own_error"}};
+  Table references{{"scene", "columns", "rows", "compared", "seconds", "substeps", "smooth",
+                    "order", "cross_check", "uncertainty", "twin_growth", "horizon_s",
+                    "own_error"}};
   Table choices{{"scene", "method", "cost_ms_per_s", "position_error", "predicted_error",
                  "passed_over", "its_cost_ms_per_s", "its_position_error"}};
 };
@@ -79,9 +80,10 @@ void add_reference(const Judge& judge, Tables& tables) {
   const double horizon =
       reference.horizon > 0 ? reference.trajectory[reference.horizon - 1].time : 0;
   const double own_error = trusted * least_error(reference);  // up to there
-  tables.references.add({trial.name, trial.scene.cloth.columns, seconds, reference.substeps,
-                         trial.smooth ? 1 : 0, reference.order, reference.cross_check, uncertainty,
-                         growth, horizon, own_error});
+  tables.references.add({trial.name, trial.scene.cloth.columns, trial.scene.cloth.rows,
+                         trial.compared == Compared::rest_shape ? "rest_shape" : "all_frames",
+                         seconds, reference.substeps, trial.smooth ? 1 : 0, reference.order,
+                         reference.cross_check, uncertainty, growth, horizon, own_error});
   std::printf(
       "%-16s reference: order %.3f, its own error %.1e, distance to rk4 %.1e, a nudge grows"
       " %.3g times, compared up to %.3g s\n",
