@@ -60,6 +60,7 @@ Node::Node()
       diagnostics_(parameters_.limits) {
   serve_live_values();
   if (parameters_.publish_clock) {
+    tf_.listen();  // by this clock nobody sends while ~attach waits for a first transform
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
   }

@@ -8,8 +8,10 @@ import roslib.packages
 import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
+from tf2_ros import TransformBroadcaster
 
-from cloth_client import PATIENCE, Cloth, Recorder
+from clothsim.srv import Attach, Detach
+from cloth_client import PATIENCE, Cloth, Recorder, call, make_transform
 
 NANOSECONDS_A_FRAME = 1e9 / 90
 
@@ -51,6 +53,21 @@ class PublishClock(unittest.TestCase):
             self.assertLess(before.header.stamp, after.header.stamp)
             frames = (after.header.stamp - begin).to_nsec() / NANOSECONDS_A_FRAME
             self.assertAlmostEqual(frames, round(frames), delta=1e-6)
+
+    def test_attach_to_a_frame_that_goes_by_its_clock(self):
+        """While a call waits the clock stands, and with it who sends the frame."""
+        cloth = Cloth()
+        cloth.states.wait("a state")
+        cloth.pause(False)
+        broadcaster = TransformBroadcaster()
+        timer = rospy.Timer(rospy.Duration(1 / 90), lambda _: broadcaster.sendTransform(
+            make_transform("hand", (0, 0, 1), stamp=rospy.Time.now())))
+        before = cloth.states.all()[-1].step
+        cloth.states.wait("a second with the hand", lambda s: s.step > before + 90)
+        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)
+        timer.shutdown()
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
 
     def test_refuses_a_second_source(self):
         Cloth().states.wait("a state of the first source")
