@@ -10,12 +10,6 @@ namespace {
 /// tree small.
 constexpr int most_leaves = 4;
 
-// Written out: Eigen's own goes through arrays of three, at twice the time.
-bool overlap(const Box& p, const Box& q) {
-  return p.min().x() <= q.max().x() && q.min().x() <= p.max().x() && p.min().y() <= q.max().y() &&
-         q.min().y() <= p.max().y() && p.min().z() <= q.max().z() && q.min().z() <= p.max().z();
-}
-
 }  // namespace
 
 BoxTree::BoxTree(const std::vector<Box>& boxes) {

@@ -1,6 +1,7 @@
 #include "clothsim/collision/near_pairs.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -20,22 +21,18 @@ constexpr double far_slack_share = 0.5;
 constexpr int patch_cells = 4;
 constexpr double pairing_sides = 0.5;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// Most pairs of features of two cells.
 constexpr std::uint64_t most_of_cells = 64;
 
 Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
 
-template <std::size_t count>
-Box around(const Points& positions, const std::array<int, count>& points) {
-  Box box(row(positions, points[0]));
-  for (std::size_t i = 1; i < count; ++i) box.extend(row(positions, points[i]));
+template <typename List>
+Box around(const Points& positions, const List& points) {
+  Box box;
+  for (const int i : points) box.extend(row(positions, i));
   return box;
-}
-
-/// Are two boxes within a distance of each other along each axis?
-bool overlap(const Box& p, const Box& q, double within) {
-  return ((p.min() - q.max()).array() <= within).all() &&
-         ((q.min() - p.max()).array() <= within).all();
 }
 
 bool share_a_point(const SurfacePair& pair) {
@@ -50,7 +47,8 @@ const T& of(const std::vector<T>& list, int i) {
 
 }  // namespace
 
-NearPairs::NearPairs(const Cloth& cloth) : mesh_(cloth), nearest_(cloth) {
+NearPairs::NearPairs(const Cloth& cloth)
+    : mesh_(cloth), nearest_(cloth), patches_(cut_into_patches(cloth, patch_cells)) {
   const Points& x = cloth.rest_positions;
   const double along_row = (x.row(1) - x.row(0)).norm();
   const double along_column = (x.row(cloth.columns) - x.row(0)).norm();
@@ -58,119 +56,93 @@ NearPairs::NearPairs(const Cloth& cloth) : mesh_(cloth), nearest_(cloth) {
   // A point and the long side of a triangle; two diagonals side by side are as far apart.
   least_rest_distance_ = along_row * along_column / std::hypot(along_row, along_column);
   margin_ = margin_share * least_rest_distance_;
-  cut_into_patches(cloth);
+  bounds_.resize(static_cast<std::size_t>(mesh_.num_cells()));
 }
 
-void NearPairs::cut_into_patches(const Cloth& cloth) {
-  for (int row = 0; row < mesh_.cell_rows; row += patch_cells) {
-    for (int column = 0; column < mesh_.cell_columns; column += patch_cells) {
-      const int end_row = std::min(row + patch_cells, mesh_.cell_rows);
-      const int end_column = std::min(column + patch_cells, mesh_.cell_columns);
-      Patch patch;
-      for (int r = row; r <= end_row; ++r) {
-        for (int c = column; c <= end_column; ++c) {
-          patch.points.push_back(r * cloth.columns + c);
-          if (r < end_row && c < end_column) patch.cells.push_back(r * mesh_.cell_columns + c);
-        }
-      }
-      patches_.push_back(std::move(patch));
-    }
-  }
-}
-
-const std::vector<NearPair>& NearPairs::measure(const Cloth& cloth, const Points& positions) {
-  follow(positions);
-  bool bounded = false;
-  const double reach = 2 * cloth.thickness + margin_;
-  const double most_spread = pairing_sides * patch_cells * spacing_;
-  if (patch_pairs_.empty() || 2 * spread_ > most_spread) {
-    bound(cloth, positions);
-    bounded = true;
-    pair_patches(reach + most_spread);
-  }
-
+const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Points& positions,
+                                                    const Points& ahead) {
+  advance(cloth, positions);
+  motions_.follow(patches_, positions, ahead);
   near_.clear();
   for (PatchPair& pair : patch_pairs_) {
-    const Patch &p = of(patches_, pair.p), &q = of(patches_, pair.q);
-    pair.moved += (p.way - q.way).norm() + p.deviation + q.deviation;
-    if (pair.moved >= pair.allowance) {
-      if (!bounded) bound(cloth, positions);
-      bounded = true;
-      seek(cloth, positions, pair);
-    }
-    for (std::size_t k = 0; k < pair.candidates.size(); ++k) {
-      if (pair.wake_at[k] > pair.moved) continue;
-      Candidate& candidate = pair.candidates[k];
-      const double near = candidate.pair.nearest + margin_;
-      double distance = gap_along(candidate.direction, candidate.pair, positions);
-      if (distance <= near) {
-        const Separation s = separation(candidate.pair, positions);
-        distance = s.distance;
-        candidate.direction = s.normal;
-        if (distance <= near) near_.push_back({candidate.key, candidate.pair, s});
-      }
-      pair.wake_at[k] = pair.moved + distance - near;
-    }
+    const double closing = motions_.between(pair.p, pair.q);
+    const double most = std::clamp(closing, least_margin(), margin_);
+    if (pair.least_wake - pair.moved > most) continue;
+    collect(positions, pair, [most](double) { return most; });
   }
   return near_;
 }
 
-/// How patches have moved, and all points beyond the cloth's common way.
-void NearPairs::follow(const Points& positions) {
-  if (last_.rows() == 0) {
-    last_ = positions;
-    return;
+const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
+                                               double distance) {
+  assert(distance <= reach());
+  advance(cloth, positions);
+  near_.clear();
+  for (PatchPair& pair : patch_pairs_) {
+    if (pair.least_wake - pair.moved + pair.least_nearest > distance) continue;
+    collect(positions, pair, [distance](double nearest) { return distance - nearest; });
   }
-  const Points ways = positions - last_;
-  last_ = positions;
-  const Eigen::RowVector3d common = ways.colwise().mean();
-  spread_ += std::sqrt((ways.rowwise() - common).rowwise().squaredNorm().maxCoeff());
-  for (Patch& patch : patches_) {
-    patch.way.setZero();
-    for (const int i : patch.points) patch.way += row(ways, i);
-    patch.way /= static_cast<double>(patch.points.size());
-    double farthest2 = 0;
-    for (const int i : patch.points) {
-      farthest2 = std::max(farthest2, (row(ways, i) - patch.way).squaredNorm());
+  return near_;
+}
+
+/// Measures what may be within `reach`, of its nearest distance, beyond that.
+template <typename Reach>
+void NearPairs::collect(const Points& positions, PatchPair& pair, const Reach& reach) {
+  pair.least_wake = infinity;
+  for (std::size_t k = 0; k < pair.candidates.size(); ++k) {
+    Candidate& candidate = pair.candidates[k];
+    const double nearest = candidate.pair.nearest;
+    const double most = reach(nearest);
+    if (pair.wake_at[k] - pair.moved <= most) {
+      double left = gap_along(candidate.direction, candidate.pair, positions) - nearest;
+      if (left <= most) {
+        const Separation s = separation(candidate.pair, positions);
+        candidate.direction = s.normal;
+        left = s.distance - nearest;
+        if (left <= most) near_.push_back({candidate.key, candidate.pair, s});
+      }
+      pair.wake_at[k] = pair.moved + left;
     }
-    patch.deviation = std::sqrt(farthest2);
+    pair.least_wake = std::min(pair.least_wake, pair.wake_at[k]);
   }
 }
 
-/// Boxes and gradients at `positions`.
-void NearPairs::bound(const Cloth& cloth, const Points& positions) {
-  const int columns = mesh_.cell_columns;
-  cell_boxes_.clear();
-  gradients_.clear();
-  for (int cell = 0; cell < mesh_.num_cells(); ++cell) {
-    const int i = cell / columns * cloth.columns + cell % columns;
-    const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
-    cell_boxes_.push_back(around(positions, corners));
-    gradients_.push_back(gradient_bounds(cloth, positions, cell % columns, cell / columns));
+/// Brings patch pairs and candidates up to date.
+void NearPairs::advance(const Cloth& cloth, const Points& positions) {
+  const double reach = 2 * cloth.thickness + margin_;
+  const double most_spread = pairing_sides * patch_cells * spacing_;
+  if (last_.rows() == 0) {
+    pair_patches(positions, reach + most_spread);
+  } else if (last_ != positions) {
+    motions_.follow(patches_, last_, positions);
+    for (PatchPair& pair : patch_pairs_) pair.moved += motions_.between(pair.p, pair.q);
+    Points ways = positions - paired_at_;
+    const Eigen::RowVector3d common = ways.colwise().mean();
+    ways.rowwise() -= common;
+    const double spread = std::sqrt(ways.rowwise().squaredNorm().maxCoeff());
+    if (2 * spread > most_spread) pair_patches(positions, reach + most_spread);
+  } else {
+    return;
   }
-  patch_boxes_.clear();
-  for (const Patch& patch : patches_) {
-    Box box;
-    for (const int cell : patch.cells) box.extend(of(cell_boxes_, cell));
-    patch_boxes_.push_back(box);
+  last_ = positions;
+  ++search_;
+  for (PatchPair& pair : patch_pairs_) {
+    if (pair.moved >= pair.allowance) seek(cloth, positions, pair);
   }
 }
 
 /// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
-void NearPairs::pair_patches(double reach) {
-  std::vector<Box> boxes = patch_boxes_;
-  for (Box& box : boxes) {
-    box.min().array() -= reach / 2;
-    box.max().array() += reach / 2;
+void NearPairs::pair_patches(const Points& positions, double reach) {
+  std::vector<Box> boxes;
+  for (const Patch& patch : patches_) {
+    boxes.push_back(around(positions, patch.points));
+    boxes.back().min().array() -= reach / 2;
+    boxes.back().max().array() += reach / 2;
   }
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::vector<PatchPair> pairs;
-  for (int p = 0; p < static_cast<int>(patches_.size()); ++p) {
-    pairs.push_back({p, p, infinity, 0, {}, {}});
-  }
-  BoxTree(boxes).visit_overlaps([&](int p, int q) {
-    pairs.push_back({p, q, infinity, 0, {}, {}});
-  });
+  const auto add = [&](int p, int q) { pairs.push_back({p, q, infinity, 0, 0, 0, {}, {}}); };
+  for (int p = 0; p < static_cast<int>(patches_.size()); ++p) add(p, p);
+  BoxTree(boxes).visit_overlaps(add);
   const auto before = [](const PatchPair& a, const PatchPair& b) {
     return a.p < b.p || (a.p == b.p && a.q < b.q);
   };
@@ -184,18 +156,21 @@ void NearPairs::pair_patches(double reach) {
     }
   }
   patch_pairs_ = std::move(pairs);
-  spread_ = 0;
+  paired_at_ = positions;
 }
 
-void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pair) const {
+void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pair) {
   pair.candidates.clear();
   pair.wake_at.clear();
   pair.moved = 0;
+  pair.least_wake = infinity;
+  pair.least_nearest = infinity;
 
   // Patches far from each other.
+  const Patch &p = of(patches_, pair.p), &q = of(patches_, pair.q);
   const double reach = 2 * cloth.thickness + margin_;
   const double apart =
-      std::sqrt(of(patch_boxes_, pair.p).squaredExteriorDistance(of(patch_boxes_, pair.q)));
+      std::sqrt(around(positions, p.points).squaredExteriorDistance(around(positions, q.points)));
   const double far_slack =
       std::max(slack_share * least_rest_distance_, far_slack_share * 2 * cloth.thickness);
   if (apart > reach + far_slack) {
@@ -203,39 +178,56 @@ void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pai
     return;
   }
 
-  // Neighbours on the cloth have less to spare.
-  const std::vector<int>& cells = of(patches_, pair.p).cells;
-  const std::vector<int>& others = of(patches_, pair.q).cells;
+  // Neighbours on the cloth have less to spare. Parts of them that are not folded are apart.
   const int columns = mesh_.cell_columns;
   const int window = static_cast<int>(std::ceil(reach / spacing_));
   const auto gap = [&](int a_first, int a_last, int b_first, int b_last) {
     return std::max(b_first - a_last, a_first - b_last);
   };
-  const int column_gap = gap(cells.front() % columns, cells.back() % columns,
-                             others.front() % columns, others.back() % columns);
-  const int row_gap = gap(cells.front() / columns, cells.back() / columns, others.front() / columns,
-                          others.back() / columns);
+  const int column_gap = gap(p.cells.front() % columns, p.cells.back() % columns,
+                             q.cells.front() % columns, q.cells.back() % columns);
+  const int row_gap = gap(p.cells.front() / columns, p.cells.back() / columns,
+                          q.cells.front() / columns, q.cells.back() / columns);
   const bool neighbours = column_gap <= window && row_gap <= window;
   pair.allowance = neighbours ? slack_share * least_rest_distance_ : far_slack;
   const double range = margin_ + pair.allowance;
 
+  for (const int cell : p.cells) bound(cloth, positions, cell);
+  for (const int cell : q.cells) bound(cloth, positions, cell);
   std::uint64_t key =
       (static_cast<std::uint64_t>(pair.p) << 40) | (static_cast<std::uint64_t>(pair.q) << 16);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Box& box = of(cell_boxes_, cells[i]);
-    for (std::size_t j = pair.p == pair.q ? i : 0; j < others.size(); ++j) {
-      const double within = nearest_.most_of_cells(cells[i], others[j]) + range;
-      if (!overlap(box, of(cell_boxes_, others[j]), within)) continue;
-      if (neighbours && proved_apart(cells[i], others[j], range)) continue;
-      seek_in_cells(positions, cells[i], others[j], range,
+  for (std::size_t i = 0; i < p.cells.size(); ++i) {
+    const Box& box = of(bounds_, p.cells[i]).box;
+    for (std::size_t j = pair.p == pair.q ? i : 0; j < q.cells.size(); ++j) {
+      const double within = nearest_.most_of_cells(p.cells[i], q.cells[j]) + range;
+      if (!overlap(box, of(bounds_, q.cells[j]).box, within)) continue;
+      if (neighbours && proved_apart(cloth, positions, p.cells[i], q.cells[j], range)) continue;
+      seek_in_cells(positions, p.cells[i], q.cells[j], range,
                     key + most_of_cells * (i * patch_cells * patch_cells + j), pair.candidates);
     }
   }
   pair.wake_at.assign(pair.candidates.size(), 0.0);
+  for (const Candidate& candidate : pair.candidates) {
+    pair.least_wake = 0;
+    pair.least_nearest = std::min(pair.least_nearest, candidate.pair.nearest);
+  }
+}
+
+/// Box and gradient of a cell, once for each search.
+const NearPairs::CellBounds& NearPairs::bound(const Cloth& cloth, const Points& positions,
+                                              int cell) {
+  CellBounds& bounds = bounds_[static_cast<std::size_t>(cell)];
+  if (bounds.search == search_) return bounds;
+  const int column = cell % mesh_.cell_columns, r = cell / mesh_.cell_columns;
+  const int i = r * cloth.columns + column;
+  const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
+  bounds = {search_, around(positions, corners), gradient_bounds(cloth, positions, column, r)};
+  return bounds;
 }
 
 /// Are neighbours within the rectangle of both cells further apart than nearest + range?
-bool NearPairs::proved_apart(int cell, int other, double range) const {
+bool NearPairs::proved_apart(const Cloth& cloth, const Points& positions, int cell, int other,
+                             double range) {
   const int columns = mesh_.cell_columns;
   const auto [first_column, last_column] = std::minmax({cell % columns, other % columns});
   const auto [first_row, last_row] = std::minmax({cell / columns, other / columns});
@@ -243,8 +235,9 @@ bool NearPairs::proved_apart(int cell, int other, double range) const {
   if (last_column - first_column >= most || last_row - first_row >= most) return false;
   GradientBounds bounds;
   for (int r = first_row; r <= last_row; ++r) {
-    for (int c = first_column; c <= last_column; ++c)
-      bounds.extend(of(gradients_, r * columns + c));
+    for (int c = first_column; c <= last_column; ++c) {
+      bounds.extend(bound(cloth, positions, r * columns + c).gradient);
+    }
   }
   return is_unfolded(bounds, NearestDistances::neighbour_share + range / least_rest_distance_);
 }
@@ -265,7 +258,7 @@ void NearPairs::seek_in_cells(const Points& positions, int cell, int other, doub
   const auto consider_points = [&](int of_cell, int in_cell) {
     for (const int point : of(mesh_.cell_points, of_cell)) {
       const Box box(row(positions, point));
-      if (!overlap(box, of(cell_boxes_, in_cell), within_cells)) {
+      if (!overlap(box, of(bounds_, in_cell).box, within_cells)) {
         key += 2;
         continue;
       }
@@ -284,7 +277,7 @@ void NearPairs::seek_in_cells(const Points& positions, int cell, int other, doub
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const std::array<int, 2>& ends = of(mesh_.edges, edges[i]);
     const Box box = around(positions, ends);
-    if (!overlap(box, of(cell_boxes_, other), within_cells)) {
+    if (!overlap(box, of(bounds_, other).box, within_cells)) {
       key += others.size();
       continue;
     }

@@ -95,8 +95,9 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   last_.swap(contacts_);
   contacts_.clear();
   const Points middle = state.positions - step.reach * h_ * step.drifted;  // where impulses act
+  const Points ahead = middle + h_ * state.velocities;
   auto kept = last_.begin();
-  for (const NearPair& near : near_.measure(cloth, step.start)) {
+  for (const NearPair& near : near_.approaching(cloth, step.start, ahead)) {
     const SurfacePair& pair = near.pair;
     if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) continue;
     while (kept != last_.end() && kept->key < near.key) ++kept;
@@ -154,23 +155,23 @@ double SurfaceContacts::sweep(const Cloth& cloth, Points& velocities) {
 int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state) {
   Points& positions = state.positions;
   Points here = start;
+  // Features that start nearer than they may ever come have no side to be kept on.
+  const double floor = least_share * near_.least_nearest();
+  const auto bound = [floor](double distance) {
+    return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
+  };
   for (int leg = 1;; ++leg) {
-    // Features that start nearer than they may ever come have no side to be kept on.
-    const double floor = least_share * near_.least_nearest();
-    const auto bound = [floor](double distance) {
-      return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
-    };
-    // Pairs that are not near are further apart than the nearest may be plus the margin.
-    const double unseen = bound(near_.least_nearest() + near_.margin());
-    double least = unseen;
-    for (const NearPair& near : near_.pairs()) {
-      least = std::min(least, bound(near.separation.distance));
-    }
+    // Pairs that bind are nearer than the longest way needs; further ones than can be seen are
+    // taken to be no further.
     Points ways = own_ways(here, positions);
-    if (longest(ways) <= least) return 0;
+    const double needed = floor + longest(ways) / bound_share;
+    const double seen = std::min(needed, near_.reach());
+    const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen);
+    if (near_pairs.empty() && seen == needed) return 0;
 
+    const double unseen = seen == needed ? infinity : bound(seen);
     Scalars bounds = Scalars::Constant(here.rows(), unseen);
-    for (const NearPair& near : near_.pairs()) {
+    for (const NearPair& near : near_pairs) {
       const double of_pair = bound(near.separation.distance);
       for (const int point : near.pair.points) {
         bounds[point] = std::min(bounds[point], of_pair);
@@ -195,7 +196,6 @@ int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state
       }
       return static_cast<int>(held_back.size());
     }
-    near_.measure(cloth, here);
   }
 }
 

@@ -32,10 +32,10 @@ Points rolled(const Cloth& cloth, double turns) {
   return x;
 }
 
-/// Every point and triangle, edge and edge that share no point and are near.
-std::vector<SurfacePair> brute_force(const Cloth& cloth, const NearPairs& finder,
-                                     const Points& positions) {
-  const SurfaceMesh& mesh = finder.mesh();
+/// Every point and triangle, edge and edge that share no point and lie so that `chosen` holds.
+template <typename Chosen>
+std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
+  const SurfaceMesh mesh(cloth);
   const NearestDistances nearest(cloth);
   std::vector<SurfacePair> pairs;
   const auto consider = [&](SurfacePair pair) {
@@ -45,8 +45,7 @@ std::vector<SurfacePair> brute_force(const Cloth& cloth, const NearPairs& finder
       }
     }
     pair.nearest = nearest.of(pair);
-    const double distance = separation(pair, positions).distance;
-    if (distance <= pair.nearest + finder.margin()) pairs.push_back(pair);
+    if (chosen(pair)) pairs.push_back(pair);
   };
   for (int i = 0; i < cloth.num_points(); ++i) {
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
@@ -71,25 +70,53 @@ Features features(const SurfacePair& pair) {
   return {true, std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
 }
 
-void expect_equals_brute_force(const Cloth& cloth, NearPairs& finder, const Points& positions) {
-  std::vector<Features> found, expected;
-  for (const NearPair& near : finder.measure(cloth, positions)) {
-    found.push_back(features(near.pair));
-  }
-  for (const SurfacePair& pair : brute_force(cloth, finder, positions)) {
-    expected.push_back(features(pair));
-  }
-  std::sort(found.begin(), found.end());
-  std::sort(expected.begin(), expected.end());
+std::vector<Features> sorted_features(const std::vector<NearPair>& pairs) {
+  std::vector<Features> result;
+  for (const NearPair& near : pairs) result.push_back(features(near.pair));
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<Features> sorted_features(const std::vector<SurfacePair>& pairs) {
+  std::vector<Features> result;
+  for (const SurfacePair& pair : pairs) result.push_back(features(pair));
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// Pairs within the nearest they may come plus `margin`, and within `distance`.
+void expect_equals_brute_force(const std::vector<NearPair>& found, const Cloth& cloth,
+                               const Points& x, double margin, double distance) {
+  const auto chosen = [&](const SurfacePair& pair) {
+    const double d = separation(pair, x).distance;
+    return d <= pair.nearest + margin && d <= distance;
+  };
+  const auto expected = sorted_features(brute_force(cloth, chosen));
   EXPECT_EQ(found.size(), expected.size());
-  EXPECT_TRUE(found == expected);
+  EXPECT_TRUE(sorted_features(found) == expected);
+}
+
+/// Whatever is asked for.
+void expect_equals_brute_force(const Cloth& cloth, NearPairs& finder, const Points& x) {
+  constexpr double any = 1e9;
+  expect_equals_brute_force(finder.approaching(cloth, x, x), cloth, x, finder.least_margin(), any);
+  const double close = 0.5 * finder.reach();
+  expect_equals_brute_force(finder.within(cloth, x, close), cloth, x, any, close);
+
+  // Patches that fly apart may close any gap.
+  const Points ahead = x + random_points(cloth.num_points(), 1, 7);
+  expect_equals_brute_force(finder.approaching(cloth, x, ahead), cloth, x, finder.margin(), any);
+  const double reach = finder.reach();
+  expect_equals_brute_force(finder.within(cloth, x, reach), cloth, x, any, reach);
 }
 
 TEST(NearPairs, NoneOnAFlatClothHoweverThick) {
   for (const double thickness : {0.001, 0.0095, 0.2}) {
     const Cloth cloth = cloth_of(20, 15, thickness);
     NearPairs finder(cloth);
-    EXPECT_TRUE(finder.measure(cloth, cloth.rest_positions).empty()) << thickness;
+    const Points& x = cloth.rest_positions;
+    const Points ahead = x + random_points(cloth.num_points(), 1, 7);
+    EXPECT_TRUE(finder.approaching(cloth, x, ahead).empty()) << thickness;
   }
 }
 
@@ -119,22 +146,41 @@ TEST(NearPairs, EqualBruteForceWhileTheClothMoves) {
     const Points x = (1 - share) * cloth.rest_positions + share * rolled(cloth, 2) +
                      random_points(cloth.num_points(), 1e-3, static_cast<std::uint64_t>(step));
     expect_equals_brute_force(cloth, finder, x);
-    most = std::max(most, finder.pairs().size());
+    most = std::max(most, finder.approaching(cloth, x, x).size());
   }
   EXPECT_GT(most, 50u);
   expect_equals_brute_force(cloth, finder, 3 * cloth.rest_positions);
-  EXPECT_TRUE(finder.pairs().empty());
+  EXPECT_TRUE(finder.within(cloth, 3 * cloth.rest_positions, finder.reach()).empty());
+}
+
+TEST(NearPairs, MissNoneThatTouchesOnTheWayAhead) {
+  // Also where the whole turns and moves far: that brings nothing nearer.
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  const Points x = rolled(cloth, 2);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    NearPairs finder(cloth);
+    const Eigen::AngleAxisd turn(0.3, Vector3(1, 2, 3).normalized());
+    const Points trembling = x + random_points(cloth.num_points(), 0.1 * finder.margin(), seed);
+    const Points ahead = trembling * turn.toRotationMatrix().transpose();
+    const auto found = sorted_features(finder.approaching(cloth, x, ahead));
+    const auto touching = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+      return separation(pair, ahead).distance <= pair.nearest;
+    }));
+    EXPECT_GT(touching.size(), 20u);
+    EXPECT_TRUE(std::includes(found.begin(), found.end(), touching.begin(), touching.end()));
+  }
 }
 
 TEST(NearPairs, HaveKeysThatAscendAndDoNotDependOnWhatCameBefore) {
   const Cloth cloth = cloth_of(17, 6, 0.015);
   NearPairs moving(cloth), fresh(cloth);
-  for (const double share : {0.0, 0.5, 0.8, 0.9}) {
-    moving.measure(cloth, (1 - share) * cloth.rest_positions + share * rolled(cloth, 2));
-  }
   const Points x = rolled(cloth, 2);
-  const std::vector<NearPair> of_moving = moving.measure(cloth, x);
-  const std::vector<NearPair> of_fresh = fresh.measure(cloth, x);
+  const Points ahead = x + random_points(cloth.num_points(), 1e-3, 1);
+  for (const double share : {0.0, 0.5, 0.8, 0.9}) {
+    moving.approaching(cloth, (1 - share) * cloth.rest_positions + share * x, ahead);
+  }
+  const std::vector<NearPair> of_moving = moving.approaching(cloth, x, ahead);
+  const std::vector<NearPair> of_fresh = fresh.approaching(cloth, x, ahead);
   ASSERT_EQ(of_moving.size(), of_fresh.size());
   ASSERT_GT(of_fresh.size(), 50u);
   for (std::size_t k = 0; k < of_fresh.size(); ++k) {
@@ -144,6 +190,50 @@ TEST(NearPairs, HaveKeysThatAscendAndDoNotDependOnWhatCameBefore) {
       EXPECT_LT(of_fresh[k - 1].key, of_fresh[k].key);
     }
   }
+}
+
+TEST(PatchMotions, BoundEveryChangeOfDistance) {
+  const Cloth cloth = cloth_of(11, 10, 0.01);
+  const std::vector<Patch> patches = cut_into_patches(cloth, 4);
+  ASSERT_EQ(patches.size(), 9u);
+  const Points from = shaken(cloth, 0.02, 1);
+  const Eigen::AngleAxisd turn(1.1, Vector3(3, 1, 2).normalized());
+  const Points turned = from * turn.toRotationMatrix().transpose();
+  for (const double tremble : {0.0, 0.001, 0.5}) {
+    const Points to = turned + random_points(cloth.num_points(), tremble, 2);
+    PatchMotions motions;
+    motions.follow(patches, from, to);
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      for (std::size_t q = 0; q < patches.size(); ++q) {
+        const double bound = motions.between(static_cast<int>(p), static_cast<int>(q));
+        EXPECT_LE(bound, 20 * tremble + 1e-12);
+        for (const int i : patches[p].points) {
+          for (const int j : patches[q].points) {
+            const double before = (from.row(i) - from.row(j)).norm();
+            const double after = (to.row(i) - to.row(j)).norm();
+            EXPECT_LE(std::abs(after - before), bound + 1e-12);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(PatchMotions, BoundThemWhereAPatchIsSqueezedToALine) {
+  const Cloth cloth = cloth_of(5, 9, 0.01);
+  const std::vector<Patch> patches = cut_into_patches(cloth, 4);
+  Points line = cloth.rest_positions;
+  line.rightCols(2).setZero();
+  PatchMotions motions;
+  motions.follow(patches, cloth.rest_positions, line);
+  double worst = 0;
+  for (const int i : patches[0].points) {
+    for (const int j : patches[1].points) {
+      const auto distance = [&](const Points& x) { return (x.row(i) - x.row(j)).norm(); };
+      worst = std::max(worst, std::abs(distance(line) - distance(cloth.rest_positions)));
+    }
+  }
+  EXPECT_GE(motions.between(0, 1), worst);
 }
 
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {

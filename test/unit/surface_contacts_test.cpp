@@ -47,7 +47,7 @@ State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shift) {
 double least_distance(const Cloth& cloth, const Points& positions) {
   double least = 1;
   NearPairs finder(cloth);
-  for (const NearPair& near : finder.measure(cloth, positions)) {
+  for (const NearPair& near : finder.approaching(cloth, positions, 10 * positions)) {
     if (near.pair.nearest == 2 * thickness) least = std::min(least, near.separation.distance);
   }
   return least;

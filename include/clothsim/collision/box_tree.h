@@ -10,6 +10,14 @@ namespace clothsim {
 /// Axis-aligned box [m], its surface included.
 using Box = Eigen::AlignedBox3d;
 
+/// Do two boxes come within a distance of each other along every axis?
+/// Written out: Eigen's own goes through arrays of three, at twice the time.
+inline bool overlap(const Box& p, const Box& q, double within = 0) {
+  return p.min().x() - q.max().x() <= within && q.min().x() - p.max().x() <= within &&
+         p.min().y() - q.max().y() <= within && q.min().y() - p.max().y() <= within &&
+         p.min().z() - q.max().z() <= within && q.min().z() - p.max().z() <= within;
+}
+
 /// A tree of boxes around boxes: finds those that overlap without looking at all pairs, whatever
 /// their sizes. Ericson, Real-Time Collision Detection, chapter 6.
 class BoxTree {

@@ -5,6 +5,7 @@
 
 #include "clothsim/collision/box_tree.h"
 #include "clothsim/collision/nearest_distances.h"
+#include "clothsim/collision/patches.h"
 #include "clothsim/collision/surface_mesh.h"
 #include "clothsim/collision/surface_pair.h"
 #include "clothsim/collision/unfolded.h"
@@ -21,28 +22,33 @@ struct NearPair {
 
 /// Keeps the pairs of a cloth's features that are near each other while it moves.
 ///
-/// A pair is near while its distance is within the nearest they may come (see NearestDistances)
-/// plus margin().
-///
 /// The cloth is cut into patches. Of two patches, pairs are sought again only when the patches may
 /// have come so much nearer to each other as the search had to spare, and a pair is measured
-/// only when the same may have brought it near. What is found depends on the positions alone.
+/// only when the same may have brought it near. What is found depends on the arguments alone.
 class NearPairs {
  public:
   explicit NearPairs(const Cloth&);
 
-  /// All near pairs at `positions` [m, N x 3, finite], by ascending key. Valid until the next call.
-  const std::vector<NearPair>& measure(const Cloth&, const Points& positions);
+  /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], by ascending
+  /// key. Of two features these are within the nearest they may come plus what their patches'
+  /// motion against each other can close, between least_margin() and margin().
+  const std::vector<NearPair>& approaching(const Cloth&, const Points& positions,
+                                           const Points& ahead);
 
-  /// The last measure().
-  const std::vector<NearPair>& pairs() const { return near_; }
+  /// Pairs within a `distance` [m], up to reach(), of each other at `positions`, by ascending key.
+  const std::vector<NearPair>& within(const Cloth&, const Points& positions, double distance);
 
   double margin() const { return margin_; }
+  double least_margin() const { return least_margin_share * margin_; }
   /// Nearest that any pair may come [m].
   double least_nearest() const { return nearest_.least(); }
+  double reach() const { return least_nearest() + margin_; }
   const SurfaceMesh& mesh() const { return mesh_; }
 
  private:
+  /// Pairs are looked at from this share of the margin on, however slowly they approach.
+  static constexpr double least_margin_share = 0.1;
+
   struct Candidate {
     std::uint64_t key;
     SurfacePair pair;
@@ -53,28 +59,30 @@ class NearPairs {
   struct PatchPair {
     int p;
     int q;
-    double moved;      // how much nearer they may have come since candidates were sought [m]
-    double allowance;  // candidates serve while they have moved by less [m]
+    double moved;          // how much nearer they may have come since candidates were sought [m]
+    double allowance;      // candidates serve while they have moved by less [m]
+    double least_wake;     // of all candidates
+    double least_nearest;  // of all candidates [m]
     std::vector<Candidate> candidates;
-    std::vector<double> wake_at;  // moved from which on the candidate may be near
+    std::vector<double> wake_at;  // moved from which on the candidate may be nearest
   };
 
-  /// A rectangle of cells.
-  struct Patch {
-    std::vector<int> cells;
-    std::vector<int> points;  // of the cells, borders too
-    Vector3 way{0, 0, 0};     // mean of the points since the last measure() [m]
-    double deviation = 0;     // farthest of a point from that [m]
+  /// Of a cell, at `positions` of the last search.
+  struct CellBounds {
+    long search = 0;
+    Box box;
+    GradientBounds gradient;
   };
 
-  void cut_into_patches(const Cloth&);
-  void follow(const Points& positions);
-  void pair_patches(double reach);
-  void bound(const Cloth&, const Points& positions);
-  void seek(const Cloth&, const Points& positions, PatchPair&) const;
+  void advance(const Cloth&, const Points& positions);
+  void pair_patches(const Points& positions, double reach);
+  void seek(const Cloth&, const Points& positions, PatchPair&);
   void seek_in_cells(const Points& positions, int cell, int other, double range, std::uint64_t key,
                      std::vector<Candidate>&) const;
-  bool proved_apart(int cell, int other, double range) const;
+  const CellBounds& bound(const Cloth&, const Points& positions, int cell);
+  bool proved_apart(const Cloth&, const Points& positions, int cell, int other, double range);
+  template <typename Reach>
+  void collect(const Points& positions, PatchPair&, const Reach& reach);
 
   SurfaceMesh mesh_;
   NearestDistances nearest_;
@@ -84,15 +92,13 @@ class NearPairs {
 
   std::vector<Patch> patches_;
   std::vector<PatchPair> patch_pairs_;  // by p, then q
-  Points last_;                         // positions last measured; none yet: no rows
-  double spread_ = 0;                   // farthest way of a point, beyond the common one, since
-                                        // patches were paired [m]
+  Points last_;                         // positions last given; none yet: no rows
+  Points paired_at_;                    // positions where patches were paired
+  PatchMotions motions_;
   std::vector<NearPair> near_;
 
-  // Scratch of one measure().
-  std::vector<Box> patch_boxes_;
-  std::vector<Box> cell_boxes_;
-  std::vector<GradientBounds> gradients_;  // by cell
+  long search_ = 0;                 // counts positions
+  std::vector<CellBounds> bounds_;  // by cell
 };
 
 }  // namespace clothsim
