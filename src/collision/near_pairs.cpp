@@ -68,8 +68,9 @@ const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Po
     const double closing = motions_.between(pair.p, pair.q);
     const double most = std::clamp(closing, least_margin(), margin_);
     if (pair.least_wake - pair.moved > most) continue;
-    collect(positions, pair, [most](double) { return most; });
+    wake(positions, pair, [most](double) { return most; });
   }
+  measure_awake(positions);
   return near_;
 }
 
@@ -80,31 +81,46 @@ const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points&
   near_.clear();
   for (PatchPair& pair : patch_pairs_) {
     if (pair.least_wake - pair.moved + pair.least_nearest > distance) continue;
-    collect(positions, pair, [distance](double nearest) { return distance - nearest; });
+    wake(positions, pair, [distance](double nearest) { return distance - nearest; });
   }
+  measure_awake(positions);
   return near_;
 }
 
-/// Measures what may be within `reach`, of its nearest distance, beyond that.
+/// Wakes the candidates whose gap may be within `reach` of their nearest distance.
 template <typename Reach>
-void NearPairs::collect(const Points& positions, PatchPair& pair, const Reach& reach) {
+void NearPairs::wake(const Points& positions, PatchPair& pair, const Reach& reach) {
   pair.least_wake = infinity;
   for (std::size_t k = 0; k < pair.candidates.size(); ++k) {
-    Candidate& candidate = pair.candidates[k];
-    const double nearest = candidate.pair.nearest;
-    const double most = reach(nearest);
-    if (pair.wake_at[k] - pair.moved <= most) {
-      double left = gap_along(candidate.direction, candidate.pair, positions) - nearest;
-      if (left <= most) {
-        const Separation s = separation(candidate.pair, positions);
-        candidate.direction = s.normal;
-        left = s.distance - nearest;
-        if (left <= most) near_.push_back({candidate.key, candidate.pair, s});
-      }
-      pair.wake_at[k] = pair.moved + left;
+    const SurfacePair& features = pair.candidates[k].pair;
+    const double gap = reach(features.nearest);
+    if (pair.wake_at[k] - pair.moved > gap) {
+      pair.least_wake = std::min(pair.least_wake, pair.wake_at[k]);
+      continue;
     }
-    pair.least_wake = std::min(pair.least_wake, pair.wake_at[k]);
+    awake_.push_back({&pair, k, gap});
+    distances_.add(features);
+    if (distances_.size() == Distances::capacity) measure_awake(positions);
   }
+}
+
+/// Those that are as near as they were woken for. All go to sleep again.
+void NearPairs::measure_awake(const Points& positions) {
+  distances_.measure(positions);
+  for (std::size_t i = 0; i < awake_.size(); ++i) {
+    const auto& [pair, number, reach] = awake_[i];
+    const Candidate& candidate = pair->candidates[number];
+    double gap = distances_[i] - candidate.pair.nearest;
+    if (gap <= reach) {
+      const Separation s = separation(candidate.pair, positions);
+      gap = s.distance - candidate.pair.nearest;
+      if (gap <= reach) near_.push_back({candidate.key, candidate.pair, s});
+    }
+    pair->wake_at[number] = pair->moved + gap;
+    pair->least_wake = std::min(pair->least_wake, pair->wake_at[number]);
+  }
+  awake_.clear();
+  distances_.clear();
 }
 
 /// Brings patch pairs and candidates up to date.
@@ -129,6 +145,25 @@ void NearPairs::advance(const Cloth& cloth, const Points& positions) {
   for (PatchPair& pair : patch_pairs_) {
     if (pair.moved >= pair.allowance) seek(cloth, positions, pair);
   }
+  take_candidates(positions);
+}
+
+/// Those of the pairs sought that may come near before they are sought again.
+void NearPairs::take_candidates(const Points& positions) {
+  distances_.measure(positions);
+  for (std::size_t i = 0; i < sought_.size(); ++i) {
+    Candidate& candidate = sought_[i].candidate;
+    PatchPair& pair = *sought_[i].of;
+    candidate.pair.nearest = nearest_.of(candidate.pair);
+    const double gap = distances_[i] - candidate.pair.nearest;
+    if (gap > margin_ + pair.allowance) continue;
+    pair.candidates.push_back(candidate);
+    pair.wake_at.push_back(gap);
+    pair.least_wake = std::min(pair.least_wake, gap);
+    pair.least_nearest = std::min(pair.least_nearest, candidate.pair.nearest);
+  }
+  sought_.clear();
+  distances_.clear();
 }
 
 /// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
@@ -192,24 +227,31 @@ void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pai
   pair.allowance = neighbours ? slack_share * least_rest_distance_ : far_slack;
   const double range = margin_ + pair.allowance;
 
-  for (const int cell : p.cells) bound(cloth, positions, cell);
-  for (const int cell : q.cells) bound(cloth, positions, cell);
-  std::uint64_t key =
-      (static_cast<std::uint64_t>(pair.p) << 40) | (static_cast<std::uint64_t>(pair.q) << 16);
-  for (std::size_t i = 0; i < p.cells.size(); ++i) {
-    const Box& box = of(bounds_, p.cells[i]).box;
-    for (std::size_t j = pair.p == pair.q ? i : 0; j < q.cells.size(); ++j) {
-      const double within = nearest_.most_of_cells(p.cells[i], q.cells[j]) + range;
-      if (!overlap(box, of(bounds_, q.cells[j]).box, within)) continue;
-      if (neighbours && proved_apart(cloth, positions, p.cells[i], q.cells[j], range)) continue;
-      seek_in_cells(positions, p.cells[i], q.cells[j], range,
-                    key + most_of_cells * (i * patch_cells * patch_cells + j), pair.candidates);
+  const auto within_reach_of = [&](const Patch& patch, const Patch& other) {
+    const Box box = around(positions, other.points);
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < patch.cells.size(); ++i) {
+      const Box& cell = bound(cloth, positions, patch.cells[i]).box;
+      if (overlap(cell, box, 2 * cloth.thickness + range)) numbers.push_back(i);
     }
-  }
-  pair.wake_at.assign(pair.candidates.size(), 0.0);
-  for (const Candidate& candidate : pair.candidates) {
-    pair.least_wake = 0;
-    pair.least_nearest = std::min(pair.least_nearest, candidate.pair.nearest);
+    return numbers;
+  };
+  const std::vector<std::size_t> of_p = within_reach_of(p, q), of_q = within_reach_of(q, p);
+  const std::uint64_t key =
+      (static_cast<std::uint64_t>(pair.p) << 40) | (static_cast<std::uint64_t>(pair.q) << 16);
+  for (const std::size_t i : of_p) {
+    const int cell = p.cells[i];
+    const Box& box = of(bounds_, cell).box;
+    for (const std::size_t j : of_q) {
+      if (pair.p == pair.q && j < i) continue;
+      const int other = q.cells[j];
+      const double within = nearest_.most_of_cells(cell, other) + range;
+      if (!overlap(box, of(bounds_, other).box, within)) continue;
+      if (neighbours && proved_apart(cloth, positions, cell, other, range)) continue;
+      if (distances_.size() + most_of_cells > Distances::capacity) take_candidates(positions);
+      seek_in_cells(positions, cell, other, within, pair,
+                    key + most_of_cells * (i * patch_cells * patch_cells + j));
+    }
   }
 }
 
@@ -242,53 +284,41 @@ bool NearPairs::proved_apart(const Cloth& cloth, const Points& positions, int ce
   return is_unfolded(bounds, NearestDistances::neighbour_share + range / least_rest_distance_);
 }
 
-void NearPairs::seek_in_cells(const Points& positions, int cell, int other, double range,
-                              std::uint64_t key, std::vector<Candidate>& candidates) const {
-  const double within_cells = nearest_.most_of_cells(cell, other) + range;
-  const auto consider = [&](SurfacePair pair, const Box& a, const Box& b) {
+void NearPairs::seek_in_cells(const Points& positions, int cell, int other, double within,
+                              PatchPair& pair, std::uint64_t key) {
+  const auto add = [&](const SurfacePair& features) {
     ++key;
-    if (share_a_point(pair)) return;
-    pair.nearest = nearest_.of(pair);
-    const double within = pair.nearest + range;
-    if (!overlap(a, b, within)) return;
-    const Separation s = separation(pair, positions);
-    if (s.distance < within) candidates.push_back({key, pair, s.normal});
+    if (share_a_point(features)) return;
+    sought_.push_back({&pair, {key, features}});
+    distances_.add(features);
   };
 
-  const auto consider_points = [&](int of_cell, int in_cell) {
+  const auto add_points = [&](int of_cell, int in_cell) {
     for (const int point : of(mesh_.cell_points, of_cell)) {
-      const Box box(row(positions, point));
-      if (!overlap(box, of(bounds_, in_cell).box, within_cells)) {
+      if (!overlap(Box(row(positions, point)), of(bounds_, in_cell).box, within)) {
         key += 2;
         continue;
       }
       for (const int t : {2 * in_cell, 2 * in_cell + 1}) {
         const std::array<int, 3>& corners = of(mesh_.triangles, t);
-        consider({false, point, t, {point, corners[0], corners[1], corners[2]}, 0}, box,
-                 around(positions, corners));
+        add({false, point, t, {point, corners[0], corners[1], corners[2]}, 0});
       }
     }
   };
-  consider_points(cell, other);
-  if (cell != other) consider_points(other, cell);
+  add_points(cell, other);
+  if (cell != other) add_points(other, cell);
 
-  const std::vector<int>& edges = of(mesh_.cell_edges, cell);
-  const std::vector<int>& others = of(mesh_.cell_edges, other);
+  const auto& edges = of(mesh_.cell_edges, cell);
+  const auto& others = of(mesh_.cell_edges, other);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const std::array<int, 2>& ends = of(mesh_.edges, edges[i]);
-    const Box box = around(positions, ends);
-    if (!overlap(box, of(bounds_, other).box, within_cells)) {
-      key += others.size();
-      continue;
-    }
     for (std::size_t j = 0; j < others.size(); ++j) {
-      const std::array<int, 2>& other_ends = of(mesh_.edges, others[j]);
       if (cell == other && j <= i) {
         ++key;
         continue;
       }
-      consider({true, edges[i], others[j], {ends[0], ends[1], other_ends[0], other_ends[1]}, 0},
-               box, around(positions, other_ends));
+      const std::array<int, 2>& other_ends = of(mesh_.edges, others[j]);
+      add({true, edges[i], others[j], {ends[0], ends[1], other_ends[0], other_ends[1]}, 0});
     }
   }
 }

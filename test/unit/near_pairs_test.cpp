@@ -192,6 +192,39 @@ TEST(NearPairs, HaveKeysThatAscendAndDoNotDependOnWhatCameBefore) {
   }
 }
 
+TEST(Distances, AreThoseOfEachPair) {
+  // Of any points: also of triangles and edges without extent, and of features that meet.
+  const int count = 40;
+  Points x = random_points(count, 1, 3);
+  for (int i = 0; i < 10; ++i) x.row(i) = x.row(i + 10);               // the same twice
+  for (int i = 20; i < 30; ++i) x.row(i).tail(2) = x.row(20).tail(2);  // on a line
+  Distances distances;
+  std::vector<SurfacePair> pairs;
+  std::uint64_t random = 1;
+  const auto draw = [&] {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<int>((random >> 33) % count);
+  };
+  double most = 0;
+  for (int round = 0; round < 40; ++round) {
+    pairs.clear();
+    distances.clear();
+    while (pairs.size() < Distances::capacity) {
+      const std::array<int, 4> points{draw(), draw(), draw(), draw()};
+      pairs.push_back({draw() % 2 == 0, 0, 0, points, 0});
+      distances.add(pairs.back());
+    }
+    distances.measure(x);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const double exact = separation(pairs[k], x).distance;
+      EXPECT_LE(distances[k], exact + 1e-12);
+      EXPECT_GE(distances[k], (1 - 1e-10) * exact - 1e-6);
+      most = std::max(most, exact);
+    }
+  }
+  EXPECT_GT(most, 1);
+}
+
 TEST(PatchMotions, BoundEveryChangeOfDistance) {
   const Cloth cloth = cloth_of(11, 10, 0.01);
   const std::vector<Patch> patches = cut_into_patches(cloth, 4);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clothsim/collision/box_tree.h"
+#include "clothsim/collision/distances.h"
 #include "clothsim/collision/nearest_distances.h"
 #include "clothsim/collision/patches.h"
 #include "clothsim/collision/surface_mesh.h"
@@ -52,7 +53,6 @@ class NearPairs {
   struct Candidate {
     std::uint64_t key;
     SurfacePair pair;
-    Vector3 direction;  // of the normal when it was measured last
   };
 
   /// Two patches, or one with itself.
@@ -77,12 +77,14 @@ class NearPairs {
   void advance(const Cloth&, const Points& positions);
   void pair_patches(const Points& positions, double reach);
   void seek(const Cloth&, const Points& positions, PatchPair&);
-  void seek_in_cells(const Points& positions, int cell, int other, double range, std::uint64_t key,
-                     std::vector<Candidate>&) const;
+  void seek_in_cells(const Points& positions, int cell, int other, double within, PatchPair&,
+                     std::uint64_t key);
+  void take_candidates(const Points& positions);
   const CellBounds& bound(const Cloth&, const Points& positions, int cell);
   bool proved_apart(const Cloth&, const Points& positions, int cell, int other, double range);
   template <typename Reach>
-  void collect(const Points& positions, PatchPair&, const Reach& reach);
+  void wake(const Points& positions, PatchPair&, const Reach& reach);
+  void measure_awake(const Points& positions);
 
   SurfaceMesh mesh_;
   NearestDistances nearest_;
@@ -99,6 +101,20 @@ class NearPairs {
 
   long search_ = 0;                 // counts positions
   std::vector<CellBounds> bounds_;  // by cell
+
+  // Scratch: what is measured at once.
+  struct Sought {
+    PatchPair* of;
+    Candidate candidate;
+  };
+  struct Awake {
+    PatchPair* of;
+    std::size_t number;  // of the candidate
+    double reach;        // see wake()
+  };
+  std::vector<Sought> sought_;
+  std::vector<Awake> awake_;
+  Distances distances_;
 };
 
 }  // namespace clothsim

@@ -1,0 +1,114 @@
+#include "clothsim/collision/distances.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/dynamics/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// Of directions, see closest_points.cpp; and of lengths squared, so that nothing is divided by 0.
+constexpr double parallel = 1e-14;
+constexpr double tiny = 1e-300;
+
+/// Of lengths squared: more than rounding adds to a distance squared.
+constexpr double rounding = 1e-14;
+
+struct Coordinates {
+  const double* x;
+  const double* y;
+  const double* z;
+};
+
+struct Indices {
+  const int* a;
+  const int* b;
+  const int* c;
+  const int* d;
+};
+
+// Ternaries instead of std::min, std::max and std::clamp: these return references, which keep the
+// compiler from vectorising.
+inline double smaller(double a, double b) { return a < b ? a : b; }
+inline double larger(double a, double b) { return a > b ? a : b; }
+inline double to_unit(double t) { return smaller(larger(t, 0.0), 1.0); }
+
+/// Of points a to triangles b, c, d: the least to its edges, or to its plane where that is within.
+/// All from the products of the ways from b.
+CLOTHSIM_TARGET_CLONES
+void point_triangle(std::size_t count, const Coordinates p, const Indices i,
+                    double* __restrict values) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
+    const double ux = p.x[c] - p.x[b], uy = p.y[c] - p.y[b], uz = p.z[c] - p.z[b];
+    const double vx = p.x[d] - p.x[b], vy = p.y[d] - p.y[b], vz = p.z[d] - p.z[b];
+    const double wx = p.x[a] - p.x[b], wy = p.y[a] - p.y[b], wz = p.z[a] - p.z[b];
+    const double uu = ux * ux + uy * uy + uz * uz;
+    const double vv = vx * vx + vy * vy + vz * vz;
+    const double uv = ux * vx + uy * vy + uz * vz;
+    const double ww = wx * wx + wy * wy + wz * wz;
+    const double uw = ux * wx + uy * wy + uz * wz;
+    const double vw = vx * wx + vy * wy + vz * wz;
+
+    // Squares of the distances to b -> c, b -> d and c -> d.
+    const double s = to_unit(uw / (uu + tiny));
+    const double t = to_unit(vw / (vv + tiny));
+    const double ee = uu - 2 * uv + vv, ew = vw - uw - uv + uu;
+    const double r = to_unit(ew / (ee + tiny));
+    const double on_u = ww - 2 * s * uw + s * s * uu;
+    const double on_v = ww - 2 * t * vw + t * t * vv;
+    const double on_e = ww - 2 * uw + uu - 2 * r * ew + r * r * ee;
+    const double on_edges = smaller(on_u, smaller(on_v, on_e));
+
+    const double area2 = uu * vv - uv * uv;
+    const double beta = uw * vv - vw * uv, gamma = vw * uu - uw * uv;  // times area2
+    const bool within =
+        (beta >= 0) & (gamma >= 0) & (beta + gamma <= area2) & (area2 > parallel * uu * vv);
+    const double on_plane = ww - (beta * uw + gamma * vw) / (area2 + tiny);
+    const double least = (within ? on_plane : on_edges) - rounding * (uu + vv + ww);
+    values[k] = std::sqrt(larger(least, 0.0));
+  }
+}
+
+/// Of edges a -> b to c -> d, as in closest_on_segments().
+CLOTHSIM_TARGET_CLONES
+void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* __restrict values) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
+    const double ux = p.x[b] - p.x[a], uy = p.y[b] - p.y[a], uz = p.z[b] - p.z[a];
+    const double vx = p.x[d] - p.x[c], vy = p.y[d] - p.y[c], vz = p.z[d] - p.z[c];
+    const double wx = p.x[a] - p.x[c], wy = p.y[a] - p.y[c], wz = p.z[a] - p.z[c];
+    const double uu = ux * ux + uy * uy + uz * uz + tiny;
+    const double vv = vx * vx + vy * vy + vz * vz + tiny;
+    const double uv = ux * vx + uy * vy + uz * vz;
+    const double uw = ux * wx + uy * wy + uz * wz;
+    const double vw = vx * wx + vy * wy + vz * wz;
+    const double ww = wx * wx + wy * wy + wz * wz;
+
+    const double area2 = uu * vv - uv * uv;
+    const bool crossing = area2 > parallel * uu * vv;
+    const double free = crossing ? to_unit((uv * vw - uw * vv) / (area2 + tiny)) : 0.0;
+    const double t = to_unit((uv * free + vw) / vv);
+    const double s = to_unit((uv * t - uw) / uu);
+    const double x = wx + s * ux - t * vx, y = wy + s * uy - t * vy, z = wz + s * uz - t * vz;
+    const double least = x * x + y * y + z * z - rounding * (uu + vv + ww);
+    values[k] = std::sqrt(larger(least, 0.0));
+  }
+}
+
+}  // namespace
+
+void Distances::measure(const Points& positions) {
+  const Coordinates at{positions.data(), positions.data() + positions.rows(),
+                       positions.data() + 2 * positions.rows()};
+  for (Batch* batch : {&triangles_, &edges_}) {
+    const auto& [a, b, c, d] = batch->points;
+    const Indices indices{a.data(), b.data(), c.data(), d.data()};
+    const auto measure_kind = batch == &edges_ ? edge_edge : point_triangle;
+    measure_kind(batch->size, at, indices, batch->values.data());
+    for (std::size_t k = 0; k < batch->size; ++k) values_[batch->numbers[k]] = batch->values[k];
+  }
+}
+
+}  // namespace clothsim
