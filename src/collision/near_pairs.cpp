@@ -1,6 +1,7 @@
 #include "clothsim/collision/near_pairs.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -55,41 +56,79 @@ NearPairs::NearPairs(const Cloth& cloth)
   spacing_ = std::min(along_row, along_column);
   // A point and the long side of a triangle; two diagonals side by side are as far apart.
   least_rest_distance_ = along_row * along_column / std::hypot(along_row, along_column);
+  contact_ = 2 * cloth.thickness;
   margin_ = margin_share * least_rest_distance_;
   bounds_.resize(static_cast<std::size_t>(mesh_.num_cells()));
+  is_bounded_.resize(bounds_.size());
+}
+
+/// Calls body(pair, scratch) for all patch pairs; those of a thread come after each other. Then
+/// finish(scratch).
+template <typename Body, typename Finish>
+void NearPairs::share_patch_pairs(const Workers& workers, const Body& body, const Finish& finish) {
+  scratches_.resize(static_cast<std::size_t>(workers.threads()));
+  for (Scratch& scratch : scratches_) scratch.band = -1;
+  std::atomic<std::size_t> used{0};
+  constexpr int least = 64;
+  workers.share(
+      static_cast<int>(patch_pairs_.size()),
+      [&](int begin, int end) {
+        Scratch& scratch = scratches_[used++];
+        scratch.band = begin;
+        for (int k = begin; k < end; ++k) body(patch_pairs_[static_cast<std::size_t>(k)], scratch);
+        finish(scratch);
+      },
+      least);
 }
 
 const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Points& positions,
-                                                    const Points& ahead) {
-  advance(cloth, positions);
-  motions_.follow(patches_, positions, ahead);
-  near_.clear();
-  for (PatchPair& pair : patch_pairs_) {
+                                                    const Points& ahead, const Workers& workers) {
+  advance(cloth, positions, workers);
+  motions_.follow(patches_, positions, ahead, workers);
+  const auto wake_pair = [&](PatchPair& pair, Scratch& scratch) {
     const double closing = motions_.between(pair.p, pair.q);
     const double most = std::clamp(closing, least_margin(), margin_);
-    if (pair.least_wake - pair.moved > most) continue;
-    wake(positions, pair, [most](double) { return most; });
-  }
-  measure_awake(positions);
-  return near_;
+    if (pair.least_wake - pair.moved > most) return;
+    wake(
+        positions, pair, [most](double) { return most; }, scratch);
+  };
+  share_patch_pairs(workers, wake_pair, [&](Scratch& s) { measure_awake(positions, s); });
+  return collect();
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
-                                               double distance) {
+                                               double distance, const Workers& workers) {
   assert(distance <= reach());
-  advance(cloth, positions);
+  advance(cloth, positions, workers);
+  const auto wake_pair = [&](PatchPair& pair, Scratch& scratch) {
+    if (pair.least_wake - pair.moved + pair.least_nearest > distance) return;
+    wake(
+        positions, pair, [distance](double nearest) { return distance - nearest; }, scratch);
+  };
+  share_patch_pairs(workers, wake_pair, [&](Scratch& s) { measure_awake(positions, s); });
+  return collect();
+}
+
+/// What all threads have found, in order.
+const std::vector<NearPair>& NearPairs::collect() {
+  std::sort(scratches_.begin(), scratches_.end(),
+            [](const Scratch& a, const Scratch& b) { return a.band < b.band; });
   near_.clear();
-  for (PatchPair& pair : patch_pairs_) {
-    if (pair.least_wake - pair.moved + pair.least_nearest > distance) continue;
-    wake(positions, pair, [distance](double nearest) { return distance - nearest; });
+  for (Scratch& scratch : scratches_) {
+    if (near_.empty()) {
+      near_.swap(scratch.near);
+    } else {
+      near_.insert(near_.end(), scratch.near.begin(), scratch.near.end());
+    }
+    scratch.near.clear();
   }
-  measure_awake(positions);
   return near_;
 }
 
-/// Wakes the candidates whose gap may be within `reach` of their nearest distance.
+/// Measures the candidates whose gap may be within `reach` of their nearest distance.
 template <typename Reach>
-void NearPairs::wake(const Points& positions, PatchPair& pair, const Reach& reach) {
+void NearPairs::wake(const Points& positions, PatchPair& pair, const Reach& reach,
+                     Scratch& scratch) const {
   pair.least_wake = infinity;
   for (std::size_t k = 0; k < pair.candidates.size(); ++k) {
     const SurfacePair& features = pair.candidates[k].pair;
@@ -98,72 +137,160 @@ void NearPairs::wake(const Points& positions, PatchPair& pair, const Reach& reac
       pair.least_wake = std::min(pair.least_wake, pair.wake_at[k]);
       continue;
     }
-    awake_.push_back({&pair, k, gap});
-    distances_.add(features);
-    if (distances_.size() == Distances::capacity) measure_awake(positions);
+    scratch.awake.push_back({&pair, k, gap});
+    scratch.distances.add(features);
+    if (scratch.distances.size() == Distances::capacity) measure_awake(positions, scratch);
   }
 }
 
-/// Those that are as near as they were woken for. All go to sleep again.
-void NearPairs::measure_awake(const Points& positions) {
-  distances_.measure(positions);
-  for (std::size_t i = 0; i < awake_.size(); ++i) {
-    const auto& [pair, number, reach] = awake_[i];
+/// Keeps those that are as near as they were woken for. All go to sleep again.
+void NearPairs::measure_awake(const Points& positions, Scratch& scratch) const {
+  scratch.distances.measure(positions);
+  for (std::size_t i = 0; i < scratch.awake.size(); ++i) {
+    const auto& [pair, number, reach] = scratch.awake[i];
     const Candidate& candidate = pair->candidates[number];
-    double gap = distances_[i] - candidate.pair.nearest;
+    double gap = scratch.distances[i] - candidate.pair.nearest;
     if (gap <= reach) {
       const Separation s = separation(candidate.pair, positions);
       gap = s.distance - candidate.pair.nearest;
-      if (gap <= reach) near_.push_back({candidate.key, candidate.pair, s});
+      if (gap <= reach) scratch.near.push_back({candidate.key, candidate.pair, s});
     }
     pair->wake_at[number] = pair->moved + gap;
     pair->least_wake = std::min(pair->least_wake, pair->wake_at[number]);
   }
-  awake_.clear();
-  distances_.clear();
+  scratch.awake.clear();
+  scratch.distances.clear();
 }
 
 /// Brings patch pairs and candidates up to date.
-void NearPairs::advance(const Cloth& cloth, const Points& positions) {
-  const double reach = 2 * cloth.thickness + margin_;
+void NearPairs::advance(const Cloth& cloth, const Points& positions, const Workers& workers) {
+  const auto nothing = [](Scratch&) {};
   const double most_spread = pairing_sides * patch_cells * spacing_;
+  const double reach = contact_ + margin_ + most_spread;
   if (last_.rows() == 0) {
-    pair_patches(positions, reach + most_spread);
+    pair_patches(positions, reach);
   } else if (last_ != positions) {
-    motions_.follow(patches_, last_, positions);
-    for (PatchPair& pair : patch_pairs_) pair.moved += motions_.between(pair.p, pair.q);
+    motions_.follow(patches_, last_, positions, workers);
+    const auto move = [&](PatchPair& pair, Scratch&) {
+      pair.moved += motions_.between(pair.p, pair.q);
+    };
+    share_patch_pairs(workers, move, nothing);
     Points ways = positions - paired_at_;
     const Eigen::RowVector3d common = ways.colwise().mean();
     ways.rowwise() -= common;
     const double spread = std::sqrt(ways.rowwise().squaredNorm().maxCoeff());
-    if (2 * spread > most_spread) pair_patches(positions, reach + most_spread);
+    if (2 * spread > most_spread) pair_patches(positions, reach);
   } else {
     return;
   }
   last_ = positions;
-  ++search_;
-  for (PatchPair& pair : patch_pairs_) {
-    if (pair.moved >= pair.allowance) seek(cloth, positions, pair);
+  const auto look = [&](PatchPair& pair, Scratch&) {
+    pair.is_sought = pair.moved >= pair.allowance && is_to_be_sought(positions, pair);
+  };
+  share_patch_pairs(workers, look, nothing);
+  bound_cells(cloth, positions, workers);
+  const auto seek_pair = [&](PatchPair& pair, Scratch& scratch) {
+    if (pair.is_sought) seek(positions, pair, scratch);
+  };
+  share_patch_pairs(workers, seek_pair, [&](Scratch& s) { take_candidates(positions, s); });
+}
+
+/// Starts the pair anew. False where the patches are so far from each other that they have no
+/// candidates.
+bool NearPairs::is_to_be_sought(const Points& positions, PatchPair& pair) const {
+  pair.candidates.clear();
+  pair.wake_at.clear();
+  pair.moved = 0;
+  pair.least_wake = infinity;
+  pair.least_nearest = infinity;
+
+  const double reach = contact_ + margin_;
+  const Box p = around(positions, of(patches_, pair.p).points);
+  const Box q = around(positions, of(patches_, pair.q).points);
+  const double apart = std::sqrt(p.squaredExteriorDistance(q));
+  const double slack = slack_share * least_rest_distance_;
+  const double far_slack = std::max(slack, far_slack_share * contact_);
+  const bool is_near = apart <= reach + far_slack;
+  pair.allowance = !is_near ? apart - reach : are_neighbours(pair) ? slack : far_slack;
+  return is_near;
+}
+
+/// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
+bool NearPairs::are_neighbours(const PatchPair& pair) const {
+  const std::vector<int>& p = of(patches_, pair.p).cells;
+  const std::vector<int>& q = of(patches_, pair.q).cells;
+  const int columns = mesh_.cell_columns;
+  const int window = static_cast<int>(std::ceil((contact_ + margin_) / spacing_));
+  const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
+    return std::max(b_first - a_last, a_first - b_last);
+  };
+  return gap(p.front() % columns, p.back() % columns, q.front() % columns, q.back() % columns) <=
+             window &&
+         gap(p.front() / columns, p.back() / columns, q.front() / columns, q.back() / columns) <=
+             window;
+}
+
+/// Boxes and gradients of the cells that a search will look at.
+void NearPairs::bound_cells(const Cloth& cloth, const Points& positions, const Workers& workers) {
+  const int columns = mesh_.cell_columns;
+  for (const int cell : bounded_) is_bounded_[static_cast<std::size_t>(cell)] = 0;
+  bounded_.clear();
+  const auto add = [&](int first_row, int last_row, int first_column, int last_column) {
+    for (int r = first_row; r <= last_row; ++r) {
+      for (int c = first_column; c <= last_column; ++c) {
+        char& is_bounded = is_bounded_[static_cast<std::size_t>(r * columns + c)];
+        if (!is_bounded) bounded_.push_back(r * columns + c);
+        is_bounded = 1;
+      }
+    }
+  };
+  for (const PatchPair& pair : patch_pairs_) {
+    if (!pair.is_sought) continue;
+    const std::vector<int>& p = of(patches_, pair.p).cells;
+    const std::vector<int>& q = of(patches_, pair.q).cells;
+    if (are_neighbours(pair)) {  // proofs look at what is between, too
+      const auto [first_column, last_column] = std::minmax(
+          {p.front() % columns, p.back() % columns, q.front() % columns, q.back() % columns});
+      const int last_row = std::max(p.back(), q.back()) / columns;
+      add(std::min(p.front(), q.front()) / columns, last_row, first_column, last_column);
+    } else {
+      for (const auto* cells : {&p, &q}) {
+        add(cells->front() / columns, cells->back() / columns, cells->front() % columns,
+            cells->back() % columns);
+      }
+    }
   }
-  take_candidates(positions);
+  constexpr int least = 64;
+  workers.share(
+      static_cast<int>(bounded_.size()),
+      [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+          const int cell = of(bounded_, k), column = cell % columns, row = cell / columns;
+          const int i = row * cloth.columns + column;
+          const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
+          bounds_[static_cast<std::size_t>(cell)] = {
+              around(positions, corners), gradient_bounds(cloth, positions, column, row)};
+        }
+      },
+      least);
 }
 
 /// Those of the pairs sought that may come near before they are sought again.
-void NearPairs::take_candidates(const Points& positions) {
-  distances_.measure(positions);
-  for (std::size_t i = 0; i < sought_.size(); ++i) {
-    Candidate& candidate = sought_[i].candidate;
-    PatchPair& pair = *sought_[i].of;
+void NearPairs::take_candidates(const Points& positions, Scratch& scratch) const {
+  scratch.distances.measure(positions);
+  for (std::size_t i = 0; i < scratch.sought.size(); ++i) {
+    Candidate& candidate = scratch.sought[i].candidate;
+    PatchPair& pair = *scratch.sought[i].of;
     candidate.pair.nearest = nearest_.of(candidate.pair);
-    const double gap = distances_[i] - candidate.pair.nearest;
+    const double gap = scratch.distances[i] - candidate.pair.nearest;
     if (gap > margin_ + pair.allowance) continue;
     pair.candidates.push_back(candidate);
     pair.wake_at.push_back(gap);
     pair.least_wake = std::min(pair.least_wake, gap);
     pair.least_nearest = std::min(pair.least_nearest, candidate.pair.nearest);
   }
-  sought_.clear();
-  distances_.clear();
+  scratch.sought.clear();
+  scratch.distances.clear();
 }
 
 /// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
@@ -175,7 +302,7 @@ void NearPairs::pair_patches(const Points& positions, double reach) {
     boxes.back().max().array() += reach / 2;
   }
   std::vector<PatchPair> pairs;
-  const auto add = [&](int p, int q) { pairs.push_back({p, q, infinity, 0, 0, 0, {}, {}}); };
+  const auto add = [&](int p, int q) { pairs.push_back({p, q, infinity, 0, true, 0, 0, {}, {}}); };
   for (int p = 0; p < static_cast<int>(patches_.size()); ++p) add(p, p);
   BoxTree(boxes).visit_overlaps(add);
   const auto before = [](const PatchPair& a, const PatchPair& b) {
@@ -194,49 +321,19 @@ void NearPairs::pair_patches(const Points& positions, double reach) {
   paired_at_ = positions;
 }
 
-void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pair) {
-  pair.candidates.clear();
-  pair.wake_at.clear();
-  pair.moved = 0;
-  pair.least_wake = infinity;
-  pair.least_nearest = infinity;
-
-  // Patches far from each other.
+void NearPairs::seek(const Points& positions, PatchPair& pair, Scratch& scratch) const {
   const Patch &p = of(patches_, pair.p), &q = of(patches_, pair.q);
-  const double reach = 2 * cloth.thickness + margin_;
-  const double apart =
-      std::sqrt(around(positions, p.points).squaredExteriorDistance(around(positions, q.points)));
-  const double far_slack =
-      std::max(slack_share * least_rest_distance_, far_slack_share * 2 * cloth.thickness);
-  if (apart > reach + far_slack) {
-    pair.allowance = apart - reach;
-    return;
-  }
-
-  // Neighbours on the cloth have less to spare. Parts of them that are not folded are apart.
-  const int columns = mesh_.cell_columns;
-  const int window = static_cast<int>(std::ceil(reach / spacing_));
-  const auto gap = [&](int a_first, int a_last, int b_first, int b_last) {
-    return std::max(b_first - a_last, a_first - b_last);
-  };
-  const int column_gap = gap(p.cells.front() % columns, p.cells.back() % columns,
-                             q.cells.front() % columns, q.cells.back() % columns);
-  const int row_gap = gap(p.cells.front() / columns, p.cells.back() / columns,
-                          q.cells.front() / columns, q.cells.back() / columns);
-  const bool neighbours = column_gap <= window && row_gap <= window;
-  pair.allowance = neighbours ? slack_share * least_rest_distance_ : far_slack;
   const double range = margin_ + pair.allowance;
-
   const auto within_reach_of = [&](const Patch& patch, const Patch& other) {
     const Box box = around(positions, other.points);
     std::vector<std::size_t> numbers;
     for (std::size_t i = 0; i < patch.cells.size(); ++i) {
-      const Box& cell = bound(cloth, positions, patch.cells[i]).box;
-      if (overlap(cell, box, 2 * cloth.thickness + range)) numbers.push_back(i);
+      if (overlap(of(bounds_, patch.cells[i]).box, box, contact_ + range)) numbers.push_back(i);
     }
     return numbers;
   };
   const std::vector<std::size_t> of_p = within_reach_of(p, q), of_q = within_reach_of(q, p);
+  const bool neighbours = are_neighbours(pair);
   const std::uint64_t key =
       (static_cast<std::uint64_t>(pair.p) << 40) | (static_cast<std::uint64_t>(pair.q) << 16);
   for (const std::size_t i : of_p) {
@@ -247,29 +344,18 @@ void NearPairs::seek(const Cloth& cloth, const Points& positions, PatchPair& pai
       const int other = q.cells[j];
       const double within = nearest_.most_of_cells(cell, other) + range;
       if (!overlap(box, of(bounds_, other).box, within)) continue;
-      if (neighbours && proved_apart(cloth, positions, cell, other, range)) continue;
-      if (distances_.size() + most_of_cells > Distances::capacity) take_candidates(positions);
+      if (neighbours && proved_apart(cell, other, range)) continue;
+      if (scratch.distances.size() + most_of_cells > Distances::capacity) {
+        take_candidates(positions, scratch);
+      }
       seek_in_cells(positions, cell, other, within, pair,
-                    key + most_of_cells * (i * patch_cells * patch_cells + j));
+                    key + most_of_cells * (i * patch_cells * patch_cells + j), scratch);
     }
   }
 }
 
-/// Box and gradient of a cell, once for each search.
-const NearPairs::CellBounds& NearPairs::bound(const Cloth& cloth, const Points& positions,
-                                              int cell) {
-  CellBounds& bounds = bounds_[static_cast<std::size_t>(cell)];
-  if (bounds.search == search_) return bounds;
-  const int column = cell % mesh_.cell_columns, r = cell / mesh_.cell_columns;
-  const int i = r * cloth.columns + column;
-  const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
-  bounds = {search_, around(positions, corners), gradient_bounds(cloth, positions, column, r)};
-  return bounds;
-}
-
 /// Are neighbours within the rectangle of both cells further apart than nearest + range?
-bool NearPairs::proved_apart(const Cloth& cloth, const Points& positions, int cell, int other,
-                             double range) {
+bool NearPairs::proved_apart(int cell, int other, double range) const {
   const int columns = mesh_.cell_columns;
   const auto [first_column, last_column] = std::minmax({cell % columns, other % columns});
   const auto [first_row, last_row] = std::minmax({cell / columns, other / columns});
@@ -278,19 +364,19 @@ bool NearPairs::proved_apart(const Cloth& cloth, const Points& positions, int ce
   GradientBounds bounds;
   for (int r = first_row; r <= last_row; ++r) {
     for (int c = first_column; c <= last_column; ++c) {
-      bounds.extend(bound(cloth, positions, r * columns + c).gradient);
+      bounds.extend(of(bounds_, r * columns + c).gradient);
     }
   }
   return is_unfolded(bounds, NearestDistances::neighbour_share + range / least_rest_distance_);
 }
 
 void NearPairs::seek_in_cells(const Points& positions, int cell, int other, double within,
-                              PatchPair& pair, std::uint64_t key) {
+                              PatchPair& pair, std::uint64_t key, Scratch& scratch) const {
   const auto add = [&](const SurfacePair& features) {
     ++key;
     if (share_a_point(features)) return;
-    sought_.push_back({&pair, {key, features}});
-    distances_.add(features);
+    scratch.sought.push_back({&pair, {key, features}});
+    scratch.distances.add(features);
   };
 
   const auto add_points = [&](int of_cell, int in_cell) {

@@ -56,9 +56,10 @@ std::vector<Patch> cut_into_patches(const Cloth& cloth, int size) {
   return patches;
 }
 
-void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to) {
-  motions_.clear();
-  for (const Patch& patch : patches) {
+void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
+                          const Workers& workers) {
+  motions_.resize(patches.size());
+  const auto follow_one = [&](const Patch& patch) -> Motion {
     Motion motion{centre(patch, from), centre(patch, to),
                   frame(patch, to) * frame(patch, from).transpose(), 0, 0};
     double radius2 = 0, strain2 = 0;
@@ -70,8 +71,17 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
     }
     motion.radius = std::sqrt(radius2);
     motion.strain = std::sqrt(strain2);
-    motions_.push_back(motion);
-  }
+    return motion;
+  };
+  constexpr int least = 16;
+  workers.share(
+      static_cast<int>(patches.size()),
+      [&](int begin, int end) {
+        for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+          motions_[k] = follow_one(patches[k]);
+        }
+      },
+      least);
 }
 
 double PatchMotions::between(int p, int q) const {

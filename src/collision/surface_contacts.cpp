@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <mutex>
 
 namespace clothsim {
 namespace {
@@ -88,6 +90,45 @@ bool SurfaceContacts::is_nearest_on_surface(const SurfacePair& pair, const Separ
   return owner == pair.b || std::find(has.begin(), has.end(), pair.a) != has.end();
 }
 
+/// Of a pair that may touch within the step, or had an impulse in the last one.
+std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth,
+                                                              const NearPair& near, bool held,
+                                                              const Points& middle,
+                                                              const Points& velocities) const {
+  const SurfacePair& pair = near.pair;
+  if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) return {};
+
+  // Most do not get there.
+  const Vector3& last_normal = near.separation.normal;
+  const double way = h_ * -gap_along(last_normal, pair, velocities);
+  const double room = gap_along(last_normal, pair, middle) - pair.nearest;
+  if (!held && room > 0 && way < room) return {};
+
+  // As they lie where impulses act; if they have passed through each other by then, as they lay.
+  Separation s = separation(pair, middle);
+  if (s.normal.dot(near.separation.normal) < least_turn) {
+    s = near.separation;
+    s.distance = s.normal.dot(sum(pair.points, s.weights, middle));
+  }
+
+  // The gap may close within a step. Others may yet push a touching pair together.
+  const double gap = s.distance - pair.nearest;
+  const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / h_;
+  const double rate = s.normal.dot(sum(pair.points, s.weights, velocities));
+  if (!held && rate >= slowest && gap > 0) return {};
+
+  double inv_mass = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    inv_mass += s.weights[k] * s.weights[k] * cloth.inv_mass[pair.points[k]];
+  }
+  if (inv_mass == 0) return {};
+  return Contact{near.key,
+                 pair.points,
+                 s.weights,
+                 inv_mass,
+                 {s.normal, Vector3::Zero(), slowest, cloth.friction}};
+}
+
 void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
@@ -95,44 +136,34 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   last_.swap(contacts_);
   contacts_.clear();
   const Points middle = state.positions - step.reach * h_ * step.drifted;  // where impulses act
+  const auto comes_before = [](const Contact& c, std::uint64_t key) { return c.key < key; };
   const Points ahead = middle + h_ * state.velocities;
-  auto kept = last_.begin();
-  for (const NearPair& near : near_.approaching(cloth, step.start, ahead)) {
-    const SurfacePair& pair = near.pair;
-    if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) continue;
-    while (kept != last_.end() && kept->key < near.key) ++kept;
-    const bool held = kept != last_.end() && kept->key == near.key && kept->impulse.push > 0;
-
-    // Most do not get there.
-    const Vector3& last_normal = near.separation.normal;
-    const double way = h_ * -gap_along(last_normal, pair, state.velocities);
-    const double room = gap_along(last_normal, pair, middle) - pair.nearest;
-    if (!held && room > 0 && way < room) continue;
-
-    // As they lie where impulses act; if they have passed through each other by then, as they lay.
-    Separation s = separation(pair, middle);
-    if (s.normal.dot(near.separation.normal) < least_turn) {
-      s = near.separation;
-      s.distance = s.normal.dot(sum(pair.points, s.weights, middle));
-    }
-
-    // The gap may close within a step. Others may yet push a touching pair together.
-    const double gap = s.distance - pair.nearest;
-    const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / h_;
-    const double rate = s.normal.dot(sum(pair.points, s.weights, state.velocities));
-    if (!held && rate >= slowest && gap > 0) continue;
-
-    double inv_mass = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      inv_mass += s.weights[k] * s.weights[k] * cloth.inv_mass[pair.points[k]];
-    }
-    if (inv_mass == 0) continue;
-    contacts_.push_back({near.key,
-                         pair.points,
-                         s.weights,
-                         inv_mass,
-                         {s.normal, Vector3::Zero(), slowest, cloth.friction}});
-    if (held) contacts_.back().impulse.resume(kept->impulse, scale);
+  const std::vector<NearPair>& near_pairs =
+      near_.approaching(cloth, step.start, ahead, step.workers);
+  std::mutex mutex;
+  std::map<int, std::vector<Contact>> found;  // by the first pair that a thread looked at
+  constexpr int least = 256;
+  step.workers.share(
+      static_cast<int>(near_pairs.size()),
+      [&](int begin, int end) {
+        std::vector<Contact> contacts;
+        auto kept = last_.begin();
+        for (int k = begin; k < end; ++k) {
+          const NearPair& near = near_pairs[static_cast<std::size_t>(k)];
+          if (k == begin) kept = std::lower_bound(kept, last_.end(), near.key, comes_before);
+          while (kept != last_.end() && kept->key < near.key) ++kept;
+          const bool held = kept != last_.end() && kept->key == near.key && kept->impulse.push > 0;
+          std::optional<Contact> contact = find(cloth, near, held, middle, state.velocities);
+          if (!contact) continue;
+          if (held) contact->impulse.resume(kept->impulse, scale);
+          contacts.push_back(*contact);
+        }
+        const std::lock_guard<std::mutex> lock(mutex);
+        found[begin] = std::move(contacts);
+      },
+      least);
+  for (const auto& [begin, contacts] : found) {
+    contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
   }
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
@@ -152,9 +183,9 @@ double SurfaceContacts::sweep(const Cloth& cloth, Points& velocities) {
   return std::sqrt(residual2) * h_;
 }
 
-int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state) {
+int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& state) {
   Points& positions = state.positions;
-  Points here = start;
+  Points here = step.start;
   // Features that start nearer than they may ever come have no side to be kept on.
   const double floor = least_share * near_.least_nearest();
   const auto bound = [floor](double distance) {
@@ -166,7 +197,7 @@ int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state
     Points ways = own_ways(here, positions);
     const double needed = floor + longest(ways) / bound_share;
     const double seen = std::min(needed, near_.reach());
-    const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen);
+    const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen, step.workers);
     if (near_pairs.empty() && seen == needed) return 0;
 
     const double unseen = seen == needed ? infinity : bound(seen);
@@ -192,7 +223,7 @@ int SurfaceContacts::guard(const Cloth& cloth, const Points& start, State& state
     if (held_back.empty() || leg == most_legs) {
       positions = here;
       for (const int i : held_back) {
-        if (cloth.inv_mass[i] > 0) state.velocities.row(i) = (here.row(i) - start.row(i)) / h_;
+        if (cloth.inv_mass[i] > 0) state.velocities.row(i) = (here.row(i) - step.start.row(i)) / h_;
       }
       return static_cast<int>(held_back.size());
     }

@@ -235,7 +235,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state);
-  const ContactStep contact_step{h, reach, start, predicted};
+  const ContactStep contact_step{h, reach, start, predicted, workers};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
@@ -263,7 +263,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
   // Whatever has moved the points, the cloth does not pass through itself.
   visit_self_contacts(
-      [&](auto& contacts) { report.held_back += contacts.guard(cloth, start, state); });
+      [&](auto& contacts) { report.held_back += contacts.guard(cloth, contact_step, state); });
 }
 
 void Simulator::Impl::repair(StepReport& report) {

@@ -10,6 +10,7 @@ namespace {
 using namespace testing;
 
 constexpr double reach = 0.5;
+const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = 0.01;  // contact at 2 cm, rest neighbours to 4 cm
 
@@ -24,7 +25,7 @@ Cloth apart(int points, double friction = 0) {
 /// One step of contact after points have moved: begin, sweep till it holds, move along.
 void resolve(PointContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
   const Points before = state.velocities;
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities}, state);
+  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   for (int i = 0; i < sweeps && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
@@ -68,7 +69,7 @@ TEST(PointContacts, NoTouchingPairComesCloser) {
   const Cloth cloth = apart(40);
   State state{random_points(40, 0.04, 3), random_points(40, 1, 4), 0};
   PointContacts contacts;
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities}, state);
+  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   const Points normals_at = state.positions;
   for (int i = 0; i < 5000; ++i) contacts.sweep(cloth, state.velocities);
   int touching = 0;
@@ -97,7 +98,7 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
     state.positions(1, 2) = 2 * thickness - 1e-6;
     state.velocities.row(1) << slide, 0, -1;
     PointContacts contacts;
-    contacts.begin(cloth, {h, 0, state.positions, state.velocities}, state);
+    contacts.begin(cloth, {h, 0, state.positions, state.velocities, alone}, state);
     for (int i = 0; i < 200; ++i) contacts.sweep(cloth, state.velocities);
     EXPECT_NEAR(state.velocities(1, 2), 0, 1e-9);
     EXPECT_NEAR(state.velocities(1, 0), std::max(0.0, slide - mu * 1), 1e-9);
@@ -114,7 +115,7 @@ TEST(PointContacts, LeavesRestNeighboursOut) {
     State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
     state.positions(1, 0) = 0.01;
     PointContacts contacts;
-    contacts.begin(cloth, {h, reach, state.positions, state.velocities}, state);
+    contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
     for (int step = 0; step < 100; ++step) contacts.correct(cloth, state.positions);
     const double distance = (state.positions.row(1) - state.positions.row(0)).norm();
     EXPECT_NEAR(distance, spacing < 0.04 ? 0.01 : 2 * thickness, 1e-12);
@@ -129,7 +130,7 @@ TEST(PointContacts, CorrectMovesByInverseMassShareByShare) {
   State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
   state.positions(1, 2) = 0.005;
   PointContacts contacts;
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities}, state);
+  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   double last = 2 * thickness - 0.005;
   for (int step = 0; step < 100; ++step) {
     contacts.correct(cloth, state.positions);
@@ -166,12 +167,12 @@ TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
     state.positions += motion;
     if (step == 30) motion.leftCols(2) *= -1;
     State copy = state;
-    kept.begin(cloth, {h, reach, copy.positions, copy.velocities}, copy);
+    kept.begin(cloth, {h, reach, copy.positions, copy.velocities, alone}, copy);
     Points a = state.positions;
     kept.correct(cloth, a);
     copy = state;
     PointContacts fresh;
-    fresh.begin(cloth, {h, reach, copy.positions, copy.velocities}, copy);
+    fresh.begin(cloth, {h, reach, copy.positions, copy.velocities, alone}, copy);
     Points b = state.positions;
     fresh.correct(cloth, b);
     ASSERT_EQ(a, b) << "step " << step;

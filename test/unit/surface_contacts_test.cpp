@@ -11,6 +11,7 @@ namespace {
 using namespace testing;
 
 constexpr double reach = 0.5;
+const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = 0.01;
 
@@ -58,11 +59,12 @@ void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
   const Points start = state.positions;
   state.positions += h * state.velocities;
   const Points before = state.velocities;
-  contacts.begin(cloth, {h, reach, start, before}, state);
+  const ContactStep contact_step{h, reach, start, before, alone};
+  contacts.begin(cloth, contact_step, state);
   for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
-  contacts.guard(cloth, start, state);
+  contacts.guard(cloth, contact_step, state);
 }
 
 Eigen::RowVector3d momentum(const Cloth& cloth, const State& state) {
@@ -124,7 +126,7 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   const Eigen::RowVector3d angular = angular_momentum(cloth, middle);
   const double energy = middle.velocities.squaredNorm();
   SurfaceContacts contacts(cloth);
-  contacts.begin(cloth, {h, reach, start, Points(state.velocities)}, state);
+  contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
   for (int i = 0; i < 500; ++i) contacts.sweep(cloth, state.velocities);
   ASSERT_GT(contacts.count(), 2);
   middle.velocities = state.velocities;
@@ -153,7 +155,7 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
     for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) -= g * h;
     state.positions += reach * h * state.velocities;
     const Points before = state.velocities;
-    contacts.begin(cloth, {h, reach, start, before}, state);
+    contacts.begin(cloth, {h, reach, start, before, alone}, state);
     for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
     }
     state.positions += reach * h * (state.velocities - before);
@@ -177,8 +179,9 @@ TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {
       const Points start = state.positions;
       state.positions *= 0.8;
       state.positions += random_points(81, 0.02, 1000 * seed + k);
-      contacts.begin(cloth, {h, reach, start, state.velocities}, state);
-      held += contacts.guard(cloth, start, state);
+      const ContactStep contact_step{h, reach, start, state.velocities, alone};
+      contacts.begin(cloth, contact_step, state);
+      held += contacts.guard(cloth, contact_step, state);
       ASSERT_EQ(count_intersections(cloth, state.positions), 0) << seed << ' ' << k;
     }
   }
@@ -192,8 +195,9 @@ TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {
   state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
   const Points target = state.positions;
   SurfaceContacts contacts(cloth);
-  contacts.begin(cloth, {h, reach, start, state.velocities}, state);
-  EXPECT_EQ(contacts.guard(cloth, start, state), 0);
+  const ContactStep contact_step{h, reach, start, state.velocities, alone};
+  contacts.begin(cloth, contact_step, state);
+  EXPECT_EQ(contacts.guard(cloth, contact_step, state), 0);
   EXPECT_EQ(state.positions, target);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -10,6 +11,7 @@ struct ContactStep {
   double reach;           // the share of h that a point has moved with an impulse given in the step
   const Points& start;    // positions at its start [m]
   const Points& drifted;  // the velocities that brought the points where they are [m/s]
+  const Workers& workers;
 };
 
 }  // namespace clothsim

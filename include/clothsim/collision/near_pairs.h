@@ -10,6 +10,7 @@
 #include "clothsim/collision/surface_mesh.h"
 #include "clothsim/collision/surface_pair.h"
 #include "clothsim/collision/unfolded.h"
+#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
@@ -34,10 +35,11 @@ class NearPairs {
   /// key. Of two features these are within the nearest they may come plus what their patches'
   /// motion against each other can close, between least_margin() and margin().
   const std::vector<NearPair>& approaching(const Cloth&, const Points& positions,
-                                           const Points& ahead);
+                                           const Points& ahead, const Workers& = {});
 
   /// Pairs within a `distance` [m], up to reach(), of each other at `positions`, by ascending key.
-  const std::vector<NearPair>& within(const Cloth&, const Points& positions, double distance);
+  const std::vector<NearPair>& within(const Cloth&, const Points& positions, double distance,
+                                      const Workers& = {});
 
   double margin() const { return margin_; }
   double least_margin() const { return least_margin_share * margin_; }
@@ -61,6 +63,7 @@ class NearPairs {
     int q;
     double moved;          // how much nearer they may have come since candidates were sought [m]
     double allowance;      // candidates serve while they have moved by less [m]
+    bool is_sought;        // anew, now
     double least_wake;     // of all candidates
     double least_nearest;  // of all candidates [m]
     std::vector<Candidate> candidates;
@@ -69,40 +72,10 @@ class NearPairs {
 
   /// Of a cell, at `positions` of the last search.
   struct CellBounds {
-    long search = 0;
     Box box;
     GradientBounds gradient;
   };
 
-  void advance(const Cloth&, const Points& positions);
-  void pair_patches(const Points& positions, double reach);
-  void seek(const Cloth&, const Points& positions, PatchPair&);
-  void seek_in_cells(const Points& positions, int cell, int other, double within, PatchPair&,
-                     std::uint64_t key);
-  void take_candidates(const Points& positions);
-  const CellBounds& bound(const Cloth&, const Points& positions, int cell);
-  bool proved_apart(const Cloth&, const Points& positions, int cell, int other, double range);
-  template <typename Reach>
-  void wake(const Points& positions, PatchPair&, const Reach& reach);
-  void measure_awake(const Points& positions);
-
-  SurfaceMesh mesh_;
-  NearestDistances nearest_;
-  double spacing_;              // shorter one at rest [m]
-  double least_rest_distance_;  // of two features that share no point [m]
-  double margin_;
-
-  std::vector<Patch> patches_;
-  std::vector<PatchPair> patch_pairs_;  // by p, then q
-  Points last_;                         // positions last given; none yet: no rows
-  Points paired_at_;                    // positions where patches were paired
-  PatchMotions motions_;
-  std::vector<NearPair> near_;
-
-  long search_ = 0;                 // counts positions
-  std::vector<CellBounds> bounds_;  // by cell
-
-  // Scratch: what is measured at once.
   struct Sought {
     PatchPair* of;
     Candidate candidate;
@@ -112,9 +85,51 @@ class NearPairs {
     std::size_t number;  // of the candidate
     double reach;        // see wake()
   };
-  std::vector<Sought> sought_;
-  std::vector<Awake> awake_;
-  Distances distances_;
+  /// What one thread measures.
+  struct Scratch {
+    int band;  // first patch pair
+    std::vector<Sought> sought;
+    std::vector<Awake> awake;
+    Distances distances;
+    std::vector<NearPair> near;
+  };
+
+  template <typename Body, typename Finish>
+  void share_patch_pairs(const Workers&, const Body&, const Finish&);
+
+  void advance(const Cloth&, const Points& positions, const Workers&);
+  void pair_patches(const Points& positions, double reach);
+  bool are_neighbours(const PatchPair&) const;
+  bool is_to_be_sought(const Points& positions, PatchPair&) const;
+  void bound_cells(const Cloth&, const Points& positions, const Workers&);
+  void seek(const Points& positions, PatchPair&, Scratch&) const;
+  void seek_in_cells(const Points& positions, int cell, int other, double within, PatchPair&,
+                     std::uint64_t key, Scratch&) const;
+  void take_candidates(const Points& positions, Scratch&) const;
+  bool proved_apart(int cell, int other, double range) const;
+  template <typename Reach>
+  void wake(const Points& positions, PatchPair&, const Reach& reach, Scratch&) const;
+  void measure_awake(const Points& positions, Scratch&) const;
+  const std::vector<NearPair>& collect();
+
+  SurfaceMesh mesh_;
+  NearestDistances nearest_;
+  double spacing_;              // shorter one at rest [m]
+  double least_rest_distance_;  // of two features that share no point [m]
+  double contact_;              // distance, of layers [m]
+  double margin_;
+
+  std::vector<Patch> patches_;
+  std::vector<PatchPair> patch_pairs_;  // by p, then q
+  Points last_;                         // positions last given; none yet: no rows
+  Points paired_at_;                    // positions where patches were paired
+  PatchMotions motions_;
+  std::vector<NearPair> near_;
+
+  std::vector<CellBounds> bounds_;  // by cell
+  std::vector<int> bounded_;        // cells of the last search
+  std::vector<char> is_bounded_;    // by cell
+  std::vector<Scratch> scratches_;  // by thread
 };
 
 }  // namespace clothsim

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
@@ -24,7 +25,8 @@ std::vector<Patch> cut_into_patches(const Cloth&, int size);
 class PatchMotions {
  public:
   /// The motion of `patches` between two sets of positions [m, N x 3, finite].
-  void follow(const std::vector<Patch>& patches, const Points& from, const Points& to);
+  void follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
+              const Workers& = {});
 
   /// The most by which the distance of a point on p to one on q may have changed [m]. Both may be
   /// the same patch.

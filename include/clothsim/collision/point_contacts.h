@@ -28,7 +28,7 @@ class PointContacts {
   void correct(const Cloth&, Points& positions) const;
 
   /// Nothing holds points back.
-  int guard(const Cloth&, const Points&, State&) const { return 0; }
+  int guard(const Cloth&, const ContactStep&, State&) const { return 0; }
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;

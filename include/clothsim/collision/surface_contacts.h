@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "clothsim/collision/contact_impulse.h"
@@ -33,9 +34,9 @@ class SurfaceContacts {
   /// Impulses alone part what is closer than it may be: moving it at once would shake piles.
   void correct(const Cloth&, Points&) const {}
 
-  /// Lets points move from `start`, as given to begin(), to `state` as far as they cannot cross,
-  /// whatever moves them. Those held back have the velocity of the way they made. Returns how many.
-  int guard(const Cloth&, const Points& start, State&);
+  /// Lets points move from the step's start to `state` as far as they cannot cross, whatever moves
+  /// them. Those held back have the velocity of the way they made. Returns how many.
+  int guard(const Cloth&, const ContactStep&, State&);
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -64,6 +65,8 @@ class SurfaceContacts {
   };
 
   bool is_nearest_on_surface(const SurfacePair&, const Separation&) const;
+  std::optional<Contact> find(const Cloth&, const NearPair&, bool held, const Points& middle,
+                              const Points& velocities) const;
 
   NearPairs near_;
   double h_ = 0;
