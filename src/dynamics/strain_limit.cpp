@@ -1,6 +1,7 @@
 #include "clothsim/dynamics/strain_limit.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
@@ -19,6 +20,9 @@ constexpr double aim = 0.95;
 /// A spring this many times longer than its limit is left to the impulses: to repair it at once
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
+
+/// Springs of a colour that a thread takes at least: a microsecond of work.
+constexpr int least_shared = 512;
 
 /// The row of an N x 3 matrix as a vector.
 Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
@@ -222,6 +226,13 @@ void StrainLimit::find_active(const Cloth& cloth, const State& state) {
   add_second_colour();
   for (const int id : last_ids_) kept_[index(id)] = 0;
 
+  colour_ends_.clear();
+  const auto colour_of = [&](std::size_t i) { return constraints_[index(ids_[i])].colour; };
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    const bool is_last = i + 1 == ids_.size() || colour_of(i + 1) != colour_of(i);
+    if (is_last) colour_ends_.push_back(static_cast<int>(i + 1));
+  }
+
   for (const int point : touched_) is_touched_[index(point)] = 0;
   load_points(state);
 }
@@ -249,22 +260,43 @@ void StrainLimit::store(Points& velocities) const {
   for (const int point : touched_) set_row(velocities, point, velocities_[index(point)]);
 }
 
-double StrainLimit::sweep(const Cloth& cloth, Points& velocities) {
+/// One pass over active_, colour by colour: within one, springs share no point.
+double StrainLimit::sweep_active(const Workers& workers) {
+  if (workers.threads() == 1) {
+    return sweep_springs(active_.data(), active_.size(), velocities_.data());
+  }
+  std::atomic<double> largest{0};
+  int first = 0;
+  for (const int end : colour_ends_) {
+    const auto sweep_band = [&](int from, int to) {
+      const double change =
+          sweep_springs(&active_[index(first + from)], index(to - from), velocities_.data());
+      double seen = largest;
+      while (change > seen && !largest.compare_exchange_weak(seen, change)) {
+      }
+    };
+    workers.share(end - first, sweep_band, least_shared);
+    first = end;
+  }
+  return largest;
+}
+
+double StrainLimit::sweep(const Cloth& cloth, Points& velocities, const Workers& workers) {
   for (const int point : touched_) {
     Quad& v = velocities_[index(point)];
     v = quad(velocities, point);
     v.w = cloth.inv_mass[point];
   }
-  const double change = sweep_springs(active_.data(), active_.size(), velocities_.data());
+  const double change = sweep_active(workers);
   store(velocities);
   return step_.h * change;
 }
 
-int StrainLimit::solve(double enough, int least, int most, State& state) {
+int StrainLimit::solve(double enough, int least, int most, State& state, const Workers& workers) {
   int passes = 0;
   double change = 0;
   do {
-    change = step_.h * sweep_springs(active_.data(), active_.size(), velocities_.data());
+    change = step_.h * sweep_active(workers);
     ++passes;
   } while (passes < most && (passes < least || change > enough));
 

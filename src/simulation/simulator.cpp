@@ -229,7 +229,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (!self_contacts && colliders.empty()) {  // the limit alone
     strain_limit->begin(cloth, reach, state);
     report.sweeps +=
-        strain_limit->solve(length / precision_alone, min_sweeps_alone, max_sweeps, state);
+        strain_limit->solve(length / precision_alone, min_sweeps_alone, max_sweeps, state, workers);
     repair(report);
     return;
   }
@@ -247,7 +247,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double folding = 0;
-    if (strain_limit) stretching = strain_limit->sweep(cloth, state.velocities);
+    if (strain_limit) stretching = strain_limit->sweep(cloth, state.velocities, workers);
     visit_self_contacts([&](auto& contacts) { folding = contacts.sweep(cloth, state.velocities); });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;

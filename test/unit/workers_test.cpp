@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "clothsim/dynamics/strain_limit.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -90,9 +91,9 @@ TEST(Workers, OneThreadStartsNoneAndManyEnd) {
 }
 
 /// Every method, with all that a scene may have, takes the same steps with any number of threads.
-class ThreadBits : public ::testing::TestWithParam<std::string> {};
+class MethodThreadBits : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(ThreadBits, AreTheSame) {
+TEST_P(MethodThreadBits, AreTheSame) {
   for (const char* name : {"pinned2", "sphere"}) {
     Scene scene = shipped_scene(name);
     // Wide enough for three threads; Newton's method is slow and has one.
@@ -118,13 +119,42 @@ TEST_P(ThreadBits, AreTheSame) {
   }
 }
 
+/// All springs over their limit: thousands of each colour.
+TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
+  ClothSpec spec;
+  spec.columns = spec.rows = 90;
+  spec.material.strain_limit = 0.02;
+  const Cloth cloth = make_grid(spec);
+  const double h = 1e-3;
+  const auto solved = [&](const Workers& workers, bool pass_by_pass) {
+    State state{1.05 * shaken(cloth, 1e-4, 1), random_points(cloth.num_points(), 0.1, 2), 0};
+    StrainLimit limit(cloth);
+    limit.predict(cloth, h, 1, state);
+    limit.begin(cloth, 1, state);
+    if (pass_by_pass) {
+      for (int pass = 0; pass < 5; ++pass) limit.sweep(cloth, state.velocities, workers);
+    } else {
+      EXPECT_EQ(limit.solve(1e-12, 4, 20, state, workers), 20);
+    }
+    return state;
+  };
+  for (const bool pass_by_pass : {false, true}) {
+    const State expected = solved(Workers(), pass_by_pass);
+    for (const int threads : {2, 3}) {
+      const State state = solved(Workers(threads), pass_by_pass);
+      EXPECT_EQ(state.positions, expected.positions) << threads;
+      EXPECT_EQ(state.velocities, expected.velocities) << threads;
+    }
+  }
+}
+
 std::vector<std::string> auto_and_methods() {
   std::vector<std::string> names = method_names();
   names.emplace_back("auto");
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, ThreadBits, ::testing::ValuesIn(auto_and_methods()));
+INSTANTIATE_TEST_SUITE_P(Methods, MethodThreadBits, ::testing::ValuesIn(auto_and_methods()));
 
 }  // namespace
 }  // namespace clothsim

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/dynamics/limited_spring.h"
+#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -41,13 +42,13 @@ class StrainLimit {
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
-  double sweep(const Cloth& cloth, Points& velocities);
+  double sweep(const Cloth& cloth, Points& velocities, const Workers& = {});
 
   /// As many passes as it takes for the last to change no rate by more than `enough` [m] as a
   /// displacement, at least `least` and at most `most`; then moves the points as the impulses since
   /// predict() ask for. For where nothing but the limit acts on the cloth; nothing else may have
   /// changed the state since begin(). Returns the passes taken.
-  int solve(double enough, int least, int most, State&);
+  int solve(double enough, int least, int most, State&, const Workers& = {});
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_sweeps` passes. Returns the passes taken.
@@ -86,6 +87,7 @@ class StrainLimit {
   void for_each_flagged(Visitor&& visit) const;
   void find_active(const Cloth& cloth, const State&);
   void add_active(int id, double impulse);
+  double sweep_active(const Workers&);
   void load_points(const State&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
@@ -96,6 +98,7 @@ class StrainLimit {
   std::vector<Constraint> constraints_;  // in the order of cloth.springs
 
   std::vector<LimitedSpring> active_;  // in the order of their sweeps, by colour
+  std::vector<int> colour_ends_;       // in active_
   std::vector<int> ids_;               // of their constraints, as active_
   std::vector<double> lengths_;        // at the limit [m], as active_
   std::vector<int> touched_;           // points of active_
