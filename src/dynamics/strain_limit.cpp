@@ -21,6 +21,9 @@ constexpr double aim = 0.95;
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
 
+/// Neighbours in the order of points that are looked at together.
+constexpr int patch = 64;
+
 /// Springs of a colour that a thread takes at least: a microsecond of work.
 constexpr int least_shared = 512;
 
@@ -330,8 +333,14 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
   if (holds(tolerance)) return 0;
   int sweeps = 0;
   while (sweeps < max_sweeps) {
-    // All springs are checked, those over the limit are swept until they hold.
-    flag_longer_than(cloth, longest_ + tolerance, positions);
+    // All springs are checked, later those whose ends may have moved since; those over the limit
+    // are swept until they hold.
+    if (sweeps == 0) {
+      flag_longer_than(cloth, longest_ + tolerance, positions);
+    } else {
+      flag_moved_longer_than(cloth, longest_ + tolerance, positions);
+    }
+    has_moved_.assign(index(cloth.num_points() / patch + 1), 0);
     for (std::vector<int>& ids : over_) ids.clear();
     bool any = false;
     for_each_flagged([&](int id) {
@@ -355,6 +364,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
           if (length > beyond_repair * longest_ * c.rest_length) continue;
           const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
           pull_together(cloth, c.a, c.b, excess / (c.inv_mass * length) * d, positions);
+          has_moved_[index(c.a / patch)] = has_moved_[index(c.b / patch)] = 1;
           moved = true;
         }
       }
@@ -375,6 +385,25 @@ void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Poi
       flags = std::copy_n(over_length_.begin() + (run->first - a), run->count, flags);
     }
   });
+}
+
+void StrainLimit::flag_moved_longer_than(const Cloth& cloth, double stretch,
+                                         const Points& positions) {
+  std::fill(flags_.begin(), flags_.end(), 0);
+  const auto has_moved = [&](int point) { return has_moved_[index(point / patch)] != 0; };
+  unsigned char* flags = flags_.data();
+  for (const SpringRun& run : cloth.springs) {
+    const double longest = stretch * run.rest_length;
+    const int end = run.first + run.count;
+    for (int a = run.first, next = a; a < end; a = next) {
+      next = std::min(end, (a / patch + 1) * patch);
+      const int b = a + run.offset;
+      if (!has_moved(a) && !has_moved(b) && !has_moved(next - 1 + run.offset)) continue;
+      flag_longer(&positions(a, 0), &positions(a, 1), &positions(a, 2), run.offset, next - a,
+                  longest * longest, flags + (a - run.first));
+    }
+    flags += run.count;
+  }
 }
 
 template <typename Visitor>

@@ -243,5 +243,31 @@ TEST(StrainLimit, ZeroLimitIsInextensible) {
   EXPECT_LE(worst_stretch(cloth, state.positions), 1e-4 + 1e-12);
 }
 
+TEST(StrainLimit, RepairsLeaveNoSpringOverItsLimitWhereverTheyLead) {
+  // A few points far off, in a cloth of many patches: repairs spread from there, and each spring
+  // that they lengthen must be seen.
+  ClothSpec spec;
+  spec.columns = 90;
+  spec.rows = 40;
+  spec.material.strain_limit = 0.02;
+  const Cloth cloth = make_grid(spec);
+  const double tolerance = 0.004;
+  Points positions = 1.02 * cloth.rest_positions;
+  for (const int point : {5, 1000, 1001, 2345, 3599}) positions.row(point).z() += 0.012;
+  const Points start = positions;
+
+  StrainLimit strain_limit(cloth);
+  const int passes = strain_limit.correct(cloth, tolerance, 5000, positions);
+  EXPECT_GT(passes, 10);
+  EXPECT_LT(passes, 5000);
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const double length = (positions.row(b) - positions.row(a)).norm();
+    EXPECT_LE(length, (1.02 + tolerance) * run.rest_length * (1 + 1e-12)) << a << ' ' << b;
+  });
+  const auto moved = (positions - start).rowwise().norm();
+  EXPECT_GT((moved.array() > 0).count(), 10);
+  EXPECT_LT((moved.array() > 0).count(), cloth.num_points() / 2) << "not a local repair";
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -83,6 +83,7 @@ class StrainLimit {
   };
 
   void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions);
+  void flag_moved_longer_than(const Cloth& cloth, double stretch, const Points& positions);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
   void find_active(const Cloth& cloth, const State&);
@@ -116,6 +117,7 @@ class StrainLimit {
   std::vector<double> across_;              // stiffness by point; all 0 between calls
   std::vector<double> kept_;                // impulses by constraint; all 0 between calls
   std::vector<unsigned char> flags_;        // by constraint, padded to whole words
+  std::vector<unsigned char> has_moved_;    // by patch of points, in correct()
   std::vector<unsigned char> over_length_;  // by first point, of one direction
   std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
   std::vector<int> last_ids_;
