@@ -80,6 +80,15 @@ TEST_F(WorkPrecision, ReferenceIsOfOrderTwoAndAgreesWithAnotherMethod) {
   EXPECT_GE(number(rows[0], "twin_growth"), 1);
 }
 
+TEST_F(WorkPrecision, SurfacesCrossNowhereInTheChartOfContact) {
+  const std::vector<Row> rows = read(folder_ / "contact.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].at("contact"), "points");
+  EXPECT_EQ(rows[1].at("contact"), "surface");
+  EXPECT_EQ(number(rows[1], "crossings"), 0);
+  for (const Row& row : rows) EXPECT_GT(number(row, "cost_ms_per_s"), 0);
+}
+
 TEST_F(WorkPrecision, EveryMethodIsChartedAndVerletFallsWithOrderTwo) {
   std::set<std::string> seen;
   std::map<int, double> verlet;  // error by substeps

@@ -246,11 +246,20 @@ TEST(SelfCollision, FallsTouchesAndFoldsInThatOrder) {
   EXPECT_LT(top(), 0.25);
 }
 
+/// Folds run across the cloth, so a quarter of its width tells as much, in a fifth of the time.
+Scene narrow_pile(double ks, double density = 150) {
+  Scene scene = with("self_collision", ks, density);
+  const double cell = scene.cloth.width / (scene.cloth.columns - 1);
+  scene.cloth.columns = 13;
+  scene.cloth.width = 12 * cell;
+  return scene;
+}
+
 TEST(SelfCollision, StifferFoldsLess) {
   std::map<int, double> folds;
   for (const int ks : {50, 1000, 5000, 7500, 25000, 30000, 50000, 100000}) {
     SCOPED_TRACE("ks " + std::to_string(ks));
-    folds[ks] = check_pile(with("self_collision", ks));
+    folds[ks] = check_pile(narrow_pile(ks));
     RecordProperty("folding_ks_" + std::to_string(ks), std::to_string(folds[ks]));
   }
   EXPECT_GT(folds[50], 1.3 * folds[5000]);
@@ -262,7 +271,7 @@ TEST(SelfCollision, HeavierFoldsMore) {
   std::map<int, double> folds;
   for (const int density : {10, 30, 150, 500, 750, 1000, 10000}) {
     SCOPED_TRACE("density " + std::to_string(density));
-    folds[density] = check_pile(with("self_collision", 5000, density));
+    folds[density] = check_pile(narrow_pile(5000, density));
     RecordProperty("folding_density_" + std::to_string(density), std::to_string(folds[density]));
   }
   EXPECT_GT(folds[1000], 1.3 * folds[10]);

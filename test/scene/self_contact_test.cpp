@@ -5,6 +5,7 @@
 
 #include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
+#include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -74,6 +75,19 @@ TEST(SelfContact, APileComesToRest) {
   Simulator simulator(pile());
   judge(simulator, 6 * 90);
   EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
+}
+
+TEST(SelfContact, ThreadsGiveTheSameBits) {
+  Scene scene = pile();
+  Simulator one(scene);
+  scene.simulation.threads = 3;
+  Simulator three(scene);
+  for (int frame = 0; frame < 90; ++frame) {
+    one.step();
+    three.step();
+  }
+  EXPECT_EQ(one.state().positions, three.state().positions);
+  EXPECT_EQ(one.state().velocities, three.state().velocities);
 }
 
 TEST(SelfContact, ADropOfTwoMetres) {
@@ -183,12 +197,41 @@ TEST(SelfContact, PinchedBetweenTwoClosingSpheres) {
   scene.colliders = {{"front", Sphere{0.2}, at(-0.4), 0.3, ""},
                      {"back", Sphere{0.2}, at(0.4), 0.3, ""}};
   Simulator simulator(scene);
-  judge(simulator, 120, [&](int frame) {
+  const Judgement judgement = judge(simulator, 120, [&](int frame) {
     const double y = 0.4 - 0.25 * std::min(1.0, frame / 60.0);  // overlapping in the end
     simulator.move_collider(0, at(-y));
     simulator.move_collider(1, at(y));
   });
+  EXPECT_GT(judgement.held_back, 0) << "what cannot be met is reported";
 }
+
+class TableClothPull : public ::testing::TestWithParam<double> {};
+
+TEST_P(TableClothPull, CrossesNothing) {
+  // The cloth hangs over the edge of a table that is drawn away from under it.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 25;
+  scene.cloth.origin = Vector3(0, 0, 0.5 + surface_offset);
+  scene.cloth.thickness = 0.005;
+  scene.cloth.self_collision = SelfCollision::surface;
+  const auto at = [](double x) {
+    return Pose{Vector3(x, 0.5, 0.25), Eigen::Quaterniond::Identity()};
+  };
+  scene.colliders = {{"table", Cuboid{Vector3(0.8, 1.2, 0.5)}, at(0.4), 0.3, ""},
+                     {"floor", Plane{}, Pose{}, 0.5, ""}};
+  Simulator simulator(scene);
+  judge(simulator, 45);
+  double x = 0.4;
+  const double speed = GetParam();
+  for (int frame = 1; x < 1.6; ++frame) {
+    x += std::min(1.0, frame / 9.0) * speed / 90;  // at full speed after 0.1 s
+    judge(simulator, 1, [&](int) { simulator.move_collider(0, at(x)); });
+  }
+  judge(simulator, 90);
+  EXPECT_EQ(deepest_penetration(simulator), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, TableClothPull, ::testing::Values(0.5, 2.0, 8.0));
 
 TEST(SelfContact, TumbledInARoomThatTurns) {
   Scene scene = pile();

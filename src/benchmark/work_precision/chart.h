@@ -35,4 +35,7 @@ std::vector<Job> stability_jobs(const Options&);
 /// The strain limit's violation and rest shape against cost: strain_limit.csv.
 std::vector<Job> strain_limit_jobs(const Options&);
 
+/// What self contact by points and by surfaces costs and misses: contact.csv.
+std::vector<Job> contact_jobs(const Options&);
+
 }  // namespace clothsim::work_precision

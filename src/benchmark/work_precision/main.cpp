@@ -16,7 +16,8 @@ struct Chart {
 constexpr Chart charts[] = {{"methods", methods_jobs},
                             {"winners", winners_jobs},
                             {"stability", stability_jobs},
-                            {"strain_limit", strain_limit_jobs}};
+                            {"strain_limit", strain_limit_jobs},
+                            {"contact", contact_jobs}};
 
 std::vector<std::string> chart_names() {
   std::vector<std::string> names;

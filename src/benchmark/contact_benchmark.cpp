@@ -1,0 +1,209 @@
+// What self contact costs on the folded cloth of self_collision, part by part, and how much faster
+// than real time a folded cloth goes.
+
+#include <benchmark/benchmark.h>
+
+#include "clothsim/collision/cell_list.h"
+#include "clothsim/collision/intersections.h"
+#include "clothsim/collision/near_pairs.h"
+#include "clothsim/collision/point_contacts.h"
+#include "clothsim/collision/surface_contacts.h"
+#include "clothsim/dynamics/verlet.h"
+#include "cpu_time.h"
+#include "settled.h"
+
+namespace clothsim {
+namespace {
+
+constexpr double folded = 3;  // [s] from the start
+const Workers alone;
+
+Scene pile(SelfCollision kind) {
+  Scene scene = load("self_collision");
+  scene.cloth.self_collision = kind;
+  return scene;
+}
+
+const Settled& settled(SelfCollision kind) {
+  static const Settled points(pile(SelfCollision::points), folded);
+  static const Settled surface(pile(SelfCollision::surface), folded);
+  return kind == SelfCollision::points ? points : surface;
+}
+
+/// A substep from the folded cloth as it was, so that it stays folded: drift, then the contact that
+/// is measured.
+struct Drift {
+  explicit Drift(const Settled& from)
+      : start(from.simulator.state().positions),
+        velocities(from.simulator.state().velocities),
+        state(from.simulator.state()),
+        h(from.h),
+        reach(VelocityVerlet::reach(from.simulator.cloth().damping, h)) {
+    state.velocities.col(2).array() -= 9.8 * h;
+    state.positions += h * state.velocities;
+  }
+  ContactStep step() const { return {h, reach, start, velocities, alone}; }
+
+  Points start;
+  Points velocities;
+  State state;
+  double h;
+  double reach;
+};
+
+/// All pairs of points within the contact distance and its skin.
+void points_broad_phase(benchmark::State& run) {
+  const Cloth& cloth = settled(SelfCollision::points).simulator.cloth();
+  PairFinder finder;
+  std::vector<PointPair> pairs;
+  for (auto _ : run) {
+    finder.find(settled(SelfCollision::points).simulator.state().positions, 3 * cloth.thickness,
+                pairs);
+    benchmark::DoNotOptimize(pairs.data());
+  }
+  run.counters["pairs"] = static_cast<double>(pairs.size());
+  count_points(run, cloth);
+}
+
+/// Self contact of a substep: candidates when they are due, four sweeps.
+template <typename Contacts>
+void whole_step(benchmark::State& run, Contacts& contacts, SelfCollision kind) {
+  const Settled& scene = settled(kind);
+  const Cloth& cloth = scene.simulator.cloth();
+  for (auto _ : run) {
+    Drift drift(scene);
+    const double start = cpu_seconds();
+    contacts.begin(cloth, drift.step(), drift.state);
+    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(cloth, drift.state.velocities);
+    contacts.correct(cloth, drift.state.positions);
+    contacts.guard(cloth, drift.step(), drift.state);
+    run.SetIterationTime(cpu_seconds() - start);
+  }
+  run.counters["contacts"] = contacts.count();
+  count_points(run, cloth);
+}
+
+void points_step(benchmark::State& run) {
+  PointContacts contacts;
+  whole_step(run, contacts, SelfCollision::points);
+}
+
+void surface_step(benchmark::State& run) {
+  SurfaceContacts contacts(settled(SelfCollision::surface).simulator.cloth());
+  whole_step(run, contacts, SelfCollision::surface);
+}
+
+/// Every pair of patches sought anew: in motion a small part of this a substep.
+void surface_broad_phase(benchmark::State& run) {
+  const Settled& scene = settled(SelfCollision::surface);
+  const Cloth& cloth = scene.simulator.cloth();
+  const Points& x = scene.simulator.state().positions;
+  std::size_t pairs = 0;
+  for (auto _ : run) {
+    NearPairs finder(cloth);
+    const double start = cpu_seconds();
+    pairs = finder.approaching(cloth, x, x).size();
+    run.SetIterationTime(cpu_seconds() - start);
+  }
+  run.counters["pairs"] = static_cast<double>(pairs);
+  count_points(run, cloth);
+}
+
+/// Distances of the candidates that are near, while points tremble by 1e-6 m.
+void surface_narrow_phase(benchmark::State& run) {
+  const Settled& scene = settled(SelfCollision::surface);
+  const Cloth& cloth = scene.simulator.cloth();
+  const Points x = scene.simulator.state().positions;
+  const Points other = (x.array() + 1e-6 * (1e5 * x.array()).sin()).matrix();
+  NearPairs finder(cloth);
+  bool odd = false;
+  std::size_t pairs = 0;
+  for (auto _ : run) {
+    const Points& now = odd ? other : x;
+    const double start = cpu_seconds();
+    pairs = finder.approaching(cloth, now, now).size();
+    run.SetIterationTime(cpu_seconds() - start);
+    odd = !odd;
+  }
+  run.counters["pairs"] = static_cast<double>(pairs);
+  count_points(run, cloth);
+}
+
+/// One pass over the contacts.
+void surface_response(benchmark::State& run) {
+  const Settled& scene = settled(SelfCollision::surface);
+  const Cloth& cloth = scene.simulator.cloth();
+  Drift drift(scene);
+  SurfaceContacts contacts(cloth);
+  contacts.begin(cloth, drift.step(), drift.state);
+  for (auto _ : run) benchmark::DoNotOptimize(contacts.sweep(cloth, drift.state.velocities));
+  run.counters["contacts"] = contacts.count();
+  count_points(run, cloth);
+}
+
+/// The bound of every point's way.
+void surface_bounds(benchmark::State& run) {
+  const Settled& scene = settled(SelfCollision::surface);
+  const Cloth& cloth = scene.simulator.cloth();
+  SurfaceContacts contacts(cloth);
+  Drift drift(scene);
+  contacts.begin(cloth, drift.step(), drift.state);
+  for (auto _ : run) benchmark::DoNotOptimize(contacts.guard(cloth, drift.step(), drift.state));
+  count_points(run, cloth);
+}
+
+/// The judge: no part of a substep, run once a second in the node.
+void intersection_count(benchmark::State& run) {
+  const Settled& scene = settled(SelfCollision::points);
+  const Cloth& cloth = scene.simulator.cloth();
+  int count = 0;
+  for (auto _ : run) {
+    count = count_intersections(cloth, scene.simulator.state().positions);
+    benchmark::DoNotOptimize(count);
+  }
+  run.counters["intersecting"] = count;
+  count_points(run, cloth);
+}
+
+/// Seconds of self_collision with surfaces, in wall time: `side` x `side` points at so many frames
+/// a second, the second that folds and those after.
+void surface_real_time(benchmark::State& run) {
+  const auto side = static_cast<int>(run.range(0));
+  Scene scene = pile(SelfCollision::surface);
+  scene.cloth.thickness *= static_cast<double>(scene.cloth.columns - 1) / (side - 1);
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.simulation.frames_per_second = static_cast<double>(run.range(1));
+  scene.simulation.threads = static_cast<int>(run.range(2));
+  for (auto _ : run) {
+    Simulator simulator(scene);
+    const auto seconds = [&](double duration) {
+      const double start = wall_seconds();
+      const int frames = static_cast<int>(duration / simulator.frame_duration());
+      for (int i = 0; i < frames; ++i) simulator.step();
+      return duration / (wall_seconds() - start);
+    };
+    run.counters["times real time, 1st second"] = seconds(1);
+    run.counters["2nd"] = seconds(1);
+    run.counters["3rd"] = seconds(1);
+  }
+}
+
+BENCHMARK(points_broad_phase);
+BENCHMARK(points_step)->UseManualTime();
+BENCHMARK(surface_step)->UseManualTime();
+BENCHMARK(surface_broad_phase)->UseManualTime();
+BENCHMARK(surface_narrow_phase)->UseManualTime();
+BENCHMARK(surface_response);
+BENCHMARK(surface_bounds);
+BENCHMARK(intersection_count);
+BENCHMARK(surface_real_time)
+    ->ArgNames({"side", "frames/s", "threads"})
+    ->Args({50, 60, 1})
+    ->Args({50, 60, 2})
+    ->Args({100, 20, 2})
+    ->Iterations(1)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace clothsim
