@@ -306,8 +306,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     if (c.impulse.push == 0) continue;
     memory.add(c.collider);
     memory.add(c.point);
-    memory.add(c.impulse.push);
-    memory.add(c.impulse.drag);
+    c.impulse.write(memory);
   }
   faces_.write(memory);
 }
@@ -319,8 +318,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     Contact c{};
     c.collider = memory.index(colliders);
     c.point = memory.index(static_cast<std::size_t>(cloth.num_points()));
-    c.impulse.push = std::max(0.0, memory.number());
-    c.impulse.drag = memory.vector();
+    c.impulse.read(memory);
     contacts_.push_back(c);
   }
   faces_.read(memory, colliders, cloth);

@@ -273,8 +273,7 @@ void FaceContacts::write(MemoryWriter& memory) const {
     memory.add(c.id.collider);
     memory.add(c.id.triangle);
     memory.add(c.id.feature);
-    memory.add(c.impulse.push);
-    memory.add(c.impulse.drag);
+    c.impulse.write(memory);
   }
 }
 
@@ -285,8 +284,7 @@ void FaceContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth
     c.id.collider = memory.index(colliders);
     c.id.triangle = memory.index(cloth.triangles.size());
     c.id.feature = memory.index(features);
-    c.impulse.push = std::max(0.0, memory.number());
-    c.impulse.drag = memory.vector();
+    c.impulse.read(memory);
     contacts_.push_back(c);
   }
 }

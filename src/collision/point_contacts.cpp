@@ -143,8 +143,7 @@ void PointContacts::write(MemoryWriter& memory) const {
     if (c.impulse.push == 0) continue;
     memory.add(c.pair.a);
     memory.add(c.pair.b);
-    memory.add(c.impulse.push);
-    memory.add(c.impulse.drag);
+    c.impulse.write(memory);
   }
 }
 
@@ -159,8 +158,7 @@ void PointContacts::read(MemoryReader& memory, const Cloth& cloth) {
     const int a = memory.index(points);
     const int b = memory.index(points);
     Contact c{{a, b}, 0, {}};
-    c.impulse.push = std::max(0.0, memory.number());
-    c.impulse.drag = memory.vector();
+    c.impulse.read(memory);
     contacts_.push_back(c);
   }
 }

@@ -257,8 +257,7 @@ void SurfaceContacts::write(MemoryWriter& memory) const {
     memory.add(static_cast<double>(c.key >> 40));
     memory.add(static_cast<double>(c.key >> 16 & 0xffffff));
     memory.add(static_cast<double>(c.key & 0xffff));
-    memory.add(c.impulse.push);
-    memory.add(c.impulse.drag);
+    c.impulse.write(memory);
   }
 }
 
@@ -270,8 +269,7 @@ void SurfaceContacts::read(MemoryReader& memory, const Cloth&) {
     for (const int bits : {24, 24, 16}) {
       c.key = c.key << bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << bits));
     }
-    c.impulse.push = std::max(0.0, memory.number());
-    c.impulse.drag = memory.vector();
+    c.impulse.read(memory);
     contacts_.push_back(c);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "clothsim/model/memory.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -44,6 +45,16 @@ struct ContactImpulse {
   }
 
   Vector3 total() const { return push * normal + drag; }
+
+  /// What the next step resumes: the impulse, not the surface.
+  void write(MemoryWriter& memory) const {
+    memory.add(push);
+    memory.add(drag);
+  }
+  void read(MemoryReader& memory) {
+    push = std::max(0.0, memory.number());
+    drag = memory.vector();
+  }
 };
 
 }  // namespace clothsim
