@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 #include "cpu_time.h"
 
 namespace clothsim {

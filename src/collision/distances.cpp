@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "clothsim/dynamics/springs.h"
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "clothsim/dynamics/springs.h"
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

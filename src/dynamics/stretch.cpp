@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "clothsim/dynamics/springs.h"
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

@@ -1,7 +1,7 @@
 #include "clothsim/dynamics/symplectic_euler.h"
 
 #include "clothsim/dynamics/drag.h"
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/force_blocks.h"
-#include "clothsim/dynamics/target_clones.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {

@@ -1,4 +1,4 @@
-#include "clothsim/dynamics/workers.h"
+#include "clothsim/model/workers.h"
 
 #include <gtest/gtest.h>
 

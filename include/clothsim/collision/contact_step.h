@@ -1,7 +1,7 @@
 #pragma once
 
-#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/types.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 

@@ -10,8 +10,8 @@
 #include "clothsim/collision/surface_mesh.h"
 #include "clothsim/collision/surface_pair.h"
 #include "clothsim/collision/unfolded.h"
-#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 

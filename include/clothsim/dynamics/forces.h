@@ -1,8 +1,8 @@
 #pragma once
 
-#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "clothsim/dynamics/limited_spring.h"
-#include "clothsim/dynamics/workers.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
