@@ -10,8 +10,6 @@ namespace {
 /// A turn within a step that is so small is taken as a straight way in the collider's frame [rad].
 constexpr double smallest_turn = 0.1;
 
-Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
-
 Vector3 to_world(const Pose& pose, const Vector3& local) {
   return pose.position + pose.orientation * local;
 }

@@ -6,8 +6,6 @@
 namespace clothsim {
 namespace {
 
-Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
-
 Vector3 centre(const Patch& patch, const Points& x) {
   Vector3 sum = Vector3::Zero();
   for (const int i : patch.points) sum += row(x, i);

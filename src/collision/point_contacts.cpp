@@ -17,8 +17,6 @@ constexpr double rest_exclusion = 2;
 /// springs pull back what is pushed out.
 constexpr double overlap_share = 0.3;
 
-Vector3 row(const Points& points, int i) { return points.row(i).transpose(); }
-
 double contact_distance(const Cloth& cloth) { return 2 * cloth.thickness; }
 
 /// points_b += w_b d, points_a -= w_a d.

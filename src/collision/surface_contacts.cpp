@@ -30,8 +30,6 @@ constexpr double overlap_share = 0.01;
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
 
-Vector3 row(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
-
 /// Sum of the points, by weight.
 Vector3 sum(const std::array<int, 4>& points, const std::array<double, 4>& weights,
             const Points& x) {

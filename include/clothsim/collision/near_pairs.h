@@ -51,6 +51,8 @@ class NearPairs {
  private:
   /// Pairs are looked at from this share of the margin on, however slowly they approach.
   static constexpr double least_margin_share = 0.1;
+  /// Cells along the side of a patch.
+  static constexpr int patch_cells = 4;
 
   struct Candidate {
     std::uint64_t key;

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "clothsim/dynamics/limited_spring.h"
@@ -125,5 +127,18 @@ class StrainLimit {
   std::vector<int> second_colour_;                  // constraint ids of one direction
   std::array<std::vector<int>, num_colours> over_;  // constraint ids, of correct()
 };
+
+template <typename Visitor>
+void StrainLimit::for_each_flagged(Visitor&& visit) const {
+  // Most springs are slack: look at eight flags at a time.
+  for (std::size_t word = 0; word < flags_.size(); word += 8) {
+    std::uint64_t any;
+    std::memcpy(&any, &flags_[word], sizeof any);
+    if (any == 0) continue;
+    for (std::size_t id = word; id < word + 8; ++id) {
+      if (flags_[id]) visit(static_cast<int>(id));
+    }
+  }
+}
 
 }  // namespace clothsim

@@ -10,6 +10,11 @@ using Vector3 = Eigen::Vector3d;
 /// N x 3, column-major: all x, then all y, then all z, each contiguous, so that kernels vectorise.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor>;
 
+/// Point i.
+inline Vector3 row(const Points& points, int i) {
+  return {points(i, 0), points(i, 1), points(i, 2)};
+}
+
 /// One number per point.
 using Scalars = Eigen::VectorXd;
 
