@@ -11,6 +11,7 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rosgraph
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import TransformStamped
 from std_srvs.srv import SetBool, Trigger
 
@@ -21,6 +22,9 @@ from clothsim.srv import Step
 # scripts/sanitize says by how much its programs are slower; so do the time limits of the .test files.
 SLOWER = float(os.environ.get("CLOTHSIM_SLOWER", "1"))
 PATIENCE = 30.0 * SLOWER
+
+# The share of its rate below which a node has to say in the diagnostics why.
+KEPT = 0.9
 
 # For tests of a node that keeps up with the clock.
 real_time = unittest.skipIf(SLOWER > 1, "too slow for real time")
@@ -130,6 +134,17 @@ def positions(state):
 def velocities(state):
     """N x 3 [m/s]"""
     return np.asarray(state.velocities, dtype=np.float32).reshape(-1, 3)
+
+
+def rate(states):
+    """[Hz] by their stamps, for some wait for a busy test."""
+    return (len(states) - 1) / (states[-1].header.stamp - states[0].header.stamp).to_sec()
+
+
+def complaints(diagnostics, name="/clothsim"):
+    """What a node says in recorded diagnostics that is no OK."""
+    return sorted({s.message for array in diagnostics for s in array.status
+                   if s.name == name[1:] + ": simulation" and s.level != DiagnosticStatus.OK})
 
 
 def content(state):

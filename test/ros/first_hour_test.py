@@ -146,9 +146,12 @@ class FirstHour(unittest.TestCase):
         self.run_lines([load])
         self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
 
+        code = walk["Drive the sphere from your node"]
+        lines = [line for line in code.splitlines() if line and not line.startswith("#!")]
+        self.assertLessEqual(len(lines), 10)
         program = os.path.join(self.folder, "move_sphere.py")
         with open(program, "w") as file:
-            file.write(walk["Drive the sphere from your node"])
+            file.write(code)
         mover = self.go_on("exec /usr/bin/python3 " + program)
         markers = Recorder("/clothsim/markers", MarkerArray)
 

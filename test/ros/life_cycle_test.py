@@ -12,7 +12,9 @@ import unittest
 import roslib.packages
 import rosunit
 
-from cloth_client import PATIENCE, Cloth, wait_for
+from cloth_client import KEPT, PATIENCE, Cloth, Recorder, complaints, rate, wait_for
+
+FRAMES_PER_SECOND = 90
 
 
 def free_port():
@@ -27,6 +29,9 @@ os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % PORT
 
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from dynamic_reconfigure.encoding import decode_config, encode_config  # noqa: E402
+from dynamic_reconfigure.srv import Reconfigure  # noqa: E402
 
 
 def start_master():
@@ -89,20 +94,39 @@ class LifeCycle(unittest.TestCase):
         self.assertEqual(len(answers), 1)
 
     def test_master_goes_away_and_comes_back(self):
+        """The node keeps its rate or says why not, also while live values change, which are told to
+        the master."""
         node, cloth = self.start_node("orphan")
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        diagnostics.wait("diagnostics")
+        # Connected before, so that the calls need no master.
+        live = rospy.ServiceProxy("/orphan/set_parameters", Reconfigure, persistent=True)
+        calls = 0
 
-        def keeps_publishing():
-            cloth.states.clear()
-            cloth.states.wait("states after the master went")
-            time.sleep(1.5)  # past the next diagnostics
-            cloth.states.clear()
-            return cloth.states.wait("states still")
+        def keeps_its_rate():
+            nonlocal calls
+            cloth.states.wait("a state")
+            for recorder in (cloth.states, diagnostics):
+                recorder.clear()
+            end = time.monotonic() + 2.5  # past the next diagnostics
+            while time.monotonic() < end:
+                calls += 1
+                answer = live(encode_config({"ks": 5000.0 + calls}))
+                self.assertEqual(decode_config(answer.config)["ks"], 5000 + calls)
+                time.sleep(0.02)
+            reached, said = rate(cloth.states.all()), complaints(diagnostics.all(), "/orphan")
+            if reached < KEPT * FRAMES_PER_SECOND:
+                self.assertTrue([m for m in said if m.startswith("real-time factor")], (reached, said))
+            return cloth.states.all()[-1].step
 
+        before = keeps_its_rate()
         self.master.kill()
         self.master.wait()
-        step = keeps_publishing().step
+        without = keeps_its_rate()
+        self.assertGreater(without, before + 20)
         type(self).master = start_master()
-        self.assertGreater(keeps_publishing().step, step)
+        self.assertGreater(keeps_its_rate(), without + 20)
+        live.close()
         self.assert_ends_cleanly(node)
 
     def test_interrupt_without_a_master(self):

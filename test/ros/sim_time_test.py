@@ -9,6 +9,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Image
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach
@@ -104,6 +105,15 @@ class SimTime(unittest.TestCase):
         lifted = positions(self.cloth.step(1))[1275]
         self.assertAlmostEqual(lifted[2] - before[2], 0.01, delta=1e-6)
         self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
+
+        # The image of a step's last frame comes.
+        images = Recorder("/clothsim/camera/color/image_raw", Image)
+        wait_for(images.connected, "the images")
+        images.wait("the image for a new subscriber")
+        images.clear()
+        self.cloth.step(2)
+        images.wait("the image of the last frame")
+        images.close()
 
         client = Client("/clothsim", timeout=PATIENCE)
         self.assertEqual(client.update_configuration({"damping": 6.0})["damping"], 6.0)
