@@ -21,7 +21,7 @@ RATE = 90  # [Hz], as the simulation
 
 # Where both hands go, y and z [m]: up, over the middle, down beside the far edge.
 TAKE = (0.0, 0.0)
-PATH = [(0.0, 0.1), (0.15, 0.4), (0.5, 0.55), (0.85, 0.4), (0.97, 0.1), (0.98, 0.035)]
+PATH = [(0.0, 0.1), (0.15, 0.4), (0.5, 0.55), (0.85, 0.4), (1.01, 0.1), (1.03, 0.04)]
 
 
 class Hands:
@@ -68,7 +68,7 @@ def main():
 
     for place in PATH[:3]:
         hands.go(place)
-    rospy.sleep(0.5)  # it hangs still
+    rospy.sleep(2)  # it hangs still
     for frame in HANDS:
         wrench = rospy.wait_for_message("/clothsim/wrench/" + frame, WrenchStamped)
         rospy.loginfo("%s carries %.1f N", frame, -wrench.wrench.force.z)
