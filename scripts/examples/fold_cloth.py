@@ -78,7 +78,12 @@ def main():
     rospy.sleep(1)  # the fold settles
     detach()
     rospy.loginfo("the cloth is folded")
+    hands.timer.shutdown()
+    hands.timer.join()
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except rospy.ROSInterruptException:
+        pass  # Ctrl-C
