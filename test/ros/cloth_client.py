@@ -137,7 +137,9 @@ def velocities(state):
 
 
 def rate(states):
-    """[Hz] by their stamps, for some wait for a busy test."""
+    """[Hz] by their stamps, for some wait for a busy test; 0 of fewer than two."""
+    if len(states) < 2:
+        return 0
     return (len(states) - 1) / (states[-1].header.stamp - states[0].header.stamp).to_sec()
 
 
