@@ -19,6 +19,10 @@ constexpr int block = 2560;
 /// Directions that one pass over a block's points sums.
 constexpr int most = 6;
 
+/// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force. It
+/// changes no length above 1e-142 m.
+constexpr double least_length2 = 1e-300;
+
 /// Where points begin in each coordinate's column.
 struct Columns {
   const double* x;
@@ -27,8 +31,8 @@ struct Columns {
 };
 
 /// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
-/// division take twice as long as all the rest: a start of few bits with Newton's method takes
-/// longer, since it needs the units that do the rest.
+/// division take twice as long as all the rest: a start of few bits with Newton's method, or of
+/// single precision with Halley's, takes longer, since it needs the units that do the rest.
 CLOTHSIM_TARGET_CLONES
 void pull(Columns p, int offset, int count, double rest_length, double stiffness,
           double* __restrict fx, double* __restrict fy, double* __restrict fz) {
@@ -36,8 +40,8 @@ void pull(Columns p, int offset, int count, double rest_length, double stiffness
     const double dx = p.x[i + offset] - p.x[i];
     const double dy = p.y[i + offset] - p.y[i];
     const double dz = p.z[i + offset] - p.z[i];
-    const double length = std::sqrt(dx * dx + dy * dy + dz * dz);
-    const double s = length > 0 ? stiffness - stiffness * rest_length / length : 0.0;
+    const double length = std::sqrt(dx * dx + dy * dy + dz * dz + least_length2);
+    const double s = stiffness - stiffness * rest_length / length;
     fx[i] = s * dx;
     fy[i] = s * dy;
     fz[i] = s * dz;
@@ -78,6 +82,21 @@ void sum_up_to_six(int n, double g, const double* m, const double* const* force,
 }
 
 int end_of(const SpringRun& run) { return run.first + run.count; }
+
+/// Clears what stands between runs, one point after the other: they are two or three mostly, too
+/// few for a call of memset. `force` begins at point `first`.
+[[gnu::optimize("no-tree-loop-distribute-patterns", "no-tree-vectorize")]] void clear_gaps(
+    const SpringRun* run, const SpringRun* end, int first, int to, double* const force[3]) {
+  double* const x = force[0];
+  double* const y = force[1];
+  double* const z = force[2];
+  for (; run + 1 != end && end_of(*run) < to; ++run) {
+    const int next = std::min((run + 1)->first, to);
+    for (int i = std::max(end_of(*run), first); i < next; ++i) {
+      x[i - first] = y[i - first] = z[i - first] = 0;
+    }
+  }
+}
 
 /// Numbers in a line of the caches. Stores that begin at one are twice as fast as those across two.
 constexpr int line = 8;
@@ -121,8 +140,8 @@ void ForceBlocks::group() {
 
 void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3]) const {
   const auto clear = [&](int from, int to) {
-    for (int i = from - first; i < to - first; ++i) {
-      for (int axis = 0; axis < 3; ++axis) force[axis][i] = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::fill(force[axis] + (from - first), force[axis] + (to - first), 0.0);
     }
   };
   const int end = first + count;
@@ -139,10 +158,7 @@ void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3
   }
   clear(to, end);
 
-  // Between runs there are no springs.
-  for (const SpringRun* run = d.run; run + 1 != d.end && end_of(*run) < to; ++run) {
-    clear(std::max(end_of(*run), from), std::min((run + 1)->first, to));
-  }
+  clear_gaps(d.run, d.end, first, to, force);
 }
 
 bool ForceBlocks::next() {

@@ -7,18 +7,32 @@
 namespace clothsim {
 namespace {
 
+/// Where points begin in each coordinate's column.
+struct Columns {
+  Columns(Points& points, int i) : x(&points(i, 0)), y(&points(i, 1)), z(&points(i, 2)) {}
+  double* x;
+  double* y;
+  double* z;
+};
+
 /// Half a step of drift: x = from + v (1 - exp(-c t)) / c for free points, v t for pins.
 CLOTHSIM_TARGET_CLONES
-void drift(int count, double t, double distance, const double* __restrict inv_mass,
-           const double* __restrict v, const double* __restrict from, double* __restrict x) {
-  for (int i = 0; i < count; ++i) x[i] = from[i] + (inv_mass[i] > 0 ? distance : t) * v[i];
+void drift(int count, double t, double distance, const double* inv_mass, Columns v, Columns from,
+           Columns to) {
+#pragma GCC ivdep  // `to` may be `from`, nothing else overlaps
+  for (int i = 0; i < count; ++i) {
+    const double way = inv_mass[i] > 0 ? distance : t;
+    to.x[i] = from.x[i] + way * v.x[i];
+    to.y[i] = from.y[i] + way * v.y[i];
+    to.z[i] = from.z[i] + way * v.z[i];
+  }
 }
 
 /// What that drift does to velocities, v *= exp(-c t), the kick v += h f / m, the second drift.
 CLOTHSIM_TARGET_CLONES
-void kick_and_drift(int count, double h, double distance, double decay,
-                    const double* __restrict inv_mass, const double* __restrict f,
-                    const double* __restrict middle, double* __restrict x, double* __restrict v) {
+void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
+                    const double* f, const double* middle, double* x, double* v) {
+#pragma GCC ivdep  // x may be `middle`, nothing else overlaps
   for (int i = 0; i < count; ++i) {
     const bool free = inv_mass[i] > 0;
     const double loss = free ? decay : 1.0;
@@ -39,23 +53,24 @@ void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, Stat
                           const Workers& workers) {
   const Drag drag(cloth.damping, h / 2);
   const int n = cloth.num_points();
-  middle_.resize(n, 3);
-  forces_.resize(n, 3);
+  // In the middle of the step. What a band needs of the next one must stay until it is done: where
+  // there is but one band, points move in place, which saves a third of the caches' traffic.
+  Points& middle = workers.threads() == 1 ? state.positions : middle_;
+  middle.resize(n, 3);
+  forces_.resize(n);
 
   workers.share(n, [&](int begin, int end) {
-    for (int axis = 0; axis < 3; ++axis) {
-      drift(end - begin, h / 2, drag.distance, &cloth.inv_mass[begin],
-            &state.velocities(begin, axis), &state.positions(begin, axis), &middle_(begin, axis));
-    }
+    drift(end - begin, h / 2, drag.distance, &cloth.inv_mass[begin], {state.velocities, begin},
+          {state.positions, begin}, {middle, begin});
   });
   workers.share(n, [&](int begin, int end) {
-    for (ForceBlocks blocks(cloth, loads, middle_, begin, end); blocks.next();) {
+    for (ForceBlocks blocks(cloth, loads, middle, begin, end); blocks.next();) {
       const int i = blocks.first();
       for (int axis = 0; axis < 3; ++axis) {
-        double* f = &forces_(i, axis);
+        double* f = &forces_[i];  // of this axis
         blocks.sum(axis, f);
         kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
-                       &middle_(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
+                       &middle(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
       }
     }
   });

@@ -35,8 +35,8 @@ class VelocityVerlet {
   static constexpr bool ran_out() { return false; }  // see Integrator
 
  private:
-  Points middle_;  // positions in the middle of the step [m], N x 3
-  Points forces_;  // [N], N x 3
+  Points middle_;   // positions in the middle of the step [m], N x 3; with one thread none
+  Scalars forces_;  // along one axis [N], N
 };
 
 }  // namespace clothsim
