@@ -2,7 +2,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/dynamics/verlet.h"
@@ -69,6 +71,37 @@ void pinned2_against_classic(benchmark::State& run) {
   run.counters["classic/this"] = classic_seconds / seconds;
 }
 
+/// Wall time of a frame of pinned2, strain limit and all, with one thread and, in turn, with two,
+/// from its start. Of the ratios of all frames the median: other work on the machine falls on some.
+void pinned2_with_two_threads(benchmark::State& run) {
+  Scene scene = load("pinned2");
+  scene.cloth.columns = scene.cloth.rows = static_cast<int>(run.range(0));
+  std::vector<double> ratios;
+  const auto seconds_of = [](Simulator& simulator) {
+    const double start = wall_seconds();
+    simulator.step();
+    return wall_seconds() - start;
+  };
+  for (auto _ : run) {
+    scene.simulation.threads = 1;
+    Simulator one(scene);
+    scene.simulation.threads = 2;
+    Simulator two(scene);
+    for (int frame = 0; frame < 30; ++frame) {
+      const double alone = seconds_of(one);
+      ratios.push_back(alone / seconds_of(two));
+    }
+    if (one.state().positions != two.state().positions) run.SkipWithError("not the same bits");
+  }
+  std::sort(ratios.begin(), ratios.end());
+  run.counters["one/two"] = ratios[ratios.size() / 2];
+}
+
+BENCHMARK(pinned2_with_two_threads)
+    ->Arg(50)
+    ->Arg(200)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(pinned2_against_classic)->Unit(benchmark::kMillisecond);
 BENCHMARK(strain_limit)->UseManualTime();
 BENCHMARK_CAPTURE(scene, pinned2, "pinned2")->Unit(benchmark::kMillisecond);

@@ -85,7 +85,7 @@ double largest_eigenvalue(const Blocks& s, int i) {
 
 }  // namespace
 
-double omega_max_bound(const Cloth& cloth, const Points& positions) {
+double omega_max_bound(const Cloth& cloth, const Points& positions, double least) {
   // S_i by point.
   const int n = cloth.num_points();
   Blocks blocks = Blocks::Zero(n, 6);
@@ -104,7 +104,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions) {
     }
   });
 
-  double omega2 = 0;
+  double omega2 = least * least;
   for (int first = 0; first < n; first += batch) {
     const int count = std::min(batch, n - first);
     const double bound = omega2 * (1 + share);
@@ -116,7 +116,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions) {
       omega2 = std::max(omega2, 2 * largest_eigenvalue(blocks, i) * inv_mass);
     }
   }
-  return std::sqrt(omega2 * (1 + share));
+  return omega2 > least * least ? std::sqrt(omega2 * (1 + share)) : least;
 }
 
 double omega_max_bound(const Cloth& cloth) {

@@ -53,11 +53,10 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
   double steps = substeps_under_tension(weight, tension.value_or(endless), dt);
 
   // The springs, by the cheap bound first.
-  const auto for_springs = [&](double omega) {
-    return dt * omega / (spring_margin * stability_limit);
-  };
-  if (for_springs(omega_max_bound(cloth)) > steps) {
-    steps = std::max(steps, for_springs(omega_max_bound(cloth, positions)));
+  const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
+  if (omega_max_bound(cloth) > enough) {
+    const double omega = omega_max_bound(cloth, positions, enough);
+    if (omega > enough) steps = dt * omega / (spring_margin * stability_limit);
   }
   return whole_steps(steps);
 }

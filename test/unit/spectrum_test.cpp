@@ -51,6 +51,16 @@ TEST(Spectrum, NeverBelowTheExactFrequency) {
   }
 }
 
+TEST(Spectrum, IsTheLeastAskedForWhereThatIsHigher) {
+  const Cloth cloth = make_grid(square_spec(9, 300));
+  const Points x = shaken(cloth, 0.05, 1);
+  const double bound = omega_max_bound(cloth, x);
+  EXPECT_EQ(omega_max_bound(cloth, x, 1.01 * bound), 1.01 * bound);
+  for (const double share : {0.1, 0.9, 0.999}) {
+    EXPECT_NEAR(omega_max_bound(cloth, x, share * bound), bound, 1e-12 * bound);
+  }
+}
+
 TEST(Spectrum, IsCloseForAFlatGrid) {
   // Exactly 8 k / m on an endless grid of all families, and some percent less on a small one.
   const Cloth cloth = make_grid(square_spec(18, 300));
