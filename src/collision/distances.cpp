@@ -21,6 +21,12 @@ struct Coordinates {
   const double* z;
 };
 
+struct Ways {
+  double* __restrict x;
+  double* __restrict y;
+  double* __restrict z;
+};
+
 struct Indices {
   const int* a;
   const int* b;
@@ -38,7 +44,7 @@ inline double to_unit(double t) { return smaller(larger(t, 0.0), 1.0); }
 /// All from the products of the ways from b.
 CLOTHSIM_TARGET_CLONES
 void point_triangle(std::size_t count, const Coordinates p, const Indices i,
-                    double* __restrict values) {
+                    double* __restrict values, const Ways way) {
   for (std::size_t k = 0; k < count; ++k) {
     const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
     const double ux = p.x[c] - p.x[b], uy = p.y[c] - p.y[b], uz = p.z[c] - p.z[b];
@@ -68,12 +74,23 @@ void point_triangle(std::size_t count, const Coordinates p, const Indices i,
     const double on_plane = ww - (beta * uw + gamma * vw) / (area2 + tiny);
     const double least = (within ? on_plane : on_edges) - rounding * (uu + vv + ww);
     values[k] = std::sqrt(larger(least, 0.0));
+
+    // Where on the triangle, from b in shares of its edges.
+    const bool is_u = on_u <= on_edges, is_v = on_v <= on_edges;
+    const double edge_u = is_u ? s : is_v ? 0.0 : 1 - r;
+    const double edge_v = is_u ? 0.0 : is_v ? t : r;
+    const double at_u = within ? beta / (area2 + tiny) : edge_u;
+    const double at_v = within ? gamma / (area2 + tiny) : edge_v;
+    way.x[k] = wx - at_u * ux - at_v * vx;
+    way.y[k] = wy - at_u * uy - at_v * vy;
+    way.z[k] = wz - at_u * uz - at_v * vz;
   }
 }
 
 /// Of edges a -> b to c -> d, as in closest_on_segments().
 CLOTHSIM_TARGET_CLONES
-void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* __restrict values) {
+void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* __restrict values,
+               const Ways way) {
   for (std::size_t k = 0; k < count; ++k) {
     const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
     const double ux = p.x[b] - p.x[a], uy = p.y[b] - p.y[a], uz = p.z[b] - p.z[a];
@@ -94,21 +111,27 @@ void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* 
     const double x = wx + s * ux - t * vx, y = wy + s * uy - t * vy, z = wz + s * uz - t * vz;
     const double least = x * x + y * y + z * z - rounding * (uu + vv + ww);
     values[k] = std::sqrt(larger(least, 0.0));
+    way.x[k] = x;
+    way.y[k] = y;
+    way.z[k] = z;
   }
+}
+
+Coordinates coordinates(const Points& x) {
+  return {x.data(), x.data() + x.rows(), x.data() + 2 * x.rows()};
+}
+
+template <typename Lists>
+Indices indices(const Lists& points) {
+  return {points[0].data(), points[1].data(), points[2].data(), points[3].data()};
 }
 
 }  // namespace
 
 void Distances::measure(const Points& positions) {
-  const Coordinates at{positions.data(), positions.data() + positions.rows(),
-                       positions.data() + 2 * positions.rows()};
-  for (Batch* batch : {&triangles_, &edges_}) {
-    const auto& [a, b, c, d] = batch->points;
-    const Indices indices{a.data(), b.data(), c.data(), d.data()};
-    const auto measure_kind = batch == &edges_ ? edge_edge : point_triangle;
-    measure_kind(batch->size, at, indices, batch->values.data());
-    for (std::size_t k = 0; k < batch->size; ++k) values_[batch->numbers[k]] = batch->values[k];
-  }
+  (edges_ ? edge_edge : point_triangle)(size_, coordinates(positions), indices(points_),
+                                        values_.data(),
+                                        {ways_[0].data(), ways_[1].data(), ways_[2].data()});
 }
 
 }  // namespace clothsim

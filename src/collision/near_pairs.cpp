@@ -1,17 +1,20 @@
-#include "clothsim/collision/near_pairs.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "near_pairs_impl.h"
+
 namespace clothsim {
 namespace {
 
-/// Margin, of the least distance at rest: with the slack of neighbours small enough that a moderate
-/// bend is proved to keep them apart.
+/// Farthest that two features which approach each other are looked at, of the least distance at
+/// rest.
 constexpr double margin_share = 0.12;
+
+/// How much further features on a list may be than those asked for now, of the same.
+constexpr double slack_share = 0.25;
 
 /// So many sides of a patch more than needed paired patches may be apart.
 constexpr double pairing_sides = 0.5;
@@ -20,153 +23,203 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-NearPairs::NearPairs(const Cloth& cloth)
-    : mesh_(cloth), nearest_(cloth), patches_(cut_into_patches(cloth, patch_cells)) {
+NearPairs::Impl::Impl(const Cloth& cloth)
+    : mesh(cloth),
+      nearest(cloth),
+      feature_pairs(mesh),
+      patches(cut_into_patches(cloth, patch_cells)),
+      patch_columns((mesh.cell_columns + patch_cells - 1) / patch_cells) {
   const Points& x = cloth.rest_positions;
   const double along_row = (x.row(1) - x.row(0)).norm();
   const double along_column = (x.row(cloth.columns) - x.row(0)).norm();
-  spacing_ = std::min(along_row, along_column);
+  spacing = std::min(along_row, along_column);
   // A point and the long side of a triangle; two diagonals side by side are as far apart.
-  least_rest_distance_ = along_row * along_column / std::hypot(along_row, along_column);
-  contact_ = 2 * cloth.thickness;
-  margin_ = margin_share * least_rest_distance_;
-  bounds_.resize(static_cast<std::size_t>(mesh_.num_cells()));
-  is_bounded_.resize(bounds_.size());
+  least_rest_distance = along_row * along_column / std::hypot(along_row, along_column);
+  contact = 2 * cloth.thickness;
+  margin = margin_share * least_rest_distance;
+  slack = slack_share * least_rest_distance;
+  outlines.resize(static_cast<std::size_t>(mesh.num_cells()));
+  boxes.resize(patches.size());
+  gradients.resize(patches.size());
 }
 
-/// Calls body(pair, scratch) for all patch pairs; those of a thread come after each other. Then
-/// finish(scratch).
-template <typename Body, typename Finish>
-void NearPairs::share_patch_pairs(const Workers& workers, const Body& body, const Finish& finish) {
-  scratches_.resize(static_cast<std::size_t>(workers.threads()));
-  for (Scratch& scratch : scratches_) scratch.band = -1;
-  std::atomic<std::size_t> used{0};
-  constexpr int least = 64;
+/// Brings what is known of patches up to date.
+void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const Workers& workers) {
+  if (last.rows() > 0 && last == positions) return;
+  outline(cloth, positions, workers);
+  const double most_spread = pairing_sides * patch_cells * spacing;
+  if (last.rows() == 0) {
+    pair_patches(contact + margin + most_spread);
+    paired_at = positions;
+  } else {
+    motions.follow(patches, last, positions, workers);
+    constexpr int least = 256;
+    workers.share(
+        static_cast<int>(patch_pairs.size()),
+        [&](int begin, int end) {
+          for (int k = begin; k < end; ++k) {
+            PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+            pair.moved += motions.between(pair.p, pair.q);
+          }
+        },
+        least);
+    Points ways = positions - paired_at;
+    const Eigen::RowVector3d common = ways.colwise().mean();
+    ways.rowwise() -= common;
+    const double spread = std::sqrt(ways.rowwise().squaredNorm().maxCoeff());
+    if (2 * spread > most_spread) {
+      pair_patches(contact + margin + most_spread);
+      paired_at = positions;
+    }
+  }
+  last = positions;
+}
+
+/// Where patches and cells are.
+void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const Workers& workers) {
+  const int columns = mesh.cell_columns;
+  constexpr int least = 16;
   workers.share(
-      static_cast<int>(patch_pairs_.size()),
+      static_cast<int>(patches.size()),
       [&](int begin, int end) {
-        Scratch& scratch = scratches_[used++];
-        scratch.band = begin;
-        for (int k = begin; k < end; ++k) body(patch_pairs_[static_cast<std::size_t>(k)], scratch);
-        finish(scratch);
+        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
+          boxes[p] = around(positions, patches[p].points);
+          gradients[p] = {};
+          for (const int cell : patches[p].cells) {
+            Outline& of_cell = outlines[static_cast<std::size_t>(cell)];
+            const int i = cell + cell / columns;
+            const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
+            for (int k = 0; k < 4; ++k) {
+              of_cell.corners.col(k) = row(positions, corners[static_cast<std::size_t>(k)]);
+            }
+            of_cell.centre = of_cell.corners.rowwise().mean();
+            gradients[p].extend(gradient_bounds(cloth, positions, cell % columns, cell / columns));
+          }
+        }
       },
       least);
 }
 
+/// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
+void NearPairs::Impl::pair_patches(double reach) {
+  std::vector<Box> wider = boxes;
+  for (Box& box : wider) {
+    box.min().array() -= reach / 2;
+    box.max().array() += reach / 2;
+  }
+  std::vector<PatchPair> pairs;
+  const auto add = [&](int p, int q) { pairs.push_back({p, q}); };
+  for (int p = 0; p < static_cast<int>(patches.size()); ++p) add(p, p);
+  BoxTree(wider).visit_overlaps(add);
+  const auto before = [](const PatchPair& a, const PatchPair& b) {
+    return a.p < b.p || (a.p == b.p && a.q < b.q);
+  };
+  std::sort(pairs.begin(), pairs.end(), before);
+
+  auto old = patch_pairs.begin();
+  for (PatchPair& pair : pairs) {
+    while (old != patch_pairs.end() && before(*old, pair)) ++old;
+    if (old != patch_pairs.end() && old->p == pair.p && old->q == pair.q) pair = std::move(*old);
+  }
+  patch_pairs = std::move(pairs);
+}
+
+void NearPairs::Impl::Scratch::clear() {
+  cells.clear();
+  parts.clear();
+  for (Distances& d : distances) d.clear();
+}
+
+/// What is asked for, of the patches whose gap may be within reach(pair).
+template <typename Reach>
+const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Reach& reach,
+                                                   const Workers& workers) {
+  scratches.resize(static_cast<std::size_t>(workers.threads()));
+  for (Scratch& scratch : scratches) scratch.band = -1;
+  std::atomic<std::size_t> used{0};
+  constexpr int least = 64;
+  workers.share(
+      static_cast<int>(patch_pairs.size()),
+      [&](int begin, int end) {
+        Scratch& scratch = scratches[used++];
+        scratch.band = begin;
+        for (int k = begin; k < end; ++k) {
+          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+          const double within = reach(pair);
+          if (pair.wake_at - pair.moved > within) continue;
+          if (pair.moved + within > pair.list_until) {
+            const double gap = gap_of_patches(pair);
+            if (gap > within) {
+              pair.wake_at = pair.moved + gap;
+              continue;
+            }
+            seek(query.positions, std::max(within, least_margin()) + slack, pair, scratch);
+          }
+          scratch.awake.emplace_back(&pair, within);
+        }
+        measure_cells(query.positions, scratch);
+        for (const auto& [pair, within] : scratch.awake)
+          look_at_list(query, within, *pair, scratch);
+        measure_parts(query, scratch);
+        scratch.awake.clear();
+      },
+      least);
+
+  return collect();
+}
+
+/// What all threads have found, in order.
+const std::vector<NearPair>& NearPairs::Impl::collect() {
+  std::vector<Scratch*> order;
+  for (Scratch& scratch : scratches) order.push_back(&scratch);
+  std::sort(order.begin(), order.end(),
+            [](const Scratch* a, const Scratch* b) { return a->band < b->band; });
+  near.clear();
+  for (Scratch* scratch : order) {
+    if (near.empty()) {
+      near.swap(scratch->near);
+    } else {
+      near.insert(near.end(), scratch->near.begin(), scratch->near.end());
+    }
+    scratch->near.clear();
+  }
+  return near;
+}
+
+NearPairs::NearPairs(const Cloth& cloth) : impl_(std::make_unique<Impl>(cloth)) {}
+NearPairs::~NearPairs() = default;
+NearPairs::NearPairs(const NearPairs& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+NearPairs::NearPairs(NearPairs&&) noexcept = default;
+NearPairs& NearPairs::operator=(NearPairs other) noexcept {
+  impl_.swap(other.impl_);
+  return *this;
+}
+
 const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Points& positions,
                                                     const Points& ahead, const Workers& workers) {
-  advance(cloth, positions, workers);
-  motions_.follow(patches_, positions, ahead, workers);
-  const auto wake_pair = [&](PatchPair& pair, Scratch& scratch) {
-    const double closing = motions_.between(pair.p, pair.q);
-    const double most = std::clamp(closing, least_margin(), margin_);
-    if (pair.least_wake - pair.moved > most) return;
-    wake(
-        positions, pair, [most](double) { return most; }, scratch);
+  Impl& impl = *impl_;
+  impl.advance(cloth, positions, workers);
+  impl.motions.follow(impl.patches, positions, ahead, workers);
+  const auto closing = [&](const Impl::PatchPair& pair) {
+    return std::clamp(impl.motions.between(pair.p, pair.q), least_margin(), margin());
   };
-  share_patch_pairs(workers, wake_pair, [&](Scratch& s) { measure_awake(positions, s); });
-  return collect();
+  return impl.look({positions, &ahead, infinity}, closing, workers);
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
                                                double distance, const Workers& workers) {
   assert(distance <= reach());
-  advance(cloth, positions, workers);
-  const auto wake_pair = [&](PatchPair& pair, Scratch& scratch) {
-    if (pair.least_wake - pair.moved + pair.least_nearest > distance) return;
-    wake(
-        positions, pair, [distance](double nearest) { return distance - nearest; }, scratch);
+  Impl& impl = *impl_;
+  impl.advance(cloth, positions, workers);
+  const auto most_gap = [&](const Impl::PatchPair& pair) {
+    return distance - (impl.are_neighbours(pair) ? impl.nearest.least() : impl.contact);
   };
-  share_patch_pairs(workers, wake_pair, [&](Scratch& s) { measure_awake(positions, s); });
-  return collect();
+  return impl.look({positions, nullptr, distance}, most_gap, workers);
 }
 
-/// What all threads have found, in order.
-const std::vector<NearPair>& NearPairs::collect() {
-  std::vector<Scratch*> order;
-  for (Scratch& scratch : scratches_) order.push_back(&scratch);
-  std::sort(order.begin(), order.end(),
-            [](const Scratch* a, const Scratch* b) { return a->band < b->band; });
-  near_.clear();
-  for (Scratch* scratch : order) {
-    if (near_.empty()) {
-      near_.swap(scratch->near);
-    } else {
-      near_.insert(near_.end(), scratch->near.begin(), scratch->near.end());
-    }
-    scratch->near.clear();
-  }
-  return near_;
-}
-
-/// Measures the candidates whose gap may be within `reach` of their nearest distance.
-template <typename Reach>
-void NearPairs::wake(const Points& positions, PatchPair& pair, const Reach& reach,
-                     Scratch& scratch) const {
-  pair.least_wake = infinity;
-  for (std::size_t k = 0; k < pair.candidates.size(); ++k) {
-    const SurfacePair& features = pair.candidates[k].pair;
-    const double gap = reach(features.nearest);
-    if (pair.wake_at[k] - pair.moved > gap) {
-      pair.least_wake = std::min(pair.least_wake, pair.wake_at[k]);
-      continue;
-    }
-    scratch.awake.push_back({&pair, k, gap});
-    scratch.distances.add(features);
-    if (scratch.distances.size() == Distances::capacity) measure_awake(positions, scratch);
-  }
-}
-
-/// Keeps those that are as near as they were woken for. All go to sleep again.
-void NearPairs::measure_awake(const Points& positions, Scratch& scratch) const {
-  scratch.distances.measure(positions);
-  for (std::size_t i = 0; i < scratch.awake.size(); ++i) {
-    const auto& [pair, number, reach] = scratch.awake[i];
-    const Candidate& candidate = pair->candidates[number];
-    double gap = scratch.distances[i] - candidate.pair.nearest;
-    if (gap <= reach) {
-      const Separation s = separation(candidate.pair, positions);
-      gap = s.distance - candidate.pair.nearest;
-      if (gap <= reach) scratch.near.push_back({candidate.key, candidate.pair, s});
-    }
-    pair->wake_at[number] = pair->moved + gap;
-    pair->least_wake = std::min(pair->least_wake, pair->wake_at[number]);
-  }
-  scratch.awake.clear();
-  scratch.distances.clear();
-}
-
-/// Brings patch pairs and candidates up to date.
-void NearPairs::advance(const Cloth& cloth, const Points& positions, const Workers& workers) {
-  const auto nothing = [](Scratch&) {};
-  const double most_spread = pairing_sides * patch_cells * spacing_;
-  const double reach = contact_ + margin_ + most_spread;
-  if (last_.rows() == 0) {
-    pair_patches(positions, reach);
-  } else if (last_ != positions) {
-    motions_.follow(patches_, last_, positions, workers);
-    const auto move = [&](PatchPair& pair, Scratch&) {
-      pair.moved += motions_.between(pair.p, pair.q);
-    };
-    share_patch_pairs(workers, move, nothing);
-    Points ways = positions - paired_at_;
-    const Eigen::RowVector3d common = ways.colwise().mean();
-    ways.rowwise() -= common;
-    const double spread = std::sqrt(ways.rowwise().squaredNorm().maxCoeff());
-    if (2 * spread > most_spread) pair_patches(positions, reach);
-  } else {
-    return;
-  }
-  last_ = positions;
-  const auto look = [&](PatchPair& pair, Scratch&) {
-    pair.is_sought = pair.moved >= pair.allowance && is_to_be_sought(positions, pair);
-  };
-  share_patch_pairs(workers, look, nothing);
-  bound_cells(cloth, positions, workers);
-  const auto seek_pair = [&](PatchPair& pair, Scratch& scratch) {
-    if (pair.is_sought) seek(positions, pair, scratch);
-  };
-  share_patch_pairs(workers, seek_pair, [&](Scratch& s) { take_candidates(positions, s); });
-}
+double NearPairs::least_margin() const { return impl_->least_margin(); }
+double NearPairs::margin() const { return impl_->margin; }
+double NearPairs::least_nearest() const { return impl_->nearest.least(); }
+const SurfaceMesh& NearPairs::mesh() const { return impl_->mesh; }
 
 }  // namespace clothsim

@@ -1,35 +1,24 @@
-// Candidates of two patches sought anew: near_pairs.cpp says when.
+// What two patches that are awake have near each other: near_pairs.cpp says when they are.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "clothsim/collision/near_pairs.h"
+#include "clothsim/model/target_clones.h"
+#include "near_pairs_impl.h"
 
 namespace clothsim {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Slack of neighbours, of the least distance at rest.
-constexpr double slack_share = 0.23;
+/// Numbers for the pairs of features of two cells, in their key.
+constexpr int keys_of_cells = 64;
 
-/// Slack of others, of the contact distance.
-constexpr double far_slack_share = 0.5;
-
-/// Most pairs of features of two cells.
-constexpr std::uint64_t most_of_cells = 64;
-
-template <typename List>
-Box around(const Points& positions, const List& points) {
-  Box box;
-  for (const int i : points) box.extend(row(positions, i));
-  return box;
-}
-
-bool share_a_point(const SurfacePair& pair) {
-  const auto& [a, b, c, d] = pair.points;
-  return pair.edges ? a == c || a == d || b == c || b == d : a == b || a == c || a == d;
+/// Which of some pairs of cells wake before their patches have `moved` so far: vectorised.
+CLOTHSIM_TARGET_CLONES
+void wake(int count, double moved, const double* __restrict wake_at, char* __restrict wakes) {
+  for (int k = 0; k < count; ++k) wakes[k] = wake_at[k] <= moved;
 }
 
 template <typename T>
@@ -39,32 +28,13 @@ const T& of(const std::vector<T>& list, int i) {
 
 }  // namespace
 
-/// Starts the pair anew. False where the patches are so far from each other that they have no
-/// candidates.
-bool NearPairs::is_to_be_sought(const Points& positions, PatchPair& pair) const {
-  pair.candidates.clear();
-  pair.wake_at.clear();
-  pair.moved = 0;
-  pair.least_wake = infinity;
-  pair.least_nearest = infinity;
-
-  const double reach = contact_ + margin_;
-  const Box p = around(positions, of(patches_, pair.p).points);
-  const Box q = around(positions, of(patches_, pair.q).points);
-  const double apart = std::sqrt(p.squaredExteriorDistance(q));
-  const double slack = slack_share * least_rest_distance_;
-  const double far_slack = std::max(slack, far_slack_share * contact_);
-  const bool is_near = apart <= reach + far_slack;
-  pair.allowance = !is_near ? apart - reach : are_neighbours(pair) ? slack : far_slack;
-  return is_near;
-}
-
 /// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
-bool NearPairs::are_neighbours(const PatchPair& pair) const {
-  const std::vector<int>& p = of(patches_, pair.p).cells;
-  const std::vector<int>& q = of(patches_, pair.q).cells;
-  const int columns = mesh_.cell_columns;
-  const int window = static_cast<int>(std::ceil((contact_ + margin_) / spacing_));
+bool NearPairs::Impl::are_neighbours(const PatchPair& pair) const {
+  const std::vector<int>& p = of(patches, pair.p).cells;
+  const std::vector<int>& q = of(patches, pair.q).cells;
+  const int columns = mesh.cell_columns;
+  const int window =
+      static_cast<int>(std::ceil(contact / (NearestDistances::neighbour_share * spacing)));
   const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
     return std::max(b_first - a_last, a_first - b_last);
   };
@@ -74,183 +44,157 @@ bool NearPairs::are_neighbours(const PatchPair& pair) const {
              window;
 }
 
-/// Boxes and gradients of the cells that a search will look at.
-void NearPairs::bound_cells(const Cloth& cloth, const Points& positions, const Workers& workers) {
-  const int columns = mesh_.cell_columns;
-  for (const int cell : bounded_) is_bounded_[static_cast<std::size_t>(cell)] = 0;
-  bounded_.clear();
-  const auto add = [&](int first_row, int last_row, int first_column, int last_column) {
-    for (int r = first_row; r <= last_row; ++r) {
-      for (int c = first_column; c <= last_column; ++c) {
-        char& is_bounded = is_bounded_[static_cast<std::size_t>(r * columns + c)];
-        if (!is_bounded) bounded_.push_back(r * columns + c);
-        is_bounded = 1;
-      }
-    }
-  };
-  for (const PatchPair& pair : patch_pairs_) {
-    if (!pair.is_sought) continue;
-    const std::vector<int>& p = of(patches_, pair.p).cells;
-    const std::vector<int>& q = of(patches_, pair.q).cells;
-    if (are_neighbours(pair)) {  // proofs look at what is between, too
-      const auto [first_column, last_column] = std::minmax(
-          {p.front() % columns, p.back() % columns, q.front() % columns, q.back() % columns});
-      const int last_row = std::max(p.back(), q.back()) / columns;
-      add(std::min(p.front(), q.front()) / columns, last_row, first_column, last_column);
-    } else {
-      for (const auto* cells : {&p, &q}) {
-        add(cells->front() / columns, cells->back() / columns, cells->front() % columns,
-            cells->back() % columns);
-      }
-    }
+/// At least: by their boxes, or where they touch on the cloth, by how far they are from folded.
+double NearPairs::Impl::gap_of_patches(const PatchPair& pair) const {
+  const auto [first_column, last_column] =
+      std::minmax({pair.p % patch_columns, pair.q % patch_columns});
+  const auto [first_row, last_row] = std::minmax({pair.p / patch_columns, pair.q / patch_columns});
+  if (last_column - first_column > 1 || last_row - first_row > 1) {
+    return std::sqrt(of(boxes, pair.p).squaredExteriorDistance(of(boxes, pair.q))) - contact;
   }
-  constexpr int least = 64;
-  workers.share(
-      static_cast<int>(bounded_.size()),
-      [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          const int cell = of(bounded_, k), column = cell % columns, row = cell / columns;
-          const int i = row * cloth.columns + column;
-          const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
-          bounds_[static_cast<std::size_t>(cell)] = {
-              around(positions, corners), gradient_bounds(cloth, positions, column, row)};
-        }
-      },
-      least);
-}
-
-/// Those of the pairs sought that may come near before they are sought again.
-void NearPairs::take_candidates(const Points& positions, Scratch& scratch) const {
-  scratch.distances.measure(positions);
-  for (std::size_t i = 0; i < scratch.sought.size(); ++i) {
-    Candidate& candidate = scratch.sought[i].candidate;
-    PatchPair& pair = *scratch.sought[i].of;
-    candidate.pair.nearest = nearest_.of(candidate.pair);
-    const double gap = scratch.distances[i] - candidate.pair.nearest;
-    if (gap > margin_ + pair.allowance) continue;
-    pair.candidates.push_back(candidate);
-    pair.wake_at.push_back(gap);
-    pair.least_wake = std::min(pair.least_wake, gap);
-    pair.least_nearest = std::min(pair.least_nearest, candidate.pair.nearest);
-  }
-  scratch.sought.clear();
-  scratch.distances.clear();
-}
-
-/// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
-void NearPairs::pair_patches(const Points& positions, double reach) {
-  std::vector<Box> boxes;
-  for (const Patch& patch : patches_) {
-    boxes.push_back(around(positions, patch.points));
-    boxes.back().min().array() -= reach / 2;
-    boxes.back().max().array() += reach / 2;
-  }
-  std::vector<PatchPair> pairs;
-  const auto add = [&](int p, int q) { pairs.push_back({p, q, infinity, 0, true, 0, 0, {}, {}}); };
-  for (int p = 0; p < static_cast<int>(patches_.size()); ++p) add(p, p);
-  BoxTree(boxes).visit_overlaps(add);
-  const auto before = [](const PatchPair& a, const PatchPair& b) {
-    return a.p < b.p || (a.p == b.p && a.q < b.q);
-  };
-  std::sort(pairs.begin(), pairs.end(), before);
-
-  auto last = patch_pairs_.begin();
-  for (PatchPair& pair : pairs) {
-    while (last != patch_pairs_.end() && before(*last, pair)) ++last;
-    if (last != patch_pairs_.end() && last->p == pair.p && last->q == pair.q) {
-      pair = std::move(*last);
-    }
-  }
-  patch_pairs_ = std::move(pairs);
-  paired_at_ = positions;
-}
-
-void NearPairs::seek(const Points& positions, PatchPair& pair, Scratch& scratch) const {
-  const Patch &p = of(patches_, pair.p), &q = of(patches_, pair.q);
-  const double range = margin_ + pair.allowance;
-  const auto within_reach_of = [&](const Patch& patch, const Patch& other) {
-    const Box box = around(positions, other.points);
-    std::vector<std::size_t> numbers;
-    for (std::size_t i = 0; i < patch.cells.size(); ++i) {
-      if (overlap(of(bounds_, patch.cells[i]).box, box, contact_ + range)) numbers.push_back(i);
-    }
-    return numbers;
-  };
-  const std::vector<std::size_t> of_p = within_reach_of(p, q), of_q = within_reach_of(q, p);
-  const bool neighbours = are_neighbours(pair);
-  const std::uint64_t key =
-      (static_cast<std::uint64_t>(pair.p) << 40) | (static_cast<std::uint64_t>(pair.q) << 16);
-  for (const std::size_t i : of_p) {
-    const int cell = p.cells[i];
-    const Box& box = of(bounds_, cell).box;
-    for (const std::size_t j : of_q) {
-      if (pair.p == pair.q && j < i) continue;
-      const int other = q.cells[j];
-      const double within = nearest_.most_of_cells(cell, other) + range;
-      if (!overlap(box, of(bounds_, other).box, within)) continue;
-      if (neighbours && proved_apart(cell, other, range)) continue;
-      if (scratch.distances.size() + most_of_cells > Distances::capacity) {
-        take_candidates(positions, scratch);
-      }
-      seek_in_cells(positions, cell, other, within, pair,
-                    key + most_of_cells * (i * patch_cells * patch_cells + j), scratch);
-    }
-  }
-}
-
-/// Are neighbours within the rectangle of both cells further apart than nearest + range?
-bool NearPairs::proved_apart(int cell, int other, double range) const {
-  const int columns = mesh_.cell_columns;
-  const auto [first_column, last_column] = std::minmax({cell % columns, other % columns});
-  const auto [first_row, last_row] = std::minmax({cell / columns, other / columns});
-  constexpr int most = 4;  // cells along a side that a proof is tried for
-  if (last_column - first_column >= most || last_row - first_row >= most) return false;
   GradientBounds bounds;
   for (int r = first_row; r <= last_row; ++r) {
     for (int c = first_column; c <= last_column; ++c) {
-      bounds.extend(of(bounds_, r * columns + c).gradient);
+      bounds.extend(of(gradients, r * patch_columns + c));
     }
   }
-  return is_unfolded(bounds, NearestDistances::neighbour_share + range / least_rest_distance_);
+  const double unfolded = least_stretch(bounds) - NearestDistances::neighbour_share;
+  return unfolded > 0 ? unfolded * least_rest_distance : -infinity;
 }
 
-void NearPairs::seek_in_cells(const Points& positions, int cell, int other, double within,
-                              PatchPair& pair, std::uint64_t key, Scratch& scratch) const {
-  const auto add = [&](const SurfacePair& features) {
-    ++key;
-    if (share_a_point(features)) return;
-    scratch.sought.push_back({&pair, {key, features}});
-    scratch.distances.add(features);
-  };
-
-  const auto add_points = [&](int of_cell, int in_cell) {
-    for (const int point : of(mesh_.cell_points, of_cell)) {
-      if (!overlap(Box(row(positions, point)), of(bounds_, in_cell).box, within)) {
-        key += 2;
-        continue;
+/// Puts what is within `reach` on the pair's list, once the cells are measured.
+void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pair,
+                           Scratch& scratch) const {
+  const std::vector<int>& p = of(patches, pair.p).cells;
+  const std::vector<int>& q = of(patches, pair.q).cells;
+  if (pair.cells_wake_at.empty()) {
+    pair.cells_wake_at.assign(cells_of_patches, infinity);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      for (std::size_t j = pair.p == pair.q ? i : 0; j < q.size(); ++j) {  // each two once
+        pair.cells_wake_at[i * cells_of_patch + j] = -infinity;
       }
-      for (const int t : {2 * in_cell, 2 * in_cell + 1}) {
-        const std::array<int, 3>& corners = of(mesh_.triangles, t);
-        add({false, point, t, {point, corners[0], corners[1], corners[2]}, 0});
-      }
-    }
-  };
-  add_points(cell, other);
-  if (cell != other) add_points(other, cell);
-
-  const auto& edges = of(mesh_.cell_edges, cell);
-  const auto& others = of(mesh_.cell_edges, other);
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const std::array<int, 2>& ends = of(mesh_.edges, edges[i]);
-    for (std::size_t j = 0; j < others.size(); ++j) {
-      if (cell == other && j <= i) {
-        ++key;
-        continue;
-      }
-      const std::array<int, 2>& other_ends = of(mesh_.edges, others[j]);
-      add({true, edges[i], others[j], {ends[0], ends[1], other_ends[0], other_ends[1]}, 0});
     }
   }
+  pair.list.clear();
+  pair.list_until = pair.moved + reach;
+
+  // Most sleep on.
+  std::array<char, cells_of_patches> wakes;
+  double* const wake_at = pair.cells_wake_at.data();
+  wake(cells_of_patches, pair.list_until, wake_at, wakes.data());
+  for (int k = 0; k < cells_of_patches; ++k) {
+    if (!wakes[k]) continue;
+    const int cell = of(p, k / cells_of_patch), other = of(q, k % cells_of_patch);
+    const double most_nearest = nearest.most_of_cells(cell, other);
+    const double gap = distance_of_cells(cell, other) - most_nearest;
+    if (gap > reach) {
+      wake_at[k] = pair.moved + gap;
+      continue;
+    }
+    const FeaturePairs::Runs& runs = feature_pairs.of(cell, other);
+    measure_later(positions, {&pair, k, {cell, other}, most_nearest, reach, &runs, {}}, scratch);
+  }
+}
+
+/// At least: between planes square to the line between their centres.
+double NearPairs::Impl::distance_of_cells(int cell, int other) const {
+  const Outline &a = of(outlines, cell), &b = of(outlines, other);
+  const Vector3 way = b.centre - a.centre;
+  const double between =
+      (way.transpose() * b.corners).minCoeff() - (way.transpose() * a.corners).maxCoeff();
+  return between > 0 ? between / way.norm() : 0;
+}
+
+/// Puts all features of two cells among those to be measured.
+void NearPairs::Impl::measure_later(const Points& positions, Cells cells, Scratch& scratch) const {
+  auto& distances = scratch.distances;
+  if (std::min(distances[0].room(), distances[1].room()) < FeaturePairs::most) {
+    measure_cells(positions, scratch);
+  }
+  cells.first = scratch.sizes();
+  scratch.cells.push_back(cells);
+  const std::array<int, 2> first = feature_pairs.first_points(cells.cells[0], cells.cells[1]);
+  for (const FeaturePairs::Run& run : *cells.runs) distances[run.edges].add(run, first);
+}
+
+void NearPairs::Impl::measure_cells(const Points& positions, Scratch& scratch) const {
+  for (Distances& distances : scratch.distances) distances.measure(positions);
+  for (const Cells& cells : scratch.cells) {
+    PatchPair& pair = *cells.of;
+    auto key = static_cast<unsigned>(cells.number * keys_of_cells);
+    std::array<std::size_t, 2> next = cells.first;
+    double least = infinity;
+    for (const FeaturePairs::Run& run : *cells.runs) {
+      for (std::size_t k = 0; k < run.size(); ++k, ++key) {
+        const double distance = scratch.distances[run.edges][next[run.edges]++];
+        least = std::min(least, distance);
+        if (distance > cells.most_nearest + cells.reach) continue;
+        const SurfacePair features = features_of(cells.cells, run, k);
+        if (distance <= features.nearest + cells.reach) pair.list.push_back({features, key});
+      }
+    }
+    const double gap = least - cells.most_nearest;
+    pair.cells_wake_at[static_cast<std::size_t>(cells.number)] = pair.moved + gap;
+  }
+  scratch.clear();
+}
+
+/// Pair `k` of a run of two cells.
+SurfacePair NearPairs::Impl::features_of(const std::array<int, 2>& cells,
+                                         const FeaturePairs::Run& run, std::size_t k) const {
+  const std::array<int, 2> first = feature_pairs.first_points(cells[0], cells[1]);
+  SurfacePair pair{SurfacePair::no_triangle, {}, 0};
+  for (std::size_t i = 0; i < 4; ++i) pair.points[i] = first[run.of_point(i)] + run.points[i][k];
+  if (!run.edges) pair.triangle = 2 * cells[run.of[1]] + run.triangles[k];
+  pair.nearest = nearest.of(pair);
+  return pair;
+}
+
+/// Puts the features on a pair's list among those to be measured.
+void NearPairs::Impl::look_at_list(const Query& query, double reach, PatchPair& pair,
+                                   Scratch& scratch) const {
+  pair.wake_at = pair.list_until;
+  Part part{&pair, reach, 0, 0, scratch.sizes()};
+  for (const Listed& listed : pair.list) {
+    if (scratch.distances[listed.features.edges()].room() == 0) {
+      scratch.parts.push_back(part);
+      measure_parts(query, scratch);
+      part = {&pair, reach, part.end, part.end, scratch.sizes()};
+    }
+    scratch.distances[listed.features.edges()].add(listed.features.points);
+    ++part.end;
+  }
+  scratch.parts.push_back(part);
+}
+
+/// Keeps what the query asks for.
+void NearPairs::Impl::measure_parts(const Query& query, Scratch& scratch) const {
+  for (Distances& distances : scratch.distances) distances.measure(query.positions);
+  for (const Part& part : scratch.parts) {
+    PatchPair& pair = *part.of;
+    const std::uint64_t key =
+        static_cast<std::uint64_t>(pair.p) << 40 | static_cast<std::uint64_t>(pair.q) << 16;
+    const auto is_asked_for = [&](double distance, double gap) {
+      return distance <= query.distance && gap <= part.reach;
+    };
+    std::array<std::size_t, 2> next = part.first;
+    for (std::size_t k = part.begin; k < part.end; ++k) {
+      const auto& [features, end_of_key] = pair.list[k];
+      const Distances& distances = scratch.distances[features.edges()];
+      const std::size_t i = next[features.edges()]++;
+      const double gap = distances[i] - features.nearest;
+      pair.wake_at = std::min(pair.wake_at, pair.moved + gap);
+      if (!is_asked_for(distances[i], gap)) continue;
+      if (query.ahead && gap > least_margin() &&
+          gap_along(distances.direction(i), features, *query.ahead) > features.nearest) {
+        continue;
+      }
+      const Separation s = separation(features, query.positions);
+      if (!is_asked_for(s.distance, s.distance - features.nearest)) continue;
+      scratch.near.push_back({key | end_of_key, features, s});
+    }
+  }
+  scratch.clear();
 }
 
 }  // namespace clothsim

@@ -47,7 +47,8 @@ double NearestDistances::distance(bool edges, const std::array<Eigen::Vector2i, 
     const Eigen::Vector2i& p = points[static_cast<std::size_t>(k)];
     x.block<1, 2>(k, 0) = p.cast<double>().cwiseProduct(spacing_).transpose();
   }
-  const double rest = separation({edges, 0, 0, {0, 1, 2, 3}, 0}, x).distance;
+  const double rest =
+      separation({edges ? SurfacePair::no_triangle : 0, {0, 1, 2, 3}, 0}, x).distance;
   return std::min(contact_, neighbour_share * rest);
 }
 
@@ -132,9 +133,9 @@ double NearestDistances::of(const SurfacePair& pair) const {
     return point_places_[static_cast<std::size_t>(to)] -
            point_places_[static_cast<std::size_t>(from)];
   };
-  if (!pair.edges) {  // a triangle's first corner is that of its cell
+  if (!pair.edges()) {  // a triangle's first corner is that of its cell
     const Eigen::Vector2i d = way(pair.points[0], pair.points[1]);
-    return of_points_[static_cast<std::size_t>(pair.b % 2)].at(d.x(), d.y(), contact_);
+    return of_points_[static_cast<std::size_t>(pair.triangle % 2)].at(d.x(), d.y(), contact_);
   }
   const auto direction = [&](int first, int second) -> std::size_t {
     return second - first == 1 ? 0 : second - first == point_columns_ ? 1 : 2;

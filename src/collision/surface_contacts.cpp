@@ -64,7 +64,7 @@ SurfaceContacts::SurfaceContacts(const Cloth& cloth) : near_(cloth) {}
 /// Does no other triangle hold the same closest points? Where they lie on edges and corners, the
 /// triangle that owns these answers for them, unless it has the point itself.
 bool SurfaceContacts::is_nearest_on_surface(const SurfacePair& pair, const Separation& s) const {
-  if (pair.edges) {
+  if (pair.edges()) {
     return std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
   }
   const SurfaceMesh& mesh = near_.mesh();
@@ -79,13 +79,13 @@ bool SurfaceContacts::is_nearest_on_surface(const SurfacePair& pair, const Separ
     }
   }
   if (zeros == 0) return true;
-  const auto triangle = static_cast<std::size_t>(pair.b);
+  const auto triangle = static_cast<std::size_t>(pair.triangle);
   const int owner =
       zeros == 1
           ? mesh.triangle_of_edge[triangle][zero]
           : mesh.triangle_of_point[static_cast<std::size_t>(mesh.triangles[triangle][corner])];
   const auto& has = mesh.triangles[static_cast<std::size_t>(owner)];
-  return owner == pair.b || std::find(has.begin(), has.end(), pair.a) != has.end();
+  return owner == pair.triangle || std::find(has.begin(), has.end(), pair.points[0]) != has.end();
 }
 
 /// Of a pair that may touch within the step, or had an impulse in the last one.

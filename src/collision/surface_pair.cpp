@@ -14,7 +14,7 @@ Separation separation(const SurfacePair& pair, const Points& positions) {
   const Vector3 p0 = at(0), p1 = at(1), p2 = at(2), p3 = at(3);
   Separation result;
   Vector3 d;
-  if (pair.edges) {
+  if (pair.edges()) {
     const auto [s, t] = closest_on_segments(p0, p1, p2, p3);
     result.weights = {1 - s, s, t - 1, -t};
     d = (1 - s) * p0 + s * p1 - (1 - t) * p2 - t * p3;
@@ -36,8 +36,8 @@ double gap_along(const Vector3& direction, const SurfacePair& pair, const Points
                direction[2] * positions(i, 2);
   }
   const double farther = std::max(along[2], along[3]);
-  return pair.edges ? std::min(along[0], along[1]) - farther
-                    : along[0] - std::max(along[1], farther);
+  return pair.edges() ? std::min(along[0], along[1]) - farther
+                      : along[0] - std::max(along[1], farther);
 }
 
 }  // namespace clothsim

@@ -32,7 +32,7 @@ GradientBounds gradient_bounds(const Cloth& cloth, const Points& positions, int 
   return bounds;
 }
 
-bool is_unfolded(const GradientBounds& bounds, double least_stretch) {
+double least_stretch(const GradientBounds& bounds) {
   // Q nearest to the middle of the bounds.
   const Vector3 u = bounds.along_row.center().normalized();
   const Vector3 v = bounds.along_column.center().normalized();
@@ -46,7 +46,7 @@ bool is_unfolded(const GradientBounds& bounds, double least_stretch) {
   const auto across2 = range_along(q2, bounds.along_row);
   const double across =
       std::max(std::abs(across1[0] + across2[0]), std::abs(across1[1] + across2[1])) / 2;
-  return diagonal - across >= least_stretch;  // false for NaN
+  return diagonal - across;
 }
 
 }  // namespace clothsim

@@ -2,6 +2,11 @@
 
 #include <cmath>
 
+#include "clothsim/collision/distances.h"
+#include "clothsim/collision/feature_pairs.h"
+#include "clothsim/collision/nearest_distances.h"
+#include "clothsim/collision/patches.h"
+#include "clothsim/collision/unfolded.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -50,24 +55,29 @@ std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
   for (int i = 0; i < cloth.num_points(); ++i) {
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
       const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
-      consider({false, i, t, {i, a, b, c}, 0});
+      consider({t, {i, a, b, c}, 0});
     }
   }
   for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
     for (int f = 0; f < e; ++f) {
       const auto& [a, b] = mesh.edges[static_cast<std::size_t>(e)];
       const auto& [c, d] = mesh.edges[static_cast<std::size_t>(f)];
-      consider({true, e, f, {a, b, c, d}, 0});
+      consider({SurfacePair::no_triangle, {a, b, c, d}, 0});
     }
   }
   return pairs;
 }
 
-using Features = std::tuple<bool, int, int>;
+using Features = std::pair<int, std::array<int, 4>>;
 
+/// Of two edges, in the order of their points.
 Features features(const SurfacePair& pair) {
-  if (!pair.edges) return {false, pair.a, pair.b};
-  return {true, std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
+  auto [a, b, c, d] = pair.points;
+  if (pair.edges() && std::pair(c, d) < std::pair(a, b)) {
+    std::swap(a, c);
+    std::swap(b, d);
+  }
+  return {pair.triangle, {a, b, c, d}};
 }
 
 std::vector<Features> sorted_features(const std::vector<NearPair>& pairs) {
@@ -103,9 +113,27 @@ void expect_equals_brute_force(const Cloth& cloth, NearPairs& finder, const Poin
   const double close = 0.5 * finder.reach();
   expect_equals_brute_force(finder.within(cloth, x, close), cloth, x, any, close);
 
-  // Patches that fly apart may close any gap.
+  // All near ones that meet on the way to anywhere else, and none that is far.
   const Points ahead = x + random_points(cloth.num_points(), 1, 7);
-  expect_equals_brute_force(finder.approaching(cloth, x, ahead), cloth, x, finder.margin(), any);
+  const auto found = sorted_features(finder.approaching(cloth, x, ahead));
+  const auto near = [&](const SurfacePair& pair, double margin) {
+    return separation(pair, x).distance <= pair.nearest + margin;
+  };
+  const auto may_be_found = sorted_features(
+      brute_force(cloth, [&](const SurfacePair& pair) { return near(pair, finder.margin()); }));
+  EXPECT_TRUE(std::includes(may_be_found.begin(), may_be_found.end(), found.begin(), found.end()));
+  std::vector<Points> on_the_way;
+  for (const double share : {0.1, 0.3, 0.5, 1.0}) on_the_way.push_back(x + share * (ahead - x));
+  const auto must_be_found = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+    const auto meets = [&](const Points& there) {
+      return separation(pair, there).distance <= pair.nearest;
+    };
+    return near(pair, finder.least_margin()) ||
+           (near(pair, finder.margin()) &&
+            std::any_of(on_the_way.begin(), on_the_way.end(), meets));
+  }));
+  EXPECT_TRUE(
+      std::includes(found.begin(), found.end(), must_be_found.begin(), must_be_found.end()));
   const double reach = finder.reach();
   expect_equals_brute_force(finder.within(cloth, x, reach), cloth, x, any, reach);
 }
@@ -198,7 +226,7 @@ TEST(Distances, AreThoseOfEachPair) {
   Points x = random_points(count, 1, 3);
   for (int i = 0; i < 10; ++i) x.row(i) = x.row(i + 10);               // the same twice
   for (int i = 20; i < 30; ++i) x.row(i).tail(2) = x.row(20).tail(2);  // on a line
-  Distances distances;
+  Distances edges(true), triangles(false);
   std::vector<SurfacePair> pairs;
   std::uint64_t random = 1;
   const auto draw = [&] {
@@ -206,20 +234,22 @@ TEST(Distances, AreThoseOfEachPair) {
     return static_cast<int>((random >> 33) % count);
   };
   double most = 0;
-  for (int round = 0; round < 40; ++round) {
-    pairs.clear();
-    distances.clear();
-    while (pairs.size() < Distances::capacity) {
-      const std::array<int, 4> points{draw(), draw(), draw(), draw()};
-      pairs.push_back({draw() % 2 == 0, 0, 0, points, 0});
-      distances.add(pairs.back());
-    }
-    distances.measure(x);
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const double exact = separation(pairs[k], x).distance;
-      EXPECT_LE(distances[k], exact + 1e-12);
-      EXPECT_GE(distances[k], (1 - 1e-10) * exact - 1e-6);
-      most = std::max(most, exact);
+  for (Distances* distances : {&edges, &triangles}) {
+    for (int round = 0; round < 20; ++round) {
+      pairs.clear();
+      distances->clear();
+      while (distances->room() > 0) {
+        const int triangle = distances == &edges ? SurfacePair::no_triangle : 0;
+        pairs.push_back({triangle, {draw(), draw(), draw(), draw()}, 0});
+        EXPECT_EQ(distances->add(pairs.back().points), pairs.size() - 1);
+      }
+      distances->measure(x);
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const double exact = separation(pairs[k], x).distance;
+        EXPECT_LE((*distances)[k], exact + 1e-12);
+        EXPECT_GE((*distances)[k], (1 - 1e-10) * exact - 1e-6);
+        most = std::max(most, exact);
+      }
     }
   }
   EXPECT_GT(most, 1);
@@ -294,19 +324,47 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
         for (const int i : mesh.cell_points[cell]) {
           for (const int t : {2 * q, 2 * q + 1}) {
             const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
-            check({false, i, t, {i, a, b, c}, 0}, p, q);
+            check({t, {i, a, b, c}, 0}, p, q);
           }
         }
         for (const int e : mesh.cell_edges[cell]) {
           for (const int f : mesh.cell_edges[other]) {
             const auto& [a, b] = mesh.edges[static_cast<std::size_t>(e)];
             const auto& [c, d] = mesh.edges[static_cast<std::size_t>(f)];
-            check({true, e, f, {a, b, c, d}, 0}, p, q);
+            check({SurfacePair::no_triangle, {a, b, c, d}, 0}, p, q);
           }
         }
       }
     }
     EXPECT_NEAR(nearest.least(), least, 1e-12);
+  }
+}
+
+TEST(FeaturePairs, AreAllThatShareNoPointEachOnce) {
+  for (const auto& [columns, rows] : {std::pair(6, 5), std::pair(2, 2), std::pair(2, 6)}) {
+    const Cloth cloth = cloth_of(columns, rows, 0.01);
+    const SurfaceMesh mesh(cloth);
+    const FeaturePairs lists(mesh);
+    std::vector<SurfacePair> found;
+    for (int cell = 0; cell < mesh.num_cells(); ++cell) {
+      for (int other = cell; other < mesh.num_cells(); ++other) {
+        const std::array<int, 2> cells{cell, other};
+        const std::array<int, 2> first = lists.first_points(cell, other);
+        for (const FeaturePairs::Run& run : lists.of(cell, other)) {
+          EXPECT_LE(run.size(), FeaturePairs::most);
+          for (std::size_t k = 0; k < run.size(); ++k) {
+            SurfacePair pair{SurfacePair::no_triangle, {}, 0};
+            if (!run.edges) pair.triangle = 2 * cells[run.of[1]] + run.triangles[k];
+            for (std::size_t i = 0; i < 4; ++i) {
+              pair.points[i] = first[run.of_point(i)] + run.points[i][k];
+            }
+            found.push_back(pair);
+          }
+        }
+      }
+    }
+    const auto all = brute_force(cloth, [](const SurfacePair&) { return true; });
+    EXPECT_TRUE(sorted_features(found) == sorted_features(all)) << columns << " x " << rows;
   }
 }
 
@@ -345,14 +403,12 @@ TEST(Unfolded, BoundsTheDistancesOfARectangle) {
         bounds.extend(gradient_bounds(cloth, x, column, row));
       }
     }
-    for (const double least : {0.2, 0.5}) {
-      if (!is_unfolded(bounds, least)) continue;
-      ++held;
-      for (int i = 0; i < cloth.num_points(); ++i) {
-        for (int j = 0; j < i; ++j) {
-          const double rest = (cloth.rest_positions.row(i) - cloth.rest_positions.row(j)).norm();
-          EXPECT_GE((x.row(i) - x.row(j)).norm(), least * rest - 1e-12);
-        }
+    const double least = least_stretch(bounds);
+    if (least > 0.2) ++held;
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      for (int j = 0; j < i; ++j) {
+        const double rest = (cloth.rest_positions.row(i) - cloth.rest_positions.row(j)).norm();
+        EXPECT_GE((x.row(i) - x.row(j)).norm(), least * rest - 1e-12);
       }
     }
   }
@@ -372,8 +428,8 @@ TEST(Unfolded, HoldsForAnyRigidMotionAndNotForAFold) {
       of_folded.extend(gradient_bounds(cloth, folded, column, row));
     }
   }
-  EXPECT_TRUE(is_unfolded(of_turned, 0.99));
-  EXPECT_FALSE(is_unfolded(of_folded, 0.01));
+  EXPECT_NEAR(least_stretch(of_turned), 1, 1e-12);
+  EXPECT_LT(least_stretch(of_folded), 0.01);
 }
 
 }  // namespace

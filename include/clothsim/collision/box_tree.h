@@ -10,6 +10,14 @@ namespace clothsim {
 /// Axis-aligned box [m], its surface included.
 using Box = Eigen::AlignedBox3d;
 
+/// Around some points of a list.
+template <typename List>
+Box around(const Points& positions, const List& points) {
+  Box box;
+  for (const int i : points) box.extend(row(positions, i));
+  return box;
+}
+
 /// Do two boxes come within a distance of each other along every axis?
 /// Written out: Eigen's own goes through arrays of three, at twice the time.
 inline bool overlap(const Box& p, const Box& q, double within = 0) {

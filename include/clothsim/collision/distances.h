@@ -4,48 +4,63 @@
 #include <cassert>
 #include <cstddef>
 
-#include "clothsim/collision/surface_pair.h"
+#include "clothsim/collision/feature_pairs.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
 
-/// Distances of some hundred pairs at once, several times as fast as separation() for each: without
-/// branches, vectorised, and few enough to stay in the nearest cache.
+/// Distances of some hundred pairs of one kind at once, several times as fast as separation() for
+/// each: without branches, vectorised, and few enough to stay in the nearest caches.
 class Distances {
  public:
-  static constexpr std::size_t capacity = 512;
+  static constexpr std::size_t capacity = 256;
 
-  void clear() { size_ = triangles_.size = edges_.size = 0; }
+  /// Of two edges, otherwise of a point and a triangle.
+  explicit Distances(bool edges) : edges_(edges) {}
+
+  void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
+  std::size_t room() const { return capacity - size_; }
 
-  /// Up to `capacity` pairs.
-  void add(const SurfacePair& pair) {
-    assert(size_ < capacity);
-    Batch& batch = pair.edges ? edges_ : triangles_;
-    for (std::size_t k = 0; k < 4; ++k) batch.points[k][batch.size] = pair.points[k];
-    batch.numbers[batch.size++] = size_++;
+  /// A pair, by the points of SurfacePair. Returns its number. Needs room.
+  std::size_t add(const std::array<int, 4>& points) {
+    assert(room() > 0);
+    for (std::size_t k = 0; k < 4; ++k) points_[k][size_] = points[k];
+    return size_++;
+  }
+
+  /// All pairs of a run of this kind, by the first points of its cells. Returns the number of the
+  /// first. Needs room.
+  std::size_t add(const FeaturePairs::Run& run, const std::array<int, 2>& first_points) {
+    assert(run.edges == edges_ && room() >= run.size());
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int first = first_points[run.of_point(k)];
+      for (std::size_t i = 0; i < run.size(); ++i) points_[k][size_ + i] = first + run.points[k][i];
+    }
+    size_ += run.size();
+    return size_ - run.size();
   }
 
   /// Measures all pairs at `positions` [m, N x 3].
   void measure(const Points& positions);
 
-  /// Distance of pair `k`, in the order added [m]. Never more than it is, and less by a part in
-  /// 1e10 of that or 1e-7 of the lengths between its points at most, where these are far longer.
+  /// Distance of pair `k` [m]. Never more than it is, and less by a part in 1e10 of that or 1e-7 of
+  /// the lengths between its points at most, where these are far longer.
   double operator[](std::size_t k) const { return values_[k]; }
 
- private:
-  /// Pairs of one kind.
-  struct Batch {
-    std::size_t size = 0;
-    std::array<std::array<int, capacity>, 4> points;
-    std::array<std::size_t, capacity> numbers;  // in the order added
-    std::array<double, capacity> values;
-  };
+  /// Direction from where the second feature is closest to where the first is; zero where they
+  /// meet.
+  Vector3 direction(std::size_t k) const {
+    const Vector3 way(ways_[0][k], ways_[1][k], ways_[2][k]);
+    return way.normalized();
+  }
 
+ private:
+  bool edges_;
   std::size_t size_ = 0;
-  Batch triangles_;  // and points
-  Batch edges_;
+  std::array<std::array<int, capacity>, 4> points_;
   std::array<double, capacity> values_;
+  std::array<std::array<double, capacity>, 3> ways_;  // from where b is closest to where a is
 };
 
 }  // namespace clothsim

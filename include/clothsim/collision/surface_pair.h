@@ -8,11 +8,12 @@ namespace clothsim {
 
 /// A point and a triangle of a cloth, or two of its edges, that share no point.
 struct SurfacePair {
-  bool edges;                 // two edges
-  int a;                      // point, or edge
-  int b;                      // triangle, or edge
-  std::array<int, 4> points;  // point and corners, or ends of a and ends of b
+  int triangle;               // b; no_triangle: two edges
+  std::array<int, 4> points;  // point a and corners of b, or ends of a and ends of b
   double nearest;             // how near they may come [m]
+
+  static constexpr int no_triangle = -1;
+  bool edges() const { return triangle == no_triangle; }
 };
 
 /// How two features lie to each other where they are closest.

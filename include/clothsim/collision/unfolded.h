@@ -18,15 +18,15 @@ struct GradientBounds {
 /// Over both triangles of the cell between points (column, row) and (column + 1, row + 1).
 GradientBounds gradient_bounds(const Cloth&, const Points& positions, int column, int row);
 
-/// Proves that a part of a cloth does not touch itself, without looking at pairs.
+/// The least share L of their distance at rest that two points of a rectangle of the grid are
+/// proved to be apart, without looking at pairs. `bounds`: over all cells of the rectangle. Zero or
+/// less, or NaN, where it cannot be told.
 ///
 /// If there are two orthonormal directions Q such that the symmetric part of Q^T F has no
-/// eigenvalue below L on any triangle of a rectangle of the grid, then two points of it that are d
-/// apart at rest are at least L d apart: project their difference on Q and integrate F along the
-/// line between them. It is the normal cone and the boundary test (Volino & Magnenat-Thalmann
-/// 1994) in one, since a rectangle is convex, and it bounds the distance.
-///
-/// `bounds`: over all cells of the rectangle. False where it cannot be told.
-bool is_unfolded(const GradientBounds& bounds, double least_stretch);
+/// eigenvalue below L on any triangle of the rectangle, then two points of it that are d apart at
+/// rest are at least L d apart: project their difference on Q and integrate F along the line
+/// between them. It is the normal cone and the boundary test (Volino & Magnenat-Thalmann 1994) in
+/// one, since a rectangle is convex, and it bounds the distance.
+double least_stretch(const GradientBounds& bounds);
 
 }  // namespace clothsim

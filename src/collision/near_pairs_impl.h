@@ -1,0 +1,138 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "clothsim/collision/box_tree.h"
+#include "clothsim/collision/distances.h"
+#include "clothsim/collision/feature_pairs.h"
+#include "clothsim/collision/near_pairs.h"
+#include "clothsim/collision/nearest_distances.h"
+#include "clothsim/collision/patches.h"
+#include "clothsim/collision/unfolded.h"
+
+namespace clothsim {
+
+struct NearPairs::Impl {
+  /// Pairs are looked at from this share of the margin on, however slowly they approach.
+  static constexpr double least_margin_share = 0.1;
+  /// Cells along the side of a patch.
+  static constexpr int patch_cells = 4;
+  static constexpr int cells_of_patch = patch_cells * patch_cells;
+  static constexpr int cells_of_patches = cells_of_patch * cells_of_patch;
+
+  /// Features of two patches that are near, and the end of their key.
+  struct Listed {
+    SurfacePair features;
+    unsigned key;
+  };
+
+  /// Two patches, or one with itself. A gap is what is left of a distance over the nearest that two
+  /// features may come.
+  struct PatchPair {
+    int p;
+    int q;
+    double moved = 0;    // how much nearer they may have come so far [m]
+    double wake_at = 0;  // `moved` from which on there may be no gap
+    // The same for each cell of p and each of q; none until they have been looked at.
+    std::vector<double> cells_wake_at = {};
+    // Features whose gap may be none before `moved` is list_until.
+    std::vector<Listed> list = {};
+    double list_until = 0;
+  };
+
+  /// What is asked for: of features whose gap is within some reach those that are within a
+  /// `distance`, and may meet on the way `ahead`, if that matters.
+  struct Query {
+    const Points& positions;
+    const Points* ahead;
+    double distance;
+  };
+
+  /// Where a cell is: its corners and their mean.
+  struct Outline {
+    Eigen::Matrix<double, 3, 4> corners;
+    Vector3 centre;
+  };
+  /// Two cells whose features are measured.
+  struct Cells {
+    PatchPair* of;
+    int number;  // in cells_wake_at
+    std::array<int, 2> cells;
+    double most_nearest;  // of their features [m]
+    double reach;
+    const FeaturePairs::Runs* runs;
+    std::array<std::size_t, 2> first;  // of their distances, by kind
+  };
+  /// A part of a list that is measured.
+  struct Part {
+    PatchPair* of;
+    double reach;
+    std::size_t begin;
+    std::size_t end;
+    std::array<std::size_t, 2> first;  // of their distances, by kind
+  };
+  /// What one thread measures.
+  struct Scratch {
+    int band = -1;                                     // first patch pair
+    std::vector<std::pair<PatchPair*, double>> awake;  // and the reach
+    std::vector<Cells> cells;
+    std::vector<Part> parts;
+    std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
+    std::vector<NearPair> near;
+
+    std::array<std::size_t, 2> sizes() const { return {distances[0].size(), distances[1].size()}; }
+    void clear();
+  };
+
+  explicit Impl(const Cloth&);
+  double least_margin() const { return least_margin_share * margin; }
+
+  // near_pairs.cpp: patches, and when they are looked at.
+  void advance(const Cloth&, const Points& positions, const Workers&);
+  void pair_patches(double reach);
+  void outline(const Cloth&, const Points& positions, const Workers&);
+  template <typename Reach>
+  const std::vector<NearPair>& look(const Query&, const Reach& reach, const Workers&);
+  const std::vector<NearPair>& collect();
+
+  // near_pairs_search.cpp: what two of them have near each other.
+  bool are_neighbours(const PatchPair&) const;
+  double gap_of_patches(const PatchPair&) const;
+  void seek(const Points& positions, double reach, PatchPair&, Scratch&) const;
+  double distance_of_cells(int cell, int other) const;
+  void measure_later(const Points& positions, Cells, Scratch&) const;
+  void measure_cells(const Points& positions, Scratch&) const;
+  SurfacePair features_of(const std::array<int, 2>& cells, const FeaturePairs::Run&,
+                          std::size_t k) const;
+  void look_at_list(const Query&, double reach, PatchPair&, Scratch&) const;
+  void measure_parts(const Query&, Scratch&) const;
+
+  SurfaceMesh mesh;
+  NearestDistances nearest;
+  FeaturePairs feature_pairs;
+  double spacing;              // shorter one at rest [m]
+  double least_rest_distance;  // of two features that share no point [m]
+  double contact;              // distance, of layers [m]
+  double margin;
+  double slack;  // of lists [m]
+
+  std::vector<Patch> patches;  // along rows
+  int patch_columns;
+  std::vector<PatchPair> patch_pairs;  // by p, then q
+  Points last;                         // positions last given; none yet: no rows
+  Points paired_at;                    // positions where patches were paired
+  PatchMotions motions;
+
+  // At the positions last given.
+  std::vector<Outline> outlines;          // by cell
+  std::vector<Box> boxes;                 // by patch
+  std::vector<GradientBounds> gradients;  // by patch
+
+  std::vector<Scratch> scratches;  // by thread
+  std::vector<NearPair> near;
+};
+
+}  // namespace clothsim
