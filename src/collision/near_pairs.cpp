@@ -13,8 +13,8 @@ namespace {
 /// rest.
 constexpr double margin_share = 0.12;
 
-/// How much further features on a list may be than those asked for now, of the same.
-constexpr double slack_share = 0.25;
+/// How far features on a list reach, of what is asked for now: for three times the way of now.
+constexpr double list_share = 3;
 
 /// So many sides of a patch more than needed paired patches may be apart.
 constexpr double pairing_sides = 0.5;
@@ -37,7 +37,6 @@ NearPairs::Impl::Impl(const Cloth& cloth)
   least_rest_distance = along_row * along_column / std::hypot(along_row, along_column);
   contact = 2 * cloth.thickness;
   margin = margin_share * least_rest_distance;
-  slack = slack_share * least_rest_distance;
   outlines.resize(static_cast<std::size_t>(mesh.num_cells()));
   boxes.resize(patches.size());
   gradients.resize(patches.size());
@@ -153,7 +152,7 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
               pair.wake_at = pair.moved + gap;
               continue;
             }
-            seek(query.positions, std::max(within, least_margin()) + slack, pair, scratch);
+            seek(query.positions, list_share * std::max(within, least_margin()), pair, scratch);
           }
           scratch.awake.emplace_back(&pair, within);
         }

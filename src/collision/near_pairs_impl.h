@@ -117,7 +117,6 @@ struct NearPairs::Impl {
   double least_rest_distance;  // of two features that share no point [m]
   double contact;              // distance, of layers [m]
   double margin;
-  double slack;  // of lists [m]
 
   std::vector<Patch> patches;  // along rows
   int patch_columns;
