@@ -237,9 +237,11 @@ void StrainLimit::store(Points& velocities) const {
   for (const int point : touched_) set_row(velocities, point, velocities_[index(point)]);
 }
 
-/// One pass over active_, colour by colour: within one, springs share no point.
+/// One pass over active_, colour by colour: within one, springs share no point. A few are not worth
+/// sharing.
 double StrainLimit::sweep_active(const Workers& workers) {
-  if (workers.threads() == 1) {
+  const bool are_few = active_.size() < 2 * index(least_shared) * colour_ends_.size();
+  if (workers.threads() == 1 || are_few) {
     return sweep_springs(active_.data(), active_.size(), velocities_.data());
   }
   std::atomic<double> largest{0};

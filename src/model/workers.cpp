@@ -14,7 +14,7 @@ namespace {
 
 /// How long a thread without work stays awake: longer than what lies between two loops of a
 /// substep, shorter than what lies between two frames.
-constexpr std::chrono::microseconds awake{100};
+constexpr std::chrono::microseconds awake{600};
 
 /// Looks at what others still do before the caller gives way to them.
 constexpr int patience = 4000;

@@ -208,6 +208,7 @@ class CameraTest(CameraTestCase):
         state, _ = self.step(90)
         stamps = self.camera.stamps()
         self.assertEqual(stamps[-1], state.header.stamp)
+        self.cloth.states.wait("the last state", lambda s: s.step == 90)
         number = {s.header.stamp: s.step for s in self.cloth.states.all()}
         steps = [number[stamp] for stamp in stamps if number.get(stamp, 0) > 0]
         self.assertEqual(steps[-1], 90)
