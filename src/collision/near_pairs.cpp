@@ -2,7 +2,6 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "near_pairs_impl.h"
 
@@ -18,8 +17,6 @@ constexpr double list_share = 3;
 
 /// So many sides of a patch more than needed paired patches may be apart.
 constexpr double pairing_sides = 0.5;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -202,7 +199,7 @@ const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Po
   const auto closing = [&](const Impl::PatchPair& pair) {
     return std::clamp(impl.motions.between(pair.p, pair.q), least_margin(), margin());
   };
-  return impl.look({positions, &ahead, infinity}, closing, workers);
+  return impl.look({positions, &ahead, Impl::infinity}, closing, workers);
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,

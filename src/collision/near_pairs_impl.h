@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 namespace clothsim {
 
 struct NearPairs::Impl {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
   /// Pairs are looked at from this share of the margin on, however slowly they approach.
   static constexpr double least_margin_share = 0.1;
   /// Cells along the side of a patch.
@@ -34,13 +36,13 @@ struct NearPairs::Impl {
   struct PatchPair {
     int p;
     int q;
-    double moved = 0;    // how much nearer they may have come so far [m]
-    double wake_at = 0;  // `moved` from which on there may be no gap
+    double moved = 0;            // how much nearer they may have come so far [m]
+    double wake_at = -infinity;  // `moved` from which on there may be no gap
     // The same for each cell of p and each of q; none until they have been looked at.
     std::vector<double> cells_wake_at = {};
     // Features whose gap may be none before `moved` is list_until.
     std::vector<Listed> list = {};
-    double list_until = 0;
+    double list_until = -infinity;
   };
 
   /// What is asked for: of features whose gap is within some reach those that are within a

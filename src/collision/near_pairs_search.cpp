@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/model/target_clones.h"
 #include "near_pairs_impl.h"
 
 namespace clothsim {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Numbers for the pairs of features of two cells, in their key.
 constexpr int keys_of_cells = 64;

@@ -156,6 +156,13 @@ TEST(NearPairs, EqualBruteForceOnAClothInAnyShape) {
     NearPairs other(cloth);
     expect_equals_brute_force(cloth, other, random_points(cloth.num_points(), 0.15, seed));
   }
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {  // asked for at once, however near they are
+    NearPairs fresh(cloth);
+    const Points x = random_points(cloth.num_points(), 0.15, seed);
+    constexpr double any = 1e9;
+    const double close = 0.5 * fresh.reach();
+    expect_equals_brute_force(fresh.within(cloth, x, close), cloth, x, any, close);
+  }
   NearPairs finder(cloth);
   expect_equals_brute_force(cloth, finder, rolled(cloth, 2.5));
   NearPairs flat(cloth);
