@@ -43,11 +43,7 @@ NearPairs::Impl::Impl(const Cloth& cloth)
 void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const Workers& workers) {
   if (last.rows() > 0 && last == positions) return;
   outline(cloth, positions, workers);
-  const double most_spread = pairing_sides * patch_cells * spacing;
-  if (last.rows() == 0) {
-    pair_patches(contact + margin + most_spread);
-    paired_at = positions;
-  } else {
+  if (last.rows() > 0) {
     motions.follow(patches, last, positions, workers);
     constexpr int least = 256;
     workers.share(
@@ -59,16 +55,20 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
           }
         },
         least);
-    Points ways = positions - paired_at;
-    const Eigen::RowVector3d common = ways.colwise().mean();
-    ways.rowwise() -= common;
-    const double spread = std::sqrt(ways.rowwise().squaredNorm().maxCoeff());
-    if (2 * spread > most_spread) {
-      pair_patches(contact + margin + most_spread);
-      paired_at = positions;
-    }
   }
   last = positions;
+  const double most_spread = pairing_sides * patch_cells * spacing;
+  if (paired_at.rows() == 0 || 2 * spread_since_pairing(positions) > most_spread) {
+    pair_patches(contact + margin + most_spread);
+    paired_at = positions;
+  }
+}
+
+/// Farthest way of a point since patches were paired, beyond the common one [m].
+double NearPairs::Impl::spread_since_pairing(const Points& positions) const {
+  const Points ways = positions - paired_at;
+  const Eigen::RowVector3d common = ways.colwise().mean();
+  return std::sqrt((ways.rowwise() - common).rowwise().squaredNorm().maxCoeff());
 }
 
 /// Where patches and cells are.
@@ -79,9 +79,12 @@ void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const
       static_cast<int>(patches.size()),
       [&](int begin, int end) {
         for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
-          boxes[p] = around(positions, patches[p].points);
-          gradients[p] = {};
-          for (const int cell : patches[p].cells) {
+          const Patch& patch = patches[p];
+          const int first = patch.cells.front();
+          boxes[p] = around(positions, patch.points);
+          gradients[p] = gradient_bounds(cloth, positions, first % columns, first / columns,
+                                         patch.columns - 1, patch.rows - 1);
+          for (const int cell : patch.cells) {
             Outline& of_cell = outlines[static_cast<std::size_t>(cell)];
             const int i = cell + cell / columns;
             const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
@@ -89,11 +92,26 @@ void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const
               of_cell.corners.col(k) = row(positions, corners[static_cast<std::size_t>(k)]);
             }
             of_cell.centre = of_cell.corners.rowwise().mean();
-            gradients[p].extend(gradient_bounds(cloth, positions, cell % columns, cell / columns));
           }
         }
       },
       least);
+}
+
+/// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
+bool NearPairs::Impl::are_neighbours(int p, int q) const {
+  const std::vector<int>& of_p = patches[static_cast<std::size_t>(p)].cells;
+  const std::vector<int>& of_q = patches[static_cast<std::size_t>(q)].cells;
+  const int columns = mesh.cell_columns;
+  const int window =
+      static_cast<int>(std::ceil(contact / (NearestDistances::neighbour_share * spacing)));
+  const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
+    return std::max(b_first - a_last, a_first - b_last);
+  };
+  return gap(of_p.front() % columns, of_p.back() % columns, of_q.front() % columns,
+             of_q.back() % columns) <= window &&
+         gap(of_p.front() / columns, of_p.back() / columns, of_q.front() / columns,
+             of_q.back() / columns) <= window;
 }
 
 /// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
@@ -104,7 +122,7 @@ void NearPairs::Impl::pair_patches(double reach) {
     box.max().array() += reach / 2;
   }
   std::vector<PatchPair> pairs;
-  const auto add = [&](int p, int q) { pairs.push_back({p, q}); };
+  const auto add = [&](int p, int q) { pairs.push_back({p, q, are_neighbours(p, q)}); };
   for (int p = 0; p < static_cast<int>(patches.size()); ++p) add(p, p);
   BoxTree(wider).visit_overlaps(add);
   const auto before = [](const PatchPair& a, const PatchPair& b) {
@@ -208,7 +226,7 @@ const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points&
   Impl& impl = *impl_;
   impl.advance(cloth, positions, workers);
   const auto most_gap = [&](const Impl::PatchPair& pair) {
-    return distance - (impl.are_neighbours(pair) ? impl.nearest.least() : impl.contact);
+    return distance - (pair.are_neighbours ? impl.nearest.least() : impl.contact);
   };
   return impl.look({positions, nullptr, distance}, most_gap, workers);
 }

@@ -36,6 +36,7 @@ struct NearPairs::Impl {
   struct PatchPair {
     int p;
     int q;
+    bool are_neighbours;         // on the cloth
     double moved = 0;            // how much nearer they may have come so far [m]
     double wake_at = -infinity;  // `moved` from which on there may be no gap
     // The same for each cell of p and each of q; none until they have been looked at.
@@ -94,14 +95,15 @@ struct NearPairs::Impl {
 
   // near_pairs.cpp: patches, and when they are looked at.
   void advance(const Cloth&, const Points& positions, const Workers&);
+  double spread_since_pairing(const Points& positions) const;
   void pair_patches(double reach);
+  bool are_neighbours(int p, int q) const;
   void outline(const Cloth&, const Points& positions, const Workers&);
   template <typename Reach>
   const std::vector<NearPair>& look(const Query&, const Reach& reach, const Workers&);
   const std::vector<NearPair>& collect();
 
   // near_pairs_search.cpp: what two of them have near each other.
-  bool are_neighbours(const PatchPair&) const;
   double gap_of_patches(const PatchPair&) const;
   void seek(const Points& positions, double reach, PatchPair&, Scratch&) const;
   double distance_of_cells(int cell, int other) const;

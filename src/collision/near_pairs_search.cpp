@@ -25,22 +25,6 @@ const T& of(const std::vector<T>& list, int i) {
 
 }  // namespace
 
-/// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
-bool NearPairs::Impl::are_neighbours(const PatchPair& pair) const {
-  const std::vector<int>& p = of(patches, pair.p).cells;
-  const std::vector<int>& q = of(patches, pair.q).cells;
-  const int columns = mesh.cell_columns;
-  const int window =
-      static_cast<int>(std::ceil(contact / (NearestDistances::neighbour_share * spacing)));
-  const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
-    return std::max(b_first - a_last, a_first - b_last);
-  };
-  return gap(p.front() % columns, p.back() % columns, q.front() % columns, q.back() % columns) <=
-             window &&
-         gap(p.front() / columns, p.back() / columns, q.front() / columns, q.back() / columns) <=
-             window;
-}
-
 /// At least: by their boxes, or where they touch on the cloth, by how far they are from folded.
 double NearPairs::Impl::gap_of_patches(const PatchPair& pair) const {
   const auto [first_column, last_column] =

@@ -20,16 +20,23 @@ void GradientBounds::extend(const GradientBounds& other) {
   along_column.extend(other.along_column);
 }
 
-GradientBounds gradient_bounds(const Cloth& cloth, const Points& positions, int column, int row) {
-  const auto gradient = [&](int a, int b) {
-    const double length = (cloth.rest_positions.row(b) - cloth.rest_positions.row(a)).norm();
-    return Vector3((positions.row(b) - positions.row(a)).transpose() / length);
+GradientBounds gradient_bounds(const Cloth& cloth, const Points& positions, int first_column,
+                               int first_row, int columns, int rows) {
+  Box along_row, along_column;  // between neighbours
+  for (int r = first_row; r <= first_row + rows; ++r) {
+    for (int c = first_column; c <= first_column + columns; ++c) {
+      const int i = r * cloth.columns + c;
+      const Vector3 x = row(positions, i);
+      if (c < first_column + columns) along_row.extend(row(positions, i + 1) - x);
+      if (r < first_row + rows) along_column.extend(row(positions, i + cloth.columns) - x);
+    }
+  }
+  const auto over_rest_length = [&](const Box& box, int neighbour) {
+    const double length =
+        (row(cloth.rest_positions, neighbour) - row(cloth.rest_positions, 0)).norm();
+    return Box(box.min() / length, box.max() / length);
   };
-  const int i = row * cloth.columns + column, above = i + cloth.columns;
-  GradientBounds bounds;
-  bounds.along_row.extend(gradient(i, i + 1)).extend(gradient(above, above + 1));
-  bounds.along_column.extend(gradient(i, above)).extend(gradient(i + 1, above + 1));
-  return bounds;
+  return {over_rest_length(along_row, 1), over_rest_length(along_column, cloth.columns)};
 }
 
 double least_stretch(const GradientBounds& bounds) {

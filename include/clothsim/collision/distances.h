@@ -22,23 +22,21 @@ class Distances {
   std::size_t size() const { return size_; }
   std::size_t room() const { return capacity - size_; }
 
-  /// A pair, by the points of SurfacePair. Returns its number. Needs room.
-  std::size_t add(const std::array<int, 4>& points) {
+  /// A pair, by the points of SurfacePair. Needs room.
+  void add(const std::array<int, 4>& points) {
     assert(room() > 0);
     for (std::size_t k = 0; k < 4; ++k) points_[k][size_] = points[k];
-    return size_++;
+    ++size_;
   }
 
-  /// All pairs of a run of this kind, by the first points of its cells. Returns the number of the
-  /// first. Needs room.
-  std::size_t add(const FeaturePairs::Run& run, const std::array<int, 2>& first_points) {
+  /// All pairs of a run of this kind, by the first points of its cells. Needs room.
+  void add(const FeaturePairs::Run& run, const std::array<int, 2>& first_points) {
     assert(run.edges == edges_ && room() >= run.size());
     for (std::size_t k = 0; k < 4; ++k) {
       const int first = first_points[run.of_point(k)];
       for (std::size_t i = 0; i < run.size(); ++i) points_[k][size_ + i] = first + run.points[k][i];
     }
     size_ += run.size();
-    return size_ - run.size();
   }
 
   /// Measures all pairs at `positions` [m, N x 3].

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <vector>
-
+#include "clothsim/collision/box_tree.h"
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
@@ -9,14 +8,16 @@ namespace clothsim {
 /// Bounds of the gradient F of the map from a cloth at rest to space, over some triangles: its
 /// columns along the grid's rows and along its columns.
 struct GradientBounds {
-  Eigen::AlignedBox3d along_row;
-  Eigen::AlignedBox3d along_column;
+  Box along_row;
+  Box along_column;
 
   void extend(const GradientBounds&);
 };
 
-/// Over both triangles of the cell between points (column, row) and (column + 1, row + 1).
-GradientBounds gradient_bounds(const Cloth&, const Points& positions, int column, int row);
+/// Over both triangles of each of columns x rows cells, from that whose first point is
+/// (first_column, first_row) on.
+GradientBounds gradient_bounds(const Cloth&, const Points& positions, int first_column,
+                               int first_row, int columns, int rows);
 
 /// The least share L of their distance at rest that two points of a rectangle of the grid are
 /// proved to be apart, without looking at pairs. `bounds`: over all cells of the rectangle. Zero or
