@@ -27,10 +27,10 @@ void strain_limit(benchmark::State& run) {
   for (auto _ : run) {
     method.step(cloth, Loads(), scene.h, state);
     const double start = cpu_seconds();
-    limit.predict(cloth, scene.h, reach, state);
+    limit.predict(scene.h, reach, state);
     predicted = state.velocities;
     limit.begin(cloth, reach, state);
-    for (int sweep = 0; sweep < 4; ++sweep) limit.sweep(cloth, state.velocities);
+    for (int sweep = 0; sweep < 4; ++sweep) limit.sweep(state.velocities);
     state.positions += reach * scene.h * (state.velocities - predicted);
     limit.correct(cloth, 0.004, 200, state.positions);
     run.SetIterationTime(cpu_seconds() - start);

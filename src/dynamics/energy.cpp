@@ -3,12 +3,40 @@
 #include <cmath>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/lanes.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
+namespace {
+
+/// Sum of m v^2 over the free of `count` points.
+CLOTHSIM_TARGET_CLONES
+double mass_by_speed2(const double* mass, const double* inv_mass, const double* x, const double* y,
+                      const double* z, int count) {
+  Lanes sums = {};
+  int i = 0;
+  for (; i + num_lanes <= count; i += num_lanes) {
+    const Lanes& vx = lanes_at(x + i);
+    const Lanes& vy = lanes_at(y + i);
+    const Lanes& vz = lanes_at(z + i);
+    const Lanes energy = lanes_at(mass + i) * (vx * vx + vy * vy + vz * vz);
+    sums += lanes_at(inv_mass + i) > 0 ? energy : Lanes{};
+  }
+  double sum = 0;
+  for (; i < count; ++i) {
+    if (inv_mass[i] > 0) sum += mass[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+  }
+  for (int lane = 0; lane < num_lanes; ++lane) sum += sums[lane];
+  return sum;
+}
+
+}  // namespace
 
 double kinetic_energy(const Cloth& cloth, const State& state) {
-  const Scalars speed2 = state.velocities.rowwise().squaredNorm();
-  return (cloth.inv_mass.array() > 0).select(cloth.mass.array() * speed2.array(), 0).sum() / 2;
+  const Points& v = state.velocities;
+  return mass_by_speed2(cloth.mass.data(), cloth.inv_mass.data(), &v(0, 0), &v(0, 1), &v(0, 2),
+                        cloth.num_points()) /
+         2;
 }
 
 double elastic_energy(const Cloth& cloth, const Points& positions) {

@@ -26,90 +26,161 @@ using Vector = double __attribute__((vector_size(32), may_alias));
 [[gnu::always_inline]] inline const Vector& vector(const Quad& q) {
   return reinterpret_cast<const Vector&>(q);
 }
+[[gnu::always_inline]] inline Vector& vector(double (&four)[4]) {
+  return reinterpret_cast<Vector&>(four);
+}
+[[gnu::always_inline]] inline const Vector& vector(const double (&four)[4]) {
+  return reinterpret_cast<const Vector&>(four);
+}
 
-[[gnu::always_inline]] inline double dot(const Vector& a, const Vector& b) {
-  const Vector c = a * b;
-  return c[0] + c[1] + c[2];
+/// A vector in space for each of four springs.
+struct Four {
+  Vector x, y, z;
+};
+
+/// What the ends of four springs have, of points that are Quad or const Quad.
+template <typename Point>
+struct Ends {
+  [[gnu::always_inline]] Ends(const FourSprings& s, Point* points) {
+    for (int i = 0; i < 4; ++i) {
+      a[i] = reinterpret_cast<Point*>(&points->x + s.a[i]);
+      b[i] = reinterpret_cast<Point*>(&points->x + s.b[i]);
+    }
+  }
+  Point* a[4];
+  Point* b[4];
+};
+
+[[gnu::always_inline]] inline void set_dot(const Four& a, const Four& b, Vector& dot) {
+  dot = a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// From the first to the second ends.
+template <typename Point>
+[[gnu::always_inline]] inline void gather_differences(const Ends<Point>& ends, Four& four) {
+  const Vector p = vector(*ends.b[0]) - vector(*ends.a[0]);
+  const Vector q = vector(*ends.b[1]) - vector(*ends.a[1]);
+  const Vector r = vector(*ends.b[2]) - vector(*ends.a[2]);
+  const Vector s = vector(*ends.b[3]) - vector(*ends.a[3]);
+  const Vector pq_xz = __builtin_shufflevector(p, q, 0, 4, 2, 6);
+  const Vector pq_y = __builtin_shufflevector(p, q, 1, 5, 3, 7);
+  const Vector rs_xz = __builtin_shufflevector(r, s, 0, 4, 2, 6);
+  const Vector rs_y = __builtin_shufflevector(r, s, 1, 5, 3, 7);
+  four.x = __builtin_shufflevector(pq_xz, rs_xz, 0, 1, 4, 5);
+  four.y = __builtin_shufflevector(pq_y, rs_y, 0, 1, 4, 5);
+  four.z = __builtin_shufflevector(pq_xz, rs_xz, 2, 3, 6, 7);
+}
+
+/// Changes the ends' velocities by `impulse` over their masses, along the springs.
+[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& impulse,
+                                        const Ends<Quad>& ends) {
+  const Vector zero = {};
+  const Vector xy_02 = __builtin_shufflevector(vector(s.x), vector(s.y), 0, 4, 2, 6);
+  const Vector xy_13 = __builtin_shufflevector(vector(s.x), vector(s.y), 1, 5, 3, 7);
+  const Vector z_02 = __builtin_shufflevector(vector(s.z), zero, 0, 4, 2, 6);
+  const Vector z_13 = __builtin_shufflevector(vector(s.z), zero, 1, 5, 3, 7);
+  const Vector direction[] = {__builtin_shufflevector(xy_02, z_02, 0, 1, 4, 5),
+                              __builtin_shufflevector(xy_13, z_13, 0, 1, 4, 5),
+                              __builtin_shufflevector(xy_02, z_02, 2, 3, 6, 7),
+                              __builtin_shufflevector(xy_13, z_13, 2, 3, 6, 7)};
+  const Vector a_change = vector(s.inv_mass_a) * impulse;
+  const Vector b_change = vector(s.inv_mass_b) * impulse;
+  for (int i = 0; i < 4; ++i) {
+    vector(*ends.a[i]) += a_change[i] * direction[i];
+    vector(*ends.b[i]) -= b_change[i] * direction[i];
+  }
 }
 
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities,
-                 const double* longest, std::size_t count, LimitedSpring* springs) {
+void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, std::size_t fours,
+                 FourSprings* springs) {
   const double back = step.reach * step.h;
+  const double rate = 1 / step.h;
   const double share = std::min(violation_rate * step.h, most_of_violation) / (1 + 3 * step.active);
-  for (std::size_t i = 0; i < count; ++i) {
-    LimitedSpring& s = springs[i];
+  for (std::size_t i = 0; i < fours; ++i) {
+    FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.
-    const Vector speed = vector(velocities[s.b]) - vector(velocities[s.a]);
-    const Vector d = vector(positions[s.b]) - vector(positions[s.a]) - back * speed;
-    const double length = std::sqrt(dot(d, d));
-    if (length == 0) {  // slack, and no direction to hold
-      s.direction = {0, 0, 0, 0};
-      s.impulse = s.fastest = 0;
-      continue;
-    }
-    const Vector direction = d / length;
-    vector(s.direction) = direction;
+    Four speed, d;
+    gather_differences(Ends(s, velocities), speed);
+    gather_differences(Ends(s, positions), d);
+    d.x -= back * speed.x;
+    d.y -= back * speed.y;
+    d.z -= back * speed.z;
+    Vector length2;
+    set_dot(d, d, length2);
+    const auto is_long = length2 > 0;  // others are slack, and have no direction to hold
+    Vector length;
+    for (int k = 0; k < 4; ++k) length[k] = std::sqrt(length2[k]);
+    const Vector zero = {};
+    const Vector inverse = is_long ? 1 / length : zero;
+    const Four direction = {inverse * d.x, inverse * d.y, inverse * d.z};
+    vector(s.x) = direction.x;
+    vector(s.y) = direction.y;
+    vector(s.z) = direction.z;
+    vector(s.impulse) = is_long ? vector(s.impulse) : zero;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
     // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
     // in the middle of it: half its centripetal acceleration v^2 / l over h makes up for that.
-    const Vector across = speed - dot(speed, direction) * direction;
-    const double excess = length - longest[i];
-    const double turning =
-        std::min(step.h * dot(across, across) / (2 * length), most_turning * length / step.h);
-    s.fastest = (excess > 0 ? share : 1.0) * -excess / step.h - turning;
+    Vector along, across2;
+    set_dot(speed, direction, along);
+    const Four across = {speed.x - along * direction.x, speed.y - along * direction.y,
+                         speed.z - along * direction.z};
+    set_dot(across, across, across2);
+    const Vector excess = length - vector(s.longest);
+    const Vector turning = (step.h / 2) * across2 * inverse;
+    const Vector most = most_turning * rate * length;
+    const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
+                           (most < turning ? most : turning);
+    vector(s.fastest) = is_long ? fastest : zero;
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void pull_points(const LimitedSpring* springs, std::size_t count, Quad* velocities) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const LimitedSpring& s = springs[i];
-    Vector& a = vector(velocities[s.a]);
-    Vector& b = vector(velocities[s.b]);
-    const Vector direction = vector(s.direction);
-    const double a_change = a[3] * s.impulse;
-    const double b_change = b[3] * s.impulse;
-    a += a_change * direction;
-    b -= b_change * direction;
+void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities) {
+  for (std::size_t i = 0; i < fours; ++i) {
+    give(springs[i], vector(springs[i].impulse), Ends(springs[i], velocities));
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-double sweep_springs(LimitedSpring* springs, std::size_t count, Quad* velocities) {
-  double largest = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    LimitedSpring& s = springs[i];
-    Vector& a = vector(velocities[s.a]);
-    Vector& b = vector(velocities[s.b]);
-    const Vector direction = vector(s.direction);
-    const double inv_mass = a[3] + b[3];
-    const double rate = dot(direction, b - a);
-    const double change = std::max(-s.impulse, (rate - s.fastest) * s.mass);
-    s.impulse += change;
-    largest = std::max(largest, std::abs(change) * inv_mass);
-    const double a_change = a[3] * change;
-    const double b_change = b[3] * change;
-    a += a_change * direction;
-    b -= b_change * direction;
+double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities) {
+  Vector largest = {};
+  for (std::size_t i = 0; i < fours; ++i) {
+    FourSprings& s = springs[i];
+    const Ends ends(s, velocities);
+    Four difference;
+    gather_differences(ends, difference);
+    Vector rate;
+    set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
+    const Vector least = -vector(s.impulse);
+    const Vector wanted = (rate - vector(s.fastest)) * vector(s.mass);
+    const Vector change = least < wanted ? wanted : least;
+    vector(s.impulse) += change;
+    const Vector size =
+        (change < 0 ? -change : change) * (vector(s.inv_mass_a) + vector(s.inv_mass_b));
+    largest = largest < size ? size : largest;
+    give(s, change, ends);
   }
-  return largest;
+  return std::max({largest[0], largest[1], largest[2], largest[3]});
 }
 
 CLOTHSIM_TARGET_CLONES
-bool any_longer(const LimitedSpring* springs, const double* longest, std::size_t count,
-                double share, const Quad* positions) {
-  bool any = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    const LimitedSpring& s = springs[i];
-    const Vector d = vector(positions[s.b]) - vector(positions[s.a]);
-    const double allowed = share * longest[i];
-    any |= dot(d, d) > allowed * allowed;
+bool any_longer(const FourSprings* springs, std::size_t fours, double share,
+                const Quad* positions) {
+  auto any = Vector{} > 1;
+  for (std::size_t i = 0; i < fours; ++i) {
+    const FourSprings& s = springs[i];
+    Four d;
+    gather_differences(Ends(s, positions), d);
+    Vector length2;
+    set_dot(d, d, length2);
+    const Vector allowed = share * vector(s.longest);
+    any |= length2 > allowed * allowed;
   }
-  return any;
+  return (any[0] | any[1] | any[2] | any[3]) != 0;
 }
 
 CLOTHSIM_TARGET_CLONES

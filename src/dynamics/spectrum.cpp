@@ -2,8 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cmath>
+#include <vector>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/target_clones.h"
@@ -11,14 +12,15 @@
 namespace clothsim {
 namespace {
 
-/// Symmetric 3 x 3 matrices, each coefficient in a column of its own: xx, yy, zz, xy, yz, xz.
-using Blocks = Eigen::Matrix<double, Eigen::Dynamic, 6>;
-using Columns = std::array<double*, 6>;
+/// Points whose matrices are summed at once, in the nearest caches.
+constexpr int block = 768;
 
-Columns columns_from(Blocks& blocks, Eigen::Index row) {
-  return {&blocks(row, 0), &blocks(row, 1), &blocks(row, 2),
-          &blocks(row, 3), &blocks(row, 4), &blocks(row, 5)};
-}
+/// Coefficients of a symmetric 3 x 3 matrix, each in a column of its own: xx, yy, zz, xy, yz, xz.
+constexpr int coefficients = 6;
+
+/// What single precision may be off by, of a frequency's square: some tens of roundings of the sum
+/// of all springs at a point, which is less than three times that.
+constexpr double single_margin = 1e-4;
 
 /// Eigenvalues are compared, and returned, up to this share: among equal ones each would have to be
 /// computed.
@@ -27,23 +29,59 @@ constexpr double share = 1e-13;
 /// Points that are compared at once.
 constexpr int batch = 64;
 
-/// Stiffness k [u u^T + max(0, 1 - L0 / l) (I - u u^T)] of springs (i, i + offset), i in [0,
-/// count).
-CLOTHSIM_TARGET_CLONES
-void stiffness_of(const double* x, const double* y, const double* z, int offset, int count,
-                  double rest_length, double stiffness, double* __restrict xx,
-                  double* __restrict yy, double* __restrict zz, double* __restrict xy,
-                  double* __restrict yz, double* __restrict xz) {
+/// Columns of matrices, `stride` numbers from one to the next.
+template <typename Real>
+struct Matrices {
+  Real* first;
+  int stride;
+  Real* operator[](int coefficient) const { return first + coefficient * stride; }
+};
+
+/// A spring that is no longer than sqrt(least_length2) [m] has no direction. It counts nothing, as
+/// it has no force; in single precision, where that is not sure, it counts in all directions.
+template <typename Real>
+constexpr Real least_length2 = 0;
+template <>
+constexpr float least_length2<float> = 1e-24F;
+template <typename Real>
+constexpr bool counts_without_length = false;
+template <>
+constexpr bool counts_without_length<float> = true;
+
+/// Springs of one kind, between points and those `offset` further on in the columns x, y and z.
+struct Springs {
+  const double* x;
+  const double* y;
+  const double* z;
+  int offset;
+  double rest_length;
+  double stiffness;
+};
+
+/// Stiffness k [u u^T + max(0, 1 - L0 / l) (I - u u^T)] of springs that begin at points [0, count).
+template <typename Real>
+[[gnu::always_inline]] inline void set_stiffness(const Springs& s, int count, Real* __restrict xx,
+                                                 Real* __restrict yy, Real* __restrict zz,
+                                                 Real* __restrict xy, Real* __restrict yz,
+                                                 Real* __restrict xz) {
+  const double* const x = s.x;
+  const double* const y = s.y;
+  const double* const z = s.z;
+  const int offset = s.offset;
+  const auto rest_length = static_cast<Real>(s.rest_length);
+  const auto stiffness = static_cast<Real>(s.stiffness);
+  const Real without_length = counts_without_length<Real> ? stiffness : Real{0};
   for (int i = 0; i < count; ++i) {
-    const double dx = x[i + offset] - x[i];
-    const double dy = y[i + offset] - y[i];
-    const double dz = z[i + offset] - z[i];
-    const double length2 = dx * dx + dy * dy + dz * dz;
-    const double inverse = length2 > 0 ? 1 / std::sqrt(length2) : 0.0;
-    const double slack = 1 - rest_length * inverse;
-    const double across = slack > 0 ? slack : 0.0;
-    const double along = stiffness * (1 - across) * inverse * inverse;
-    const double all = length2 > 0 ? stiffness * across : 0.0;  // no length, no force
+    const auto dx = static_cast<Real>(x[i + offset] - x[i]);
+    const auto dy = static_cast<Real>(y[i + offset] - y[i]);
+    const auto dz = static_cast<Real>(z[i + offset] - z[i]);
+    const Real length2 = dx * dx + dy * dy + dz * dz;
+    const bool has_length = length2 > least_length2<Real>;
+    const Real inverse = has_length ? 1 / std::sqrt(length2) : Real{0};
+    const Real slack = 1 - rest_length * inverse;
+    const Real across = slack > 0 ? slack : Real{0};
+    const Real along = stiffness * (1 - across) * inverse * inverse;
+    const Real all = has_length ? stiffness * across : without_length;
     xx[i] = along * dx * dx + all;
     yy[i] = along * dy * dy + all;
     zz[i] = along * dz * dz + all;
@@ -54,66 +92,137 @@ void stiffness_of(const double* x, const double* y, const double* z, int offset,
 }
 
 CLOTHSIM_TARGET_CLONES
+void stiffness_of(const Springs& s, int count, const Matrices<double>& to) {
+  set_stiffness(s, count, to[0], to[1], to[2], to[3], to[4], to[5]);
+}
+CLOTHSIM_TARGET_CLONES
+void stiffness_of(const Springs& s, int count, const Matrices<float>& to) {
+  set_stiffness(s, count, to[0], to[1], to[2], to[3], to[4], to[5]);
+}
+
+CLOTHSIM_TARGET_CLONES
 void add(const double* __restrict what, int count, double* __restrict sum) {
   for (int i = 0; i < count; ++i) sum[i] += what[i];
 }
-
-/// Have all points i in [0, count) only eigenvalues of 2 s / m below `omega2`? By the pivots of
-/// omega2 m / 2 - s: far cheaper than the values. Pins (no inverse mass) have.
 CLOTHSIM_TARGET_CLONES
-bool are_below(Columns s, const double* inv_mass, int count, double omega2) {
+void add(const float* __restrict what, int count, float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += what[i];
+}
+
+/// How many points i in [0, count) have an eigenvalue of 2 s / m above `omega2`? By the pivots of
+/// omega2 m / 2 - s: far cheaper than the values. Pins (no inverse mass) have none.
+template <typename Real>
+[[gnu::always_inline]] inline int counted_above(const Matrices<Real>& s, const double* inv_mass,
+                                                int count, double omega2) {
   int above = 0;
   for (int i = 0; i < count; ++i) {
-    const double bound = omega2 / (2 * inv_mass[i]);
-    const double first = bound - s[0][i];
-    const double second = bound - s[1][i] - s[3][i] * s[3][i] / first;
-    const double yz = -s[4][i] - s[3][i] * s[5][i] / first;
-    const double third = bound - s[2][i] - s[5][i] * s[5][i] / first - yz * yz / second;
+    const auto bound = static_cast<Real>(omega2 / (2 * inv_mass[i]));
+    const Real first = bound - s[0][i];
+    const Real second = bound - s[1][i] - s[3][i] * s[3][i] / first;
+    const Real yz = -s[4][i] - s[3][i] * s[5][i] / first;
+    const Real third = bound - s[2][i] - s[5][i] * s[5][i] / first - yz * yz / second;
     const bool below = first > 0 && second > 0 && third > 0;
     above += inv_mass[i] > 0 && !below;
   }
-  return above == 0;
+  return above;
 }
 
-double largest_eigenvalue(const Blocks& s, int i) {
-  Eigen::Matrix3d block;
-  block << s(i, 0), s(i, 3), s(i, 5), s(i, 3), s(i, 1), s(i, 4), s(i, 5), s(i, 4), s(i, 2);
+CLOTHSIM_TARGET_CLONES
+bool are_below(const Matrices<double>& s, const double* inv_mass, int count, double omega2) {
+  return counted_above(s, inv_mass, count, omega2) == 0;
+}
+CLOTHSIM_TARGET_CLONES
+bool are_below(const Matrices<float>& s, const double* inv_mass, int count, double omega2) {
+  return counted_above(s, inv_mass, count, omega2) == 0;
+}
+
+/// S_i of a block of points, see the header: of springs that begin at them and of those that end.
+template <typename Real>
+class StiffnessBlock {
+ public:
+  /// Of points [first, first + count), `count` at most `block`.
+  void sum(const Cloth& cloth, const Points& positions, int first, int count) {
+    sums_.assign(coefficients * block, 0);
+    for_each_band(cloth, [&](const SpringBand& band) {
+      const SpringRun& run = *band.begin;
+      const int from = std::max(band.first(), first - run.offset);
+      const int to = std::min(band.first() + band.count(), first + count);
+      if (from >= to) return;
+
+      const int stride = to - from;
+      springs_.resize(static_cast<std::size_t>(coefficients * stride));
+      const Matrices<Real> springs{springs_.data(), stride};
+      stiffness_of({&positions(from, 0), &positions(from, 1), &positions(from, 2), run.offset,
+                    run.rest_length, run.stiffness},
+                   stride, springs);
+      band.for_each_gap([&](int gap, int gap_end) {
+        gap = std::max(gap + band.first(), from);
+        gap_end = std::min(gap_end + band.first(), to);
+        for (int c = 0; c < coefficients; ++c) {
+          for (int i = gap; i < gap_end; ++i) springs[c][i - from] = 0;
+        }
+      });
+
+      const int begins = std::max(from, first);
+      const int ends = std::min(to, first + count - run.offset);
+      for (int c = 0; c < coefficients; ++c) {
+        add(springs[c] + (begins - from), to - begins, matrices()[c] + (begins - first));
+        add(springs[c], ends - from, matrices()[c] + (from + run.offset - first));
+      }
+    });
+  }
+
+  Matrices<Real> matrices() { return {sums_.data(), block}; }
+
+ private:
+  std::vector<Real> sums_;
+  std::vector<Real> springs_;  // of one band
+};
+
+/// Has single precision no doubt that all frequencies are below `omega`?
+bool are_surely_below(const Cloth& cloth, const Points& positions, double omega,
+                      const Workers& workers) {
+  const double omega2 = omega * omega * (1 - single_margin);
+  std::atomic<bool> below{true};
+  workers.share(cloth.num_points(), [&](int begin, int end) {
+    StiffnessBlock<float> points;
+    for (int first = begin; first < end; first += block) {
+      const int count = std::min(block, end - first);
+      points.sum(cloth, positions, first, count);
+      if (!are_below(points.matrices(), &cloth.inv_mass[first], count, omega2)) below = false;
+    }
+  });
+  return below;
+}
+
+double largest_eigenvalue(const Matrices<double>& s, int i) {
+  Eigen::Matrix3d matrix;
+  matrix << s[0][i], s[3][i], s[5][i], s[3][i], s[1][i], s[4][i], s[5][i], s[4][i], s[2][i];
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(block, Eigen::EigenvaluesOnly);
+  solver.computeDirect(matrix, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[2];
 }
 
 }  // namespace
 
-double omega_max_bound(const Cloth& cloth, const Points& positions, double least) {
-  // S_i by point.
-  const int n = cloth.num_points();
-  Blocks blocks = Blocks::Zero(n, 6);
-  Blocks of_springs(n, 6);
-  for_each_band(cloth, [&](const SpringBand& band) {
-    const int a = band.first();
-    const int count = band.count();
-    stiffness_of(&positions(a, 0), &positions(a, 1), &positions(a, 2), band.begin->offset, count,
-                 band.begin->rest_length, band.begin->stiffness, &of_springs(0, 0),
-                 &of_springs(0, 1), &of_springs(0, 2), &of_springs(0, 3), &of_springs(0, 4),
-                 &of_springs(0, 5));
-    band.for_each_gap([&](int from, int to) { of_springs.middleRows(from, to - from).setZero(); });
-    for (int c = 0; c < 6; ++c) {
-      add(&of_springs(0, c), count, &blocks(a, c));
-      add(&of_springs(0, c), count, &blocks(a + band.begin->offset, c));
-    }
-  });
+double omega_max_bound(const Cloth& cloth, const Points& positions, double least,
+                       const Workers& workers) {
+  if (least > 0 && are_surely_below(cloth, positions, least, workers)) return least;
 
+  const int n = cloth.num_points();
+  StiffnessBlock<double> points;
   double omega2 = least * least;
   for (int first = 0; first < n; first += batch) {
+    if (first % block == 0) points.sum(cloth, positions, first, std::min(block, n - first));
+    const Matrices<double> s{points.matrices()[0] + first % block, block};
     const int count = std::min(batch, n - first);
     const double bound = omega2 * (1 + share);
-    if (are_below(columns_from(blocks, first), &cloth.inv_mass[first], count, bound)) continue;
-    for (int i = first; i < first + count; ++i) {
-      const double inv_mass = cloth.inv_mass[i];
-      const Columns s = columns_from(blocks, i);
-      if (are_below(s, &inv_mass, 1, omega2 * (1 + share))) continue;
-      omega2 = std::max(omega2, 2 * largest_eigenvalue(blocks, i) * inv_mass);
+    if (are_below(s, &cloth.inv_mass[first], count, bound)) continue;
+    for (int i = 0; i < count; ++i) {
+      const double inv_mass = cloth.inv_mass[first + i];
+      const Matrices<double> of_point{s[0] + i, block};
+      if (are_below(of_point, &inv_mass, 1, omega2 * (1 + share))) continue;
+      omega2 = std::max(omega2, 2 * largest_eigenvalue(s, i) * inv_mass);
     }
   }
   return omega2 > least * least ? std::sqrt(omega2 * (1 + share)) : least;

@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/errors.h"
 
 namespace clothsim {
 namespace {
 
-/// Springs of a colour that a thread takes at least: a microsecond of work.
-constexpr int least_shared = 512;
+/// Fours of springs of a colour that a thread takes at least: half a microsecond of work.
+constexpr int least_shared = 128;
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
@@ -36,154 +37,161 @@ StrainLimit::StrainLimit(const Cloth& cloth)
     last = &run;
     // Springs of one offset share a point only where their first points differ by that offset.
     const int colour = 2 * direction + (a / run.offset) % 2;
-    constraints_.push_back({a, b, run.rest_length, cloth.inv_mass[a] + cloth.inv_mass[b], colour});
+    constraints_.push_back({a, b, run.rest_length, cloth.inv_mass[a], cloth.inv_mass[b], colour});
   });
   assert(2 * (direction + 1) <= num_colours);
 
-  const std::size_t points = index(cloth.num_points());
-  positions_.resize(points);
-  predicted_.resize(points);
-  velocities_.resize(points);
-  given_.assign(points, Quad{});
-  is_touched_.assign(points, 0);
-  across_.assign(points, 0.0);
+  local_.assign(index(cloth.num_points()), -1);
   kept_.assign(constraints_.size(), 0.0);
   flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
+  close_active();
 }
 
 void StrainLimit::add_impulses(double scale, Points& sum) const {
-  for (const LimitedSpring& s : active_) {
-    const Vector3 impulse =
-        scale * s.impulse * Vector3(s.direction.x, s.direction.y, s.direction.z);
-    sum.row(s.a) += impulse.transpose();
-    sum.row(s.b) -= impulse.transpose();
-  }
+  for_each_active([&](const FourSprings& s, std::size_t k, int) {
+    const Vector3 impulse = scale * s.impulse[k] * Vector3(s.x[k], s.y[k], s.z[k]);
+    sum.row(touched_[index(FourSprings::point(s.a[k]))]) += impulse.transpose();
+    sum.row(touched_[index(FourSprings::point(s.b[k]))]) -= impulse.transpose();
+  });
 }
 
 double StrainLimit::tension_frequency(const Cloth& cloth) {
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const LimitedSpring& s = active_[i];
-    const double across = s.impulse / lengths_[i];
-    across_[index(s.a)] += across;
-    across_[index(s.b)] += across;
+  across_.assign(touched_.size() + 1, 0.0);
+  for (const FourSprings& s : active_) {
+    double across[FourSprings::count];
+    for (std::size_t k = 0; k < FourSprings::count; ++k) across[k] = s.impulse[k] / s.longest[k];
+    for (std::size_t k = 0; k < FourSprings::count; ++k) {
+      across_[index(FourSprings::point(s.a[k]))] += across[k];
+      across_[index(FourSprings::point(s.b[k]))] += across[k];
+    }
   }
   double omega2 = 0;
-  for (const int point : touched_) {
-    double& across = across_[index(point)];
-    omega2 = std::max(omega2, across * cloth.inv_mass[point]);
-    across = 0;
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
+    omega2 = std::max(omega2, across_[i] * cloth.inv_mass[touched_[i]]);
   }
   return step_.h > 0 ? std::sqrt(omega2 / step_.h) : 0;
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
-  active_ = std::move(last.active_);
-  ids_ = std::move(last.ids_);
-  lengths_ = std::move(last.lengths_);
-  touched_ = std::move(last.touched_);
-  step_ = last.step_;
+  StrainLimit kept = std::move(last);
+  clear_active();
+  step_ = kept.step_;
+  kept.for_each_active([&](const FourSprings& s, std::size_t k, int id) {
+    add_active(id, s.impulse[k], {s.x[k], s.y[k], s.z[k]});  // masses may be others
+  });
+  close_active();
 }
 
 void StrainLimit::reset() {
   last_flags_.clear();
-  active_.clear();
-  ids_.clear();
-  lengths_.clear();
-  touched_.clear();
+  clear_active();
+  close_active();
   step_ = {};
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
-  const auto pulls = [](const LimitedSpring& s) { return s.impulse > 0; };
-  memory.add(static_cast<double>(std::count_if(active_.begin(), active_.end(), pulls)));
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const LimitedSpring& s = active_[i];
-    if (!pulls(s)) continue;
-    memory.add(ids_[i]);
-    memory.add(s.impulse);
-    memory.add(Vector3(s.direction.x, s.direction.y, s.direction.z));
-  }
+  std::size_t pulling = 0;
+  for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.impulse[k] > 0; });
+  memory.add(static_cast<double>(pulling));
+  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
+    if (s.impulse[k] <= 0) return;
+    memory.add(id);
+    memory.add(s.impulse[k]);
+    memory.add(Vector3(s.x[k], s.y[k], s.z[k]));
+  });
 }
 
 void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
+  std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
   for (std::size_t left = memory.count(); left > 0; --left) {
     const int id = memory.index(constraints_.size());
-    add_active(id, std::max(0.0, memory.number()));
-    const Vector3 direction = memory.vector();
-    active_.back().direction = {direction.x(), direction.y(), direction.z(), 0};
+    const std::pair<int, int> here{constraints_[index(id)].colour, id};
+    if (here <= last) {
+      throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
+    }
+    last = here;
+    const double impulse = std::max(0.0, memory.number());
+    add_active(id, impulse, memory.vector());
   }
-  for (const int point : touched_) is_touched_[index(point)] = 0;
+  close_active();
 }
 
-void StrainLimit::predict(const Cloth& cloth, double h, double reach, State& state) {
+void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
   step_ = {h, reach, 0};
-  for (LimitedSpring& s : active_) s.impulse *= scale;
+  for (FourSprings& s : active_) {
+    for (double& impulse : s.impulse) impulse *= scale;
+  }
 
-  for (const int point : touched_) given_[index(point)] = {0, 0, 0, cloth.inv_mass[point]};
+  std::fill(given_.begin(), given_.end(), Quad{});
   pull_points(active_.data(), active_.size(), given_.data());
-  for (const int point : touched_) {
-    const Quad& given = given_[index(point)];
-    const double way = reach * h;
-    state.velocities(point, 0) += given.x;
-    state.velocities(point, 1) += given.y;
-    state.velocities(point, 2) += given.z;
-    state.positions(point, 0) += way * given.x;
-    state.positions(point, 1) += way * given.y;
-    state.positions(point, 2) += way * given.z;
+  const double way = reach * h;
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
+    const int point = touched_[i];
+    const Quad& given = given_[i];
+    const Quad v = quad(state.velocities, point);
+    const Quad x = quad(state.positions, point);
+    predicted_[i] = {v.x + given.x, v.y + given.y, v.z + given.z, 0};
+    positions_[i] = {x.x + way * given.x, x.y + way * given.y, x.z + way * given.z, 0};
+    set_row(state.velocities, point, predicted_[i]);
+    set_row(state.positions, point, positions_[i]);
   }
 }
 
 void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
-  step_.reach = reach;
-  solved_alone_ = false;
-  find_active(cloth, state);
-  step_.active = static_cast<double>(active_.size()) / static_cast<double>(constraints_.size());
-
-  // Take back what predict() has given, and give it anew along the present directions.
-  aim_springs(step_, positions_.data(), predicted_.data(), lengths_.data(), active_.size(),
-              active_.data());
-  for (const int point : touched_) {
-    const std::size_t i = index(point);
-    const Quad& from = predicted_[i];
-    Quad& given = given_[i];
-    velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, cloth.inv_mass[point]};
-    given = {};
-  }
-  for (const int point : last_touched_) {
-    Quad& given = given_[index(point)];
-    state.velocities.row(point) -= Eigen::RowVector3d(given.x, given.y, given.z);
-    given = {};
-  }
-  pull_points(active_.data(), active_.size(), velocities_.data());
+  turn_impulses(cloth, reach, state);
   store(state.velocities);
 }
 
-/// Springs longer than their limit, and those an impulse still holds.
-void StrainLimit::find_active(const Cloth& cloth, const State& state) {
-  flag_longer_than(cloth, longest_, state.positions);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    if (active_[i].impulse > 0) flags_[index(ids_[i])] = 1;
+/// Takes back what predict() has given, and gives it anew along the present directions.
+void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state) {
+  step_.reach = reach;
+  solved_alone_ = false;
+  if (find_active(cloth, state.positions)) {
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      positions_[i] = quad(state.positions, touched_[i]);
+      predicted_[i] = quad(state.velocities, touched_[i]);
+    }
+    for (std::size_t i = 0; i < last_touched_.size(); ++i) {
+      const Quad& given = last_given_[i];
+      state.velocities.row(last_touched_[i]) -= Eigen::RowVector3d(given.x, given.y, given.z);
+    }
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      velocities_[i] = quad(state.velocities, touched_[i]);
+    }
+  } else {
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      const Quad& from = predicted_[i];
+      const Quad& given = given_[i];
+      velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, 0};
+    }
   }
-  if (flags_ == last_flags_) {  // as ever at rest
-    last_touched_.clear();
-    load_points(state);
-    return;
-  }
+  step_.active = static_cast<double>(num_active_) / static_cast<double>(constraints_.size());
+  aim_springs(step_, positions_.data(), predicted_.data(), active_.size(), active_.data());
+  pull_points(active_.data(), active_.size(), velocities_.data());
+}
+
+/// Springs longer than their limit, and those an impulse still holds. False where they are those of
+/// the last step.
+bool StrainLimit::find_active(const Cloth& cloth, const Points& positions) {
+  flag_longer_than(cloth, longest_, positions);
+  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
+    if (s.impulse[k] > 0) flags_[index(id)] = 1;
+  });
+  if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
 
-  for (std::size_t i = 0; i < active_.size(); ++i) kept_[index(ids_[i])] = active_[i].impulse;
-  last_touched_.swap(touched_);
-  last_ids_.swap(ids_);
-  active_.clear();
-  ids_.clear();
-  lengths_.clear();
-  touched_.clear();
-  const auto add = [&](int id) { add_active(id, kept_[index(id)]); };
+  for_each_active(
+      [&](const FourSprings& s, std::size_t k, int id) { kept_[index(id)] = s.impulse[k]; });
+  last_touched_ = touched_;
+  last_given_.swap(given_);
+  last_ids_ = ids_;
+  clear_active();
+  const auto add = [&](int id) { add_active(id, kept_[index(id)], Vector3::Zero()); };
   const auto add_second_colour = [&] {
     for (const int id : second_colour_) add(id);
     second_colour_.clear();
@@ -191,7 +199,7 @@ void StrainLimit::find_active(const Cloth& cloth, const State& state) {
   int direction = 0;
   for_each_flagged([&](int id) {
     const Constraint& c = constraints_[index(id)];
-    if (c.inv_mass == 0) return;  // between two pins
+    if (c.inv_mass_a + c.inv_mass_b == 0) return;  // between two pins
     if (c.colour / 2 != direction) add_second_colour();
     direction = c.colour / 2;
     if (c.colour % 2 == 1) {
@@ -201,40 +209,78 @@ void StrainLimit::find_active(const Cloth& cloth, const State& state) {
     }
   });
   add_second_colour();
-  for (const int id : last_ids_) kept_[index(id)] = 0;
+  close_active();
+  for (const int id : last_ids_) {
+    if (id >= 0) kept_[index(id)] = 0;
+  }
+  return true;
+}
 
+void StrainLimit::clear_active() {
+  for (const int point : touched_) local_[index(point)] = -1;
+  touched_.clear();
+  active_.clear();
+  ids_.clear();
   colour_ends_.clear();
-  const auto colour_of = [&](std::size_t i) { return constraints_[index(ids_[i])].colour; };
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    const bool is_last = i + 1 == ids_.size() || colour_of(i + 1) != colour_of(i);
-    if (is_last) colour_ends_.push_back(static_cast<int>(i + 1));
-  }
-
-  for (const int point : touched_) is_touched_[index(point)] = 0;
-  load_points(state);
+  num_active_ = 0;
 }
 
-void StrainLimit::load_points(const State& state) {
-  for (const int point : touched_) {
-    positions_[index(point)] = quad(state.positions, point);
-    predicted_[index(point)] = quad(state.velocities, point);
-  }
-}
-
-void StrainLimit::add_active(int id, double impulse) {
+/// To be called in the order of colours.
+void StrainLimit::add_active(int id, double impulse, const Vector3& direction) {
   const Constraint& c = constraints_[index(id)];
-  active_.push_back({{}, impulse, 1 / c.inv_mass, 0, c.a, c.b});
-  ids_.push_back(id);
-  lengths_.push_back(longest_ * c.rest_length);
-  for (const int point : {c.a, c.b}) {
-    if (is_touched_[index(point)]) continue;
-    is_touched_[index(point)] = 1;
+  const bool new_colour = active_.empty() || c.colour != colour_;
+  if (new_colour || lane_ == FourSprings::count) {
+    if (new_colour && !active_.empty()) colour_ends_.push_back(static_cast<int>(active_.size()));
+    active_.push_back({});
+    ids_.insert(ids_.end(), FourSprings::count, -1);
+    colour_ = c.colour;
+    lane_ = 0;
+  }
+  FourSprings& s = active_.back();
+  s.x[lane_] = direction.x();
+  s.y[lane_] = direction.y();
+  s.z[lane_] = direction.z();
+  s.impulse[lane_] = impulse;
+  s.mass[lane_] = 1 / (c.inv_mass_a + c.inv_mass_b);
+  s.inv_mass_a[lane_] = c.inv_mass_a;
+  s.inv_mass_b[lane_] = c.inv_mass_b;
+  s.longest[lane_] = longest_ * c.rest_length;
+  s.a[lane_] = FourSprings::place(touch(c.a));
+  s.b[lane_] = FourSprings::place(touch(c.b));
+  ids_[ids_.size() - FourSprings::count + lane_] = id;
+  ++lane_;
+  ++num_active_;
+}
+
+/// Place of a point in touched_.
+int StrainLimit::touch(int point) {
+  int& place = local_[index(point)];
+  if (place < 0) {
+    place = static_cast<int>(touched_.size());
     touched_.push_back(point);
+  }
+  return place;
+}
+
+void StrainLimit::close_active() {
+  if (!active_.empty()) colour_ends_.push_back(static_cast<int>(active_.size()));
+  const std::size_t nobody = touched_.size();
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i] >= 0) continue;
+    FourSprings& s = active_[i / FourSprings::count];
+    const std::size_t lane = i % FourSprings::count;
+    s.a[lane] = s.b[lane] = FourSprings::place(static_cast<int>(nobody));
+    s.longest[lane] = 1;
+  }
+  for (std::vector<Quad>* quads : {&positions_, &predicted_, &velocities_, &given_}) {
+    quads->resize(nobody + 1);
+    quads->back() = {};
   }
 }
 
 void StrainLimit::store(Points& velocities) const {
-  for (const int point : touched_) set_row(velocities, point, velocities_[index(point)]);
+  for (std::size_t i = 0; i < touched_.size(); ++i)
+    set_row(velocities, touched_[i], velocities_[i]);
 }
 
 /// One pass over active_, colour by colour: within one, springs share no point. A few are not worth
@@ -260,18 +306,16 @@ double StrainLimit::sweep_active(const Workers& workers) {
   return largest;
 }
 
-double StrainLimit::sweep(const Cloth& cloth, Points& velocities, const Workers& workers) {
-  for (const int point : touched_) {
-    Quad& v = velocities_[index(point)];
-    v = quad(velocities, point);
-    v.w = cloth.inv_mass[point];
-  }
+double StrainLimit::sweep(Points& velocities, const Workers& workers) {
+  for (std::size_t i = 0; i < touched_.size(); ++i) velocities_[i] = quad(velocities, touched_[i]);
   const double change = sweep_active(workers);
   store(velocities);
   return step_.h * change;
 }
 
-int StrainLimit::solve(double enough, int least, int most, State& state, const Workers& workers) {
+int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
+                       State& state, const Workers& workers) {
+  turn_impulses(cloth, reach, state);
   int passes = 0;
   double change = 0;
   do {
@@ -281,14 +325,13 @@ int StrainLimit::solve(double enough, int least, int most, State& state, const W
 
   const double way = step_.reach * step_.h;
   double moved2 = 0;
-  for (const int point : touched_) {
-    const std::size_t i = index(point);
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
     const Quad& v = velocities_[i];
     const Quad& from = predicted_[i];
     Quad& x = positions_[i];
     const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
     x = {x.x + move.x, x.y + move.y, x.z + move.z, 0};
-    set_row(state.positions, point, x);
+    set_row(state.positions, touched_[i], x);
     moved2 = std::max(moved2, move.x * move.x + move.y * move.y + move.z * move.z);
   }
   store(state.velocities);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -24,17 +25,21 @@ void square_lengths(const double* x, const double* y, const double* z, int offse
 
 CLOTHSIM_TARGET_CLONES
 double largest_of(const double* values, int count) {
-  constexpr int lanes = 8;  // maxima of their own, so that the loop vectorises
-  double largest[lanes] = {};
+  Lanes even = {};  // two, since a maximum takes longer than a load
+  Lanes odd = {};
   int i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    for (int lane = 0; lane < lanes; ++lane) {
-      const double value = values[i + lane];
-      largest[lane] = value > largest[lane] ? value : largest[lane];
-    }
+  for (; i + 2 * num_lanes <= count; i += 2 * num_lanes) {
+    const Lanes& a = lanes_at(values + i);
+    const Lanes& b = lanes_at(values + i + num_lanes);
+    even = a > even ? a : even;
+    odd = b > odd ? b : odd;
   }
-  for (; i < count; ++i) largest[0] = std::max(largest[0], values[i]);
-  return *std::max_element(largest, largest + lanes);
+  double largest = 0;
+  for (; i < count; ++i) largest = std::max(largest, values[i]);
+  for (int lane = 0; lane < num_lanes; ++lane) {
+    largest = std::max({largest, even[lane], odd[lane]});
+  }
+  return largest;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/model/grid.h"
+#include "clothsim/model/target_clones.h"
 #include "clothsim/simulation/energy_watch.h"
 #include "simulator_impl.h"
 
@@ -38,6 +39,19 @@ constexpr double folding_precision = 0.01;
 
 /// Stretch over the strain limit that pins must be asking for.
 constexpr double overpulled = 0.05;
+
+/// Are all `count` numbers smaller than `farthest`? False for NaN.
+CLOTHSIM_TARGET_CLONES
+bool are_near(const double* numbers, Eigen::Index count) {
+  long outside = 0;
+  for (Eigen::Index i = 0; i < count; ++i) outside += !(std::abs(numbers[i]) < farthest);
+  return outside == 0;
+}
+
+bool is_good(const State& state) {
+  return are_near(state.positions.data(), state.positions.size()) &&
+         are_near(state.velocities.data(), state.velocities.size());
+}
 
 /// Root mean square of the velocities beyond their mean [m/s].
 double speed_within(const Points& velocities) {
@@ -108,7 +122,7 @@ StepReport Simulator::Impl::step() {
 bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
   report.method = method->choice.method;
   int steps = method->substeps(scene.simulation, cloth, state.positions,
-                               substeps_at_speed(cloth, contact_speed(dt), dt), tension());
+                               substeps_at_speed(cloth, contact_speed(dt), dt), tension(), workers);
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
   if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
@@ -225,11 +239,10 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
   // Impulses that keep springs within their limit and points off colliders.
   const double length = scene.simulation.strain_tolerance * shortest_rest_length(cloth);  // [m]
-  if (strain_limit) strain_limit->predict(cloth, h, reach, state);
+  if (strain_limit) strain_limit->predict(h, reach, state);
   if (!self_contacts && colliders.empty()) {  // the limit alone
-    strain_limit->begin(cloth, reach, state);
-    report.sweeps +=
-        strain_limit->solve(length / precision_alone, min_sweeps_alone, max_sweeps, state, workers);
+    report.sweeps += strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
+                                         max_sweeps, state, workers);
     repair(report);
     return;
   }
@@ -247,7 +260,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double folding = 0;
-    if (strain_limit) stretching = strain_limit->sweep(cloth, state.velocities, workers);
+    if (strain_limit) stretching = strain_limit->sweep(state.velocities, workers);
     visit_self_contacts([&](auto& contacts) { folding = contacts.sweep(cloth, state.velocities); });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;

@@ -29,11 +29,6 @@ inline constexpr const char* refuge = ImplicitEuler::name;
 /// whatever shows a good state can.
 inline constexpr double farthest = 1e12;
 
-inline bool is_good(const State& state) {  // false for NaN
-  return (state.positions.array().abs() < farthest).all() &&
-         (state.velocities.array().abs() < farthest).all();
-}
-
 /// How a scene with `cloth` is integrated, and by what.
 struct Method {
   Method(const SimulationSpec& spec, const Cloth& cloth, const std::vector<ColliderSpec>& colliders)
@@ -43,10 +38,11 @@ struct Method {
   /// Substeps of a frame from `positions`, `at_speed` at least.
   /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               int at_speed = 1, std::optional<double> tension = {}) const {
+               int at_speed = 1, std::optional<double> tension = {},
+               const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                                      1 / spec.frames_per_second, tension);
+                                      1 / spec.frames_per_second, tension, workers);
     return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
   }
 

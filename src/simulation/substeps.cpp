@@ -47,7 +47,8 @@ int substeps_under_tension(double weight, double tension, double dt) {
 }
 
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<double> tension) {
+                   double stability_limit, double dt, std::optional<double> tension,
+                   const Workers& workers) {
   constexpr double endless = std::numeric_limits<double>::infinity();
   const double weight = weight_frequency(cloth, gravity);
   double steps = substeps_under_tension(weight, tension.value_or(endless), dt);
@@ -55,7 +56,7 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
   if (omega_max_bound(cloth) > enough) {
-    const double omega = omega_max_bound(cloth, positions, enough);
+    const double omega = omega_max_bound(cloth, positions, enough, workers);
     if (omega > enough) steps = dt * omega / (spring_margin * stability_limit);
   }
   return whole_steps(steps);

@@ -322,9 +322,8 @@ TEST_P(HeavyPoint, Hangs) {
     const double reach = VelocityVerlet::reach(cloth.damping, h);
     for (int k = 0; k < n; ++k) {
       method.step(cloth, loads, h, state);
-      limit.predict(cloth, h, reach, state);
-      limit.begin(cloth, reach, state);
-      limit.solve(1e-6, 6, 400, state);
+      limit.predict(h, reach, state);
+      limit.solve(cloth, reach, 1e-6, 6, 400, state);
       limit.correct(cloth, 0.004, 600, state.positions);
     }
     ASSERT_TRUE(state.positions.allFinite()) << frame;

@@ -42,12 +42,12 @@ TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
   const double energy = state.velocities.squaredNorm();
 
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(cloth, h, 0, state);
+  strain_limit.predict(h, 0, state);
   strain_limit.begin(cloth, 0, state);  // along the springs as they are
   double residual = 1;
   int sweeps = 0;
   while (residual > 1e-12 && sweeps < 50000) {
-    residual = strain_limit.sweep(cloth, state.velocities);
+    residual = strain_limit.sweep(state.velocities);
     ++sweeps;
   }
   EXPECT_LE(residual, 1e-12);
@@ -61,9 +61,9 @@ TEST(StrainLimit, LeavesSlackClothAlone) {
   State state{1.05 * cloth.rest_positions, random_points(36, 1, 3), 0};
   const State before = state;
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.predict(h, reach, state);
   strain_limit.begin(cloth, reach, state);
-  EXPECT_EQ(strain_limit.sweep(cloth, state.velocities), 0);
+  EXPECT_EQ(strain_limit.sweep(state.velocities), 0);
   EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 100, state.positions), 0);
   EXPECT_EQ(state.positions, before.positions);
   EXPECT_EQ(state.velocities, before.velocities);
@@ -75,9 +75,9 @@ TEST(StrainLimit, ImpulsesOnlyPull) {
   State state{1.2 * cloth.rest_positions, Points::Zero(2, 3), 0};
   state.velocities(1, 1) = -1000;
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.predict(h, reach, state);
   strain_limit.begin(cloth, reach, state);
-  strain_limit.sweep(cloth, state.velocities);
+  strain_limit.sweep(state.velocities);
   EXPECT_EQ(state.velocities(1, 1), -1000);
 }
 
@@ -95,10 +95,10 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   double residual = 1;
   for (int step = 0; step < 100; ++step) {
     method.step(cloth, Loads{}, h, state);
-    strain_limit.predict(cloth, h, reach, state);
+    strain_limit.predict(h, reach, state);
     const Points predicted = state.velocities;
     strain_limit.begin(cloth, reach, state);
-    residual = strain_limit.sweep(cloth, state.velocities);
+    residual = strain_limit.sweep(state.velocities);
     state.positions += reach * h * (state.velocities - predicted);
     strain_limit.correct(cloth, 1e-6, 100, state.positions);
   }
@@ -109,7 +109,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   // Forgotten, nothing holds.
   strain_limit.reset();
   method.step(cloth, Loads{}, h, state);
-  strain_limit.predict(cloth, h, reach, state);
+  strain_limit.predict(h, reach, state);
   EXPECT_NEAR(state.velocities(0, 2), -9.8 * h, 1e-5 * 9.8 * h);
 }
 
@@ -127,16 +127,15 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
   int repairs = 0;
   for (int step = 0; step < 60; ++step) {
     method.step(cloth, Loads{}, h, a);
-    alone.predict(cloth, h, reach, a);
-    alone.begin(cloth, reach, a);
-    const int passes = alone.solve(1e-7, 4, 50, a);
+    alone.predict(h, reach, a);
+    const int passes = alone.solve(cloth, reach, 1e-7, 4, 50, a);
 
     method.step(cloth, Loads{}, h, b);
-    by_passes.predict(cloth, h, reach, b);
+    by_passes.predict(h, reach, b);
     const Points predicted = b.velocities;
     by_passes.begin(cloth, reach, b);
     double residual = 1;
-    for (int pass = 0; pass < passes; ++pass) residual = by_passes.sweep(cloth, b.velocities);
+    for (int pass = 0; pass < passes; ++pass) residual = by_passes.sweep(b.velocities);
     b.positions += reach * h * (b.velocities - predicted);
 
     EXPECT_GE(passes, 4);
@@ -170,9 +169,8 @@ TEST(StrainLimit, TensionFrequencyOfAWeightOnAString) {
     EXPECT_EQ(strain_limit.tension_frequency(cloth), 0);
     for (int step = 0; step < 100; ++step) {
       method.step(cloth, Loads{}, h, state);
-      strain_limit.predict(cloth, h, reach, state);
-      strain_limit.begin(cloth, reach, state);
-      strain_limit.solve(1e-12, 4, 200, state);
+      strain_limit.predict(h, reach, state);
+      strain_limit.solve(cloth, reach, 1e-12, 4, 200, state);
       strain_limit.correct(cloth, 1e-6, 100, state.positions);
     }
     const double omega = strain_limit.tension_frequency(cloth);
@@ -222,9 +220,9 @@ TEST(StrainLimit, DegenerateSpringsGiveNoNan) {
     state.positions.row(9) = state.positions.row(10);
     StrainLimit strain_limit(cloth);
     for (int step = 0; step < 3; ++step) {
-      strain_limit.predict(cloth, h, reach, state);
+      strain_limit.predict(h, reach, state);
       strain_limit.begin(cloth, reach, state);
-      strain_limit.sweep(cloth, state.velocities);
+      strain_limit.sweep(state.velocities);
       strain_limit.correct(cloth, 1e-3, 50, state.positions);
     }
     EXPECT_TRUE(state.positions.allFinite());

@@ -186,11 +186,11 @@ Kept spin_at_the_limit(double spin, double h) {
   Kept kept{};
   for (int n = 0; n < static_cast<int>(std::lround(1 / h)); ++n) {
     method.step(cloth, no_gravity, h, state);
-    limit.predict(cloth, h, reach, state);
+    limit.predict(h, reach, state);
     const Points predicted = state.velocities;
     limit.begin(cloth, reach, state);
     int sweeps = 0;
-    while (limit.sweep(cloth, state.velocities) > solved && ++sweeps < 200) continue;
+    while (limit.sweep(state.velocities) > solved && ++sweeps < 200) continue;
     state.positions += reach * h * (state.velocities - predicted);
     kept.corrections += limit.correct(cloth, 4e-3, 200, state.positions);
   }

@@ -4,20 +4,31 @@
 
 namespace clothsim {
 
-/// A point's x, y and z side by side and one number more: what a kernel that goes from point to
+/// A point's x, y and z side by side and one number more, 0: what a kernel that goes from point to
 /// point loads and stores at once.
 struct alignas(32) Quad {
   double x, y, z, w;
 };
 
-/// A spring at its strain limit, in one line of the caches.
-struct alignas(64) LimitedSpring {
-  Quad direction;  // from a to b; w is 0, and so is all of it where the spring has no direction
-  double impulse;  // [N s], >= 0
-  double mass;     // reduced, of both ends [kg]
-  double fastest;  // largest rate of elongation allowed [m/s]
-  int a;
-  int b;
+/// Four springs at their strain limit, no two of which share a point, number by number: kernels
+/// take all four at once. Where there are fewer, the rest are zero, between a point that nothing
+/// else touches and itself.
+struct alignas(32) FourSprings {
+  static constexpr std::size_t count = 4;
+
+  double x[count], y[count], z[count];  // direction from a to b; 0 where there is none
+  double impulse[count];                // [N s], >= 0
+  double fastest[count];                // largest rate of elongation allowed [m/s]
+  double mass[count];                   // reduced, of both ends [kg]
+  double inv_mass_a[count];             // [1/kg]
+  double inv_mass_b[count];
+  double longest[count];  // length at the limit [m]
+  unsigned a[count];      // points, as place() has them: an address is one instruction
+  unsigned b[count];
+
+  /// Of a point's first number, in numbers.
+  static unsigned place(int point) { return 4 * static_cast<unsigned>(point); }
+  static int point(unsigned place) { return static_cast<int>(place / 4); }
 };
 
 /// How impulses act in a step of h [s]; see StrainLimit and Integrator.
@@ -28,21 +39,19 @@ struct LimitStep {
 };
 
 /// Directions in the middle of the step, and the rates of elongation allowed. Velocities and
-/// positions by point; theirs w are 0. `longest`: by spring, its length at the limit [m].
-void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const double* longest,
-                 std::size_t count, LimitedSpring* springs);
+/// positions by point.
+void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, std::size_t fours,
+                 FourSprings* springs);
 
-/// Gives the points their impulses. Here and below velocities are by point, w the inverse mass
-/// [1/kg].
-void pull_points(const LimitedSpring* springs, std::size_t count, Quad* velocities);
+/// Gives the points their impulses.
+void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);
 
 /// One pass of projected Gauss-Seidel, in the order given. Returns the largest change of a rate of
 /// elongation [m/s].
-double sweep_springs(LimitedSpring* springs, std::size_t count, Quad* velocities);
+double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities);
 
 /// Is any longer than `share` of its limit?
-bool any_longer(const LimitedSpring* springs, const double* longest, std::size_t count,
-                double share, const Quad* positions);
+bool any_longer(const FourSprings* springs, std::size_t fours, double share, const Quad* positions);
 
 /// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2), else 0; i in [0,
 /// count).

@@ -2,6 +2,7 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
@@ -13,8 +14,10 @@ namespace clothsim {
 /// at point i, omega_max^2 <= max_i 2 lambda_max(S_i) / m_i: Gershgorin's theorem on 3 x 3 blocks,
 /// which keeps the springs' directions that the scalar form, 2 max_i sum k / m_i, throws away.
 /// Compressed springs count without their (negative) second part, so the bound holds for them too.
-/// Where the bound is below `least`, `least` is returned: that costs no eigenvalue.
-double omega_max_bound(const Cloth&, const Points& positions, double least = 0);
+/// Where the bound is below `least`, `least` is returned: that costs no eigenvalue, and single
+/// precision mostly tells.
+double omega_max_bound(const Cloth&, const Points& positions, double least = 0,
+                       const Workers& = {});
 
 /// The same at any positions, by that scalar form: up to 48 % above it, and far cheaper.
 double omega_max_bound(const Cloth&);

@@ -37,20 +37,22 @@ class StrainLimit {
 
   /// Gives the points, after a step of h [s], the impulses of the last step along the directions
   /// of then. `reach`: the method's own, see Integrator.
-  void predict(const Cloth& cloth, double h, double reach, State&);
+  void predict(double h, double reach, State&);
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
+  /// Nothing may change the state between predict() and this.
   void begin(const Cloth& cloth, double reach, State&);
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
-  double sweep(const Cloth& cloth, Points& velocities, const Workers& = {});
+  double sweep(Points& velocities, const Workers& = {});
 
-  /// As many passes as it takes for the last to change no rate by more than `enough` [m] as a
-  /// displacement, at least `least` and at most `most`; then moves the points as the impulses since
-  /// predict() ask for. For where nothing but the limit acts on the cloth; nothing else may have
-  /// changed the state since begin(). Returns the passes taken.
-  int solve(double enough, int least, int most, State&, const Workers& = {});
+  /// begin(), and as many passes as it takes for the last to change no rate by more than `enough`
+  /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
+  /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. Returns
+  /// the passes taken.
+  int solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
+            const Workers& = {});
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_sweeps` passes. Returns the passes taken.
@@ -80,7 +82,8 @@ class StrainLimit {
     int a;
     int b;
     double rest_length;  // [m]
-    double inv_mass;     // of both ends together [1/kg]
+    double inv_mass_a;   // [1/kg]
+    double inv_mass_b;
     int colour;
   };
 
@@ -88,10 +91,15 @@ class StrainLimit {
   void flag_moved_longer_than(const Cloth& cloth, double stretch, const Points& positions);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
-  void find_active(const Cloth& cloth, const State&);
-  void add_active(int id, double impulse);
+  template <typename Visitor>
+  void for_each_active(Visitor&& visit) const;
+  void turn_impulses(const Cloth& cloth, double reach, State&);
+  bool find_active(const Cloth& cloth, const Points& positions);
+  void clear_active();
+  void add_active(int id, double impulse, const Vector3& direction);
+  void close_active();
+  int touch(int point);
   double sweep_active(const Workers&);
-  void load_points(const State&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
 
@@ -100,23 +108,27 @@ class StrainLimit {
   LimitStep step_{};                     // that the impulses belong to
   std::vector<Constraint> constraints_;  // in the order of cloth.springs
 
-  std::vector<LimitedSpring> active_;  // in the order of their sweeps, by colour
-  std::vector<int> colour_ends_;       // in active_
-  std::vector<int> ids_;               // of their constraints, as active_
-  std::vector<double> lengths_;        // at the limit [m], as active_
-  std::vector<int> touched_;           // points of active_
-  bool solved_alone_ = false;          // by solve() in this step
-  double moved_ = 0;                   // farthest that solve() has moved a point [m]
+  // The springs at their limit, in fours of one colour. Between add_active() and close_active()
+  // fours that are not full are not ready.
+  std::vector<FourSprings> active_;  // in the order of their sweeps
+  std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
+  std::vector<int> colour_ends_;     // in active_
+  std::vector<int> touched_;         // points of active_, which knows them by their places here
+  std::size_t num_active_ = 0;       // springs
+  int colour_ = -1;                  // of the last four
+  std::size_t lane_ = 0;             // of the last four that is free
+  bool solved_alone_ = false;        // by solve() in this step
+  double moved_ = 0;                 // farthest that solve() has moved a point [m]
 
-  // By point. Only what belongs to touched_ is looked at.
-  std::vector<Quad> positions_;   // w 0
-  std::vector<Quad> predicted_;   // velocities after predict(), w 0
-  std::vector<Quad> velocities_;  // w the inverse mass
-  std::vector<Quad> given_;       // velocities given by predict(); 0 where it gave none
-  std::vector<unsigned char> is_touched_;
+  // As touched_, and one more for springs that are none. All w are 0.
+  std::vector<Quad> positions_;
+  std::vector<Quad> predicted_;   // velocities after predict()
+  std::vector<Quad> velocities_;  // when solved
+  std::vector<Quad> given_;       // velocities given by predict()
+  std::vector<int> local_;        // places in touched_ by point; -1: in none
 
   // Scratch.
-  std::vector<double> across_;              // stiffness by point; all 0 between calls
+  std::vector<double> across_;              // stiffness, as touched_
   std::vector<double> kept_;                // impulses by constraint; all 0 between calls
   std::vector<unsigned char> flags_;        // by constraint, padded to whole words
   std::vector<unsigned char> has_moved_;    // by patch of points, in correct()
@@ -124,6 +136,7 @@ class StrainLimit {
   std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
   std::vector<int> last_ids_;
   std::vector<int> last_touched_;
+  std::vector<Quad> last_given_;                    // as last_touched_
   std::vector<int> second_colour_;                  // constraint ids of one direction
   std::array<std::vector<int>, num_colours> over_;  // constraint ids, of correct()
 };
@@ -138,6 +151,14 @@ void StrainLimit::for_each_flagged(Visitor&& visit) const {
     for (std::size_t id = word; id < word + 8; ++id) {
       if (flags_[id]) visit(static_cast<int>(id));
     }
+  }
+}
+
+template <typename Visitor>
+void StrainLimit::for_each_active(Visitor&& visit) const {
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i] < 0) continue;
+    visit(active_[i / FourSprings::count], i % FourSprings::count, ids_[i]);
   }
 }
 

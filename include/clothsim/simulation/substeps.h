@@ -4,6 +4,7 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
@@ -13,7 +14,8 @@ namespace clothsim {
 /// substeps_under_tension(), without a `tension` the most of it. A function of its arguments alone,
 /// so that a run goes on the same way from any state. At most max_substeps, whatever the material.
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<double> tension = {});
+                   double stability_limit, double dt, std::optional<double> tension = {},
+                   const Workers& = {});
 
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
