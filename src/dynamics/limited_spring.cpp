@@ -22,6 +22,8 @@ constexpr double most_turning = 0.005;
 /// Four numbers as the vector units see them.
 using Vector = double __attribute__((vector_size(32), may_alias));
 
+using LooseVector = double __attribute__((vector_size(32), aligned(8), may_alias));
+
 [[gnu::always_inline]] inline Vector& vector(Quad& q) { return reinterpret_cast<Vector&>(q); }
 [[gnu::always_inline]] inline const Vector& vector(const Quad& q) {
   return reinterpret_cast<const Vector&>(q);
@@ -31,6 +33,11 @@ using Vector = double __attribute__((vector_size(32), may_alias));
 }
 [[gnu::always_inline]] inline const Vector& vector(const double (&four)[4]) {
   return reinterpret_cast<const Vector&>(four);
+}
+
+/// The numbers of the four springs at `i`; `numbers` may begin anywhere.
+[[gnu::always_inline]] inline const LooseVector& four_at(const double* numbers, std::size_t i) {
+  return reinterpret_cast<const LooseVector&>(numbers[4 * i]);
 }
 
 /// A vector in space for each of four springs.
@@ -71,8 +78,8 @@ template <typename Point>
   four.z = __builtin_shufflevector(pq_xz, rs_xz, 2, 3, 6, 7);
 }
 
-/// Changes the ends' velocities by `impulse` over their masses, along the springs.
-[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& impulse,
+/// Changes the rates of elongation by -`kick`.
+[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& kick,
                                         const Ends<Quad>& ends) {
   const Vector zero = {};
   const Vector xy_02 = __builtin_shufflevector(vector(s.x), vector(s.y), 0, 4, 2, 6);
@@ -83,19 +90,19 @@ template <typename Point>
                               __builtin_shufflevector(xy_13, z_13, 0, 1, 4, 5),
                               __builtin_shufflevector(xy_02, z_02, 2, 3, 6, 7),
                               __builtin_shufflevector(xy_13, z_13, 2, 3, 6, 7)};
-  const Vector a_change = vector(s.inv_mass_a) * impulse;
-  const Vector b_change = vector(s.inv_mass_b) * impulse;
   for (int i = 0; i < 4; ++i) {
-    vector(*ends.a[i]) += a_change[i] * direction[i];
-    vector(*ends.b[i]) -= b_change[i] * direction[i];
+    const Vector both = kick[i] * direction[i];
+    const Vector of_a = s.share[i] * both;
+    vector(*ends.a[i]) += of_a;
+    vector(*ends.b[i]) -= both - of_a;
   }
 }
 
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, std::size_t fours,
-                 FourSprings* springs) {
+void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities,
+                 const double* longest, std::size_t fours, FourSprings* springs) {
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
   const double share = std::min(violation_rate * step.h, most_of_violation) / (1 + 3 * step.active);
@@ -119,7 +126,7 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     vector(s.x) = direction.x;
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
-    vector(s.impulse) = is_long ? vector(s.impulse) : zero;
+    vector(s.kick) = is_long ? vector(s.kick) : zero;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
     // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
@@ -129,7 +136,7 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     const Four across = {speed.x - along * direction.x, speed.y - along * direction.y,
                          speed.z - along * direction.z};
     set_dot(across, across, across2);
-    const Vector excess = length - vector(s.longest);
+    const Vector excess = length - four_at(longest, i);
     const Vector turning = (step.h / 2) * across2 * inverse;
     const Vector most = most_turning * rate * length;
     const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
@@ -141,7 +148,7 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
 CLOTHSIM_TARGET_CLONES
 void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities) {
   for (std::size_t i = 0; i < fours; ++i) {
-    give(springs[i], vector(springs[i].impulse), Ends(springs[i], velocities));
+    give(springs[i], vector(springs[i].kick), Ends(springs[i], velocities));
   }
 }
 
@@ -155,12 +162,11 @@ double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities) 
     gather_differences(ends, difference);
     Vector rate;
     set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
-    const Vector least = -vector(s.impulse);
-    const Vector wanted = (rate - vector(s.fastest)) * vector(s.mass);
+    const Vector least = -vector(s.kick);
+    const Vector wanted = rate - vector(s.fastest);
     const Vector change = least < wanted ? wanted : least;
-    vector(s.impulse) += change;
-    const Vector size =
-        (change < 0 ? -change : change) * (vector(s.inv_mass_a) + vector(s.inv_mass_b));
+    vector(s.kick) += change;
+    const Vector size = change < 0 ? -change : change;
     largest = largest < size ? size : largest;
     give(s, change, ends);
   }
@@ -168,7 +174,7 @@ double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities) 
 }
 
 CLOTHSIM_TARGET_CLONES
-bool any_longer(const FourSprings* springs, std::size_t fours, double share,
+bool any_longer(const FourSprings* springs, const double* longest, std::size_t fours, double share,
                 const Quad* positions) {
   auto any = Vector{} > 1;
   for (std::size_t i = 0; i < fours; ++i) {
@@ -177,7 +183,7 @@ bool any_longer(const FourSprings* springs, std::size_t fours, double share,
     gather_differences(Ends(s, positions), d);
     Vector length2;
     set_dot(d, d, length2);
-    const Vector allowed = share * vector(s.longest);
+    const Vector allowed = share * four_at(longest, i);
     any |= length2 > allowed * allowed;
   }
   return (any[0] | any[1] | any[2] | any[3]) != 0;

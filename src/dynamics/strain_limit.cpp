@@ -37,7 +37,9 @@ StrainLimit::StrainLimit(const Cloth& cloth)
     last = &run;
     // Springs of one offset share a point only where their first points differ by that offset.
     const int colour = 2 * direction + (a / run.offset) % 2;
-    constraints_.push_back({a, b, run.rest_length, cloth.inv_mass[a], cloth.inv_mass[b], colour});
+    const double inv_mass = cloth.inv_mass[a] + cloth.inv_mass[b];
+    const double mass = inv_mass > 0 ? 1 / inv_mass : 0;
+    constraints_.push_back({a, b, run.rest_length, mass, cloth.inv_mass[a] * mass, colour});
   });
   assert(2 * (direction + 1) <= num_colours);
 
@@ -48,37 +50,39 @@ StrainLimit::StrainLimit(const Cloth& cloth)
 }
 
 void StrainLimit::add_impulses(double scale, Points& sum) const {
-  for_each_active([&](const FourSprings& s, std::size_t k, int) {
-    const Vector3 impulse = scale * s.impulse[k] * Vector3(s.x[k], s.y[k], s.z[k]);
-    sum.row(touched_[index(FourSprings::point(s.a[k]))]) += impulse.transpose();
-    sum.row(touched_[index(FourSprings::point(s.b[k]))]) -= impulse.transpose();
+  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
+    const Constraint& c = constraints_[index(id)];
+    const Vector3 impulse = scale * c.mass * s.kick[k] * Vector3(s.x[k], s.y[k], s.z[k]);
+    sum.row(c.a) += impulse.transpose();
+    sum.row(c.b) -= impulse.transpose();
   });
 }
 
-double StrainLimit::tension_frequency(const Cloth& cloth) {
+double StrainLimit::tension_frequency() {
+  // omega^2 = sum T / (m l), with T h / m what an end takes of the kick.
   across_.assign(touched_.size() + 1, 0.0);
-  for (const FourSprings& s : active_) {
-    double across[FourSprings::count];
-    for (std::size_t k = 0; k < FourSprings::count; ++k) across[k] = s.impulse[k] / s.longest[k];
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
-      across_[index(FourSprings::point(s.a[k]))] += across[k];
-      across_[index(FourSprings::point(s.b[k]))] += across[k];
+      const double across = s.kick[k] / lengths_[FourSprings::count * i + k];
+      const double of_a = s.share[k] * across;
+      across_[index(FourSprings::point(s.a[k]))] += of_a;
+      across_[index(FourSprings::point(s.b[k]))] += across - of_a;
     }
   }
-  double omega2 = 0;
-  for (std::size_t i = 0; i < touched_.size(); ++i) {
-    omega2 = std::max(omega2, across_[i] * cloth.inv_mass[touched_[i]]);
-  }
-  return step_.h > 0 ? std::sqrt(omega2 / step_.h) : 0;
+  const double largest = *std::max_element(across_.begin(), across_.end());
+  return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
-  StrainLimit kept = std::move(last);
-  clear_active();
+  const StrainLimit kept = std::move(last);
+  reset();
   step_ = kept.step_;
   kept.for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    add_active(id, s.impulse[k], {s.x[k], s.y[k], s.z[k]});  // masses may be others
+    const double mass = constraints_[index(id)].mass;  // perhaps another one
+    const double scale = mass > 0 ? kept.constraints_[index(id)].mass / mass : 0;
+    add_active(id, scale * s.kick[k], {s.x[k], s.y[k], s.z[k]});
   });
   close_active();
 }
@@ -93,12 +97,12 @@ void StrainLimit::reset() {
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
   std::size_t pulling = 0;
-  for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.impulse[k] > 0; });
+  for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
   memory.add(static_cast<double>(pulling));
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.impulse[k] <= 0) return;
+    if (s.kick[k] <= 0) return;
     memory.add(id);
-    memory.add(s.impulse[k]);
+    memory.add(s.kick[k]);
     memory.add(Vector3(s.x[k], s.y[k], s.z[k]));
   });
 }
@@ -114,8 +118,8 @@ void StrainLimit::read(MemoryReader& memory) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
-    const double impulse = std::max(0.0, memory.number());
-    add_active(id, impulse, memory.vector());
+    const double kick = std::max(0.0, memory.number());
+    add_active(id, kick, memory.vector());
   }
   close_active();
 }
@@ -124,7 +128,7 @@ void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
   step_ = {h, reach, 0};
   for (FourSprings& s : active_) {
-    for (double& impulse : s.impulse) impulse *= scale;
+    for (double& kick : s.kick) kick *= scale;
   }
 
   std::fill(given_.begin(), given_.end(), Quad{});
@@ -171,7 +175,8 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state) 
     }
   }
   step_.active = static_cast<double>(num_active_) / static_cast<double>(constraints_.size());
-  aim_springs(step_, positions_.data(), predicted_.data(), active_.size(), active_.data());
+  aim_springs(step_, positions_.data(), predicted_.data(), lengths_.data(), active_.size(),
+              active_.data());
   pull_points(active_.data(), active_.size(), velocities_.data());
 }
 
@@ -180,13 +185,13 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state) 
 bool StrainLimit::find_active(const Cloth& cloth, const Points& positions) {
   flag_longer_than(cloth, longest_, positions);
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.impulse[k] > 0) flags_[index(id)] = 1;
+    if (s.kick[k] > 0) flags_[index(id)] = 1;
   });
   if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
 
   for_each_active(
-      [&](const FourSprings& s, std::size_t k, int id) { kept_[index(id)] = s.impulse[k]; });
+      [&](const FourSprings& s, std::size_t k, int id) { kept_[index(id)] = s.kick[k]; });
   last_touched_ = touched_;
   last_given_.swap(given_);
   last_ids_ = ids_;
@@ -199,7 +204,7 @@ bool StrainLimit::find_active(const Cloth& cloth, const Points& positions) {
   int direction = 0;
   for_each_flagged([&](int id) {
     const Constraint& c = constraints_[index(id)];
-    if (c.inv_mass_a + c.inv_mass_b == 0) return;  // between two pins
+    if (c.mass == 0) return;  // between two pins
     if (c.colour / 2 != direction) add_second_colour();
     direction = c.colour / 2;
     if (c.colour % 2 == 1) {
@@ -221,18 +226,20 @@ void StrainLimit::clear_active() {
   touched_.clear();
   active_.clear();
   ids_.clear();
+  lengths_.clear();
   colour_ends_.clear();
   num_active_ = 0;
 }
 
 /// To be called in the order of colours.
-void StrainLimit::add_active(int id, double impulse, const Vector3& direction) {
+void StrainLimit::add_active(int id, double kick, const Vector3& direction) {
   const Constraint& c = constraints_[index(id)];
   const bool new_colour = active_.empty() || c.colour != colour_;
   if (new_colour || lane_ == FourSprings::count) {
     if (new_colour && !active_.empty()) colour_ends_.push_back(static_cast<int>(active_.size()));
     active_.push_back({});
     ids_.insert(ids_.end(), FourSprings::count, -1);
+    lengths_.insert(lengths_.end(), FourSprings::count, 1.0);
     colour_ = c.colour;
     lane_ = 0;
   }
@@ -240,14 +247,13 @@ void StrainLimit::add_active(int id, double impulse, const Vector3& direction) {
   s.x[lane_] = direction.x();
   s.y[lane_] = direction.y();
   s.z[lane_] = direction.z();
-  s.impulse[lane_] = impulse;
-  s.mass[lane_] = 1 / (c.inv_mass_a + c.inv_mass_b);
-  s.inv_mass_a[lane_] = c.inv_mass_a;
-  s.inv_mass_b[lane_] = c.inv_mass_b;
-  s.longest[lane_] = longest_ * c.rest_length;
+  s.kick[lane_] = kick;
+  s.share[lane_] = c.share;
   s.a[lane_] = FourSprings::place(touch(c.a));
   s.b[lane_] = FourSprings::place(touch(c.b));
-  ids_[ids_.size() - FourSprings::count + lane_] = id;
+  const std::size_t place = ids_.size() - FourSprings::count + lane_;
+  ids_[place] = id;
+  lengths_[place] = longest_ * c.rest_length;
   ++lane_;
   ++num_active_;
 }
@@ -270,7 +276,6 @@ void StrainLimit::close_active() {
     FourSprings& s = active_[i / FourSprings::count];
     const std::size_t lane = i % FourSprings::count;
     s.a[lane] = s.b[lane] = FourSprings::place(static_cast<int>(nobody));
-    s.longest[lane] = 1;
   }
   for (std::vector<Quad>* quads : {&positions_, &predicted_, &velocities_, &given_}) {
     quads->resize(nobody + 1);

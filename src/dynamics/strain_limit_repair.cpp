@@ -37,7 +37,8 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 /// are longer by what their ends have moved at most.
 bool StrainLimit::holds(double tolerance) const {
   return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
-         !any_longer(active_.data(), active_.size(), 1 + tolerance / longest_, positions_.data());
+         !any_longer(active_.data(), lengths_.data(), active_.size(), 1 + tolerance / longest_,
+                     positions_.data());
 }
 
 int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions) {
@@ -56,7 +57,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
     bool any = false;
     for_each_flagged([&](int id) {
       const Constraint& c = constraints_[index(id)];
-      if (c.inv_mass_a + c.inv_mass_b == 0) return;
+      if (c.mass == 0) return;
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       if (d.norm() > beyond_repair * longest_ * c.rest_length) return;
       over_[index(c.colour)].push_back(id);
@@ -74,8 +75,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
           if (length <= (longest_ + tolerance) * c.rest_length) continue;
           if (length > beyond_repair * longest_ * c.rest_length) continue;
           const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
-          const double inv_mass = c.inv_mass_a + c.inv_mass_b;
-          pull_together(cloth, c.a, c.b, excess / (inv_mass * length) * d, positions);
+          pull_together(cloth, c.a, c.b, c.mass * excess / length * d, positions);
           has_moved_[index(c.a / patch)] = has_moved_[index(c.b / patch)] = 1;
           moved = true;
         }

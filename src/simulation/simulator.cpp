@@ -200,7 +200,7 @@ std::optional<double> Simulator::Impl::tension() {
   const bool follows = strain_limit && !scene.simulation.substeps && !touches &&
                        std::isfinite(method->stability_limit());
   if (!follows) return {};
-  return strain_limit->tension_frequency(cloth);
+  return strain_limit->tension_frequency();
 }
 
 double Simulator::Impl::contact_speed(double dt) const {

@@ -11,19 +11,16 @@ struct alignas(32) Quad {
 };
 
 /// Four springs at their strain limit, no two of which share a point, number by number: kernels
-/// take all four at once. Where there are fewer, the rest are zero, between a point that nothing
-/// else touches and itself.
+/// take all four at once, and those of a few hundred stay in the nearest cache. Where there are
+/// fewer, the rest are zero, between a point that nothing else touches and itself.
 struct alignas(32) FourSprings {
   static constexpr std::size_t count = 4;
 
   double x[count], y[count], z[count];  // direction from a to b; 0 where there is none
-  double impulse[count];                // [N s], >= 0
+  double kick[count];                   // impulse over the reduced mass of both ends [m/s], >= 0
   double fastest[count];                // largest rate of elongation allowed [m/s]
-  double mass[count];                   // reduced, of both ends [kg]
-  double inv_mass_a[count];             // [1/kg]
-  double inv_mass_b[count];
-  double longest[count];  // length at the limit [m]
-  unsigned a[count];      // points, as place() has them: an address is one instruction
+  double share[count];                  // of a kick that a takes
+  unsigned a[count];  // points, as place() has them: an address is one instruction
   unsigned b[count];
 
   /// Of a point's first number, in numbers.
@@ -39,9 +36,9 @@ struct LimitStep {
 };
 
 /// Directions in the middle of the step, and the rates of elongation allowed. Velocities and
-/// positions by point.
-void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, std::size_t fours,
-                 FourSprings* springs);
+/// positions by point; `longest`: by spring, its length at the limit [m].
+void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const double* longest,
+                 std::size_t fours, FourSprings* springs);
 
 /// Gives the points their impulses.
 void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);
@@ -51,7 +48,8 @@ void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities
 double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities);
 
 /// Is any longer than `share` of its limit?
-bool any_longer(const FourSprings* springs, std::size_t fours, double share, const Quad* positions);
+bool any_longer(const FourSprings* springs, const double* longest, std::size_t fours, double share,
+                const Quad* positions);
 
 /// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2), else 0; i in [0,
 /// count).

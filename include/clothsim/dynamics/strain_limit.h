@@ -60,7 +60,7 @@ class StrainLimit {
 
   /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
-  double tension_frequency(const Cloth& cloth);
+  double tension_frequency();
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -82,8 +82,8 @@ class StrainLimit {
     int a;
     int b;
     double rest_length;  // [m]
-    double inv_mass_a;   // [1/kg]
-    double inv_mass_b;
+    double mass;         // reduced, of both ends [kg]; 0 between two pins
+    double share;        // of a change of the rate of elongation that a takes
     int colour;
   };
 
@@ -96,7 +96,7 @@ class StrainLimit {
   void turn_impulses(const Cloth& cloth, double reach, State&);
   bool find_active(const Cloth& cloth, const Points& positions);
   void clear_active();
-  void add_active(int id, double impulse, const Vector3& direction);
+  void add_active(int id, double kick, const Vector3& direction);
   void close_active();
   int touch(int point);
   double sweep_active(const Workers&);
@@ -112,6 +112,7 @@ class StrainLimit {
   // fours that are not full are not ready.
   std::vector<FourSprings> active_;  // in the order of their sweeps
   std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
+  std::vector<double> lengths_;      // at the limit [m], as ids_
   std::vector<int> colour_ends_;     // in active_
   std::vector<int> touched_;         // points of active_, which knows them by their places here
   std::size_t num_active_ = 0;       // springs
@@ -128,8 +129,8 @@ class StrainLimit {
   std::vector<int> local_;        // places in touched_ by point; -1: in none
 
   // Scratch.
-  std::vector<double> across_;              // stiffness, as touched_
-  std::vector<double> kept_;                // impulses by constraint; all 0 between calls
+  std::vector<double> across_;              // rates, as touched_
+  std::vector<double> kept_;                // kicks by constraint; all 0 between calls
   std::vector<unsigned char> flags_;        // by constraint, padded to whole words
   std::vector<unsigned char> has_moved_;    // by patch of points, in correct()
   std::vector<unsigned char> over_length_;  // by first point, of one direction
