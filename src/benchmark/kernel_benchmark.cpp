@@ -98,14 +98,23 @@ void forces(benchmark::State& run) {
 }
 
 // Integration reads positions and velocities twice, writes them and the middle of the step, and
-// takes 8 operations a coordinate.
-void forces_and_integration(benchmark::State& run) {
+// takes 8 operations a coordinate. In single precision springs' forces have half the bytes.
+void integration(benchmark::State& run, VelocityVerlet::Parameters::Precision precision) {
   Setup setup(run);
-  VelocityVerlet method;
+  VelocityVerlet method(VelocityVerlet::Parameters{precision});
   const double numbers = 3.0 * setup.cloth.num_points();
-  against_plain(run, setup, force_operations(setup.cloth) + 8 * numbers,
-                force_bytes(setup.cloth) + 8 * 7 * numbers,
+  const bool is_single = precision == VelocityVerlet::Parameters::single_precision;
+  const double bytes = force_bytes(setup.cloth) / (is_single ? 2 : 1);
+  against_plain(run, setup, force_operations(setup.cloth) + 8 * numbers, bytes + 8 * 7 * numbers,
                 [&] { method.step(setup.cloth, Loads(), h, setup.state); });
+}
+
+void forces_and_integration(benchmark::State& run) {
+  integration(run, VelocityVerlet::Parameters::double_precision);
+}
+
+void forces_and_integration_single(benchmark::State& run) {
+  integration(run, VelocityVerlet::Parameters::single_precision);
 }
 
 /// Wall time of forces and integration with one thread and, in turn, with two: the least of each,
@@ -141,6 +150,11 @@ void two_threads(benchmark::State& run) {
 BENCHMARK(two_threads)->Arg(50)->Arg(100)->Arg(200)->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(forces)->Arg(50)->Arg(200)->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(forces_and_integration)
+    ->Arg(50)
+    ->Arg(200)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(forces_and_integration_single)
     ->Arg(50)
     ->Arg(200)
     ->UseManualTime()

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <memory>
+#include <type_traits>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/target_clones.h"
@@ -20,76 +21,118 @@ constexpr int block = 2560;
 constexpr int most = 6;
 
 /// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force. It
-/// changes no length above 1e-142 m.
-constexpr double least_length2 = 1e-300;
+/// changes no length above 1e-142 m, in single precision above 1e-11 m.
+template <typename Real>
+constexpr Real least_length2 = 1e-300;
+template <>
+constexpr float least_length2<float> = 1e-30F;
 
 /// Where points begin in each coordinate's column.
+template <typename Real>
 struct Columns {
-  const double* x;
-  const double* y;
-  const double* z;
+  const Real* x;
+  const Real* y;
+  const Real* z;
 };
 
 /// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
 /// division take twice as long as all the rest: a start of few bits with Newton's method, or of
 /// single precision with Halley's, takes longer, since it needs the units that do the rest.
-CLOTHSIM_TARGET_CLONES
-void pull(Columns p, int offset, int count, double rest_length, double stiffness,
-          double* __restrict fx, double* __restrict fy, double* __restrict fz) {
+template <typename Real>
+[[gnu::always_inline]] inline void pull_of(Columns<Real> p, int offset, int count,
+                                           double rest_length, double stiffness,
+                                           Real* __restrict fx, Real* __restrict fy,
+                                           Real* __restrict fz) {
+  const auto k = static_cast<Real>(stiffness);
+  const auto tension = static_cast<Real>(stiffness * rest_length);
   for (int i = 0; i < count; ++i) {
-    const double dx = p.x[i + offset] - p.x[i];
-    const double dy = p.y[i + offset] - p.y[i];
-    const double dz = p.z[i + offset] - p.z[i];
-    const double length = std::sqrt(dx * dx + dy * dy + dz * dz + least_length2);
-    const double s = stiffness - stiffness * rest_length / length;
+    const Real dx = p.x[i + offset] - p.x[i];
+    const Real dy = p.y[i + offset] - p.y[i];
+    const Real dz = p.z[i + offset] - p.z[i];
+    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
+    const Real s = k - tension / length;
     fx[i] = s * dx;
     fy[i] = s * dy;
     fz[i] = s * dz;
   }
 }
 
-/// Adds to a weight m g the first `n` of `force`, less what they are `offset` points before.
-template <int n>
-[[gnu::always_inline]] inline void sum_of(double g, const double* __restrict m,
-                                          const double* const* force, const int* offset, int count,
-                                          double* __restrict total) {
+CLOTHSIM_TARGET_CLONES
+void pull(Columns<double> p, int offset, int count, double rest_length, double stiffness,
+          double* fx, double* fy, double* fz) {
+  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
+}
+CLOTHSIM_TARGET_CLONES
+void pull(Columns<float> p, int offset, int count, double rest_length, double stiffness, float* fx,
+          float* fy, float* fz) {
+  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
+}
+
+CLOTHSIM_TARGET_CLONES
+void narrow(const double* x, double origin, int count, float* __restrict to) {
+  for (int i = 0; i < count; ++i) to[i] = static_cast<float>(x[i] - origin);
+}
+
+/// Adds to start * g the first `n` of `force`, less what they are `offset` points before.
+template <int n, typename Real, typename Start>
+[[gnu::always_inline]] inline void sum_of(double g, const Start* start, const Real* const* force,
+                                          const int* offset, int count, Real* __restrict total) {
+  const auto factor = static_cast<Start>(g);
   for (int i = 0; i < count; ++i) {
-    double sum = m[i] * g;
+    auto sum = static_cast<Real>(start[i] * factor);
     for (int d = 0; d < n; ++d) sum += force[d][i] - force[d][i - offset[d]];
     total[i] = sum;
   }
 }
 
-CLOTHSIM_TARGET_CLONES
-void sum_up_to_six(int n, double g, const double* m, const double* const* force, const int* offset,
-                   int count, double* total) {
+template <typename Real, typename Start>
+[[gnu::always_inline]] inline void sum_up_to_six_of(int n, double g, const Start* start,
+                                                    const Real* const* force, const int* offset,
+                                                    int count, Real* __restrict total) {
   switch (n) {
     case 0:
-      return sum_of<0>(g, m, force, offset, count, total);
+      return sum_of<0>(g, start, force, offset, count, total);
     case 1:
-      return sum_of<1>(g, m, force, offset, count, total);
+      return sum_of<1>(g, start, force, offset, count, total);
     case 2:
-      return sum_of<2>(g, m, force, offset, count, total);
+      return sum_of<2>(g, start, force, offset, count, total);
     case 3:
-      return sum_of<3>(g, m, force, offset, count, total);
+      return sum_of<3>(g, start, force, offset, count, total);
     case 4:
-      return sum_of<4>(g, m, force, offset, count, total);
+      return sum_of<4>(g, start, force, offset, count, total);
     case 5:
-      return sum_of<5>(g, m, force, offset, count, total);
+      return sum_of<5>(g, start, force, offset, count, total);
     default:
-      return sum_of<most>(g, m, force, offset, count, total);
+      return sum_of<most>(g, start, force, offset, count, total);
   }
+}
+
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const double* start, const double* const* force,
+                   const int* offset, int count, double* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
+}
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const double* start, const float* const* force,
+                   const int* offset, int count, float* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
+}
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const float* start, const float* const* force,
+                   const int* offset, int count, float* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
 }
 
 int end_of(const SpringRun& run) { return run.first + run.count; }
 
 /// Clears what stands between runs, one point after the other: they are two or three mostly, too
 /// few for a call of memset. `force` begins at point `first`.
+template <typename Real>
 [[gnu::optimize("no-tree-loop-distribute-patterns", "no-tree-vectorize")]] void clear_gaps(
-    const SpringRun* run, const SpringRun* end, int first, int to, double* const force[3]) {
-  double* const x = force[0];
-  double* const y = force[1];
-  double* const z = force[2];
+    const SpringRun* run, const SpringRun* end, int first, int to, Real* const force[3]) {
+  Real* const x = force[0];
+  Real* const y = force[1];
+  Real* const z = force[2];
   for (; run + 1 != end && end_of(*run) < to; ++run) {
     const int next = std::min((run + 1)->first, to);
     for (int i = std::max(end_of(*run), first); i < next; ++i) {
@@ -98,50 +141,78 @@ int end_of(const SpringRun& run) { return run.first + run.count; }
   }
 }
 
-/// Numbers in a line of the caches. Stores that begin at one are twice as fast as those across two.
-constexpr int line = 8;
+/// Bytes in a line of the caches. Stores that begin at one are twice as fast as those across two.
+constexpr std::size_t line = 64;
 
-int padded(int count) { return (count + line - 1) / line * line; }
+template <typename Real>
+int padded(int count) {
+  constexpr int numbers = line / sizeof(Real);
+  return (count + numbers - 1) / numbers * numbers;
+}
 
 }  // namespace
 
-ForceBlocks::ForceBlocks(const Cloth& cloth, const Loads& loads, const Points& positions, int begin,
-                         int end)
+template <typename Real>
+ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Points& positions,
+                               int begin, int end)
     : cloth_(cloth), loads_(loads), positions_(positions), first_(begin), end_(end) {
   group();
+  take_points();
 
-  const int kept = padded(std::min(block, end - begin));
-  Eigen::Index size = line;
-  for (const Direction& d : directions_) size += 3 * (padded(d.run->offset) + kept);
+  const int kept = padded<Real>(std::min(block, end - begin));
+  Eigen::Index size = line / sizeof(Real);
+  for (const Direction& d : directions_) size += 3 * (padded<Real>(d.run->offset) + kept);
   buffer_.resize(size);
 
   // What springs of the points before `begin` pull.
   void* aligned = buffer_.data();
-  std::size_t bytes = static_cast<std::size_t>(size) * sizeof(double);
-  double* free =
-      static_cast<double*>(std::align(line * sizeof(double), sizeof(double), aligned, bytes));
+  std::size_t bytes = static_cast<std::size_t>(size) * sizeof(Real);
+  Real* free = static_cast<Real*>(std::align(line, sizeof(Real), aligned, bytes));
   for (Direction& d : directions_) {
     const int offset = d.run->offset;
-    for (double*& force : d.force) {
-      force = free + padded(offset);
+    for (Real*& force : d.force) {
+      force = free + padded<Real>(offset);
       free = force + kept;
     }
-    double* const before[3] = {d.force[0] - offset, d.force[1] - offset, d.force[2] - offset};
+    Real* const before[3] = {d.force[0] - offset, d.force[1] - offset, d.force[2] - offset};
     fill(d, begin - offset, offset, before);
   }
 }
 
-void ForceBlocks::group() {
+template <typename Real>
+void ForceBlocks<Real>::group() {
   directions_.reserve(most);
   for_each_band(cloth_, [&](const SpringBand& band) {
     if (band.begin->stiffness != 0) directions_.push_back({band.begin, band.end, {}});
   });
 }
 
-void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3]) const {
+/// Positions as Real. Single precision counts from a point of the cloth: far from the origin of
+/// space it would see too little of it.
+template <typename Real>
+void ForceBlocks<Real>::take_points() {
+  if constexpr (std::is_same_v<Real, double>) {
+    for (int axis = 0; axis < 3; ++axis) points_[axis] = &positions_(0, axis);
+  } else {
+    int farthest = 0;
+    for (const Direction& d : directions_) farthest = std::max(farthest, d.run->offset);
+    const int n = cloth_.num_points();
+    const int from = std::max(0, first_ - farthest);
+    const int count = std::min(n, end_ + farthest) - from;
+    narrowed_.resize(3 * count);
+    for (int axis = 0; axis < 3; ++axis) {
+      Real* const column = narrowed_.data() + axis * count;
+      narrow(&positions_(from, axis), positions_(n / 2, axis), count, column);
+      points_[axis] = column - from;
+    }
+  }
+}
+
+template <typename Real>
+void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
   const auto clear = [&](int from, int to) {
     for (int axis = 0; axis < 3; ++axis) {
-      std::fill(force[axis] + (from - first), force[axis] + (to - first), 0.0);
+      std::fill(force[axis] + (from - first), force[axis] + (to - first), Real{0});
     }
   };
   const int end = first + count;
@@ -152,7 +223,7 @@ void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3
   clear(first, from);
   if (from < to) {
     const int skip = from - first;
-    pull({&positions_(from, 0), &positions_(from, 1), &positions_(from, 2)}, d.run->offset,
+    pull(Columns<Real>{points_[0] + from, points_[1] + from, points_[2] + from}, d.run->offset,
          to - from, d.run->rest_length, d.run->stiffness, force[0] + skip, force[1] + skip,
          force[2] + skip);
   }
@@ -161,7 +232,8 @@ void ForceBlocks::fill(Direction& d, int first, int count, double* const force[3
   clear_gaps(d.run, d.end, first, to, force);
 }
 
-bool ForceBlocks::next() {
+template <typename Real>
+bool ForceBlocks<Real>::next() {
   first_ += count_;
   if (first_ >= end_) return false;
   if (count_ > 0) keep_history();
@@ -170,33 +242,41 @@ bool ForceBlocks::next() {
   return true;
 }
 
-void ForceBlocks::keep_history() {
+template <typename Real>
+void ForceBlocks<Real>::keep_history() {
   for (Direction& d : directions_) {
     const int offset = d.run->offset;
-    for (double* force : d.force) {
+    for (Real* force : d.force) {
       std::memmove(force - offset, force + count_ - offset,
-                   static_cast<std::size_t>(offset) * sizeof(double));
+                   static_cast<std::size_t>(offset) * sizeof(Real));
     }
   }
 }
 
-void ForceBlocks::sum(int axis, double* forces) const {
-  const double* force[most];
+template <typename Real>
+void ForceBlocks<Real>::sum(int axis, Real* forces) const {
+  const Real* force[most];
   int offset[most];
   int n = 0;
-  double g = loads_.gravity[axis];
-  const double* start = &cloth_.mass[first_];
-  for (const Direction& d : directions_) {
-    if (n == most) {  // what is summed so far is the start of the rest
-      sum_up_to_six(n, g, start, force, offset, count_, forces);
-      g = 1;
-      start = forces;
-      n = 0;
+  bool has_begun = false;
+  const auto add = [&] {
+    if (has_begun) {  // what is summed so far is the start of the rest
+      sum_up_to_six(n, 1, forces, force, offset, count_, forces);
+    } else {
+      sum_up_to_six(n, loads_.gravity[axis], &cloth_.mass[first_], force, offset, count_, forces);
     }
+    has_begun = true;
+    n = 0;
+  };
+  for (const Direction& d : directions_) {
+    if (n == most) add();
     force[n] = d.force[axis];
     offset[n++] = d.run->offset;
   }
-  sum_up_to_six(n, g, start, force, offset, count_, forces);
+  if (n > 0 || !has_begun) add();
 }
+
+template class ForceBlocks<double>;
+template class ForceBlocks<float>;
 
 }  // namespace clothsim

@@ -8,7 +8,7 @@ void compute_forces(const Cloth& cloth, const Loads& loads, const Points& positi
                     const Workers& workers) {
   forces.resize(cloth.num_points(), 3);
   workers.share(cloth.num_points(), [&](int begin, int end) {
-    for (ForceBlocks blocks(cloth, loads, positions, begin, end); blocks.next();) {
+    for (ForceBlocks<double> blocks(cloth, loads, positions, begin, end); blocks.next();) {
       for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &forces(blocks.first(), axis));
     }
   });

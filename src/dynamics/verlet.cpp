@@ -29,9 +29,11 @@ void drift(int count, double t, double distance, const double* inv_mass, Columns
 }
 
 /// What that drift does to velocities, v *= exp(-c t), the kick v += h f / m, the second drift.
-CLOTHSIM_TARGET_CLONES
-void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
-                    const double* f, const double* middle, double* x, double* v) {
+template <typename Real>
+[[gnu::always_inline]] inline void kick_and_drift_by(int count, double h, double distance,
+                                                     double decay, const double* inv_mass,
+                                                     const Real* f, const double* middle, double* x,
+                                                     double* v) {
 #pragma GCC ivdep  // x may be `middle`, nothing else overlaps
   for (int i = 0; i < count; ++i) {
     const bool free = inv_mass[i] > 0;
@@ -40,6 +42,17 @@ void kick_and_drift(int count, double h, double distance, double decay, const do
     x[i] = middle[i] + (free ? distance : h / 2) * kicked;
     v[i] = loss * kicked;
   }
+}
+
+CLOTHSIM_TARGET_CLONES
+void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
+                    const double* f, const double* middle, double* x, double* v) {
+  kick_and_drift_by(count, h, distance, decay, inv_mass, f, middle, x, v);
+}
+CLOTHSIM_TARGET_CLONES
+void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
+                    const float* f, const double* middle, double* x, double* v) {
+  kick_and_drift_by(count, h, distance, decay, inv_mass, f, middle, x, v);
 }
 
 }  // namespace
@@ -51,23 +64,34 @@ double VelocityVerlet::reach(double damping, double h) {
 
 void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                           const Workers& workers) {
+  if (parameters_.precision == Parameters::single_precision) {
+    step_by(single_forces_, cloth, loads, h, state, workers);
+  } else {
+    step_by(forces_, cloth, loads, h, state, workers);
+  }
+}
+
+template <typename Forces>
+void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& loads, double h,
+                             State& state, const Workers& workers) {
+  using Real = typename Forces::Scalar;
   const Drag drag(cloth.damping, h / 2);
   const int n = cloth.num_points();
   // In the middle of the step. What a band needs of the next one must stay until it is done: where
   // there is but one band, points move in place, which saves a third of the caches' traffic.
   Points& middle = workers.threads() == 1 ? state.positions : middle_;
   middle.resize(n, 3);
-  forces_.resize(n);
+  forces.resize(n);
 
   workers.share(n, [&](int begin, int end) {
     drift(end - begin, h / 2, drag.distance, &cloth.inv_mass[begin], {state.velocities, begin},
           {state.positions, begin}, {middle, begin});
   });
   workers.share(n, [&](int begin, int end) {
-    for (ForceBlocks blocks(cloth, loads, middle, begin, end); blocks.next();) {
+    for (ForceBlocks<Real> blocks(cloth, loads, middle, begin, end); blocks.next();) {
       const int i = blocks.first();
       for (int axis = 0; axis < 3; ++axis) {
-        double* f = &forces_[i];  // of this axis
+        Real* f = &forces[i];  // of this axis
         blocks.sum(axis, f);
         kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
                        &middle(i, axis), &state.positions(i, axis), &state.velocities(i, axis));

@@ -165,6 +165,14 @@ void read_substeps(const YAML::Node& node, std::optional<int>& substeps) {
   }
 }
 
+using clothsim::into;
+ReadValue into(VelocityVerlet::Parameters::Precision& target) {
+  return [&target](const YAML::Node& node) {
+    const int choice = read_choice(node, {"double", "single"});
+    target = static_cast<VelocityVerlet::Parameters::Precision>(choice);
+  };
+}
+
 /// The parameters of `method` from a map of them.
 MethodParameters read_method_parameters(const std::string& method, const YAML::Node& node) {
   MethodParameters parameters = default_parameters(method);

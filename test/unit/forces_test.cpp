@@ -102,11 +102,42 @@ TEST(Forces, HaveTheSameBitsWhereverBlocksBegin) {
   for (const int split : {1, 66, 67, 68, 133, 134, 135, 2559, 2560, 2561, n - 1}) {
     Points parts = Points::Constant(n, 3, 7);
     for (const auto& [begin, end] : {std::pair(split, n), std::pair(0, split)}) {
-      for (ForceBlocks blocks(cloth, loads, x, begin, end); blocks.next();) {
+      for (ForceBlocks<double> blocks(cloth, loads, x, begin, end); blocks.next();) {
         for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &parts(blocks.first(), axis));
       }
     }
     EXPECT_EQ(parts, whole) << "split at " << split;
+  }
+}
+
+TEST(Forces, InSinglePrecisionAreOffByItsRoundings) {
+  // Far from the origin too: positions count from the cloth.
+  const Loads loads{Vector3(1, -2, 3)};
+  const Cloth cloth = make_grid(grid_spec(67, 80));
+  const int n = cloth.num_points();
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1000, -2000, 500)}) {
+    const Points x = shaken(cloth, 0.3, 4).rowwise() + place.transpose();
+    Points expected;
+    compute_forces(cloth, loads, x, expected);
+    const double extent = (x.colwise().maxCoeff() - x.colwise().minCoeff()).maxCoeff();
+    const double stiffness = cloth.springs.front().stiffness;
+    for (const int split : {0, 68, 2561}) {
+      for (const auto& [begin, end] : {std::pair(0, split), std::pair(split, n)}) {
+        for (ForceBlocks<float> blocks(cloth, loads, x, begin, end); blocks.next();) {
+          for (int axis = 0; axis < 3; ++axis) {
+            Eigen::VectorXf f(blocks.count());
+            blocks.sum(axis, f.data());
+            const double off =
+                (f.cast<double>() - expected.col(axis).segment(blocks.first(), blocks.count()))
+                    .cwiseAbs()
+                    .maxCoeff();
+            // Twelve springs, each by a rounding of its ends' places and of its factor.
+            EXPECT_LT(off, 12 * 4 * 6e-8 * stiffness * extent) << split;
+            EXPECT_GT(off, 0);
+          }
+        }
+      }
+    }
   }
 }
 

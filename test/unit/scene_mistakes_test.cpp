@@ -103,9 +103,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "simulation.method_parameters.tolerance: got tight, expected a finite number"},
         Mistake{"simulation={method: bdf2, method_parameters: {tolerance: 2}}",
                 "simulation.method_parameters.tolerance: got 2, expected a number of at most 1"},
-        Mistake{"simulation={method: verlet, method_parameters: {iterations: 3}}",
-                "simulation.method_parameters: got parameters, expected none: method verlet has no "
+        Mistake{"simulation={method: rk4, method_parameters: {iterations: 3}}",
+                "simulation.method_parameters: got parameters, expected none: method rk4 has no "
                 "parameters"},
+        Mistake{"simulation={method: verlet, method_parameters: {iterations: 3}}",
+                "simulation.method_parameters.iterations: got an unknown key, expected one of "
+                "precision"},
+        Mistake{"simulation={method: verlet, method_parameters: {precision: half}}",
+                "simulation.method_parameters.precision: got half, expected one of double, single"},
+        Mistake{"simulation={method: verlet, method_parameters: {precision: 32}}",
+                "simulation.method_parameters.precision: got 32, expected one of double, single"},
         Mistake{"simulation={method: auto, method_parameters: {iterations: 3}}",
                 "simulation.method_parameters: got parameters, expected none with method auto, "
                 "which chooses a method and its parameters"},

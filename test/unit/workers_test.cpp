@@ -119,6 +119,30 @@ TEST_P(MethodThreadBits, AreTheSame) {
   }
 }
 
+/// Verlet's other precision, likewise; and it keeps pins, the strain limit and contact.
+TEST(ThreadBits, AreTheSameInSinglePrecision) {
+  using Parameters = VelocityVerlet::Parameters;
+  for (const char* name : {"pinned2", "sphere", "self_collision"}) {
+    Scene scene = shipped_scene(name);
+    scene.simulation.method = VelocityVerlet::name;
+    const auto run_with = [&](Parameters::Precision precision, int threads) {
+      scene.simulation.method_parameters = Parameters{precision};
+      scene.simulation.threads = threads;
+      Simulator simulator(scene);
+      for (int frame = 0; frame < 20; ++frame) {
+        EXPECT_LT(simulator.step().worst_stretch, 0.1041) << name;
+      }
+      return simulator.state();
+    };
+    const State one = run_with(Parameters::single_precision, 1);
+    EXPECT_EQ(one.positions, run_with(Parameters::single_precision, 3).positions) << name;
+    const double off =
+        (one.positions - run_with(Parameters::double_precision, 1).positions).cwiseAbs().maxCoeff();
+    EXPECT_GT(off, 0) << name;
+    EXPECT_LT(off, 1e-4) << name;
+  }
+}
+
 /// All springs over their limit: thousands of each colour.
 TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
   ClothSpec spec;

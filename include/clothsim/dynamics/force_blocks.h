@@ -8,7 +8,7 @@ namespace clothsim {
 
 /// Gravity and spring forces on points [begin, end) of a cloth, a block of points at a time:
 ///
-///   for (ForceBlocks blocks(cloth, loads, positions, begin, end); blocks.next();) {
+///   for (ForceBlocks<double> blocks(cloth, loads, positions, begin, end); blocks.next();) {
 ///     blocks.sum(axis, f);  // f[i] acts on point blocks.first() + i, i < blocks.count()
 ///   }
 ///
@@ -16,6 +16,10 @@ namespace clothsim {
 /// none are cleared, and each point sums what pulls it from both sides: no force is added to memory
 /// twice, and what a block needs of earlier ones stays in the nearest caches. A point's force is
 /// the same to the last bit wherever blocks begin and end.
+///
+/// `Real`: double, or float. Then springs are computed and summed in single precision, twice as
+/// many at once.
+template <typename Real>
 class ForceBlocks {
  public:
   /// All three must outlive this. `positions`: N x 3 [m].
@@ -28,18 +32,19 @@ class ForceBlocks {
   int count() const { return count_; }
 
   /// Writes the forces [N] on the block's points along `axis`.
-  void sum(int axis, double* forces) const;
+  void sum(int axis, Real* forces) const;
 
  private:
   /// Springs of one offset, length and stiffness: neighbours in cloth.springs, ascending.
   struct Direction {
     const SpringRun* run;  // the first that may reach into the block
     const SpringRun* end;
-    double* force[3];  // on the first points of the block's springs, after those of points before
+    Real* force[3];  // on the first points of the block's springs, after those of points before
   };
 
   void group();
-  void fill(Direction&, int first, int count, double* const force[3]) const;
+  void take_points();
+  void fill(Direction&, int first, int count, Real* const force[3]) const;
   void keep_history();
 
   const Cloth& cloth_;
@@ -49,7 +54,9 @@ class ForceBlocks {
   int count_ = 0;
   int end_;
   std::vector<Direction> directions_;
-  Scalars buffer_;  // of all directions
+  const Real* points_[3];                            // columns of positions
+  Eigen::Matrix<Real, Eigen::Dynamic, 1> narrowed_;  // these, where Real is not double
+  Eigen::Matrix<Real, Eigen::Dynamic, 1> buffer_;    // of all directions
 };
 
 }  // namespace clothsim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "clothsim/dynamics/forces.h"
+#include "clothsim/model/checks.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 
@@ -22,12 +23,18 @@ class VelocityVerlet {
   static double reach(double damping, double h);  // see Integrator
 
   struct Parameters {
+    /// Of the springs' forces. Positions and velocities are always double.
+    enum Precision { double_precision, single_precision };
+    Precision precision = double_precision;
+
     template <typename Self, typename Visit>
-    static void each(Self&, Visit&&) {}
+    static void each(Self& self, Visit&& visit) {
+      visit("precision", self.precision, Range{double_precision, single_precision, ""});
+    }
   };
 
   VelocityVerlet() = default;
-  explicit VelocityVerlet(const Parameters&) {}
+  explicit VelocityVerlet(const Parameters& parameters) : parameters_(parameters) {}
 
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
@@ -35,8 +42,13 @@ class VelocityVerlet {
   static constexpr bool ran_out() { return false; }  // see Integrator
 
  private:
+  template <typename Forces>
+  void step_by(Forces&, const Cloth&, const Loads&, double h, State&, const Workers&);
+
+  Parameters parameters_;
   Points middle_;   // positions in the middle of the step [m], N x 3; with one thread none
-  Scalars forces_;  // along one axis [N], N
+  Scalars forces_;  // along one axis [N], N; none in single precision
+  Eigen::VectorXf single_forces_;  // these then
 };
 
 }  // namespace clothsim

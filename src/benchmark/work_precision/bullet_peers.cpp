@@ -10,9 +10,8 @@ std::vector<Peer> peers(const Trial& trial, bool quick) {
   if (!trial.smooth) return list;
   const auto add = [&](const char* name, BulletWorld world, int substeps, int iterations,
                        bool matched) {
-    list.push_back({name,
-                    {name, substeps, iterations},
-                    bullet(trial.scene, world, substeps, iterations, matched)});
+    const Dial dial{name, substeps, iterations};
+    list.push_back({name, dial, bullet(trial.scene, world, substeps, iterations, matched)});
   };
 
   // Substeps with one pass, then passes at Bullet's usual one to four substeps a frame.

@@ -57,6 +57,10 @@ Scene at(Scene scene, const Dial& dial) {
     set_parameter(simulation.method_parameters, "iterations", *dial.iterations);
     set_parameter(simulation.method_parameters, "tolerance", 0.0);
   }
+  if (dial.is_single) {
+    using Parameters = VelocityVerlet::Parameters;
+    simulation.method_parameters = Parameters{Parameters::single_precision};
+  }
   return scene;
 }
 
@@ -95,6 +99,7 @@ std::vector<Dial> dials(const Trial& trial, bool quick) {
       for (const int n : explicit_steps) list.push_back({method, n});
     }
   }
+  for (const int n : explicit_steps) list.push_back({VelocityVerlet::name, n, {}, true});
   return list;
 }
 

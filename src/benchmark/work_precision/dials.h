@@ -14,6 +14,10 @@ struct Dial {
   std::string method;               // `auto` or one of method_names()
   std::optional<int> substeps;      // a frame; empty: as `auto` counts them
   std::optional<int> iterations{};  // a substep, where the method has that parameter
+  bool is_single = false;           // Verlet's precision
+
+  /// As tables and charts have it.
+  std::string name() const { return is_single ? method + "_single" : method; }
 };
 
 /// The scene with the method turned to `dial`.
@@ -23,9 +27,9 @@ Scene at(Scene, const Dial&);
 /// left. Empty for methods that do not iterate. XPBD converges to implicit Euler.
 std::optional<Scene> converged(Scene, const Dial&);
 
-/// `auto`, and every method from its coarsest step to its finest: explicit ones from a fourth of
-/// what Verlet's limit asks for, those that solve by Newton's method to the trial's
-/// `most_newton_substeps`. Quick: few and cheap.
+/// `auto`, every method, and Verlet in single precision, from its coarsest step to its finest:
+/// explicit ones from a fourth of what Verlet's limit asks for, those that solve by Newton's method
+/// to the trial's `most_newton_substeps`. Quick: few and cheap.
 std::vector<Dial> dials(const Trial&, bool quick);
 
 }  // namespace clothsim::work_precision

@@ -162,11 +162,11 @@ std::vector<Job> methods_jobs(const Options& options) {
       add_reference(*judge, *tables);
     });
     for (const Dial& dial : dials(trial, options.quick)) {
-      if (!wanted(options.methods, dial.method)) continue;
+      if (!wanted(options.methods, dial.name())) continue;
       jobs.push_back([=] {
         const Run result =
             run(simulator_of(at(judge->trial.scene, dial)), judge->trial.frames, budget);
-        add_run(*judge, dial.method, dial, result, judge->converged_run(dial), *tables);
+        add_run(*judge, dial.name(), dial, result, judge->converged_run(dial), *tables);
       });
     }
     for (const Peer& peer : peers(trial, options.quick)) {
