@@ -36,6 +36,8 @@ Method converged() {
       if (key == "iterations") value = std::is_same_v<Method, Xpbd> ? 100 : 1000;
       if (key == "max_iterations") value = 1000;
     }
+    void operator()(const std::string&, VelocityVerlet::Parameters::Precision&,
+                    const Range&) const {}
   };
   typename Method::Parameters parameters;
   Method::Parameters::each(parameters, Tighten());
