@@ -230,10 +230,11 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double least
 
 double omega_max_bound(const Cloth& cloth) {
   Scalars stiffness = Scalars::Zero(cloth.num_points());
-  for (const SpringRun& run : cloth.springs) {
-    stiffness.segment(run.first, run.count).array() += run.stiffness;
-    stiffness.segment(run.first + run.offset, run.count).array() += run.stiffness;
-  }
+  for_each_band(cloth, [&](const SpringBand& band) {  // and what is none between runs
+    stiffness.segment(band.first(), band.count()).array() += band.begin->stiffness;
+    stiffness.segment(band.first() + band.begin->offset, band.count()).array() +=
+        band.begin->stiffness;
+  });
   return std::sqrt(2 * stiffness.cwiseProduct(cloth.inv_mass).maxCoeff());
 }
 

@@ -44,6 +44,7 @@ StrainLimit::StrainLimit(const Cloth& cloth)
   assert(2 * (direction + 1) <= num_colours);
 
   local_.assign(index(cloth.num_points()), -1);
+  has_moved_.assign(index(cloth.num_points()), 0);
   kept_.assign(constraints_.size(), 0.0);
   flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
   close_active();
@@ -146,16 +147,17 @@ void StrainLimit::predict(double h, double reach, State& state) {
   }
 }
 
-void StrainLimit::begin(const Cloth& cloth, double reach, State& state) {
-  turn_impulses(cloth, reach, state);
+void StrainLimit::begin(const Cloth& cloth, double reach, State& state, const Workers& workers) {
+  turn_impulses(cloth, reach, state, workers);
   store(state.velocities);
 }
 
 /// Takes back what predict() has given, and gives it anew along the present directions.
-void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state) {
+void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
+                                const Workers& workers) {
   step_.reach = reach;
   solved_alone_ = false;
-  if (find_active(cloth, state.positions)) {
+  if (find_active(cloth, state.positions, workers)) {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
       positions_[i] = quad(state.positions, touched_[i]);
       predicted_[i] = quad(state.velocities, touched_[i]);
@@ -182,8 +184,8 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state) 
 
 /// Springs longer than their limit, and those an impulse still holds. False where they are those of
 /// the last step.
-bool StrainLimit::find_active(const Cloth& cloth, const Points& positions) {
-  flag_longer_than(cloth, longest_, positions);
+bool StrainLimit::find_active(const Cloth& cloth, const Points& positions, const Workers& workers) {
+  flag_longer_than(cloth, longest_, positions, workers);
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     if (s.kick[k] > 0) flags_[index(id)] = 1;
   });
@@ -320,7 +322,7 @@ double StrainLimit::sweep(Points& velocities, const Workers& workers) {
 
 int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
                        State& state, const Workers& workers) {
-  turn_impulses(cloth, reach, state);
+  turn_impulses(cloth, reach, state, workers);
   int passes = 0;
   double change = 0;
   do {

@@ -1,6 +1,7 @@
 // Repairs of positions: what the impulses of strain_limit.cpp have left over.
 
 #include <algorithm>
+#include <numeric>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/strain_limit.h"
@@ -16,8 +17,8 @@ constexpr double aim = 0.95;
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
 
-/// Neighbours in the order of points that are looked at together.
-constexpr int patch = 64;
+/// Springs of a colour that a thread takes at least.
+constexpr int least_shared = 512;
 
 /// points_a += w_a d, points_b -= w_b d.
 void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
@@ -41,81 +42,135 @@ bool StrainLimit::holds(double tolerance) const {
                      positions_.data());
 }
 
-int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions) {
+int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
+                         const Workers& workers) {
   if (holds(tolerance)) return 0;
-  int sweeps = 0;
-  while (sweeps < max_sweeps) {
-    // All springs are checked, later those whose ends may have moved since; those over the limit
-    // are swept until they hold.
-    if (sweeps == 0) {
-      flag_longer_than(cloth, longest_ + tolerance, positions);
-    } else {
-      flag_moved_longer_than(cloth, longest_ + tolerance, positions);
-    }
-    has_moved_.assign(index(cloth.num_points() / patch + 1), 0);
-    for (std::vector<int>& ids : over_) ids.clear();
-    bool any = false;
-    for_each_flagged([&](int id) {
-      const Constraint& c = constraints_[index(id)];
-      if (c.mass == 0) return;
-      const Vector3 d = row(positions, c.b) - row(positions, c.a);
-      if (d.norm() > beyond_repair * longest_ * c.rest_length) return;
-      over_[index(c.colour)].push_back(id);
-      any = true;
-    });
-    if (!any) break;
+  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  bool any = false;
+  for_each_flagged([&](int id) { any = add_over(id, tolerance, positions) || any; });
 
-    for (bool moved = true; moved && sweeps < max_sweeps; ++sweeps) {
-      moved = false;
+  int sweeps = 0;
+  while (any && sweeps < max_sweeps) {
+    // Those over the limit are swept until they hold; then those that share a point with one that
+    // has moved are checked.
+    for (bool moves = true; moves && sweeps < max_sweeps; ++sweeps) {
+      moves = false;
       for (const std::vector<int>& ids : over_) {
-        for (const int id : ids) {
-          const Constraint& c = constraints_[index(id)];
-          const Vector3 d = row(positions, c.b) - row(positions, c.a);
-          const double length = d.norm();
-          if (length <= (longest_ + tolerance) * c.rest_length) continue;
-          if (length > beyond_repair * longest_ * c.rest_length) continue;
-          const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
-          pull_together(cloth, c.a, c.b, c.mass * excess / length * d, positions);
-          has_moved_[index(c.a / patch)] = has_moved_[index(c.b / patch)] = 1;
-          moved = true;
-        }
+        moves = shorten(cloth, ids, tolerance, positions, workers) || moves;
       }
     }
+    any = find_over_again(cloth, tolerance, positions);
   }
+  for (std::vector<int>& ids : over_) ids.clear();
   return sweeps;
 }
 
-void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions) {
-  over_length_.resize(index(cloth.num_points()));
-  auto flags = flags_.begin();
-  for_each_band(cloth, [&](const SpringBand& band) {
-    const int a = band.first();
-    const double longest = stretch * band.begin->rest_length;
-    flag_longer(&positions(a, 0), &positions(a, 1), &positions(a, 2), band.begin->offset,
-                band.count(), longest * longest, over_length_.data());
-    for (const SpringRun* run = band.begin; run != band.end; ++run) {
-      flags = std::copy_n(over_length_.begin() + (run->first - a), run->count, flags);
-    }
-  });
+/// Puts a spring on its list if it is to be repaired. Is it?
+bool StrainLimit::add_over(int id, double tolerance, const Points& positions) {
+  const Constraint& c = constraints_[index(id)];
+  if (c.mass == 0) return false;
+  const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
+  const double longest = (longest_ + tolerance) * c.rest_length;
+  const double farthest = beyond_repair * longest_ * c.rest_length;
+  if (length2 <= longest * longest || length2 > farthest * farthest) return false;
+  over_[index(c.colour)].push_back(id);
+  return true;
 }
 
-void StrainLimit::flag_moved_longer_than(const Cloth& cloth, double stretch,
-                                         const Points& positions) {
-  std::fill(flags_.begin(), flags_.end(), 0);
-  const auto has_moved = [&](int point) { return has_moved_[index(point / patch)] != 0; };
-  unsigned char* flags = flags_.data();
-  for (const SpringRun& run : cloth.springs) {
-    const double longest = stretch * run.rest_length;
-    const int end = run.first + run.count;
-    for (int a = run.first, next = a; a < end; a = next) {
-      next = std::min(end, (a / patch + 1) * patch);
-      const int b = a + run.offset;
-      if (!has_moved(a) && !has_moved(b) && !has_moved(next - 1 + run.offset)) continue;
-      flag_longer(&positions(a, 0), &positions(a, 1), &positions(a, 2), run.offset, next - a,
-                  longest * longest, flags + (a - run.first));
+/// Shortens those of `ids`, of one colour, that are over their limit. Were there any?
+bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, double tolerance,
+                          Points& positions, const Workers& workers) {
+  shortened_.assign(ids.size(), 0);
+  const auto shorten_band = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Constraint& c = constraints_[index(ids[index(i)])];
+      const Vector3 d = row(positions, c.b) - row(positions, c.a);
+      const double length = d.norm();
+      if (length <= (longest_ + tolerance) * c.rest_length) continue;
+      if (length > beyond_repair * longest_ * c.rest_length) continue;
+      const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
+      pull_together(cloth, c.a, c.b, c.mass * excess / length * d, positions);
+      shortened_[index(i)] = 1;
     }
-    flags += run.count;
+  };
+  workers.share(static_cast<int>(ids.size()), shorten_band, least_shared);
+
+  bool any = false;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!shortened_[i]) continue;
+    any = true;
+    const Constraint& c = constraints_[index(ids[i])];
+    for (const int point : {c.a, c.b}) {
+      if (has_moved_[index(point)]) continue;
+      has_moved_[index(point)] = 1;
+      moved_points_.push_back(point);
+    }
   }
+  return any;
+}
+
+/// Lists the springs over their limit among those of points that have moved since the last time.
+/// Are there any?
+bool StrainLimit::find_over_again(const Cloth& cloth, double tolerance, const Points& positions) {
+  if (first_spring_.empty()) list_springs_of_points(cloth);
+  for (std::vector<int>& ids : over_) ids.clear();
+  bool any = false;
+  for (const int point : moved_points_) {
+    has_moved_[index(point)] = 0;
+    for (int i = first_spring_[index(point)]; i < first_spring_[index(point + 1)]; ++i) {
+      any = add_over(springs_of_points_[index(i)], tolerance, positions) || any;
+    }
+  }
+  moved_points_.clear();
+  for (std::vector<int>& ids : over_) {
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  }
+  return any;
+}
+
+void StrainLimit::list_springs_of_points(const Cloth& cloth) {
+  first_spring_.assign(index(cloth.num_points()) + 1, 0);
+  for (const Constraint& c : constraints_) {
+    ++first_spring_[index(c.a) + 1];
+    ++first_spring_[index(c.b) + 1];
+  }
+  std::partial_sum(first_spring_.begin(), first_spring_.end(), first_spring_.begin());
+  springs_of_points_.resize(2 * constraints_.size());
+  std::vector<int> next(first_spring_.begin(), first_spring_.end() - 1);
+  for (std::size_t id = 0; id < constraints_.size(); ++id) {
+    for (const int point : {constraints_[id].a, constraints_[id].b}) {
+      springs_of_points_[index(next[index(point)]++)] = static_cast<int>(id);
+    }
+  }
+}
+
+/// Each thread looks at the springs that begin at its points.
+void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
+                                   const Workers& workers) {
+  over_length_.resize(index(cloth.num_points()));
+  workers.share(cloth.num_points(), [&](int begin, int end) {
+    std::size_t id = 0;  // of the band's first spring
+    for_each_band(cloth, [&](const SpringBand& band) {
+      const int first = std::max(band.first(), begin);
+      const int last = std::min(band.first() + band.count(), end);
+      const double longest = stretch * band.begin->rest_length;
+      if (first < last) {
+        flag_longer(&positions(first, 0), &positions(first, 1), &positions(first, 2),
+                    band.begin->offset, last - first, longest * longest,
+                    &over_length_[index(first)]);
+      }
+      for (const SpringRun* run = band.begin; run != band.end; ++run) {
+        const int from = std::max(run->first, first);
+        const int to = std::min(run->first + run->count, last);
+        if (from < to) {
+          std::copy_n(&over_length_[index(from)], to - from,
+                      &flags_[id + index(from - run->first)]);
+        }
+        id += index(run->count);
+      }
+    });
+  });
 }
 
 }  // namespace clothsim

@@ -247,7 +247,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
     return;
   }
   predicted = state.velocities;
-  if (strain_limit) strain_limit->begin(cloth, reach, state);
+  if (strain_limit) strain_limit->begin(cloth, reach, state, workers);
   const ContactStep contact_step{h, reach, start, predicted, workers};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
@@ -281,7 +281,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
 
 void Simulator::Impl::repair(StepReport& report) {
   const double tolerance = scene.simulation.strain_tolerance;
-  const int passes = strain_limit->correct(cloth, tolerance, max_corrections, state.positions);
+  const int passes =
+      strain_limit->correct(cloth, tolerance, max_corrections, state.positions, workers);
   report.corrections += passes;
   ran_out = ran_out || passes == max_corrections;
 }

@@ -19,7 +19,7 @@ namespace clothsim {
 double omega_max_bound(const Cloth&, const Points& positions, double least = 0,
                        const Workers& = {});
 
-/// The same at any positions, by that scalar form: up to 48 % above it, and far cheaper.
+/// The same at any positions, by that scalar form: on a grid up to 48 % above it, and far cheaper.
 double omega_max_bound(const Cloth&);
 
 }  // namespace clothsim

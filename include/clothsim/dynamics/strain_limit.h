@@ -41,7 +41,7 @@ class StrainLimit {
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
   /// Nothing may change the state between predict() and this.
-  void begin(const Cloth& cloth, double reach, State&);
+  void begin(const Cloth& cloth, double reach, State&, const Workers& = {});
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
@@ -56,7 +56,8 @@ class StrainLimit {
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_sweeps` passes. Returns the passes taken.
-  int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions);
+  int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
+              const Workers& = {});
 
   /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
@@ -87,14 +88,14 @@ class StrainLimit {
     int colour;
   };
 
-  void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions);
-  void flag_moved_longer_than(const Cloth& cloth, double stretch, const Points& positions);
+  void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
+                        const Workers&);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
   template <typename Visitor>
   void for_each_active(Visitor&& visit) const;
-  void turn_impulses(const Cloth& cloth, double reach, State&);
-  bool find_active(const Cloth& cloth, const Points& positions);
+  void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&);
+  bool find_active(const Cloth& cloth, const Points& positions, const Workers&);
   void clear_active();
   void add_active(int id, double kick, const Vector3& direction);
   void close_active();
@@ -102,6 +103,11 @@ class StrainLimit {
   double sweep_active(const Workers&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
+  bool add_over(int id, double tolerance, const Points& positions);
+  bool shorten(const Cloth&, const std::vector<int>& ids, double tolerance, Points& positions,
+               const Workers&);
+  bool find_over_again(const Cloth&, double tolerance, const Points& positions);
+  void list_springs_of_points(const Cloth&);
 
   double longest_;                       // 1 + limit
   double shortest_;                      // rest length [m]
@@ -132,14 +138,20 @@ class StrainLimit {
   std::vector<double> across_;              // rates, as touched_
   std::vector<double> kept_;                // kicks by constraint; all 0 between calls
   std::vector<unsigned char> flags_;        // by constraint, padded to whole words
-  std::vector<unsigned char> has_moved_;    // by patch of points, in correct()
   std::vector<unsigned char> over_length_;  // by first point, of one direction
   std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
   std::vector<int> last_ids_;
   std::vector<int> last_touched_;
-  std::vector<Quad> last_given_;                    // as last_touched_
-  std::vector<int> second_colour_;                  // constraint ids of one direction
-  std::array<std::vector<int>, num_colours> over_;  // constraint ids, of correct()
+  std::vector<Quad> last_given_;    // as last_touched_
+  std::vector<int> second_colour_;  // constraint ids of one direction
+
+  // Of correct(). Springs by point are listed when they are first asked for.
+  std::array<std::vector<int>, num_colours> over_;  // constraint ids; none between calls
+  std::vector<unsigned char> shortened_;            // by the place in a list of over_
+  std::vector<unsigned char> has_moved_;            // by point; all 0 between calls
+  std::vector<int> moved_points_;                   // none between calls
+  std::vector<int> first_spring_;                   // by point, in springs_of_points_; one more
+  std::vector<int> springs_of_points_;              // constraint ids
 };
 
 template <typename Visitor>
