@@ -1,0 +1,46 @@
+#include "clothsim/collision/distances.h"
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+TEST(Distances, AreThoseOfEachPair) {
+  // Of any points: also of triangles and edges without extent, and of features that meet.
+  const int count = 40;
+  Points x = random_points(count, 1, 3);
+  for (int i = 0; i < 10; ++i) x.row(i) = x.row(i + 10);               // the same twice
+  for (int i = 20; i < 30; ++i) x.row(i).tail(2) = x.row(20).tail(2);  // on a line
+  Distances edges(true), triangles(false);
+  std::vector<SurfacePair> pairs;
+  std::uint64_t random = 1;
+  const auto draw = [&] {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<int>((random >> 33) % count);
+  };
+  double most = 0;
+  for (Distances* distances : {&edges, &triangles}) {
+    for (int round = 0; round < 20; ++round) {
+      pairs.clear();
+      distances->clear();
+      while (distances->room() > 0) {
+        const int triangle = distances == &edges ? SurfacePair::no_triangle : 0;
+        pairs.push_back({triangle, {draw(), draw(), draw(), draw()}, 0});
+        distances->add(pairs.back().points);
+      }
+      distances->measure(x);
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const double exact = separation(pairs[k], x).distance;
+        EXPECT_LE((*distances)[k], exact + 1e-12);
+        EXPECT_GE((*distances)[k], (1 - 1e-10) * exact - 1e-6);
+        most = std::max(most, exact);
+      }
+    }
+  }
+  EXPECT_GT(most, 1);
+}
+
+}  // namespace
+}  // namespace clothsim
