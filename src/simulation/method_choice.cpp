@@ -192,12 +192,12 @@ double stability_limit_of(const std::string& method) {
 }
 
 Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& cloth,
-               const Motion& motion) {
+               const Motion& motion, bool touches) {
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
   // Explicit methods follow the strain limit's tension, from none on.
-  std::optional<double> tension;
-  if (std::isfinite(stability_limit)) tension = 0;
+  std::optional<Tension> tension;
+  if (std::isfinite(stability_limit)) tension = Tension{0, touches};
   const int needed =
       count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
@@ -232,9 +232,10 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
+  const bool touches = cloth.self_collision != SelfCollision::off || !colliders.empty();
   std::vector<Offer> offers;
   for (const Candidate& c : candidates()) {
-    const Offer offer = offer_of(c, spec, cloth, motion);
+    const Offer offer = offer_of(c, spec, cloth, motion, touches);
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {

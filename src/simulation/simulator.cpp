@@ -143,7 +143,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   const double weight = weight_frequency(cloth, scene.simulation.gravity);
   for (double h = dt / steps; steps > 0; --steps, ++report.substeps) {
     // More and shorter ones where tension has come.
-    if (const std::optional<double> now = report.substeps > 0 ? tension() : std::nullopt) {
+    if (const std::optional<Tension> now = report.substeps > 0 ? tension() : std::nullopt) {
       const double left = h * steps;
       const int needed = substeps_under_tension(weight, *now, left * (1 << method->halvings));
       if (needed > steps) h = left / (steps = needed);
@@ -193,14 +193,12 @@ bool Simulator::Impl::recover() {
   return false;
 }
 
-std::optional<double> Simulator::Impl::tension() {
+std::optional<Tension> Simulator::Impl::tension() {
   // Implicit methods keep to one step: to change it costs them a factorisation or their history.
-  // Contact wants the short steps that the whole weight asks for.
-  const bool touches = self_contacts || !colliders.empty();
-  const bool follows = strain_limit && !scene.simulation.substeps && !touches &&
-                       std::isfinite(method->stability_limit());
+  const bool follows =
+      strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
   if (!follows) return {};
-  return strain_limit->tension_frequency();
+  return Tension{strain_limit->tension_frequency(), self_contacts || !colliders.empty()};
 }
 
 double Simulator::Impl::contact_speed(double dt) const {

@@ -38,7 +38,7 @@ struct Method {
   /// Substeps of a frame from `positions`, `at_speed` at least.
   /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               int at_speed = 1, std::optional<double> tension = {},
+               int at_speed = 1, std::optional<Tension> tension = {},
                const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
@@ -134,8 +134,8 @@ struct Simulator::Impl {
   void repair(StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
-  /// Frequency of the strain limit's tension where substeps follow it, see StrainLimit.
-  std::optional<double> tension();
+  /// Where substeps follow it.
+  std::optional<Tension> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 

@@ -14,16 +14,22 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.85;
 
-/// Largest h omega across springs under tension. Here the limit's sweeps, not stability, set the
-/// step: at less than two thirds of Verlet's limit the directions of the springs hold through a
-/// step and a few sweeps do; nearer to it they turn so far that hundreds do not.
-constexpr double tension_limit = 1.2;
+/// How tension sets the step.
+struct Limits {
+  double h_omega;      // largest across springs under tension
+  double least_share;  // of the substeps that the whole weight asks for
+};
 
-/// The same for the springs of a point that carry the whole cloth's weight.
+/// Here the limit's sweeps, not stability, set the step: at less than two thirds of Verlet's limit
+/// the directions of the springs hold through a step and a few sweeps do; nearer to it they turn so
+/// far that hundreds do not.
+constexpr Limits free_limits{1.2, 0.45};
+
+/// Contact passes impacts on to the springs within a step.
+constexpr Limits contact_limits{0.8, 0.7};
+
+/// h omega for the springs of a point that carry the whole cloth's weight.
 constexpr double weight_limit = 1;
-
-/// Least share of the substeps that the whole weight asks for.
-constexpr double least_share = 0.45;
 
 /// Way of a collider in a substep, of the shortest spring. At 0.5 a sphere at 10 m/s already
 /// carries points off through the cloth.
@@ -41,17 +47,19 @@ double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
                    shortest_rest_length(cloth));
 }
 
-int substeps_under_tension(double weight, double tension, double dt) {
+int substeps_under_tension(double weight, const Tension& tension, double dt) {
+  const Limits& limits = tension.touches ? contact_limits : free_limits;
   const double most = weight / weight_limit;
-  return whole_steps(dt * std::clamp(tension / tension_limit, least_share * most, most));
+  return whole_steps(
+      dt * std::clamp(tension.frequency / limits.h_omega, limits.least_share * most, most));
 }
 
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<double> tension,
+                   double stability_limit, double dt, std::optional<Tension> tension,
                    const Workers& workers) {
   constexpr double endless = std::numeric_limits<double>::infinity();
   const double weight = weight_frequency(cloth, gravity);
-  double steps = substeps_under_tension(weight, tension.value_or(endless), dt);
+  double steps = substeps_under_tension(weight, tension.value_or(Tension{endless, true}), dt);
 
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this

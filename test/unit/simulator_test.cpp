@@ -281,10 +281,16 @@ TEST(CountSubsteps, FollowsTheFrequency) {
 }
 
 TEST(CountSubsteps, FollowsTheTensionUpToAllOfTheWeight) {
-  EXPECT_EQ(substeps_under_tension(1000, 0, 0.0101), 5);
-  EXPECT_EQ(substeps_under_tension(1000, 840, 0.0101), 8);  // h omega <= 1.2
-  EXPECT_EQ(substeps_under_tension(1000, 1e300, 0.0101), 11);
-  EXPECT_EQ(substeps_under_tension(0, 1000, 0.0101), 1);
+  const auto under = [](double weight, double frequency, bool touches = false) {
+    return substeps_under_tension(weight, {frequency, touches}, 0.0101);
+  };
+  EXPECT_EQ(under(1000, 0), 5);
+  EXPECT_EQ(under(1000, 840), 8);  // h omega <= 1.2
+  EXPECT_EQ(under(1000, 1e300), 11);
+  EXPECT_EQ(under(0, 1000), 1);
+  EXPECT_EQ(under(1000, 0, true), 8);
+  EXPECT_EQ(under(1000, 700, true), 9);  // h omega <= 0.8
+  EXPECT_EQ(under(1000, 1e300, true), 11);
 
   ClothSpec spec = square_spec(50, 0);
   spec.material.strain_limit = 0.1;
@@ -292,11 +298,12 @@ TEST(CountSubsteps, FollowsTheTensionUpToAllOfTheWeight) {
   const Vector3 gravity(0, 0, -9.8);
   // All on one spring: omega^2 = M g / (m l) = 2500 * 9.8 * 49.
   EXPECT_NEAR(weight_frequency(cloth, gravity), std::sqrt(2500 * 9.8 * 49), 1e-9);
-  const auto count = [&](std::optional<double> tension) {
+  const auto count = [&](std::optional<Tension> tension) {
     return count_substeps(cloth, gravity, cloth.rest_positions, 2, 1.0 / 90, tension);
   };
   EXPECT_EQ(count({}), 13);
-  EXPECT_EQ(count(0.0), 6);
+  EXPECT_EQ(count(Tension{0, false}), 6);
+  EXPECT_EQ(count(Tension{0, true}), 9);
 }
 
 TEST(CountSubsteps, OneWithoutAStabilityLimitUnlessTensionAsksForMore) {

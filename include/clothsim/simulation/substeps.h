@@ -8,24 +8,29 @@
 
 namespace clothsim {
 
+/// What the strain limit puts into springs.
+struct Tension {
+  double frequency;  // [rad/s], see StrainLimit::tension_frequency()
+  bool touches;      // a cloth that may touch something: contact wants shorter steps
+};
+
 /// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
 /// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
 /// and, with a strain limit, to follow the tension that the limit puts into the springs: that of
 /// substeps_under_tension(), without a `tension` the most of it. A function of its arguments alone,
 /// so that a run goes on the same way from any state. At most max_substeps, whatever the material.
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<double> tension = {},
+                   double stability_limit, double dt, std::optional<Tension> tension = {},
                    const Workers& = {});
 
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
 double weight_frequency(const Cloth&, const Vector3& gravity);
 
-/// Substeps of `dt` [s] in which the strain limit can follow a `tension` [rad/s], see
-/// StrainLimit::tension_frequency(): not more than the whole `weight` [rad/s] on the springs of one
-/// point would ask for, and not less than nearly half of that, since tension can come within a
-/// substep.
-int substeps_under_tension(double weight, double tension, double dt);
+/// Substeps of `dt` [s] in which the strain limit can follow a tension: not more than the whole
+/// `weight` [rad/s] on the springs of one point would ask for, and not less than nearly half of
+/// that, or two thirds if the cloth may touch something, since tension can come within a substep.
+int substeps_under_tension(double weight, const Tension&, double dt);
 
 /// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
 /// quarter of its shortest spring at once: springs must not be torn over a collider before their
