@@ -113,6 +113,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
     std::vector<int> caught;
     std::vector<CaughtFace> caught_faces;
     local_.place(collider, step.start, state.positions);
+    local_.place_middle(collider, step, state.positions);
     double deepest = find_points(k, collider, cloth, step, keeps.points, state, caught);
     if (keeps.faces) {
       faces_.find(k, collider, cloth, step, margin, local_, state, caught_faces);
@@ -155,29 +156,33 @@ double ColliderContacts::find_points(int index, const MovingCollider& collider, 
       state.positions.row(i) = to_world(collider.pose(), to).transpose();
     }
 
-    // The gap this step would leave if the point only followed the surface.
-    const Distance d = signed_distance(collider.shape(), to, from);
-    local_.distance[i] = d.value;
-    const Vector3 normal = turn * d.normal;
-    const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
-    const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
-    const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
-    const double gap = d.value - offset - step.reach * step.h * drift;
-    const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
-    // The impulse that ends its approach will carry it on to where it came in.
-    if (entry && drift < 0)
-      state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
-
     // The last step's impulse, if it was in contact.
     const auto id = std::make_tuple(index, i);
     const auto id_of = [](const Contact& c) { return std::make_tuple(c.collider, c.point); };
     while (next_last_ < last_.size() && id_of(last_[next_last_]) < id) ++next_last_;
     const bool held = next_last_ < last_.size() && id_of(last_[next_last_]) == id &&
                       last_[next_last_].impulse.push > 0;
+
+    // The gap this step would leave if the point only followed the surface. What is held, as it
+    // lies where impulses act.
+    Distance d = signed_distance(collider.shape(), to, from);
+    local_.distance[i] = d.value;
+    const double depth = d.value < 0 ? -depth_before(collider.shape(), from) : 0;
+    const bool at_middle = held && depth == 0 && !entry;
+    if (at_middle) d = signed_distance(collider.shape(), row(local_.middle, i), from);
+    const Vector3 normal = turn * d.normal;
+    const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
+    const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
+    const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
+    const double gap = d.value - offset - (at_middle ? 0 : step.reach * step.h * drift);
+    const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
+    // The impulse that ends its approach will carry it on to where it came in.
+    if (entry && drift < 0)
+      state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
+
     // Others may yet push a point on the surface into it.
     if (!held && rate >= slowest && gap > 0) continue;
 
-    const double depth = d.value < 0 ? -depth_before(collider.shape(), from) : 0;
     if (depth > 0) caught.push_back(i);
     deepest = std::max(deepest, depth);
     contacts_.push_back(

@@ -15,8 +15,8 @@ using Corners = std::array<int, 3>;
 /// Passes that take triangles out of a collider, each of which may move its neighbours in.
 constexpr int max_passes = 50;
 
-/// How much of the offset may be used up before a triangle is moved.
-constexpr double play = 0.1;
+/// How much of the offset more may be used up before a triangle is moved: others move it, too.
+constexpr double grace = 0.1;
 
 Triangle triangle_of(const Points& points, const Corners& corners) {
   return {points.row(corners[0]), points.row(corners[1]), points.row(corners[2])};
@@ -141,16 +141,19 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
   for_each_near(collider.shape(), cloth, local, margin, [&](int triangle, const Corners& corners) {
-    const Approach found = approach(collider, corners, local, margin);
+    Approach found = approach(collider, corners, local, margin);
+    if (!found.distance) return;
+    // As it lies where impulses act, unless it is to be stopped or led out.
+    const bool alone = found.swept || found.before < 0;
+    const Triangle middle = triangle_of(local.middle, corners);
+    if (!alone) found.distance = face_distance(collider.shape(), middle, margin);
     if (!found.distance) return;
 
     // Corners are left to the contacts of their points, unless they are to be led out.
     std::array<std::optional<FaceDistance>, features> touching;
     const auto feature = feature_of(found.distance->weights);
-    const bool alone = found.swept || found.before < 0;
     if (!alone) {
-      const auto edges =
-          edges_along(collider.shape(), triangle_of(local.to, corners), *found.distance, margin);
+      const auto edges = edges_along(collider.shape(), middle, *found.distance, margin);
       std::copy(edges.begin(), edges.end(), touching.begin());
     }
     if (feature || alone) touching[feature.value_or(face)] = found.distance;
@@ -189,7 +192,7 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
 
   // The gap this step would leave if the triangle only followed the surface.
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
-  const double gap = distance.value - surface_offset - step.reach * step.h * drift;
+  const double gap = distance.value - surface_offset;
   const double slowest = swept ? 0 : -std::max(gap, 0.0) / step.h;
   const Contact* last = last_of(id);
   if (!last && rate >= slowest && gap > 0 && depth == 0) return;
@@ -239,21 +242,23 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       if (!held.empty() && any_of(held, corners, 1)) return;
       const Approach found = approach(collider, corners, local, surface_offset);
       if (!found.distance) return;
-      const double wanted = required_distance(found.before, surface_offset, h);
-      if (found.distance->value >= wanted - play * surface_offset) return;
+      const double now = found.distance->value;
+      const double wanted = found.before < 0 ? required_distance(found.before, surface_offset, h)
+                                             : raised(now, surface_offset);
+      const bool must = now < wanted - grace * surface_offset;
+      if (!must && (pass > 1 || now >= surface_offset)) return;
       const std::array<double, 3>& weights = found.distance->weights;
       const double yield = yield_of(cloth, corners, weights);
       if (yield == 0) return;
-      spread(cloth, corners, weights,
-             (wanted - found.distance->value) / yield * found.distance->normal, local.to);
+      spread(cloth, corners, weights, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;
-        last_move[static_cast<std::size_t>(i)] = pass;
+        if (must) last_move[static_cast<std::size_t>(i)] = pass;
         moved[static_cast<std::size_t>(i)] = 1;
         local.distance[i] =
             signed_distance(collider.shape(), local.to.row(i), local.from.row(i)).value;
       }
-      again = true;
+      again = again || must;
     });
     if (!again) break;
   }

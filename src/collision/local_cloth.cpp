@@ -31,6 +31,17 @@ void LocalCloth::place(const MovingCollider& collider, const Points& start, cons
   move_into(collider.pose(), end, to);
 }
 
+void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep& step,
+                              const Points& end) {
+  const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
+  middle.resize(end.rows(), 3);
+  for (Eigen::Index i = 0; i < end.rows(); ++i) {
+    const Vector3 x = end.row(i);
+    const Vector3 velocity = step.drifted.row(i).transpose() - collider.velocity_at(x);
+    middle.row(i) = to.row(i) - step.reach * step.h * velocity.transpose() * turn;
+  }
+}
+
 double longest_edge_within_limit(const Cloth& cloth) {
   if (!cloth.strain_limit || cloth.triangles.empty()) {
     return std::numeric_limits<double>::infinity();

@@ -101,7 +101,7 @@ template <typename Point>
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities,
+void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, const Quad* before,
                  const double* longest, std::size_t fours, FourSprings* springs) {
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
@@ -138,7 +138,18 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities,
     set_dot(across, across, across2);
     const Vector excess = length - four_at(longest, i);
     const Vector turning = (step.h / 2) * across2 * inverse;
-    const Vector most = most_turning * rate * length;
+    Vector most = most_turning * rate * length;
+    if (before) {
+      // A spring that has turned so fast lengthens at that rate by the velocities of the step's
+      // start. More is a kick that others are yet to answer: to shorten the spring for it would
+      // feed energy.
+      Four start;
+      Vector lengthens;
+      gather_differences(Ends(s, before), start);
+      set_dot(start, direction, lengthens);
+      lengthens = lengthens < 0 ? zero : lengthens;
+      most = most < lengthens ? most : lengthens;
+    }
     const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
                            (most < turning ? most : turning);
     vector(s.fastest) = is_long ? fastest : zero;

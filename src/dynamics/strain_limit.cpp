@@ -147,14 +147,15 @@ void StrainLimit::predict(double h, double reach, State& state) {
   }
 }
 
-void StrainLimit::begin(const Cloth& cloth, double reach, State& state, const Workers& workers) {
-  turn_impulses(cloth, reach, state, workers);
+void StrainLimit::begin(const Cloth& cloth, double reach, State& state, const Workers& workers,
+                        const Points* before) {
+  turn_impulses(cloth, reach, state, workers, before);
   store(state.velocities);
 }
 
 /// Takes back what predict() has given, and gives it anew along the present directions.
 void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
-                                const Workers& workers) {
+                                const Workers& workers, const Points* before) {
   step_.reach = reach;
   solved_alone_ = false;
   if (find_active(cloth, state.positions, workers)) {
@@ -177,8 +178,12 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
     }
   }
   step_.active = static_cast<double>(num_active_) / static_cast<double>(constraints_.size());
-  aim_springs(step_, positions_.data(), predicted_.data(), lengths_.data(), active_.size(),
-              active_.data());
+  if (before) {
+    before_.resize(velocities_.size());
+    for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);
+  }
+  aim_springs(step_, positions_.data(), predicted_.data(), before ? before_.data() : nullptr,
+              lengths_.data(), active_.size(), active_.data());
   pull_points(active_.data(), active_.size(), velocities_.data());
 }
 
@@ -322,7 +327,7 @@ double StrainLimit::sweep(Points& velocities, const Workers& workers) {
 
 int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
                        State& state, const Workers& workers) {
-  turn_impulses(cloth, reach, state, workers);
+  turn_impulses(cloth, reach, state, workers, nullptr);
   int passes = 0;
   double change = 0;
   do {

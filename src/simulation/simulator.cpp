@@ -195,10 +195,11 @@ bool Simulator::Impl::recover() {
 
 std::optional<Tension> Simulator::Impl::tension() {
   // Implicit methods keep to one step: to change it costs them a factorisation or their history.
-  const bool follows =
-      strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
+  // What is being pushed out of a collider is no tension.
+  const bool follows = strain_limit && !scene.simulation.substeps &&
+                       std::isfinite(method->stability_limit()) && !collider_contacts.recovers();
   if (!follows) return {};
-  return Tension{strain_limit->tension_frequency(), self_contacts || !colliders.empty()};
+  return Tension{strain_limit->tension_frequency(), touches()};
 }
 
 double Simulator::Impl::contact_speed(double dt) const {
@@ -218,15 +219,15 @@ double Simulator::Impl::contact_speed(double dt) const {
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
   for (MovingCollider& collider : colliders) collider.advance(h);
-  if (self_contacts || !colliders.empty()) start = state.positions;
+  if (touches()) start = state.positions;
+  if (touches() && strain_limit) start_velocities = state.velocities;
 
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
 
-  const bool touches = self_contacts || !colliders.empty();
-  if (touches && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
-  if (strain_limit || touches) constrain(h, report);
+  if (touches() && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
+  if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return true;
 }
@@ -238,14 +239,14 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   // Impulses that keep springs within their limit and points off colliders.
   const double length = scene.simulation.strain_tolerance * shortest_rest_length(cloth);  // [m]
   if (strain_limit) strain_limit->predict(h, reach, state);
-  if (!self_contacts && colliders.empty()) {  // the limit alone
+  if (!touches()) {  // the limit alone
     report.sweeps += strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
                                          max_sweeps, state, workers);
     repair(report);
     return;
   }
   predicted = state.velocities;
-  if (strain_limit) strain_limit->begin(cloth, reach, state, workers);
+  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   const ContactStep contact_step{h, reach, start, predicted, workers};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);

@@ -134,6 +134,8 @@ struct Simulator::Impl {
   void repair(StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
+  /// Can the cloth touch anything?
+  bool touches() const { return self_contacts || !colliders.empty(); }
   /// Where substeps follow it.
   std::optional<Tension> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
@@ -152,11 +154,12 @@ struct Simulator::Impl {
   Grips grips;
   unsigned topology_seq = 0;
 
-  bool disturbed = false;  // by a jump since the last frame
-  bool ran_out = false;    // repairs of springs in this frame, before all were within their limit
-  Points start;            // positions at the substep's start, where contact needs them
-  Points predicted;        // velocities with the last substep's impulses
-  Points impulses;         // that points had from others in this frame, with grips [N s]
+  bool disturbed = false;   // by a jump since the last frame
+  bool ran_out = false;     // repairs of springs in this frame, before all were within their limit
+  Points start;             // positions at the substep's start, where contact needs them
+  Points start_velocities;  // where the strain limit meets contact
+  Points predicted;         // velocities with the last substep's impulses
+  Points impulses;          // that points had from others in this frame, with grips [N s]
 };
 
 }  // namespace clothsim

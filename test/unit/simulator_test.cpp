@@ -289,8 +289,8 @@ TEST(CountSubsteps, FollowsTheTensionUpToAllOfTheWeight) {
   EXPECT_EQ(under(1000, 1e300), 11);
   EXPECT_EQ(under(0, 1000), 1);
   EXPECT_EQ(under(1000, 0, true), 8);
-  EXPECT_EQ(under(1000, 700, true), 9);  // h omega <= 0.8
-  EXPECT_EQ(under(1000, 1e300, true), 11);
+  EXPECT_EQ(under(1000, 700, true), 15);  // h omega <= 0.5
+  EXPECT_EQ(under(1000, 1e300, true), 21);
 
   ClothSpec spec = square_spec(50, 0);
   spec.material.strain_limit = 0.1;

@@ -13,9 +13,11 @@ namespace clothsim {
 struct LocalCloth {
   Points from;       // at a step's start [m]
   Points to;         // at its end [m]
+  Points middle;     // where impulses act, as if it followed the collider from there on [m]
   Scalars distance;  // of `to` from the surface [m]
 
   void place(const MovingCollider&, const Points& start, const Points& end);
+  void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
 };
 
 /// How contact keeps the triangles of a cloth out of a shape.
@@ -40,6 +42,14 @@ inline constexpr double recovery_speed = 2;
 inline double way_out_speed(double depth) {
   constexpr double time = 0.05;  // [s]
   return std::min(recovery_speed, depth / time);
+}
+
+/// Where contact moves what is `distance` from a surface and should keep `kept` [m]. It may sink in
+/// by half of surface_offset and rises by a fiftieth a step: moved out at once, it would feed
+/// energy to what is pressed on, and a cloth on a tip would shake for ever.
+inline double raised(double distance, double kept) {
+  constexpr double share = 0.02;
+  return std::max(kept - surface_offset / 2, distance + share * (kept - distance));
 }
 
 /// How far from a surface what was `before` away from it, at the step's start, must end [m].

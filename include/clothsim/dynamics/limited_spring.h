@@ -36,9 +36,10 @@ struct LimitStep {
 };
 
 /// Directions in the middle of the step, and the rates of elongation allowed. Velocities and
-/// positions by point; `longest`: by spring, its length at the limit [m].
-void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const double* longest,
-                 std::size_t fours, FourSprings* springs);
+/// positions by point; `longest`: by spring, its length at the limit [m]. `before`: velocities at
+/// the step's start, by which to tell turns from kicks; null: all are turns.
+void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const Quad* before,
+                 const double* longest, std::size_t fours, FourSprings* springs);
 
 /// Gives the points their impulses.
 void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);

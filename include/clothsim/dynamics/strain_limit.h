@@ -40,8 +40,10 @@ class StrainLimit {
   void predict(double h, double reach, State&);
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
-  /// Nothing may change the state between predict() and this.
-  void begin(const Cloth& cloth, double reach, State&, const Workers& = {});
+  /// Nothing may change the state between predict() and this. `before`: the velocities that the
+  /// step began with, where contact will act in it: those of now lack what it is yet to answer.
+  void begin(const Cloth& cloth, double reach, State&, const Workers& = {},
+             const Points* before = nullptr);
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
@@ -94,7 +96,8 @@ class StrainLimit {
   void for_each_flagged(Visitor&& visit) const;
   template <typename Visitor>
   void for_each_active(Visitor&& visit) const;
-  void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&);
+  void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
+                     const Points* before);
   bool find_active(const Cloth& cloth, const Points& positions, const Workers&);
   void clear_active();
   void add_active(int id, double kick, const Vector3& direction);
@@ -131,6 +134,7 @@ class StrainLimit {
   std::vector<Quad> positions_;
   std::vector<Quad> predicted_;   // velocities after predict()
   std::vector<Quad> velocities_;  // when solved
+  std::vector<Quad> before_;      // at the step's start, of begin()
   std::vector<Quad> given_;       // velocities given by predict()
   std::vector<int> local_;        // places in touched_ by point; -1: in none
 

@@ -17,8 +17,9 @@ struct Tension {
 /// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
 /// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
 /// and, with a strain limit, to follow the tension that the limit puts into the springs: that of
-/// substeps_under_tension(), without a `tension` the most of it. A function of its arguments alone,
-/// so that a run goes on the same way from any state. At most max_substeps, whatever the material.
+/// substeps_under_tension(), without a `tension` that of the whole weight. A function of its
+/// arguments alone, so that a run goes on the same way from any state. At most max_substeps,
+/// whatever the material.
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt, std::optional<Tension> tension = {},
                    const Workers& = {});
@@ -29,7 +30,8 @@ double weight_frequency(const Cloth&, const Vector3& gravity);
 
 /// Substeps of `dt` [s] in which the strain limit can follow a tension: not more than the whole
 /// `weight` [rad/s] on the springs of one point would ask for, and not less than nearly half of
-/// that, or two thirds if the cloth may touch something, since tension can come within a substep.
+/// that, since tension can come within a substep. If the cloth may touch something, which may carry
+/// it by fewer points than pins would: from two thirds of that number to twice it.
 int substeps_under_tension(double weight, const Tension&, double dt);
 
 /// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
