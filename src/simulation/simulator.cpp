@@ -33,6 +33,10 @@ constexpr double precision_alone = 14;
 /// How much closer contact is solved than that: what friction leaves over, creeps.
 constexpr double contact_precision = 2.5;
 
+/// And to this speed at least [m/s], however short the steps: what is left of each step's solution
+/// shakes a cloth that lies.
+constexpr double calm = 5e-4;
+
 /// While a cloth folds, its own contacts are solved to this share of the speed at which it moves
 /// within itself: 1 % costs half the passes that the tolerance at rest does.
 constexpr double folding_precision = 0.01;
@@ -252,10 +256,11 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
   const double small = length / precision;
-  const double small_touch = small / contact_precision;
-  const double small_fold =
-      self_contacts ? std::max(small_touch, folding_precision * h * speed_within(state.velocities))
-                    : 0;
+  const double small_touch = std::min(small / contact_precision, calm * h);
+  const double small_fold = self_contacts
+                                ? std::max(small / contact_precision,
+                                           folding_precision * h * speed_within(state.velocities))
+                                : 0;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double folding = 0;
