@@ -221,7 +221,11 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
     if (held_back.empty() || leg == most_legs) {
       positions = here;
       for (const int i : held_back) {
-        if (cloth.inv_mass[i] > 0) state.velocities.row(i) = (here.row(i) - step.start.row(i)) / h_;
+        if (cloth.inv_mass[i] == 0) continue;
+        // Repairs and push-outs have moved it, too: what they did is no velocity.
+        const Eigen::RowVector3d made = (here.row(i) - step.start.row(i)) / h_;
+        const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
+        state.velocities.row(i) = std::min(1.0, share) * made;
       }
       return static_cast<int>(held_back.size());
     }

@@ -136,6 +136,33 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   EXPECT_LT(middle.velocities.squaredNorm(), energy);
 }
 
+TEST(SurfaceContacts, FrictionTurnsByItsImpulseTimesTheDistanceOfTheLayersAndNoMore) {
+  // Layers touch where they are 2 * thickness apart, and +-J act there: a moment d x J, which a
+  // cloth's spin through its thickness would take up; points have none. Nothing else turns it.
+  const Cloth cloth = strip(8, 0.4);
+  State state = folded(cloth, 0.4, Eigen::RowVector3d(0, 0, 0));
+  state.positions.row(7) << 0.075, 0.05, 2.02 * thickness;  // a corner alone comes down
+  state.velocities.row(7) << 0.5, 0.2, -1;
+  const Points start = state.positions;
+  state.positions += h * state.velocities;
+  State middle = state;
+  middle.positions -= reach * h * state.velocities;
+  const Eigen::RowVector3d before = angular_momentum(cloth, middle);
+  SurfaceContacts contacts(cloth);
+  contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
+  for (int i = 0; i < 100; ++i) contacts.sweep(cloth, state.velocities);
+  ASSERT_EQ(contacts.count(), 1);
+  const Eigen::RowVector3d impulse =
+      cloth.mass[7] * (state.velocities.row(7) - middle.velocities.row(7));
+  EXPECT_NEAR(impulse.head<2>().norm(), 0.4 * impulse.z(), 1e-12) << "it slides";
+  middle.velocities = state.velocities;
+  const Eigen::RowVector3d apart(0, 0, middle.positions(7, 2));  // from the sheet at z = 0
+  EXPECT_NEAR(apart.z(), 2 * thickness, 1e-3);
+  const Eigen::RowVector3d change = angular_momentum(cloth, middle) - before;
+  EXPECT_GT(change.norm(), 1e-3);
+  EXPECT_LT((change - apart.cross(impulse)).norm(), 1e-13);
+}
+
 TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
   // Pressed down with acceleration g, it slows down by mu g.
   const double mu = 0.4, g = 10;
