@@ -148,10 +148,10 @@ void NearPairs::Impl::Scratch::clear() {
 template <typename Reach>
 const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Reach& reach,
                                                    const Workers& workers) {
-  scratches.resize(static_cast<std::size_t>(workers.threads()));
+  scratches.resize(static_cast<std::size_t>(workers.threads() * Workers::uneven));
   for (Scratch& scratch : scratches) scratch.band = -1;
   std::atomic<std::size_t> used{0};
-  constexpr int least = 64;
+  constexpr int least = 32;
   workers.share(
       static_cast<int>(patch_pairs.size()),
       [&](int begin, int end) {
@@ -177,12 +177,12 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
         measure_parts(query, scratch);
         scratch.awake.clear();
       },
-      least);
+      least, Workers::uneven);
 
   return collect();
 }
 
-/// What all threads have found, in order.
+/// What has been found in all bands, in order.
 const std::vector<NearPair>& NearPairs::Impl::collect() {
   std::vector<Scratch*> order;
   for (Scratch& scratch : scratches) order.push_back(&scratch);

@@ -77,7 +77,7 @@ struct NearPairs::Impl {
     std::size_t end;
     std::array<std::size_t, 2> first;  // of their distances, by kind
   };
-  /// What one thread measures.
+  /// What is measured of a band of patch pairs.
   struct Scratch {
     int band = -1;                                     // first patch pair
     std::vector<std::pair<PatchPair*, double>> awake;  // and the reach
@@ -134,7 +134,7 @@ struct NearPairs::Impl {
   std::vector<Box> boxes;                 // by patch
   std::vector<GradientBounds> gradients;  // by patch
 
-  std::vector<Scratch> scratches;  // by thread
+  std::vector<Scratch> scratches;  // by band, in any order
   std::vector<NearPair> near;
 };
 

@@ -52,7 +52,8 @@ struct Workers::Pool {
     {
       const std::lock_guard<std::mutex> lock(mutex);
       loop = l;
-      bands = std::min(static_cast<int>(threads.size()) + 1, l.count / l.least);
+      const int most = l.bands_a_thread * (static_cast<int>(threads.size()) + 1);
+      bands = std::min(most, l.count / l.least);
       next = 0;
       is_open = true;
       ++round;

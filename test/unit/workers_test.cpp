@@ -33,20 +33,23 @@ TEST(Workers, ShareEveryElementOnce) {
   for (const int threads : {1, 2, 3, 7}) {
     const Workers workers(threads);
     EXPECT_EQ(workers.threads(), threads);
-    for (const int count : {0, 1, 7, 8, 9, 1000, 4097}) {
-      std::vector<int> visits(static_cast<std::size_t>(count), 0);
-      std::atomic<int> bands{0};
-      workers.share(
-          count,
-          [&](int begin, int end) {
-            ++bands;
-            for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
-          },
-          8);
-      EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1)) << count;
-      EXPECT_LE(bands, threads);
-      if (count >= 8 * threads) {
-        EXPECT_EQ(bands, threads) << count;
+    for (const int bands_a_thread : {1, Workers::uneven}) {
+      for (const int count : {0, 1, 7, 8, 9, 1000, 4097}) {
+        std::vector<int> visits(static_cast<std::size_t>(count), 0);
+        std::atomic<int> bands{0};
+        workers.share(
+            count,
+            [&](int begin, int end) {
+              ++bands;
+              for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+            },
+            8, bands_a_thread);
+        EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1)) << count;
+        const int most = threads == 1 ? 1 : threads * bands_a_thread;
+        EXPECT_LE(bands, most);
+        if (count >= 8 * most) {
+          EXPECT_EQ(bands, most) << count;
+        }
       }
     }
   }
@@ -139,7 +142,8 @@ TEST(ThreadBits, AreTheSameInSinglePrecision) {
     const double off =
         (one.positions - run_with(Parameters::double_precision, 1).positions).cwiseAbs().maxCoeff();
     EXPECT_GT(off, 0) << name;
-    EXPECT_LT(off, 1e-4) << name;
+    // Rounding decides on a pass more or less, each within the limit's tolerance: 0.08 mm a spring.
+    EXPECT_LT(off, 5e-4) << name;
   }
 }
 

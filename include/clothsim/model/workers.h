@@ -28,15 +28,18 @@ class Workers {
 
   int threads() const;
 
+  /// Bands for each thread of a loop whose parts take unlike times: who is done takes another one.
+  static constexpr int uneven = 4;
+
   /// To be called from one thread at a time, and not from within a body. A body must not throw.
-  /// Loops shorter than `least` a thread are shared by fewer.
+  /// Bands are `least` long or more, but for a loop that is shorter than two of them.
   template <typename Body>
-  void share(int count, const Body& body, int least = 1024) const {
+  void share(int count, const Body& body, int least = 1024, int bands_a_thread = 1) const {
     if (!pool_ || count < 2 * least) {
       body(0, count);
     } else {
       run({[](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); },
-           &body, count, least});
+           &body, count, least, bands_a_thread});
     }
   }
 
@@ -46,6 +49,7 @@ class Workers {
     const void* body;
     int count;
     int least;
+    int bands_a_thread;
   };
   struct Pool;
 
