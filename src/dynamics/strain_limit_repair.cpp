@@ -20,6 +20,9 @@ constexpr double beyond_repair = 1.5;
 /// Springs of a colour that a thread takes at least.
 constexpr int least_shared = 512;
 
+/// Points whose springs a thread looks at at least: two microseconds of work.
+constexpr int least_points = 2048;
+
 /// points_a += w_a d, points_b -= w_b d.
 void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
   const double weight_a = cloth.inv_mass[a];
@@ -149,7 +152,7 @@ void StrainLimit::list_springs_of_points(const Cloth& cloth) {
 void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
                                    const Workers& workers) {
   over_length_.resize(index(cloth.num_points()));
-  workers.share(cloth.num_points(), [&](int begin, int end) {
+  const auto look = [&](int begin, int end) {
     std::size_t id = 0;  // of the band's first spring
     for_each_band(cloth, [&](const SpringBand& band) {
       const int first = std::max(band.first(), begin);
@@ -170,7 +173,8 @@ void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Poi
         id += index(run->count);
       }
     });
-  });
+  };
+  workers.share(cloth.num_points(), look, least_points);
 }
 
 }  // namespace clothsim
