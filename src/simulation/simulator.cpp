@@ -37,7 +37,7 @@ constexpr double contact_precision = 2.5;
 /// shakes a cloth that lies.
 constexpr double calm = 5e-4;
 
-/// While a cloth folds, its own contacts are solved to this share of the speed at which it moves
+/// While a cloth folds onto itself, contact is solved to this share of the speed at which it moves
 /// within itself: 1 % costs half the passes that the tolerance at rest does.
 constexpr double folding_precision = 0.01;
 
@@ -256,11 +256,10 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
   const double small = length / precision;
-  const double small_touch = std::min(small / contact_precision, calm * h);
-  const double small_fold = self_contacts
-                                ? std::max(small / contact_precision,
-                                           folding_precision * h * speed_within(state.velocities))
-                                : 0;
+  const double small_move =
+      self_contacts ? folding_precision * h * speed_within(state.velocities) : 0;
+  const double small_touch = std::max(std::min(small / contact_precision, calm * h), small_move);
+  const double small_fold = std::max(small / contact_precision, small_move);
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double folding = 0;
