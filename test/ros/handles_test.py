@@ -170,8 +170,11 @@ class HandlesTest(unittest.TestCase):
                 distance = np.linalg.norm(positions(state) - centre, axis=1)
                 nearest.append(distance.min())
                 self.assertGreaterEqual(distance.min(), RADIUS, "%g m/s" % speed)
-            # It took the cloth along: past it, none would be near. At 200 m/s springs throw it ahead.
-            self.assertLess(min(nearest), RADIUS + 0.05)
+                if len(nearest) == len(heights):  # at its highest
+                    taken = positions(state)[:, 2].max() - centre[2]
+            self.assertGreater(taken, 0, "%g m/s: it went past the cloth" % speed)
+            if speed < 200:  # there springs pull the cloth off the ball before the frame ends
+                self.assertLess(min(nearest), RADIUS + 0.01)
         wait_for(lambda: self.shown.at("ball", BALL), "the handle back where it was")
 
     def test_3_a_tilted_plane(self):
