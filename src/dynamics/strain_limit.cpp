@@ -23,8 +23,6 @@ void set_row(Points& points, int i, const Quad& q) {
   points(i, 2) = q.z;
 }
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 StrainLimit::StrainLimit(const Cloth& cloth)

@@ -33,8 +33,6 @@ void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& p
   }
 }
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 /// Do the springs hold their limit after solve()? Those that it has not swept were within it, and

@@ -79,6 +79,8 @@ class StrainLimit {
   void read(MemoryReader&);
 
  private:
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
   static constexpr int num_colours = 12;
 
   struct Constraint {
