@@ -1,5 +1,7 @@
 #include "clothsim/ros/diagnostics.h"
 
+#include <ros/console.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -10,6 +12,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
+
+constexpr const char* no_clock = "waits for /clock: /use_sim_time is true, but no time has come";
 
 /// The level of a value that is to be at least, or at most, its limit.
 std::int8_t level_at_least(double value, const Limit& limit) {
@@ -95,7 +99,12 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
 void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
   const std::string key = "tf age of " + frame.frame + " [s]";
   if (!frame.seen) {
-    out.add(key, "not seen yet");
+    out.add(key, frame.apart_from.empty() ? "not seen yet" : "no transform to " + frame.apart_from);
+    if (!frame.apart_from.empty()) {
+      out.mergeSummary(
+          DiagnosticStatus::WARN,
+          "tf frame " + frame.frame + " has no transform to the world frame, " + frame.apart_from);
+    }
     return;
   }
   out.addf(key, "%.3f", frame.age);
@@ -108,6 +117,7 @@ void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
 
 void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out) {
   out.summary(DiagnosticStatus::OK, status.paused ? "paused" : "running");
+  if (status.waits_for_clock) out.summary(DiagnosticStatus::WARN, no_clock);
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, limits.speed, out);
   fill_step(status, limits, out);
@@ -161,6 +171,8 @@ Diagnostics::Diagnostics(const DiagnosticLimits& limits) : limits_(limits) {
 }
 
 void Diagnostics::publish(const NodeStatus& status) {
+  // A second later: it may only just start.
+  if (status.waits_for_clock && status_.waits_for_clock) ROS_WARN_ONCE("%s", no_clock);
   status_ = status;
   updater_.force_update();
 }

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
 
   ros::init(count, arguments.data(), "clothsim_handles");
   ros::start();
+  if (!ros::ok()) return 0;  // interrupted while it waited for a master
   const ros::NodeHandle cloth(ros::NodeHandle("~").param<std::string>("cloth", "/clothsim"));
   clothsim_ros::Handles handles(cloth);
   ros::spin();

@@ -10,9 +10,11 @@ int main(int argc, char** argv) {
   int exit_code = EXIT_SUCCESS;
   try {
     ros::init(argc, argv, "clothsim");
-    ros::start();  // rather than by the node's own handle: the log outlives a node that fails
-    clothsim_ros::Node node;
-    node.run();
+    ros::start();     // rather than by the node's own handle: the log outlives a node that fails
+    if (ros::ok()) {  // not interrupted while it waited for a master
+      clothsim_ros::Node node;
+      node.run();
+    }
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     exit_code = EXIT_FAILURE;

@@ -168,6 +168,7 @@ void Node::publish_diagnostics() {
   grasper_.look_up();
   NodeStatus status;
   status.paused = paused_;
+  status.waits_for_clock = !paused_ && pacer_.waits_for_clock();
   status.failure = failure_;
   status.factor_asked = parameters_.realtime_factor;
   if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());

@@ -50,6 +50,10 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
   simulation.gravity = {config.gravity_x, config.gravity_y, config.gravity_z};
   simulation.frames_per_second = config.frames_per_second;
   simulation.substeps.reset();
+  if (config.substeps < 0) {
+    throw clothsim::InvalidValue({"substeps"}, std::to_string(config.substeps),
+                                 "0, for auto, or a whole number of at least 1");
+  }
   if (config.substeps != 0) simulation.substeps = config.substeps;
   if (config.method != simulation.method) simulation.method_parameters = {};  // of another one
   simulation.method = config.method;

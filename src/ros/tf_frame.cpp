@@ -68,8 +68,11 @@ bool TfFrame::read() {
       ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
                         status_.frame.c_str(), farthest);
     }
+    status_.apart_from.clear();
     return true;
   } catch (const tf2::TransformException&) {
+    const bool is_sent = tf_->buffer()._frameExists(status_.frame);
+    status_.apart_from = is_sent ? tf_->world_frame() : "";
     return false;
   }
 }

@@ -192,6 +192,18 @@ class Diagnostics(unittest.TestCase):
                 values = node.wait(level, "lost tf frame " + frame)
                 self.assertGreater(float(values["tf age of %s [s]" % frame]), 1)
 
+    def test_frame_below_another_root(self):
+        broadcaster = tf2_ros.StaticTransformBroadcaster()
+        scene = copy.deepcopy(HELD)
+        scene["cloth"]["pinned"][1]["frame"] = "astray"
+        with self.node(scene, OFF) as node:
+            node.wait(OK, "running")
+            broadcaster.sendTransform(make_transform("astray", (0, 0, 0), parent="elsewhere"))
+            values = node.wait(WARN, "tf frame astray has no transform to the world frame, map")
+            self.assertEqual(values["tf age of astray [s]"], "no transform to map")
+            broadcaster.sendTransform(make_transform("astray", (0, 0, 0)))
+            wait_for(lambda: node.statuses("simulation")[-1].level == OK, "the frame")
+
     def test_images(self):
         """Pictures that take longer to draw than there is time between them."""
         camera = {"width": 2000, "height": 1500, "rate": 90, "samples": 4}

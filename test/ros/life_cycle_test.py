@@ -129,6 +129,19 @@ class LifeCycle(unittest.TestCase):
         live.close()
         self.assert_ends_cleanly(node)
 
+    def test_interrupt_while_waiting_for_a_master(self):
+        self.master.kill()
+        self.master.wait()
+        try:
+            for program in ("clothsim_node", "clothsim_handles"):
+                path = roslib.packages.find_node("clothsim", program)[0]
+                node = subprocess.Popen([path], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                        text=True)
+                self.assertIn("Failed to contact master", node.stderr.readline())
+                self.assert_ends_cleanly(node)
+        finally:
+            type(self).master = start_master()
+
     def test_interrupt_without_a_master(self):
         node, _ = self.start_node("last")
         self.master.kill()

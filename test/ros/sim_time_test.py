@@ -6,7 +6,7 @@ import unittest
 
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
@@ -50,6 +50,10 @@ class SimTime(unittest.TestCase):
     @real_time
     def test_follows_the_clock(self):
         # No time yet: no frame, but the services answer.
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        diagnostics.wait("the word that there is no time", lambda a: any(
+            s.level == DiagnosticStatus.WARN and "waits for /clock" in s.message for s in a.status))
+        diagnostics.close()
         wait_for(lambda: self.clock.get_num_connections() >= 2, "the clock's subscribers")
         self.assertEqual(self.cloth.states.wait("the start").step, 0)
         self.cloth.pause()

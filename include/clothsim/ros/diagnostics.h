@@ -16,6 +16,7 @@ namespace clothsim_ros {
 /// What the node says of itself.
 struct NodeStatus {
   bool paused = false;
+  bool waits_for_clock = false;          // not paused, but /clock has not begun
   std::string failure;                   // why the simulation stopped; empty: it did not
   double factor_asked = 1;               // 0: as fast as possible
   std::optional<double> factor_reached;  // empty: nothing to measure

@@ -33,6 +33,9 @@ class Pacer {
   /// The next frame is due one frame from now, as after a pause.
   void restart() { start_.reset(); }
 
+  /// Whether frames wait for the first time of another node's clock.
+  bool waits_for_clock() const { return realtime_factor_ != 0 && pace().isZero(); }
+
   /// ROS time; zero where another node's has not begun.
   ros::Time now() const;
 

@@ -51,9 +51,10 @@ class TfListener {
 /// What is known of a tf frame that carries a collider, a pin or the camera.
 struct FrameStatus {
   std::string frame;
-  bool seen = false;  // a transform to the world came
-  bool lost = false;  // seen, but nothing newer came for a while
-  double age = 0;     // [s] of the latest transform; 0 for a static one
+  bool seen = false;       // a transform to the world came
+  bool lost = false;       // seen, but nothing newer came for a while
+  double age = 0;          // [s] of the latest transform; 0 for a static one
+  std::string apart_from;  // the world frame, where tf knows this frame but no way to that
 };
 
 /// The latest pose of a tf frame. A frame that is lost keeps its last one.
