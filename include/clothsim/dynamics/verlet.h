@@ -24,7 +24,7 @@ class VelocityVerlet {
 
   struct Parameters {
     /// Of the springs' forces. Positions and velocities are always double.
-    enum Precision { double_precision, single_precision };
+    enum Precision : int { double_precision, single_precision };
     Precision precision = double_precision;
 
     template <typename Self, typename Visit>
