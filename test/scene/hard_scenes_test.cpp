@@ -337,7 +337,7 @@ TEST_P(HeavyPoint, Hangs) {
   } else {  // passes are too few: what hangs from it trembles, without end and within bounds
     EXPECT_LT(worst, 0.13);
     EXPECT_LT(rms_velocity(state), 5);
-    EXPECT_GT(rms_velocity(state), 0.1) << "it rests: say so in docs/method.md";
+    EXPECT_GT(rms_velocity(state), 0.1) << "it rests: hold it to what the lighter ones are held to";
   }
 }
 
