@@ -28,38 +28,54 @@ void drift(int count, double t, double distance, const double* inv_mass, Columns
   }
 }
 
-/// What that drift does to velocities, v *= exp(-c t), the kick v += h f / m, the second drift.
+/// What a step of h [s] does to velocities and positions, beside the drag of `half` of it.
+struct Kick {
+  Kick(double damping, double step)
+      : h(step),
+        half(damping, h / 2),
+        velocity(Drag(damping, h).distance / half.decay),
+        position(Drag(damping, h).fall) {}
+
+  double h;
+  Drag half;
+  double velocity;  // that a constant acceleration gives, before the second half's drag [s]
+  double position;  // likewise [s^2]
+};
+
+/// What the first drift does to velocities, v *= exp(-c h / 2), the kick and the second drift.
 template <typename Real>
-[[gnu::always_inline]] inline void kick_and_drift_by(int count, double h, double distance,
-                                                     double decay, const double* inv_mass,
-                                                     const Real* f, const double* middle, double* x,
-                                                     double* v) {
+[[gnu::always_inline]] inline void kick_and_drift_by(int count, const Kick& kick,
+                                                     const double* inv_mass, const Real* f,
+                                                     const double* middle, double* x, double* v) {
+  const auto [h, half, velocity, position] = kick;
 #pragma GCC ivdep  // x may be `middle`, nothing else overlaps
   for (int i = 0; i < count; ++i) {
     const bool free = inv_mass[i] > 0;
-    const double loss = free ? decay : 1.0;
-    const double kicked = loss * v[i] + h * inv_mass[i] * f[i];
-    x[i] = middle[i] + (free ? distance : h / 2) * kicked;
-    v[i] = loss * kicked;
+    const double loss = free ? half.decay : 1.0;
+    const double slowed = loss * v[i];
+    const double a = inv_mass[i] * f[i];
+    x[i] = middle[i] + (free ? half.distance : h / 2) * slowed + position * a;
+    v[i] = loss * (slowed + velocity * a);
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
-                    const double* f, const double* middle, double* x, double* v) {
-  kick_and_drift_by(count, h, distance, decay, inv_mass, f, middle, x, v);
+void kick_and_drift(int count, const Kick& kick, const double* inv_mass, const double* f,
+                    const double* middle, double* x, double* v) {
+  kick_and_drift_by(count, kick, inv_mass, f, middle, x, v);
 }
 CLOTHSIM_TARGET_CLONES
-void kick_and_drift(int count, double h, double distance, double decay, const double* inv_mass,
-                    const float* f, const double* middle, double* x, double* v) {
-  kick_and_drift_by(count, h, distance, decay, inv_mass, f, middle, x, v);
+void kick_and_drift(int count, const Kick& kick, const double* inv_mass, const float* f,
+                    const double* middle, double* x, double* v) {
+  kick_and_drift_by(count, kick, inv_mass, f, middle, x, v);
 }
 
 }  // namespace
 
 double VelocityVerlet::reach(double damping, double h) {
-  const Drag after_kick(damping, h / 2);
-  return after_kick.distance / (after_kick.decay * h);
+  // Displacement over velocity that a constant force gives in one step.
+  const Drag drag(damping, h);
+  return drag.fall / (drag.distance * h);
 }
 
 void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state,
@@ -75,7 +91,7 @@ template <typename Forces>
 void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& loads, double h,
                              State& state, const Workers& workers) {
   using Real = typename Forces::Scalar;
-  const Drag drag(cloth.damping, h / 2);
+  const Kick kick(cloth.damping, h);
   const int n = cloth.num_points();
   // In the middle of the step. What a band needs of the next one must stay until it is done: where
   // there is but one band, points move in place, which saves a third of the caches' traffic.
@@ -84,7 +100,7 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   forces.resize(n);
 
   workers.share(n, [&](int begin, int end) {
-    drift(end - begin, h / 2, drag.distance, &cloth.inv_mass[begin], {state.velocities, begin},
+    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
           {state.positions, begin}, {middle, begin});
   });
   workers.share(n, [&](int begin, int end) {
@@ -93,8 +109,8 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
       for (int axis = 0; axis < 3; ++axis) {
         Real* f = &forces[i];  // of this axis
         blocks.sum(axis, f);
-        kick_and_drift(blocks.count(), h, drag.distance, drag.decay, &cloth.inv_mass[i], f,
-                       &middle(i, axis), &state.positions(i, axis), &state.velocities(i, axis));
+        kick_and_drift(blocks.count(), kick, &cloth.inv_mass[i], f, &middle(i, axis),
+                       &state.positions(i, axis), &state.velocities(i, axis));
       }
     }
   });

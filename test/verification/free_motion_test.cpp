@@ -72,8 +72,8 @@ TYPED_TEST(FreeMotion, FreeFallIsAParabola) {
 
 TYPED_TEST(FreeMotion, FallWithDragNearsItsEndSpeed) {
   // m z'' = -m g - c m z': v = -(g / c)(1 - exp(-c t)). A symmetric split of drag and gravity
-  // makes g / c off by the factor (c h / 2) / sinh(c h / 2) = 1 - (c h)^2 / 24 + ..., and z by as
-  // much at most; order 1 by c h / 2.
+  // would make g / c off by the factor (c h / 2) / sinh(c h / 2) = 1 - (c h)^2 / 24 + ..., and z by
+  // as much at most; order 1 by c h / 2.
   const double c = 5.4;
   const double h = 0.01;
   const int steps = 60;
@@ -129,6 +129,27 @@ TEST(FreeMotionVerlet, DragAloneMovesPointsExactly) {
     run(method, cloth, no_gravity, h, static_cast<int>(std::lround(1 / h)), state);
     const Points exact = cloth.rest_positions.rowwise() + v0 * ((1 - std::exp(-c)) / c);
     EXPECT_LT(farthest(state.positions, exact), 1e-11) << "h " << h;
+  }
+}
+
+TEST(FreeMotionVerlet, FallWithDragIsExactWhateverTheStep) {
+  // z = -(g / c)(t - (1 - exp(-c t)) / c), v = -(g / c)(1 - exp(-c t)); c h on both sides of 0.01,
+  // where the way is had otherwise, and so small that it all but drops out.
+  const double t = 1;
+  for (const double c : {5.4, 1.0, 1e-3, 1e-9}) {
+    ClothSpec spec = square_spec(4);
+    spec.material.damping = c;
+    const Cloth cloth = make_grid(spec);
+    const double gained = -std::expm1(-c * t) / c;
+    const double way = c > 1e-6 ? (t - gained) / c : t * t / 2 - c * t * t * t / 6;
+    for (const double h : {1e-4, 1e-2, 0.1, 0.5}) {
+      State state = start_state(spec, cloth, 1);
+      VelocityVerlet method;
+      run(method, cloth, Loads{}, h, static_cast<int>(std::lround(t / h)), state);
+      EXPECT_NEAR(state.positions(5, 2), cloth.rest_positions(5, 2) - g * way, 2e-11)
+          << c << ' ' << h;
+      EXPECT_NEAR(state.velocities(5, 2), -g * gained, 1e-11) << c << ' ' << h;
+    }
   }
 }
 

@@ -13,8 +13,9 @@ namespace clothsim {
 ///
 /// The drift form asks for one force a step, wherever constraints and contact have put the points
 /// since the last one; kick, drift, kick (its conjugate, with the same limit and frequency) would
-/// need a second. Drag is solved exactly within each drift: alone, it gives v0 exp(-c t) and
-/// x0 + v0 (1 - exp(-c t)) / c whatever the step. Pins move at their own velocity.
+/// need a second. Drag is solved exactly within each drift, and with it a force that is constant: a
+/// cloth falls as it should, and drag alone gives v0 exp(-c t) and x0 + v0 (1 - exp(-c t)) / c,
+/// whatever the step. Pins move at their own velocity.
 class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
