@@ -117,7 +117,6 @@ StepReport Simulator::Impl::step() {
   disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
   state.time = last_good.time + dt;
-  report.worst_stretch = worst_stretch(cloth, state.positions);
   report.contacts = collider_contacts.count();
   visit_self_contacts([&](const auto& contacts) { report.contacts += contacts.count(); });
   return report;
@@ -160,16 +159,16 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
                      std::to_string(report.ran_out) + " of " + std::to_string(report.substeps) +
                      " substeps";
   }
-  if (ran_out) report.reason += "; passes ran out before every spring was within its strain limit";
+  report.worst_stretch = worst_stretch(cloth, state.positions);
   // Where pins ask for more than the strain limit grants, it pulls without end; that shows in the
   // stretch, and is no fault of the method.
-  const auto is_overpulled = [&] {
-    return cloth.strain_limit &&
-           worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
-  };
-  return disturbed ||
-         energy_is_plausible(cloth, scene.simulation.gravity, dt, before, state, colliders) ||
-         is_overpulled();
+  const bool is_overpulled =
+      cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
+  if (ran_out || is_overpulled) {
+    report.reason += "; passes ran out before every spring was within its strain limit";
+  }
+  return disturbed || is_overpulled ||
+         energy_is_plausible(cloth, scene.simulation.gravity, dt, before, state, colliders);
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {

@@ -301,6 +301,21 @@ TEST(HardScene, ALimitThatCannotBeMetIsReported) {
   EXPECT_NE(reason.find("passes ran out"), std::string::npos) << reason;
 }
 
+TEST(HardScene, ASpringBeyondRepairIsReported) {
+  // One corner of the hem is drawn out by 0.28 m: its springs are left to the impulses.
+  Simulator simulator(hanging());
+  run(simulator, 2);
+  EXPECT_EQ(simulator.step().reason.find("ran out"), std::string::npos);
+  State state = simulator.state();
+  state.positions.row(399) += Eigen::RowVector3d(0.2, 0, -0.2);
+  simulator.set_state(state);
+  const StepReport report = simulator.step();
+  EXPECT_GT(report.worst_stretch, 0.65);
+  EXPECT_NE(report.reason.find("passes ran out"), std::string::npos) << report.reason;
+  EXPECT_EQ(run(simulator, 5).reason.find("ran out"), std::string::npos);
+  expect_rest(simulator, 0.02);
+}
+
 class HeavyPoint : public ::testing::TestWithParam<double> {};
 
 TEST_P(HeavyPoint, Hangs) {
@@ -337,11 +352,14 @@ TEST_P(HeavyPoint, Hangs) {
   } else {  // passes are too few: what hangs from it trembles, without end and within bounds
     EXPECT_LT(worst, 0.13);
     EXPECT_LT(rms_velocity(state), 5);
+  }
+  // From 500 to 1000 a rounding decides whether it does.
+  if (GetParam() > 1000) {
     EXPECT_GT(rms_velocity(state), 0.1) << "it rests: hold it to what the lighter ones are held to";
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(MassRatios, HeavyPoint, ::testing::Values(10.0, 100.0, 1e3, 1e4));
+INSTANTIATE_TEST_SUITE_P(MassRatios, HeavyPoint, ::testing::Values(10.0, 100.0, 1e3, 3e3, 1e4));
 
 TEST(HardScene, RealFabric) {
   Scene scene = hanging();
