@@ -1,9 +1,13 @@
-// What self contact costs on the folded cloth of self_collision, part by part, and how much faster
-// than real time a folded cloth goes.
+// What self contact costs on the folded cloth of self_collision, part by part, how much faster than
+// real time a folded cloth goes, and what colliders cost a cloth that lies on them.
 
 #include <benchmark/benchmark.h>
 
+#include <string>
+#include <vector>
+
 #include "clothsim/collision/cell_list.h"
+#include "clothsim/collision/collider_contacts.h"
 #include "clothsim/collision/intersections.h"
 #include "clothsim/collision/near_pairs.h"
 #include "clothsim/collision/point_contacts.h"
@@ -91,6 +95,28 @@ void points_step(benchmark::State& run) {
 void surface_step(benchmark::State& run) {
   SurfaceContacts contacts(settled(SelfCollision::surface).simulator.cloth());
   whole_step(run, contacts, SelfCollision::surface);
+}
+
+/// The same of the collider that a cloth has come to lie on: `sphere` and `plane` have contacts
+/// with points alone, and `sphere` without strain limit, where triangles may be of any size, with
+/// faces.
+void collider_step(benchmark::State& run, const std::string& name, bool limited) {
+  Scene scene = load(name);
+  if (!limited) scene.cloth.material.strain_limit.reset();
+  const Settled lying(scene, 4);
+  const Cloth& cloth = lying.simulator.cloth();
+  const std::vector<MovingCollider> colliders(scene.colliders.begin(), scene.colliders.end());
+  ColliderContacts contacts;
+  for (auto _ : run) {
+    Drift drift(lying);
+    const double start = cpu_seconds();
+    contacts.begin(colliders, cloth, drift.step(), drift.state);
+    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(cloth, drift.state.velocities);
+    contacts.correct(colliders, cloth, drift.start, drift.state.positions);
+    run.SetIterationTime(cpu_seconds() - start);
+  }
+  run.counters["contacts"] = contacts.count();
+  count_points(run, cloth);
 }
 
 /// Every pair of patches sought anew: in motion a small part of this a substep.
@@ -197,6 +223,9 @@ void surface_real_time(benchmark::State& run) {
 BENCHMARK(points_broad_phase);
 BENCHMARK(points_step)->UseManualTime();
 BENCHMARK(surface_step)->UseManualTime();
+BENCHMARK_CAPTURE(collider_step, plane, "plane", true)->UseManualTime();
+BENCHMARK_CAPTURE(collider_step, sphere, "sphere", true)->UseManualTime();
+BENCHMARK_CAPTURE(collider_step, sphere_faces, "sphere", false)->UseManualTime();
 BENCHMARK(surface_broad_phase)->UseManualTime();
 BENCHMARK(surface_narrow_phase)->UseManualTime();
 BENCHMARK(surface_response);

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "clothsim/collision/local_cloth.h"
 #include "clothsim/collision/shape.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/spectrum.h"
@@ -27,6 +28,21 @@ constexpr double horizon = 0.5;
 constexpr double check_cost = 1.5e-9;
 constexpr double solve_cost = 2.5e-9;
 
+/// CPU time of contact a substep [s] per point of a cloth that lies or has folded: of a collider,
+/// with points alone or with faces too, and of self contact. Measured by `clothsim_benchmark
+/// --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach it is next to nothing, in
+/// an impact several times that: it tells which method is cheaper, not what is in real time.
+constexpr double collider_points_cost = 1e-7;
+constexpr double collider_faces_cost = 2.5e-7;
+constexpr double self_points_cost = 2e-8;
+constexpr double self_surface_cost = 2e-7;
+
+/// Longest substep where contact or the strain limit act [s]. At 11 ms a cloth on a sphere trembles
+/// at 10 cm/s for ever, with any method that is stable then. At 3.7 ms a hanging cloth of 20 x 20
+/// points is 9e-5 of its size off at rest, from 2.8 ms on the 5e-5 that the limit's tolerance
+/// leaves.
+constexpr double longest_step = 3e-3;
+
 /// What errors depend on.
 struct Motion {
   double size;      // of the cloth [m]
@@ -36,8 +52,8 @@ struct Motion {
   double axial;     // lowest frequency along the cloth's longer side, hung from one end [rad/s]
   double swing;     // frequency of a sheet that swings about one edge [rad/s]
   double loaded;    // share of the horizon in which something holds the cloth
-  double fallen;    // rms over the horizon of how far it falls before [m]
-  double velocity;  // rms over the horizon of its velocity in that fall [m/s]
+  bool held;        // whether something does, sooner or later
+  double velocity;  // rms over the horizon of its velocity in the fall before [m/s]
   double buckling;  // rate at which an upright column that stands on something buckles [1/s]
   double folded;    // rms over the cloth of how far it has folded when that ends [m]
 };
@@ -60,21 +76,15 @@ double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
 void add_fall(double room, Motion& m) {
   constexpr int samples = 50;
   m.loaded = 0;
-  double fallen2 = 0;
   double velocity2 = 0;
-  double x = 0;
   for (int i = 1; i <= samples; ++i) {
-    const double dt = horizon / samples;
-    const double v = m.gravity * Drag(m.drag, (i - 0.5) * dt).distance;
-    x += dt * v;
-    if (x >= room) {
+    const Drag drag(m.drag, i * horizon / samples);
+    if (m.gravity * drag.fall >= room) {
       m.loaded = 1 - (i - 1.0) / samples;
       break;
     }
-    fallen2 += x * x / samples;
-    velocity2 += v * v / samples;
+    velocity2 += std::pow(m.gravity * drag.distance, 2) / samples;
   }
-  m.fallen = std::sqrt(fallen2);
   m.velocity = std::sqrt(velocity2);
 }
 
@@ -102,19 +112,25 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   m.axial = m.fastest * M_PI / (4 * std::max(cloth.columns, cloth.rows));
   m.swing = std::sqrt(1.5 * m.gravity / m.size);
   m.loaded = 1;
+  m.held = true;
   const bool is_free = (cloth.inv_mass.array() > 0).all();
   if (is_free && m.gravity > 0) {
-    add_fall(room_below(cloth, colliders), m);
+    const double room = room_below(cloth, colliders);
+    m.held = std::isfinite(room);
+    add_fall(room, m);
     add_buckling(cloth, std::abs(extent.dot(spec.gravity)) / m.gravity, m);
   }
   return m;
 }
 
 /// A method that `auto` may take: the others are worse than one of these at every cost and error
-/// (docs/benchmarks.md). Errors [m] over the horizon for a substep of h [s] and CPU seconds a
-/// substep are fits to measurements, in the form that theory gives where it does.
+/// (docs/benchmarks.md). One that does not take impulses in its stride, as those of contact and the
+/// strain limit are, is taken where springs alone act. Errors [m] over the horizon for a substep of
+/// h [s] and CPU seconds a substep are fits to measurements, in the form that theory gives where it
+/// does.
 struct Candidate {
   const char* method;
+  bool takes_impulses;
   double (*error)(const Motion&, double h);
   double (*cost)(double springs, double points);
 };
@@ -128,15 +144,17 @@ double under_load(const Motion& m, double h, double error) {
   return m.loaded * m.loaded * (error + of_rate * m.folded);
 }
 
-/// Phase error w t (w h)^2 / 24 of an amplitude: g / w^2 along the cloth, its size as it swings;
-/// and the share (c h)^2 / 24 by which drag and gravity, taken in turn, miss the speed of a fall.
-/// The first factor is that of cloths held by an edge (0.35) and by two corners (0.55 to 1.25).
+/// Phase error w t (w h)^2 / 24 of an amplitude: g / w^2 along the cloth, its size as it swings. A
+/// fall is exact. The factor is that of cloths held by an edge (0.35) and by two corners (0.55 to
+/// 1.25).
 double verlet_error(const Motion& m, double h) {
   const double phase = horizon * h * h / 24 * (m.gravity * m.axial + m.size * std::pow(m.swing, 3));
-  return under_load(m, h, 0.65 * phase) + m.drag * m.drag * h * h / 24 * m.fallen;
+  return under_load(m, h, 0.65 * phase);
 }
 
-/// Of fourth order, led by the fast waves: fitted.
+/// Of fourth order, led by the fast waves: fitted. Its stages see a cloth that is held fall by a
+/// whole step before impulses take it back: it hangs 2 mm off at two substeps a frame, and on a
+/// sphere it creeps at some mm/s for ever.
 double rk4_error(const Motion& m, double h) {
   const double waves = 840 * m.gravity * std::pow(m.axial, 1.2) * std::pow(h, 4) * horizon;
   return under_load(m, h, waves);
@@ -146,23 +164,23 @@ double rk4_error(const Motion& m, double h) {
 /// of a fall, implicit Euler's, puts it half a step ahead.
 double bdf2_error(const Motion& m, double h) {
   const double held = 0.056 * m.gravity * std::pow(h, 1.3) * horizon;
-  return under_load(m, h, held) + (m.fallen > 0 ? m.gravity * h * h / 2 : 0);
+  return under_load(m, h, held) + (m.velocity > 0 ? m.gravity * h * h / 2 : 0);
 }
 
-/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted. A fall is half a
-/// step ahead.
+/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted, and there to
+/// stay however late it lands. A fall is half a step ahead.
 double xpbd_error(const Motion& m, double h) {
   const double held = 0.047 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
-  return under_load(m, h, held) + h / 2 * m.velocity;
+  return (m.held ? held : 0) + h / 2 * m.velocity;
 }
 
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
-      {VelocityVerlet::name, verlet_error, [](double s, double) { return 1.8e-9 * s; }},
-      {RungeKutta4::name, rk4_error, [](double s, double) { return 7e-9 * s; }},
-      {Xpbd::name, xpbd_error, [](double s, double) { return 6.3e-9 * s; }},
+      {VelocityVerlet::name, true, verlet_error, [](double s, double) { return 1.8e-9 * s; }},
+      {RungeKutta4::name, false, rk4_error, [](double s, double) { return 7e-9 * s; }},
+      {Xpbd::name, true, xpbd_error, [](double s, double) { return 6.3e-9 * s; }},
       // Two factorisations of the grid's matrix a step.
-      {Bdf2::name, bdf2_error, [](double, double p) { return 0.8e-6 * std::pow(p, 1.5); }},
+      {Bdf2::name, true, bdf2_error, [](double, double p) { return 0.8e-6 * std::pow(p, 1.5); }},
   };
   return all;
 }
@@ -176,6 +194,16 @@ double limit_cost(const SimulationSpec& spec, const Cloth& cloth) {
   return (check_cost + share * solve_cost) * cloth.num_springs();
 }
 
+double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  double cost = 0;
+  for (const ColliderSpec& collider : colliders) {
+    cost += clearance(collider.shape, cloth).faces ? collider_faces_cost : collider_points_cost;
+  }
+  if (cloth.self_collision == SelfCollision::points) cost += self_points_cost;
+  if (cloth.self_collision == SelfCollision::surface) cost += self_surface_cost;
+  return cost * cloth.num_points();
+}
+
 /// A candidate with the substeps it would take.
 struct Offer {
   const Candidate* candidate;
@@ -184,7 +212,7 @@ struct Offer {
   double cost;   // CPU seconds a simulated second
   bool stable;
   bool accurate;
-  bool real_time() const { return cost <= real_time_share; }
+  bool real_time;
 };
 
 double stability_limit_of(const std::string& method) {
@@ -192,18 +220,22 @@ double stability_limit_of(const std::string& method) {
 }
 
 Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& cloth,
-               const Motion& motion, bool touches) {
+               const std::vector<ColliderSpec>& colliders, const Motion& motion) {
+  const bool touches = cloth.self_collision != SelfCollision::off || !colliders.empty();
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
   // Explicit methods follow the strain limit's tension, from none on.
   std::optional<Tension> tension;
   if (std::isfinite(stability_limit)) tension = Tension{0, touches};
-  const int needed =
+  int needed =
       count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
+  if (touches || cloth.strain_limit) {
+    needed = std::max(needed, static_cast<int>(std::ceil(dt / longest_step)));
+  }
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
-  const double step_cost =
+  const double step_cost =  // contact aside
       c.cost(cloth.num_springs(), cloth.num_points()) + limit_cost(spec, cloth);
-  const auto cost = [&](int n) { return n * spec.frames_per_second * step_cost; };
+  const double affordable_steps = real_time_share / (spec.frames_per_second * step_cost);
 
   int n = needed;
   if (spec.substeps) {
@@ -211,11 +243,12 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   } else {
     // As many as the tolerance asks for and real time allows.
     const int affordable = static_cast<int>(std::clamp(
-        real_time_share / cost(1), static_cast<double>(needed), static_cast<double>(max_substeps)));
+        affordable_steps, static_cast<double>(needed), static_cast<double>(max_substeps)));
     while (error(n) > spec.tolerance && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
   }
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
-  return {&c, n, error(n), cost(n), stable, error(n) <= spec.tolerance};
+  const double cost = n * spec.frames_per_second * (step_cost + contact_cost(cloth, colliders));
+  return {&c, n, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
 }
 
 MethodChoice choice_of(const Offer& offer, std::string reason) {
@@ -232,10 +265,12 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
-  const bool touches = cloth.self_collision != SelfCollision::off || !colliders.empty();
+  const bool has_impulses =
+      cloth.strain_limit || !colliders.empty() || cloth.self_collision != SelfCollision::off;
   std::vector<Offer> offers;
   for (const Candidate& c : candidates()) {
-    const Offer offer = offer_of(c, spec, cloth, motion, touches);
+    if (has_impulses && !c.takes_impulses) continue;
+    const Offer offer = offer_of(c, spec, cloth, colliders, motion);
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
@@ -252,10 +287,10 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     return best;
   };
 
-  if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time(); }, cheaper)) {
+  if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
     return choice_of(*o, "the cheapest within tolerance");
   }
-  if (auto o = best_of([](const Offer& a) { return a.real_time(); }, finer)) {
+  if (auto o = best_of([](const Offer& a) { return a.real_time; }, finer)) {
     return choice_of(*o, "none is within tolerance in real time: the most accurate in real time");
   }
   return choice_of(*best_of([](const Offer&) { return true; }, cheaper),

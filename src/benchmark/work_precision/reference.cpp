@@ -117,19 +117,24 @@ Reference make_reference(const Trial& original) {
   const Trajectory twin =
       follow(twin_of(trial.scene), VelocityVerlet::name, coarsest, trial.frames);
   const double size = size_of(trial.scene);
+  const bool rest = trial.compared == Compared::rest_shape;
   for (std::size_t i = 0; i < other.size(); ++i) {
     const double to_other =
         rms_distance(reference.trajectory[i].positions, other[i].positions) / size;
     reference.uncertainty[i] = std::max(reference.uncertainty[i], to_other);
     const double apart = rms_distance(one[i].positions, twin[i].positions) / size;
-    reference.growth[i] = std::max(1.0, apart / nudge);
+    if (rest) {
+      reference.uncertainty[i] = std::max(reference.uncertainty[i], apart);
+    } else {
+      reference.growth[i] = std::max(1.0, apart / nudge);
+    }
   }
   reference.horizon = 0;
   while (reference.horizon < other.size() &&
-         reference.own_error(reference.horizon) <= trusted * charted_error) {
+         reference.own_error(reference.horizon) <= trusted * trial.charted_error) {
     ++reference.horizon;
   }
-  const std::size_t compared = trial.compared == Compared::rest_shape ? 1 : other.size();
+  const std::size_t compared = rest ? 1 : other.size();
   reference.cross_check = rms_distance(reference.trajectory, other, compared) / size;
   return reference;
 }

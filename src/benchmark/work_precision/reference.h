@@ -21,9 +21,6 @@ struct Reference {
   double own_error(std::size_t frame) const { return growth[frame] * uncertainty[frame]; }
 };
 
-/// The least error that a reference must be able to tell at its horizon.
-inline constexpr double charted_error = 1e-4;
-
 /// Share of a run's error that the reference's own may be.
 inline constexpr double trusted = 0.1;
 
@@ -31,8 +28,9 @@ inline constexpr double trusted = 0.1;
 /// finest run. Uncertainty is the larger of the distance to rk4 and what the last halving changed
 /// (after Richardson, which is of order 4, a fifteenth of that). The twin starts from a cloth
 /// nudged by 1e-10 of its size. The horizon is where the twin's growth times the uncertainty
-/// reaches a tenth of `charted_error`; one for all runs, so that their errors compare. Throws
-/// Diverged.
+/// reaches a tenth of the trial's `charted_error`; one for all runs, so that their errors compare.
+/// Shapes at rest do not grow apart: there the twin's distance counts as uncertainty, and growth is
+/// 1. Throws Diverged.
 Reference make_reference(const Trial&);
 
 /// The same from runs close to Verlet's limit, without rk4 and twin: for large and short trials,

@@ -83,7 +83,7 @@ std::vector<Trial> trials(bool quick) {
       {"edge_swing", edge_swing(25), 45, all, true, 4, true},
       {"corner_drop", corner_drop(25), 45, all, true, 4, false},
       {"corner_drop_50", corner_drop(50), 45, all, true, 1, false},
-      {"ribbon", ribbon(), 45, all, true, 16, false},
+      {"ribbon", ribbon(), 45, all, true, 16, false, {}, 1e-6},
       {"settle", settle(12), 60, Compared::rest_shape, false, 8, false, resting_damping},
       {"drape", drape(20), 270, Compared::rest_shape, false, 2, false},
       {"sphere_drop", sphere, 54, all, false, 2, false},

@@ -23,6 +23,7 @@ struct Trial {
   /// Drag of the reference, where it is not the scene's [1/s]: a shape at rest does not depend on
   /// it.
   std::optional<double> reference_damping{};
+  double charted_error = 1e-4;  // least one that the reference must tell at its horizon
 };
 
 /// A shipped scene with `side` x `side` points, its pins kept at the corners.
