@@ -98,9 +98,33 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   next_last_ = 0;
   faces_.start_over();
   escapes_.clear();
+  pinches_.start_over(h_);
   recovers_ = false;
   if (colliders.empty()) return;
 
+  std::vector<Caught> caught = find(colliders, cloth, step, state);
+  if (caught.size() > 1) find_pinched(colliders, cloth, state.positions, caught);
+  for (const Caught& c : caught) {
+    const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
+    recovers_ = recovers_ || c.depth() > 0;
+    if (c.depth() > safe_depth(collider.shape())) {
+      escape(c, collider, cloth, step, state.positions);
+    }
+  }
+  resume(cloth, scale, state.velocities);
+}
+
+double ColliderContacts::Caught::depth() const {
+  double deepest = 0;
+  for (const CaughtPoint& point : points) deepest = std::max(deepest, point.depth);
+  for (const CaughtFace& face : faces) deepest = std::max(deepest, face.depth);
+  return deepest;
+}
+
+std::vector<ColliderContacts::Caught> ColliderContacts::find(
+    const std::vector<MovingCollider>& colliders, const Cloth& cloth, const ContactStep& step,
+    State& state) {
+  std::vector<Caught> result;
   const Eigen::AlignedBox3d box = bounds(step.start, state.positions);
   const double fastest = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
@@ -109,36 +133,72 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
     const double margin = step.h * (fastest + collider.fastest_in(box)) + keeps.points;
     if (!in_reach(collider, box, margin)) continue;
 
-    const std::size_t first = contacts_.size(), first_face = faces_.size();
-    std::vector<int> caught;
-    std::vector<CaughtFace> caught_faces;
+    Caught caught{k, {}, {}};
     local_.place(collider, step.start, state.positions);
     local_.place_middle(collider, step, state.positions);
-    double deepest = find_points(k, collider, cloth, step, keeps.points, state, caught);
+    find_points(k, collider, cloth, step, keeps.points, state, caught.points);
     if (keeps.faces) {
-      faces_.find(k, collider, cloth, step, margin, local_, state, caught_faces);
+      faces_.find(k, collider, cloth, step, margin, local_, state, caught.faces);
     }
-    for (const CaughtFace& face : caught_faces) deepest = std::max(deepest, face.depth);
-    recovers_ = recovers_ || deepest > 0;
-    if (deepest > safe_depth(collider.shape())) {
-      escape(k, collider, cloth, first, caught, caught_faces, state.positions);
-    }
+    result.push_back(std::move(caught));
+  }
+  return result;
+}
 
-    for (std::size_t i = first; i < contacts_.size(); ++i) {
-      ContactImpulse& impulse = contacts_[i].impulse;
-      if (impulse.push == 0) continue;
-      impulse.resume(impulse, scale);
-      state.velocities.row(contacts_[i].point) += impulse.total().transpose();
-    }
-    faces_.resume(cloth, scale, first_face, state.velocities);
+void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders,
+                                    const Cloth& cloth, const Points& positions,
+                                    std::vector<Caught>& caught) {
+  const auto point = [&](std::size_t i) { return contacts_[i].point; };
+  const auto side = [&](const Contact& c) -> Pinches::Side {
+    return {c.impulse, colliders[static_cast<std::size_t>(c.collider)]};
+  };
+  for_each_two(contacts_.size(), static_cast<std::size_t>(cloth.num_points()), point,
+               [&](auto i, auto j) {
+                 const Contact &a = contacts_[i], &b = contacts_[j];
+                 if (!Pinches::leave_no_room(a.impulse, b.impulse)) return;
+                 pinches_.add(a.point, row(positions, a.point), side(a), side(b), cloth);
+               });
+  const auto of_point = [&](int collider, int p) -> const ContactImpulse* {
+    const auto id = std::make_tuple(collider, p);
+    const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), id,
+                                    [](const Contact& a, const auto& b) { return a.id() < b; });
+    return c != contacts_.end() && c->id() == id ? &c->impulse : nullptr;
+  };
+  faces_.find_pinched(colliders, of_point, cloth, positions, pinches_);
+  if (pinches_.count() == 0) return;
+
+  // Nothing else pushes them about.
+  for (Contact& c : contacts_) {
+    if (pinches_.holds(c.point)) c.impulse.let_go();
+  }
+  faces_.leave_to(pinches_, cloth);
+  const auto drop = [](auto& list, const auto& is_held) {
+    list.erase(std::remove_if(list.begin(), list.end(), is_held), list.end());
+  };
+  for (Caught& c : caught) {
+    drop(c.points, [&](const CaughtPoint& p) { return pinches_.holds(p.point); });
+    drop(c.faces, [&](const CaughtFace& f) {
+      const auto& corners = cloth.triangles[static_cast<std::size_t>(f.triangle)];
+      return std::any_of(corners.begin(), corners.end(),
+                         [&](int corner) { return pinches_.holds(corner); });
+    });
   }
 }
 
-double ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
-                                     const ContactStep& step, double offset, State& state,
-                                     std::vector<int>& caught) {
+void ColliderContacts::resume(const Cloth& cloth, double scale, Points& velocities) {
+  for (Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    c.impulse.resume(c.impulse, scale);
+    velocities.row(c.point) += c.impulse.total().transpose();
+  }
+  faces_.resume(cloth, scale, velocities);
+  pinches_.sweep(velocities);
+}
+
+void ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
+                                   const ContactStep& step, double offset, State& state,
+                                   std::vector<CaughtPoint>& caught) {
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
-  double deepest = 0;
   local_.distance.resize(cloth.num_points());
   for (int i = 0; i < cloth.num_points(); ++i) {
     const Vector3 from = row(local_.from, i);
@@ -158,9 +218,8 @@ double ColliderContacts::find_points(int index, const MovingCollider& collider, 
 
     // The last step's impulse, if it was in contact.
     const auto id = std::make_tuple(index, i);
-    const auto id_of = [](const Contact& c) { return std::make_tuple(c.collider, c.point); };
-    while (next_last_ < last_.size() && id_of(last_[next_last_]) < id) ++next_last_;
-    const bool held = next_last_ < last_.size() && id_of(last_[next_last_]) == id &&
+    while (next_last_ < last_.size() && last_[next_last_].id() < id) ++next_last_;
+    const bool held = next_last_ < last_.size() && last_[next_last_].id() == id &&
                       last_[next_last_].impulse.push > 0;
 
     // The gap this step would leave if the point only followed the surface. What is held, as it
@@ -183,37 +242,37 @@ double ColliderContacts::find_points(int index, const MovingCollider& collider, 
     // Others may yet push a point on the surface into it.
     if (!held && rate >= slowest && gap > 0) continue;
 
-    if (depth > 0) caught.push_back(i);
-    deepest = std::max(deepest, depth);
+    if (depth > 0) caught.push_back({i, depth});
     contacts_.push_back(
         {index,
          i,
          {normal, surface_velocity, slowest + way_out_speed(depth), collider.friction()}});
     if (held) contacts_.back().impulse.resume(last_[next_last_].impulse, 1);
   }
-  return deepest;
 }
 
-void ColliderContacts::escape(int index, const MovingCollider& collider, const Cloth& cloth,
-                              std::size_t first, const std::vector<int>& points,
-                              const std::vector<CaughtFace>& faces, const Points& positions) {
+void ColliderContacts::escape(const Caught& caught, const MovingCollider& collider,
+                              const Cloth& cloth, const ContactStep& step,
+                              const Points& positions) {
+  const int index = caught.collider;
   Escape out{index, {}, std::vector<char>(static_cast<std::size_t>(cloth.num_points()), 0)};
-  for (const int i : points) out.held[static_cast<std::size_t>(i)] = 1;
-  for (const CaughtFace& face : faces) {
+  for (const CaughtPoint& p : caught.points) out.held[static_cast<std::size_t>(p.point)] = 1;
+  for (const CaughtFace& face : caught.faces) {
     for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
       out.held[static_cast<std::size_t>(i)] = 1;
     }
   }
+  local_.place(collider, step.start, positions);
   out.direction = way_out(cloth, local_.from, out.held);
 
   // All its points go that way, those outside too.
   const Vector3 direction = collider.pose().orientation * out.direction;
   std::vector<char> missing = out.held;
-  for (std::size_t c = first; c < contacts_.size(); ++c) {
-    const auto point = static_cast<std::size_t>(contacts_[c].point);
-    if (!out.held[point]) continue;
-    contacts_[c].impulse.normal = direction;
-    contacts_[c].impulse.slowest = recovery_speed;
+  for (Contact& c : contacts_) {
+    const auto point = static_cast<std::size_t>(c.point);
+    if (c.collider != index || !out.held[point]) continue;
+    c.impulse.normal = direction;
+    c.impulse.slowest = recovery_speed;
     missing[point] = 0;
   }
   for (int i = 0; i < cloth.num_points(); ++i) {
@@ -223,9 +282,9 @@ void ColliderContacts::escape(int index, const MovingCollider& collider, const C
                          {direction, collider.velocity_at(row(positions, i)), recovery_speed,
                           collider.friction()}});
   }
-  std::sort(contacts_.begin() + static_cast<std::ptrdiff_t>(first), contacts_.end(),
-            [](const Contact& p, const Contact& q) { return p.point < q.point; });
-  for (const CaughtFace& face : faces) faces_.redirect(face.contact, direction);
+  std::sort(contacts_.begin(), contacts_.end(),
+            [](const Contact& p, const Contact& q) { return p.id() < q.id(); });
+  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction);
   escapes_.push_back(std::move(out));
 }
 
@@ -236,11 +295,13 @@ double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
     velocities.row(c.point) += change.transpose();
     residual2 = std::max(residual2, change.squaredNorm());
   }
-  return std::max(std::sqrt(residual2), faces_.sweep(cloth, velocities)) * h_;
+  const double on_faces = faces_.sweep(cloth, velocities);
+  return std::max({std::sqrt(residual2), on_faces, pinches_.sweep(velocities)}) * h_;
 }
 
 void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                const Points& start, Points& positions) {
+  pinches_.correct(start, positions);
   const Eigen::AlignedBox3d box = bounds(start, positions);
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
@@ -260,7 +321,7 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
       if (entry) to = *entry;
       const Distance d = signed_distance(collider.shape(), to, from);
       local_.distance[i] = d.value;
-      if (cloth.inv_mass[i] == 0) continue;
+      if (cloth.inv_mass[i] == 0 || pinches_.holds(i)) continue;
 
       const bool escapes = escape != escapes_.end() && escape->held[static_cast<std::size_t>(i)];
       if (escapes) {
@@ -278,9 +339,13 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
       moved[static_cast<std::size_t>(i)] = 1;
     }
     if (keeps.faces) {
-      const std::vector<char> none;
-      faces_.correct(collider, cloth, h_, escape != escapes_.end() ? escape->held : none, local_,
-                     moved);
+      std::vector<char> held = pinches_.held();
+      if (escape != escapes_.end()) {
+        held.resize(escape->held.size());
+        std::transform(held.begin(), held.end(), escape->held.begin(), held.begin(),
+                       [](char a, char b) { return a | b; });
+      }
+      faces_.correct(collider, cloth, h_, held, local_, moved);
     }
     for (int i = 0; i < cloth.num_points(); ++i) {
       if (!moved[static_cast<std::size_t>(i)]) continue;
@@ -294,7 +359,7 @@ int ColliderContacts::points_count() const {
                                         [](const Contact& c) { return c.impulse.push > 0; }));
 }
 
-int ColliderContacts::count() const { return points_count() + faces_.count(); }
+int ColliderContacts::count() const { return points_count() + faces_.count() + pinches_.count(); }
 
 void ColliderContacts::reset() {
   contacts_.clear();

@@ -205,13 +205,74 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   if (last) contacts_.back().impulse.resume(last->impulse, 1);
 }
 
-void FaceContacts::resume(const Cloth& cloth, double scale, std::size_t first, Points& velocities) {
-  for (std::size_t i = first; i < contacts_.size(); ++i) {
-    Contact& c = contacts_[i];
+void FaceContacts::resume(const Cloth& cloth, double scale, Points& velocities) {
+  for (Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
     c.impulse.resume(c.impulse, scale);
     spread(cloth, cloth.triangles[static_cast<std::size_t>(c.id.triangle)], c.weights,
            c.impulse.total(), velocities);
+  }
+}
+
+void FaceContacts::find_pinched(const std::vector<MovingCollider>& colliders,
+                                const PointContacts& of_point, const Cloth& cloth,
+                                const Points& positions, Pinches& pinches) const {
+  const auto collider_of = [&](const Contact& c) -> const MovingCollider& {
+    return colliders[static_cast<std::size_t>(c.id.collider)];
+  };
+  const auto pinch = [&](int triangle, const Pinches::Side& a, const Pinches::Side& b) {
+    if (!Pinches::leave_no_room(a.contact, b.contact)) return;
+    for (const int corner : cloth.triangles[static_cast<std::size_t>(triangle)]) {
+      pinches.add(corner, row(positions, corner), a, b, cloth);
+    }
+  };
+
+  const auto triangle = [&](std::size_t i) { return contacts_[i].id.triangle; };
+  for_each_two(contacts_.size(), cloth.triangles.size(), triangle, [&](auto i, auto j) {
+    const Contact &a = contacts_[i], &b = contacts_[j];
+    if (a.id.collider == b.id.collider) return;
+    pinch(a.id.triangle, {a.impulse, collider_of(a)}, {b.impulse, collider_of(b)});
+  });
+
+  // The other side may hold the corners alone.
+  for (const Contact& c : contacts_) {
+    for (int other = 0; other < static_cast<int>(colliders.size()); ++other) {
+      if (other == c.id.collider) continue;
+      const auto corners = under(c, other, of_point, cloth);
+      if (!corners) continue;
+      pinch(c.id.triangle, {c.impulse, collider_of(c)},
+            {*corners, colliders[static_cast<std::size_t>(other)]});
+    }
+  }
+}
+
+/// What the contacts of a triangle's corners with another collider ask for where `c` acts; nothing
+/// if one that has a share of it has none.
+std::optional<ContactImpulse> FaceContacts::under(const Contact& c, int other,
+                                                  const PointContacts& of_point,
+                                                  const Cloth& cloth) {
+  ContactImpulse all;
+  all.normal.setZero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (c.weights[k] == 0) continue;
+    const int corner = cloth.triangles[static_cast<std::size_t>(c.id.triangle)][k];
+    const ContactImpulse* of_corner = of_point(other, corner);
+    if (!of_corner) return {};
+    all.normal += c.weights[k] * of_corner->normal;
+    all.surface_velocity += c.weights[k] * of_corner->surface_velocity;
+    all.slowest += c.weights[k] * of_corner->slowest;
+    all.friction += c.weights[k] * of_corner->friction;
+  }
+  all.normal.normalize();
+  return all;
+}
+
+void FaceContacts::leave_to(const Pinches& pinches, const Cloth& cloth) {
+  for (Contact& c : contacts_) {
+    const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
+    const bool held = std::any_of(corners.begin(), corners.end(),
+                                  [&](int corner) { return pinches.holds(corner); });
+    if (held) c.impulse.let_go();
   }
 }
 

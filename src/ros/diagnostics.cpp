@@ -80,6 +80,11 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
     }
   }
   out.add("contacts", report.contacts);
+  if (report.pinched > 0) {
+    out.mergeSummaryf(DiagnosticStatus::WARN,
+                      "colliders leave no room to %d points, point %d among them", report.pinched,
+                      report.pinched_point);
+  }
   if (status.intersecting_pairs) {
     const int pairs = *status.intersecting_pairs;
     out.add("intersecting pairs", pairs);

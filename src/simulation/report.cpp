@@ -55,6 +55,8 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("self_collision", self_collision_names[static_cast<std::size_t>(cloth.self_collision)]);
   put("ran_out", run.ran_out);
   put("held_back", run.held_back);
+  put("pinched", run.pinched);
+  if (run.pinched > 0) put("pinched_point", run.pinched_point);
   put("frames", run.frames);
   put("simulated_seconds", state.time);
   put("wall_seconds", run.wall_seconds);

@@ -92,6 +92,10 @@ ExitCode simulate(const Options& options) {
       ++run.frames;
       run.ran_out += run.last_frame.ran_out;
       run.held_back += run.last_frame.held_back;
+      if (run.last_frame.pinched > run.pinched) {
+        run.pinched = run.last_frame.pinched;
+        run.pinched_point = run.last_frame.pinched_point;
+      }
       if (run.last_frame.recoveries > 0) {
         run.recoveries += run.last_frame.recoveries;
         std::cerr << "simulate: frame " << run.frames << " was taken back "

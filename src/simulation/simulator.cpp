@@ -134,6 +134,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   ran_out = false;
   report.substeps = 0;
   report.ran_out = 0;
+  report.pinched = 0;
+  report.pinched_point = -1;
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -254,6 +256,10 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
+  if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
+    report.pinched = pinches.count();
+    report.pinched_point = pinches.first();
+  }
   const double small = length / precision;
   const double small_move =
       self_contacts ? folding_precision * h * speed_within(state.velocities) : 0;

@@ -173,6 +173,14 @@ class Diagnostics(unittest.TestCase):
                 values = node.wait(level, "pairs of triangles cross" if level else "paused")
                 self.assertGreater(int(values["intersecting pairs"]), 0)
 
+    def test_pinched(self):
+        """Two slabs in one place, with the cloth between their sides."""
+        slabs = [{"name": name, "shape": "box", "size": [2, 2, 0.1], "center": [0.5, 0.5, z]}
+                 for name, z in (("lower", 0.951), ("upper", 1.049))]
+        with self.node({**SMALL, "colliders": slabs}, OFF) as node:
+            values = node.wait(WARN, "colliders leave no room to 144 points, point 0 among them")
+            self.assertEqual(values["contacts"], "144")
+
     def test_tf_age(self):
         for limits, level in ((OFF, WARN), ({**OFF, "tf_age": {"error": 2}}, ERROR)):
             broadcaster = tf2_ros.TransformBroadcaster()

@@ -199,15 +199,18 @@ TEST(SelfContact, PinchedBetweenTwoClosingSpheres) {
                      {"back", Sphere{0.2}, at(0.4), 0.3, ""}};
   Simulator simulator(scene);
   double mean = 0;  // of the fastest point [m/s]
-  const Judgement judgement = judge(simulator, 120, [&](int frame) {
+  int pinched = 0;
+  for (int frame = 1; frame <= 120; ++frame) {
     const double y = 0.4 - 0.25 * std::min(1.0, frame / 60.0);  // overlapping in the end
     simulator.move_collider(0, at(-y));
     simulator.move_collider(1, at(y));
+    pinched = std::max(pinched, simulator.step().pinched);
+    ASSERT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0) << frame;
     mean += fastest(simulator.state()) / 120;
-  });
+  }
   RecordProperty("mean_fastest_m_s", std::to_string(mean));
-  EXPECT_LT(mean, 20) << "what is pushed about is no velocity";
-  EXPECT_GT(judgement.held_back, 0) << "what cannot be met is reported";
+  EXPECT_LT(mean, 1);
+  EXPECT_GT(pinched, 10) << "what cannot be met is reported";
 }
 
 class TableClothPull : public ::testing::TestWithParam<double> {};

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "clothsim/collision/contact_impulse.h"
 #include "clothsim/collision/face_contacts.h"
 #include "clothsim/collision/local_cloth.h"
 #include "clothsim/collision/moving_collider.h"
+#include "clothsim/collision/pinches.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -23,7 +25,8 @@ namespace clothsim {
 /// do not keep a shape off the triangles between them, edges and faces have contacts too.
 ///
 /// What a shape was put upon, rather than moved against, comes out at recovery_speed at most: by
-/// the nearest way if it is not deep, else all of it in one direction.
+/// the nearest way if it is not deep, else all of it in one direction. What two leave no room is
+/// held between them.
 class ColliderContacts {
  public:
   /// Finds contacts after a step from step.start to state, and gives them their last impulses.
@@ -36,8 +39,11 @@ class ColliderContacts {
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                Points& positions);
 
-  /// Contacts that carry an impulse.
+  /// Contacts that carry an impulse, and points that are pinched.
   int count() const;
+
+  /// Points that two colliders leave no room.
+  const Pinches& pinches() const { return pinches_; }
 
   /// Was any of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }
@@ -55,6 +61,8 @@ class ColliderContacts {
     int collider;
     int point;
     ContactImpulse impulse;
+
+    std::tuple<int, int> id() const { return {collider, point}; }
   };
 
   /// Points that leave a collider together.
@@ -66,22 +74,46 @@ class ColliderContacts {
 
   int points_count() const;
 
-  /// Adds the point contacts of a collider; `caught` are those in it at the step's start. Returns
-  /// the greatest depth of one [m].
-  double find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
-                     double offset, State&, std::vector<int>& caught);
+  /// A point that was in a collider when a step began.
+  struct CaughtPoint {
+    int point;
+    double depth;  // [m] at the step's start
+  };
 
-  /// Sends what is caught in a collider, whose contacts are those from `first` on, out in one
-  /// direction.
-  void escape(int index, const MovingCollider&, const Cloth&, std::size_t first,
-              const std::vector<int>& points, const std::vector<CaughtFace>& faces,
+  /// What was in a collider when a step began.
+  struct Caught {
+    int collider;
+    std::vector<CaughtPoint> points;
+    std::vector<CaughtFace> faces;
+
+    double depth() const;  // greatest [m], 0 where nothing was
+  };
+
+  /// Finds the contacts of all colliders in reach; one Caught for each of these.
+  std::vector<Caught> find(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
+                           State&);
+
+  /// Adds the point contacts of a collider.
+  void find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
+                   double offset, State&, std::vector<CaughtPoint>&);
+
+  /// Holds what colliders leave no room, and takes it out of what they caught.
+  void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const Points& positions,
+                    std::vector<Caught>&);
+
+  /// Sends what is caught in a collider out in one direction.
+  void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
+
+  /// Gives the contacts the impulses of the last step, `scale` times as large.
+  void resume(const Cloth&, double scale, Points& velocities);
 
   double h_ = 0;                   // step of the impulses [s]
   std::vector<Contact> contacts_;  // by collider, then point
   std::vector<Contact> last_;
   std::size_t next_last_ = 0;
   FaceContacts faces_;
+  Pinches pinches_;
   std::vector<Escape> escapes_;  // by collider
   bool recovers_ = false;
   LocalCloth local_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "clothsim/model/memory.h"
 #include "clothsim/model/types.h"
@@ -45,6 +46,13 @@ struct ContactImpulse {
   }
 
   Vector3 total() const { return push * normal + drag; }
+
+  /// Lets it push no more.
+  void let_go() {
+    slowest = -std::numeric_limits<double>::infinity();
+    push = friction = 0;
+    drag.setZero();
+  }
 
   /// What the next step resumes: the impulse, not the surface.
   void write(MemoryWriter& memory) const {

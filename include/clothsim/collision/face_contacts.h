@@ -1,12 +1,15 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <optional>
 #include <tuple>
 #include <vector>
 
 #include "clothsim/collision/contact_impulse.h"
 #include "clothsim/collision/face_distance.h"
 #include "clothsim/collision/local_cloth.h"
+#include "clothsim/collision/pinches.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
@@ -32,8 +35,19 @@ class FaceContacts {
   void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
             LocalCloth&, State&, std::vector<CaughtFace>&);
 
-  /// Gives the contacts from `first` on the impulses of the last step, `scale` times as large.
-  void resume(const Cloth&, double scale, std::size_t first, Points& velocities);
+  /// Gives the contacts the impulses of the last step, `scale` times as large.
+  void resume(const Cloth&, double scale, Points& velocities);
+
+  /// The contact of a point with a collider; null: none.
+  using PointContacts = std::function<const ContactImpulse*(int collider, int point)>;
+
+  /// Finds triangles that two colliders leave no room, one of them perhaps by their corners' own
+  /// contacts: their corners, at `positions` [m, N x 3], are pinched.
+  void find_pinched(const std::vector<MovingCollider>&, const PointContacts&, const Cloth&,
+                    const Points& positions, Pinches&) const;
+
+  /// Drops the impulses on triangles with a corner that is held.
+  void leave_to(const Pinches&, const Cloth&);
 
   /// One pass over the contacts. Returns the largest change of a velocity [m/s].
   double sweep(const Cloth&, Points& velocities);
@@ -49,7 +63,6 @@ class FaceContacts {
     contacts_[contact].impulse.slowest = recovery_speed;
   }
 
-  std::size_t size() const { return contacts_.size(); }
   int count() const;  // that carry an impulse
   void reset();
   void write(MemoryWriter&) const;
@@ -75,6 +88,8 @@ class FaceContacts {
   };
 
   const Contact* last_of(const Id&);
+  static std::optional<ContactImpulse> under(const Contact&, int other, const PointContacts&,
+                                             const Cloth&);
 
   /// Adds a contact at `distance`, if it matters in this step.
   void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,

@@ -22,6 +22,8 @@ struct RunReport {
   int recoveries = 0;       // frames taken back and tried again
   long long ran_out = 0;    // substeps whose method stopped iterating before its tolerance
   long long held_back = 0;  // moves of points cut short, summed over the steps
+  int pinched = 0;          // points that two colliders left no room, most at once
+  int pinched_point = -1;   // one of them
   bool diverged = false;    // the simulator then holds the last good frame
 };
 

@@ -27,6 +27,8 @@ struct StepReport {
   int contacts = 0;            // points on colliders plus those of self contact, last substep
   int ran_out = 0;             // substeps whose method stopped iterating before its tolerance
   int held_back = 0;           // moves of points cut short lest the cloth cross itself
+  int pinched = 0;             // points that two colliders leave no room, most in a substep
+  int pinched_point = -1;      // one of them
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.
