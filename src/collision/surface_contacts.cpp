@@ -194,6 +194,7 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
     // taken to be no further.
     Points ways = own_ways(here, positions);
     const double needed = floor + longest(ways) / bound_share;
+    if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
     const double seen = std::min(needed, near_.reach());
     const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen, step.workers);
     if (near_pairs.empty() && seen == needed) return 0;
