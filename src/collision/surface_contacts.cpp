@@ -16,6 +16,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// or two could meet.
 constexpr double bound_share = 0.45;
 
+/// The same for what parts while it is as near as features may come, over half of that distance.
+constexpr double parting_share = 0.1;
+
 /// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
 /// which would let them cross.
 constexpr double least_share = 1e-5;
@@ -26,6 +29,10 @@ constexpr int most_legs = 6;
 /// Share of an overlap that the impulses work off each step. Kept impulses integrate it, so a large
 /// share shakes piles.
 constexpr double overlap_share = 0.01;
+
+/// Force between two features, of the mass of the whole cloth [m/s^2]: its weight. What presses
+/// layers with more, as fingers that leave them no room, gets them closer; it would shake them.
+constexpr double strongest_push = 9.81;
 
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
@@ -120,11 +127,13 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
     inv_mass += s.weights[k] * s.weights[k] * cloth.inv_mass[pair.points[k]];
   }
   if (inv_mass == 0) return {};
+  const double to_stop = std::abs(rate) / inv_mass;
+  const double most = strongest_push * cloth.mass.sum() * h_ + 2 * to_stop;
   return Contact{near.key,
                  pair.points,
                  s.weights,
                  inv_mass,
-                 {s.normal, Vector3::Zero(), slowest, cloth.friction}};
+                 {s.normal, Vector3::Zero(), slowest, cloth.friction, most}};
 }
 
 void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
@@ -202,7 +211,10 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
     const double unseen = seen == needed ? infinity : bound(seen);
     Scalars bounds = Scalars::Constant(here.rows(), unseen);
     for (const NearPair& near : near_pairs) {
-      const double of_pair = bound(near.separation.distance);
+      const double distance = near.separation.distance;
+      double of_pair = bound(distance);
+      const bool parts = gap_along(near.separation.normal, near.pair, positions) > distance;
+      if (parts) of_pair = std::max(of_pair, parting_share * (distance - 0.75 * floor));
       for (const int point : near.pair.points) {
         bounds[point] = std::min(bounds[point], of_pair);
       }

@@ -215,6 +215,48 @@ TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {
   EXPECT_GT(held, 0);
 }
 
+TEST(SurfaceContacts, GuardLetsPartWhatIsAsNearAsItMayCome) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto move_end = [&](double way) {
+    const Points start = state.positions;
+    for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    contacts.guard(cloth, contact_step, state);
+    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
+  };
+  for (int i = 0; i < 60; ++i) move_end(-thickness);
+  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  for (int i = 0; i < 30; ++i) move_end(thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), thickness);
+}
+
+TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
+  constexpr double speed = 0.1;
+  const auto press = [&] {
+    state.velocities.setZero();
+    for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -speed;
+  };
+  press();
+  contacts.begin(cloth, contact_step, state);
+  for (int pass = 0; pass < 1000; ++pass) {
+    press();
+    contacts.sweep(cloth, state.velocities);
+  }
+  Points impulses = Points::Zero(cloth.num_points(), 3);
+  contacts.add_impulses(1, impulses);
+  const double up = impulses.col(2).cwiseMax(0).sum();
+  const double mass = cloth.mass.sum();
+  EXPECT_GT(up, 9.81 * mass * h);
+  EXPECT_LT(up, contacts.count() * (9.81 * mass * h + 2 * mass * speed));
+}
+
 TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));

@@ -14,7 +14,8 @@ struct ContactImpulse {
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
   double slowest = 0;                 // least normal velocity off the surface allowed [m/s]
   double friction = 0;
-  double push = 0;        // along the normal [m/s], >= 0
+  double most = std::numeric_limits<double>::infinity();  // of push
+  double push = 0;                                        // along the normal [m/s], >= 0
   Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]
 
   /// Brings it up to date where the cloth touches with `velocity` [m/s], of which an impulse
@@ -24,7 +25,7 @@ struct ContactImpulse {
 
     // Off the surface, or towards it no faster than the gap allows.
     const double rate = normal.dot(v);
-    const double new_push = std::max(0.0, push + (slowest - rate) / yield);
+    const double new_push = std::clamp(push + (slowest - rate) / yield, 0.0, most);
 
     // Against sliding, as far as Coulomb's cone reaches.
     Vector3 new_drag = drag - (v - rate * normal) / yield;
