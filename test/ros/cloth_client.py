@@ -14,6 +14,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import TransformStamped
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import ClothState
 from clothsim.srv import Step
@@ -52,6 +53,18 @@ def publisher_at_once(topic, message_type):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # rospy's, that there is no queue
         return rospy.Publisher(topic, message_type, queue_size=None)
+
+
+class Frames:
+    """Sends tf frames to the node, which has them when send() returns."""
+
+    def __init__(self):
+        self._tf = publisher_at_once("/tf", TFMessage)
+        wait_for(lambda: self._tf.get_num_connections() > 0, "the node to listen to tf")
+
+    def send(self, *transforms):
+        self._tf.publish(transforms)
+        time.sleep(0.003)  # they come by another socket than a call
 
 
 def make_transform(frame, place, angle=0.0, parent="map", stamp=None):

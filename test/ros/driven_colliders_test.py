@@ -1,16 +1,14 @@
 #!/usr/bin/python3
 """A sphere and a box that another node drives over tf, under a cloth: no triangle gets inside."""
 
-import time
 import unittest
 
 import numpy as np
 import rospy
 import rostest
-from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import ClothTopology
-from cloth_client import Cloth, Recorder, make_transform, positions, wait_for
+from cloth_client import Cloth, Frames, Recorder, make_transform, positions
 
 BALL = np.array([0.5, 0.5, 0.65])  # where they start [m]
 CRATE = np.array([0.5, 0.5, 0.65])
@@ -66,15 +64,12 @@ class DrivenColliders(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.cloth = Cloth()
-        # Without a queue a message is on its way when publish() returns.
-        cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=None)
-        wait_for(lambda: cls.tf.get_num_connections() > 0, "the node to listen to tf")
+        cls.frames = Frames()
         topology = Recorder("/clothsim/topology", ClothTopology).wait("the topology")
         cls.triangles = np.asarray(topology.triangles, dtype=int).reshape(-1, 3)
 
     def send(self, frame, position, angle=0.0):
-        self.tf.publish([make_transform(frame, position, angle, stamp=rospy.Time.now())])
-        time.sleep(0.003)  # it comes by another socket than a call
+        self.frames.send(make_transform(frame, position, angle, stamp=rospy.Time.now()))
 
     def lay(self, ball, crate):
         """The cloth, anew, on one of them."""

@@ -1,15 +1,13 @@
 #!/usr/bin/python3
 """Two fingers that another node drives over tf close on a cloth farther than there is room."""
 
-import time
 import unittest
 
 import numpy as np
 import rospy
 import rostest
-from tf2_msgs.msg import TFMessage
 
-from cloth_client import Cloth, make_transform, positions, velocities, wait_for
+from cloth_client import Cloth, Frames, make_transform, positions, velocities
 
 HALF = 0.02  # of a finger's width [m]
 OPEN, CLOSED = 0.36, -0.004  # between them [m]
@@ -20,18 +18,15 @@ class Fingers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.cloth = Cloth()
-        # Without a queue a message is on its way when publish() returns.
-        cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=None)
-        wait_for(lambda: cls.tf.get_num_connections() > 0, "the node to listen to tf")
+        cls.frames = Frames()
 
     def go(self, gaps, heights, frames):
         """From the first to the last gap and height; the state then, and the fastest point yet."""
         fastest = 0
         for gap, z in zip(np.linspace(*gaps, frames), np.linspace(*heights, frames)):
-            self.tf.publish([
+            self.frames.send(*[
                 make_transform(frame, (0.5, side * (HALF + gap / 2), z), stamp=rospy.Time.now())
                 for frame, side in (("left_finger", -1), ("right_finger", 1))])
-            time.sleep(0.003)  # it comes by another socket than a call
             state = self.cloth.step(1)
             fastest = max(fastest, np.linalg.norm(velocities(state), axis=1).max())
         return state, fastest
