@@ -178,9 +178,7 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
   for (Caught& c : caught) {
     drop(c.points, [&](const CaughtPoint& p) { return pinches_.holds(p.point); });
     drop(c.faces, [&](const CaughtFace& f) {
-      const auto& corners = cloth.triangles[static_cast<std::size_t>(f.triangle)];
-      return std::any_of(corners.begin(), corners.end(),
-                         [&](int corner) { return pinches_.holds(corner); });
+      return pinches_.holds_any(cloth.triangles[static_cast<std::size_t>(f.triangle)]);
     });
   }
 }

@@ -270,9 +270,7 @@ std::optional<ContactImpulse> FaceContacts::under(const Contact& c, int other,
 void FaceContacts::leave_to(const Pinches& pinches, const Cloth& cloth) {
   for (Contact& c : contacts_) {
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
-    const bool held = std::any_of(corners.begin(), corners.end(),
-                                  [&](int corner) { return pinches.holds(corner); });
-    if (held) c.impulse.let_go();
+    if (pinches.holds_any(corners)) c.impulse.let_go();
   }
 }
 

@@ -194,6 +194,14 @@ double limit_cost(const SimulationSpec& spec, const Cloth& cloth) {
   return (check_cost + share * solve_cost) * cloth.num_springs();
 }
 
+bool touches(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  return cloth.self_collision != SelfCollision::off || !colliders.empty();
+}
+
+bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  return cloth.strain_limit || touches(cloth, colliders);
+}
+
 double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
   double cost = 0;
   for (const ColliderSpec& collider : colliders) {
@@ -221,15 +229,14 @@ double stability_limit_of(const std::string& method) {
 
 Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& cloth,
                const std::vector<ColliderSpec>& colliders, const Motion& motion) {
-  const bool touches = cloth.self_collision != SelfCollision::off || !colliders.empty();
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
   // Explicit methods follow the strain limit's tension, from none on.
   std::optional<Tension> tension;
-  if (std::isfinite(stability_limit)) tension = Tension{0, touches};
+  if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
   int needed =
       count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
-  if (touches || cloth.strain_limit) {
+  if (has_impulses(cloth, colliders)) {
     needed = std::max(needed, static_cast<int>(std::ceil(dt / longest_step)));
   }
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
@@ -265,11 +272,9 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
-  const bool has_impulses =
-      cloth.strain_limit || !colliders.empty() || cloth.self_collision != SelfCollision::off;
   std::vector<Offer> offers;
   for (const Candidate& c : candidates()) {
-    if (has_impulses && !c.takes_impulses) continue;
+    if (has_impulses(cloth, colliders) && !c.takes_impulses) continue;
     const Offer offer = offer_of(c, spec, cloth, colliders, motion);
     if (offer.stable) offers.push_back(offer);
   }

@@ -124,14 +124,20 @@ double measured_error(const Scene& scene, int substeps, int count) {
   return error_between(frames(scene, count), frames(fine, count));
 }
 
+/// What `auto` takes for so many points a side, which must be Verlet.
+MethodChoice verlet_choice(Scene& scene, int side) {
+  scene.cloth.columns = scene.cloth.rows = side;
+  const MethodChoice chosen = choice(scene);
+  EXPECT_EQ(chosen.method, "verlet");
+  return chosen;
+}
+
 TEST(MethodChoice, AFallIsExactWhateverTheStep) {
   // Drag and all, until it lands.
   Scene sphere = shipped_scene("sphere");
   sphere.cloth.material.strain_limit.reset();
   for (const int side : {20, 30}) {
-    sphere.cloth.columns = sphere.cloth.rows = side;
-    const MethodChoice chosen = choice(sphere);
-    ASSERT_EQ(chosen.method, "verlet");
+    const MethodChoice chosen = verlet_choice(sphere, side);
     EXPECT_EQ(chosen.predicted_error, 0) << side;
     EXPECT_LT(measured_error(sphere, chosen.least_substeps, 45), 1e-13) << side;
   }
@@ -147,9 +153,7 @@ TEST(MethodChoice, PredictsWhatStandsOnTheGround) {
   Scene fold = shipped_scene("self_collision");
   fold.cloth.material.strain_limit.reset();
   for (const int side : {20, 30}) {
-    fold.cloth.columns = fold.cloth.rows = side;
-    const MethodChoice chosen = choice(fold);
-    ASSERT_EQ(chosen.method, "verlet");
+    const MethodChoice chosen = verlet_choice(fold, side);
     const double measured = measured_error(fold, chosen.least_substeps, 22);
     RecordProperty("side " + std::to_string(side),
                    std::to_string(chosen.predicted_error * 1e9) + "e-9 predicted, " +

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -42,6 +44,9 @@ class Pinches {
 
   bool holds(int point) const {
     return !held_.empty() && held_[static_cast<std::size_t>(point)] != 0;
+  }
+  bool holds_any(const std::array<int, 3>& points) const {
+    return std::any_of(points.begin(), points.end(), [&](int point) { return holds(point); });
   }
   /// By point; empty: none.
   const std::vector<char>& held() const { return held_; }
