@@ -163,6 +163,32 @@ TEST(MethodChoice, PredictsWhatStandsOnTheGround) {
   }
 }
 
+TEST(MethodChoice, PredictsThatErrorsGrowInARibbonOfSteel) {
+  // Bending waves multiply them, by 40 to 100 at ks 5e7. How much is erratic: single strips scatter
+  // more than their mean.
+  Scene ribbon = swinging();
+  ribbon.cloth.columns = 3;
+  ribbon.cloth.rows = 51;
+  ribbon.cloth.width = 0.04;
+  ribbon.cloth.pinned = {{0, 0, ""}, {1, 0, ""}, {2, 0, ""}};
+  double log_ratio = 0;
+  const std::vector<double> stiffnesses = {1e7, 2e7, 4e7, 5e7, 6e7};
+  for (const double ks : stiffnesses) {
+    ribbon.cloth.material.ks = ks;
+    const MethodChoice chosen = choice(ribbon);
+    ASSERT_EQ(chosen.method, "verlet");
+    const double ratio = measured_error(ribbon, chosen.least_substeps, 45) / chosen.predicted_error;
+    RecordProperty("ks " + std::to_string(ks), std::to_string(ratio) + " times the predicted");
+    log_ratio += std::log(ratio) / static_cast<double>(stiffnesses.size());
+    if (ks == 5e7) {  // the charted one
+      EXPECT_LT(ratio, 3);
+      EXPECT_GT(ratio, 1.0 / 3);
+    }
+  }
+  EXPECT_LT(std::exp(log_ratio), 3);
+  EXPECT_GT(std::exp(log_ratio), 1.0 / 3);
+}
+
 TEST(MethodChoice, OfImpulsesRungeKuttaKnowsNothing) {
   // Within 1e-8 it is the only one on springs alone; whatever holds the cloth shuts it out.
   Scene scene = swinging();
