@@ -44,6 +44,11 @@ constexpr double folding_precision = 0.01;
 /// Stretch over the strain limit that pins must be asking for.
 constexpr double overpulled = 0.05;
 
+/// Times the usual substeps that springs which part fast may ask for: for material that changes a
+/// hundredfold every frame 2 is too few and 4 will do. Where impulses cannot hold the springs, as
+/// between two colliders, more would shake them faster.
+constexpr int most_for_parting = 4;
+
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
 bool are_near(const double* numbers, Eigen::Index count) {
@@ -124,8 +129,11 @@ StepReport Simulator::Impl::step() {
 
 bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
   report.method = method->choice.method;
-  int steps = method->substeps(scene.simulation, cloth, state.positions,
-                               substeps_at_speed(cloth, contact_speed(dt), dt), tension(), workers);
+  const std::optional<Tension> tension_now = tension();
+  int at_speed = substeps_at_speed(cloth, contact_speed(dt), dt);
+  if (tension_now) at_speed = std::max(at_speed, substeps_for_parting(dt));
+  int steps =
+      method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
   if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
@@ -205,6 +213,13 @@ std::optional<Tension> Simulator::Impl::tension() {
                        std::isfinite(method->stability_limit()) && !collider_contacts.recovers();
   if (!follows) return {};
   return Tension{strain_limit->tension_frequency(), touches()};
+}
+
+int Simulator::Impl::substeps_for_parting(double dt) const {
+  const int least = method->choice.least_substeps;
+  const int needed = substeps_at_parting(cloth, state.velocities, dt);
+  if (needed <= least || are_pulled_taut(cloth, state.positions)) return 1;
+  return std::min(needed, most_for_parting * least);
 }
 
 double Simulator::Impl::contact_speed(double dt) const {

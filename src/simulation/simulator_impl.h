@@ -134,6 +134,8 @@ struct Simulator::Impl {
   void repair(StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
+  /// Substeps of a frame that springs which part fast need, where their limit can hold them.
+  int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything?
   bool touches() const { return self_contacts || !colliders.empty(); }
   /// Where substeps follow it.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/stretch.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
@@ -35,7 +37,15 @@ constexpr double weight_limit = 1;
 
 /// Way of a collider in a substep, of the shortest spring. At 0.5 a sphere at 10 m/s already
 /// carries points off through the cloth.
+///
+/// And of one end of a spring against the other, of its length. Material that changes a
+/// hundredfold every frame tore springs in 1 % of the frames when nothing watched over that, in
+/// one of 2000 at 0.7 and in none at 0.5, where repairs still ran out; they hardly do at 0.25. No
+/// frame of a shipped scene takes a substep more for it.
 constexpr double way_share = 0.25;
+
+/// Of what a straight line of springs can reach.
+constexpr double taut = 0.99;
 
 int whole_steps(double steps) {
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
@@ -75,6 +85,27 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
 int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
   const double steps = dt * speed / (way_share * shortest_rest_length(cloth));
   return whole_steps(steps);
+}
+
+int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt) {
+  const double rate = worst_stretch(cloth, velocities) + 1;  // |v_b - v_a| / L0, largest
+  return whole_steps(dt * rate / way_share);
+}
+
+bool are_pulled_taut(const Cloth& cloth, const Points& positions) {
+  std::vector<int> held;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] == 0) held.push_back(i);
+  }
+  const double reach = taut * (1 + cloth.strain_limit.value());
+  for (const int a : held) {
+    for (const int b : held) {
+      const double apart = (positions.row(b) - positions.row(a)).norm();
+      const double at_rest = (cloth.rest_positions.row(b) - cloth.rest_positions.row(a)).norm();
+      if (apart > reach * at_rest) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace clothsim

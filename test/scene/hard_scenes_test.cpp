@@ -246,15 +246,11 @@ TEST(WildStart, PairsInOnePlace) {
       [](const State& rest, int i) { return point(rest, i % 20 == 0 ? i : i - i % 2); });
 }
 
-TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
-  // Then it hangs as low as one that was always so. CLOTHSIM_SOAK_SECONDS=3600 makes it an hour's
-  // soak.
-  const char* asked = std::getenv("CLOTHSIM_SOAK_SECONDS");
-  const double seconds = asked ? std::atof(asked) : 10;
-  Simulator simulator(hanging());
+/// Stiffness, density and damping change in each of these frames, by up to so many decades.
+void run_changing(Simulator& simulator, double seconds, double decades, double speed_limit) {
   const Material usual = simulator.scene().cloth.material;
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> any(-1, 1);
+  std::uniform_real_distribution<double> any(-decades, decades);
   for (int frame = 0; frame < seconds * 90; ++frame) {
     Material material = usual;
     material.ks *= std::pow(10, any(random));
@@ -262,10 +258,19 @@ TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
     material.damping *= std::pow(10, any(random));
     simulator.set_material(material);
     simulator.step();
-    ASSERT_LT(fastest(simulator.state()), 50) << frame;
+    ASSERT_LT(fastest(simulator.state()), speed_limit) << frame;
     ASSERT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.11) << frame;
   }
   simulator.set_material(usual);
+}
+
+TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
+  // Then it hangs as low as one that was always so. CLOTHSIM_SOAK_SECONDS=3600 makes it an hour's
+  // soak.
+  const char* asked = std::getenv("CLOTHSIM_SOAK_SECONDS");
+  Simulator simulator(hanging());
+  run_changing(simulator, asked ? std::atof(asked) : 10, 1, 50);
+  if (HasFatalFailure()) return;
   run_checked(simulator, 6, 20);
   expect_rest(simulator, 0.002);
 
@@ -273,6 +278,40 @@ TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
   run(calm, 6);
   const double height = simulator.state().positions.col(2).mean();
   EXPECT_NEAR(height, calm.state().positions.col(2).mean(), 0.02) << "folds may have stayed";
+}
+
+TEST(HardScene, HundredfoldChangesEveryFrameTearNothing) {
+  // Springs released and pulled taut within a frame part by up to their length in a substep, unless
+  // substeps follow that.
+  Simulator simulator(hanging());
+  run_changing(simulator, 10, 2, 300);
+  if (HasFatalFailure()) return;
+  run_checked(simulator, 6, 100);
+  expect_rest(simulator, 0.02);
+}
+
+TEST(HardScene, SubstepsFollowHowFastSpringsPart) {
+  Scene scene = hanging(3);
+  const Cloth cloth = make_grid(scene.cloth);  // springs from 0.5 m on
+  Points velocities = Points::Constant(9, 3, 7.0);
+  EXPECT_EQ(substeps_at_parting(cloth, velocities, 0.01), 1) << "it moves as a whole";
+  velocities.row(4) += Eigen::RowVector3d(0, 30, 40);          // 50 m/s against its neighbours
+  EXPECT_EQ(substeps_at_parting(cloth, velocities, 0.01), 4);  // 0.5 m by quarters of 0.5 m
+  EXPECT_EQ(substeps_at_parting(cloth, velocities, 0.1), 40);
+}
+
+TEST(HardScene, PinsAtTheLimitTakeNoMoreSubsteps) {
+  // Taut springs part the faster the shorter the steps: there shorter ones never end.
+  for (const double apart : {1.095, 1.105, 1.15}) {
+    Simulator simulator(hanging());
+    const int usual = simulator.step().substeps;
+    simulator.move_pin(1, {apart, 0, 1});
+    simulator.step();
+    EXPECT_TRUE(are_pulled_taut(simulator.cloth(), simulator.state().positions));
+    for (int frame = 0; frame < 30; ++frame) EXPECT_EQ(simulator.step().substeps, usual) << apart;
+  }
+  EXPECT_FALSE(
+      are_pulled_taut(make_grid(hanging().cloth), make_grid(hanging().cloth).rest_positions));
 }
 
 TEST(HardScene, TooFewSubstepsAreNotTakenWithoutAWord) {

@@ -39,4 +39,13 @@ int substeps_under_tension(double weight, const Tension&, double dt);
 /// limit, and contact, can answer. At most max_substeps.
 int substeps_at_speed(const Cloth&, double speed, double dt);
 
+/// Substeps in which the ends of no spring move by more than a quarter of its rest length against
+/// each other: a spring that has been torn open, or turned round, before its limit can answer, the
+/// limit does not bring back. At most max_substeps.
+int substeps_at_parting(const Cloth&, const Points& velocities, double dt);
+
+/// Do two points that are held ask for all that the strain limit grants, within 1 %, or more? Then
+/// it pulls without end, and springs part the faster the shorter the steps. Needs a strain limit.
+bool are_pulled_taut(const Cloth&, const Points& positions);
+
 }  // namespace clothsim
