@@ -90,7 +90,7 @@ void point_triangle(std::size_t count, const Coordinates p, const Indices i,
 /// Of edges a -> b to c -> d, as in closest_on_segments().
 CLOTHSIM_TARGET_CLONES
 void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* __restrict values,
-               const Ways way) {
+               double* __restrict inside, const Ways way) {
   for (std::size_t k = 0; k < count; ++k) {
     const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
     const double ux = p.x[b] - p.x[a], uy = p.y[b] - p.y[a], uz = p.z[b] - p.z[a];
@@ -108,6 +108,7 @@ void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* 
     const double free = crossing ? to_unit((uv * vw - uw * vv) / (area2 + tiny)) : 0.0;
     const double t = to_unit((uv * free + vw) / vv);
     const double s = to_unit((uv * t - uw) / uu);
+    inside[k] = s * (1 - s) * t * (1 - t);
     const double x = wx + s * ux - t * vx, y = wy + s * uy - t * vy, z = wz + s * uz - t * vz;
     const double least = x * x + y * y + z * z - rounding * (uu + vv + ww);
     values[k] = std::sqrt(larger(least, 0.0));
@@ -129,9 +130,13 @@ Indices indices(const Lists& points) {
 }  // namespace
 
 void Distances::measure(const Points& positions) {
-  (edges_ ? edge_edge : point_triangle)(size_, coordinates(positions), indices(points_),
-                                        values_.data(),
-                                        {ways_[0].data(), ways_[1].data(), ways_[2].data()});
+  const Coordinates x = coordinates(positions);
+  const Ways ways{ways_[0].data(), ways_[1].data(), ways_[2].data()};
+  if (edges_) {
+    edge_edge(size_, x, indices(points_), values_.data(), inside_.data(), ways);
+  } else {
+    point_triangle(size_, x, indices(points_), values_.data(), ways);
+  }
 }
 
 }  // namespace clothsim

@@ -138,12 +138,6 @@ void NearPairs::Impl::pair_patches(double reach) {
   patch_pairs = std::move(pairs);
 }
 
-void NearPairs::Impl::Scratch::clear() {
-  cells.clear();
-  parts.clear();
-  for (Distances& d : distances) d.clear();
-}
-
 /// What is asked for, of the patches whose gap may be within reach(pair).
 template <typename Reach>
 const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Reach& reach,
@@ -161,6 +155,7 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
           PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
           const double within = reach(pair);
           if (pair.wake_at - pair.moved > within) continue;
+          if (pair.meet_at - pair.moved > query.distance) continue;
           if (pair.moved + within > pair.list_until) {
             const double gap = gap_of_patches(pair);
             if (gap > within) {
@@ -172,9 +167,13 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
           scratch.awake.emplace_back(&pair, within);
         }
         measure_cells(query.positions, scratch);
-        for (const auto& [pair, within] : scratch.awake)
-          look_at_list(query, within, *pair, scratch);
-        measure_parts(query, scratch);
+        for (const auto& [pair, within] : scratch.awake) {
+          pair->wake_at = pair->list_until;
+          pair->meet_at =
+              pair->list_until + (pair->are_neighbours ? nearest.least() : contact);
+        }
+        for (const bool edges : {false, true}) look_at_lists(query, edges, scratch);
+        keep_found(query, scratch);
         scratch.awake.clear();
       },
       least, Workers::uneven);

@@ -41,9 +41,10 @@ struct NearPairs::Impl {
     double wake_at = -infinity;  // `moved` from which on there may be no gap
     // The same for each cell of p and each of q; none until they have been looked at.
     std::vector<double> cells_wake_at = {};
-    // Features whose gap may be none before `moved` is list_until.
-    std::vector<Listed> list = {};
+    // Features whose gap may be none before `moved` is list_until, by SurfacePair::edges.
+    std::array<std::vector<Listed>, 2> lists = {};
     double list_until = -infinity;
+    double meet_at = -infinity;  // `moved` from which on features may meet
   };
 
   /// What is asked for: of features whose gap is within some reach those that are within a
@@ -73,9 +74,14 @@ struct NearPairs::Impl {
   struct Part {
     PatchPair* of;
     double reach;
-    std::size_t begin;
-    std::size_t end;
-    std::array<std::size_t, 2> first;  // of their distances, by kind
+    const Listed* begin;
+    const Listed* end;
+    std::size_t first;  // of their distances
+  };
+  /// Features that have been found, by their key.
+  struct Found {
+    std::uint64_t key;
+    const SurfacePair* features;
   };
   /// What is measured of a band of patch pairs.
   struct Scratch {
@@ -84,10 +90,10 @@ struct NearPairs::Impl {
     std::vector<Cells> cells;
     std::vector<Part> parts;
     std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
+    std::array<std::vector<Found>, 2> found;                                // the same
     std::vector<NearPair> near;
 
     std::array<std::size_t, 2> sizes() const { return {distances[0].size(), distances[1].size()}; }
-    void clear();
   };
 
   explicit Impl(const Cloth&);
@@ -111,8 +117,9 @@ struct NearPairs::Impl {
   void measure_cells(const Points& positions, Scratch&) const;
   SurfacePair features_of(const std::array<int, 2>& cells, const FeaturePairs::Run&,
                           std::size_t k) const;
-  void look_at_list(const Query&, double reach, PatchPair&, Scratch&) const;
-  void measure_parts(const Query&, Scratch&) const;
+  void look_at_lists(const Query&, bool edges, Scratch&) const;
+  void measure_parts(const Query&, bool edges, Scratch&) const;
+  void keep_found(const Query&, Scratch&) const;
 
   SurfaceMesh mesh;
   NearestDistances nearest;

@@ -56,7 +56,7 @@ void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pai
       }
     }
   }
-  pair.list.clear();
+  for (std::vector<Listed>& list : pair.lists) list.clear();
   pair.list_until = pair.moved + reach;
 
   // Most sleep on.
@@ -111,13 +111,16 @@ void NearPairs::Impl::measure_cells(const Points& positions, Scratch& scratch) c
         least = std::min(least, distance);
         if (distance > cells.most_nearest + cells.reach) continue;
         const SurfacePair features = features_of(cells.cells, run, k);
-        if (distance <= features.nearest + cells.reach) pair.list.push_back({features, key});
+        if (distance <= features.nearest + cells.reach) {
+          pair.lists[run.edges].push_back({features, key});
+        }
       }
     }
     const double gap = least - cells.most_nearest;
     pair.cells_wake_at[static_cast<std::size_t>(cells.number)] = pair.moved + gap;
   }
-  scratch.clear();
+  scratch.cells.clear();
+  for (Distances& distances : scratch.distances) distances.clear();
 }
 
 /// Pair `k` of a run of two cells.
@@ -131,51 +134,72 @@ SurfacePair NearPairs::Impl::features_of(const std::array<int, 2>& cells,
   return pair;
 }
 
-/// Puts the features on a pair's list among those to be measured.
-void NearPairs::Impl::look_at_list(const Query& query, double reach, PatchPair& pair,
-                                   Scratch& scratch) const {
-  pair.wake_at = pair.list_until;
-  Part part{&pair, reach, 0, 0, scratch.sizes()};
-  for (const Listed& listed : pair.list) {
-    if (scratch.distances[listed.features.edges()].room() == 0) {
-      scratch.parts.push_back(part);
-      measure_parts(query, scratch);
-      part = {&pair, reach, part.end, part.end, scratch.sizes()};
+/// Finds what is asked for on the lists of the pairs that are awake, of one kind.
+void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scratch) const {
+  Distances& distances = scratch.distances[edges];
+  for (const auto& [pair, reach] : scratch.awake) {
+    const std::vector<Listed>& list = pair->lists[edges];
+    const Listed* begin = list.data();
+    const Listed* const end = begin + list.size();
+    while (begin != end) {
+      if (distances.room() == 0) measure_parts(query, edges, scratch);
+      const std::size_t first = distances.size();
+      const Listed* const stop =
+          begin + std::min(static_cast<std::size_t>(end - begin), distances.room());
+      scratch.parts.push_back({pair, reach, begin, stop, first});
+      for (; begin != stop; ++begin) distances.add(begin->features.points);
     }
-    scratch.distances[listed.features.edges()].add(listed.features.points);
-    ++part.end;
   }
-  scratch.parts.push_back(part);
+  measure_parts(query, edges, scratch);
 }
 
-/// Keeps what the query asks for.
-void NearPairs::Impl::measure_parts(const Query& query, Scratch& scratch) const {
-  for (Distances& distances : scratch.distances) distances.measure(query.positions);
+void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scratch) const {
+  Distances& distances = scratch.distances[edges];
+  distances.measure(query.positions);
   for (const Part& part : scratch.parts) {
     PatchPair& pair = *part.of;
     const std::uint64_t key =
         static_cast<std::uint64_t>(pair.p) << 40 | static_cast<std::uint64_t>(pair.q) << 16;
-    const auto is_asked_for = [&](double distance, double gap) {
-      return distance <= query.distance && gap <= part.reach;
-    };
-    std::array<std::size_t, 2> next = part.first;
-    for (std::size_t k = part.begin; k < part.end; ++k) {
-      const auto& [features, end_of_key] = pair.list[k];
-      const Distances& distances = scratch.distances[features.edges()];
-      const std::size_t i = next[features.edges()]++;
-      const double gap = distances[i] - features.nearest;
-      pair.wake_at = std::min(pair.wake_at, pair.moved + gap);
-      if (!is_asked_for(distances[i], gap)) continue;
-      if (query.ahead && gap > least_margin() &&
-          gap_along(distances.direction(i), features, *query.ahead) > features.nearest) {
-        continue;
+    double least_gap = infinity, least_distance = infinity;
+    std::size_t k = part.first;
+    for (const Listed* listed = part.begin; listed != part.end; ++listed, ++k) {
+      const double distance = distances[k];
+      const double gap = distance - listed->features.nearest;
+      least_gap = std::min(least_gap, gap);
+      least_distance = std::min(least_distance, distance);
+      if (gap > part.reach || distance > query.distance) continue;
+      if (query.ahead) {
+        if (edges && distances.at_end(k)) continue;
+        if (gap > least_margin() && gap_along(distances.direction(k), listed->features,
+                                              *query.ahead) > listed->features.nearest) {
+          continue;
+        }
       }
-      const Separation s = separation(features, query.positions);
-      if (!is_asked_for(s.distance, s.distance - features.nearest)) continue;
-      scratch.near.push_back({key | end_of_key, features, s});
+      scratch.found[edges].push_back({key | listed->key, &listed->features});
     }
+    pair.wake_at = std::min(pair.wake_at, pair.moved + least_gap);
+    pair.meet_at = std::min(pair.meet_at, pair.moved + least_distance);
   }
-  scratch.clear();
+  scratch.parts.clear();
+  distances.clear();
+}
+
+/// Both kinds in the order of their keys, measured one by one.
+void NearPairs::Impl::keep_found(const Query& query, Scratch& scratch) const {
+  auto& [points, edges] = scratch.found;
+  const auto keep = [&](const Found& found) {
+    const SurfacePair& features = *found.features;
+    const Separation s = separation(features, query.positions);
+    if (s.distance <= query.distance) scratch.near.push_back({found.key, features, s});
+  };
+  auto point = points.begin();
+  for (const Found& edge : edges) {
+    for (; point != points.end() && point->key < edge.key; ++point) keep(*point);
+    keep(edge);
+  }
+  std::for_each(point, points.end(), keep);
+  points.clear();
+  edges.clear();
 }
 
 }  // namespace clothsim

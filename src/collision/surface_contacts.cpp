@@ -34,6 +34,9 @@ constexpr double overlap_share = 0.01;
 /// layers with more, as fingers that leave them no room, gets them closer; it would shake them.
 constexpr double strongest_push = 9.81;
 
+/// Changes that a pass leaves out, of the precision to which it solves.
+constexpr double unseen_share = 0.25;
+
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
 
@@ -172,22 +175,28 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   for (const auto& [begin, contacts] : found) {
     contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
   }
+  changed_.mark_all(cloth.num_points());
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
     push_apart(cloth, c.points, c.weights, c.impulse.total(), state.velocities);
   }
 }
 
-double SurfaceContacts::sweep(const Cloth& cloth, Points& velocities) {
+double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velocities) {
+  const double least = unseen_share * precision;  // [m]
+  changed_.look(velocities, least / h_);
   double residual2 = 0;
   for (Contact& c : contacts_) {
+    if (!changed_.any(c.points)) continue;
     const Vector3 v = sum(c.points, c.weights, velocities);
     if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
     const Vector3 change = c.impulse.update(v, c.inv_mass);
     push_apart(cloth, c.points, c.weights, change, velocities);
-    residual2 = std::max(residual2, change.squaredNorm() * c.inv_mass * c.inv_mass);
+    const double change2 = change.squaredNorm() * c.inv_mass * c.inv_mass * h_ * h_;  // [m^2]
+    if (change2 > least * least) changed_.mark(c.points);
+    residual2 = std::max(residual2, change2);
   }
-  return std::sqrt(residual2) * h_;
+  return std::sqrt(residual2);
 }
 
 int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& state) {

@@ -26,7 +26,7 @@ Cloth apart(int points, double friction = 0) {
 void resolve(PointContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
   const Points before = state.velocities;
   contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
-  for (int i = 0; i < sweeps && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+  for (int i = 0; i < sweeps && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
 }
@@ -71,7 +71,7 @@ TEST(PointContacts, NoTouchingPairComesCloser) {
   PointContacts contacts;
   contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   const Points normals_at = state.positions;
-  for (int i = 0; i < 5000; ++i) contacts.sweep(cloth, state.velocities);
+  for (int i = 0; i < 5000; ++i) contacts.sweep(cloth, 0, state.velocities);
   int touching = 0;
   for (int a = 0; a < 40; ++a) {
     for (int b = a + 1; b < 40; ++b) {
@@ -99,7 +99,7 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
     state.velocities.row(1) << slide, 0, -1;
     PointContacts contacts;
     contacts.begin(cloth, {h, 0, state.positions, state.velocities, alone}, state);
-    for (int i = 0; i < 200; ++i) contacts.sweep(cloth, state.velocities);
+    for (int i = 0; i < 200; ++i) contacts.sweep(cloth, 0, state.velocities);
     EXPECT_NEAR(state.velocities(1, 2), 0, 1e-9);
     EXPECT_NEAR(state.velocities(1, 0), std::max(0.0, slide - mu * 1), 1e-9);
     EXPECT_EQ(state.velocities.row(0).norm(), 0) << "the pin was pushed";

@@ -61,7 +61,7 @@ void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
   const Points before = state.velocities;
   const ContactStep contact_step{h, reach, start, before, alone};
   contacts.begin(cloth, contact_step, state);
-  for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+  for (int i = 0; i < 2000 && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
   contacts.guard(cloth, contact_step, state);
@@ -127,7 +127,7 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   const double energy = middle.velocities.squaredNorm();
   SurfaceContacts contacts(cloth);
   contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 500; ++i) contacts.sweep(cloth, state.velocities);
+  for (int i = 0; i < 500; ++i) contacts.sweep(cloth, 0, state.velocities);
   ASSERT_GT(contacts.count(), 2);
   middle.velocities = state.velocities;
   EXPECT_LT((momentum(cloth, middle) - linear).norm(), 1e-13);
@@ -150,7 +150,7 @@ TEST(SurfaceContacts, FrictionTurnsByItsImpulseTimesTheDistanceOfTheLayersAndNoM
   const Eigen::RowVector3d before = angular_momentum(cloth, middle);
   SurfaceContacts contacts(cloth);
   contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 100; ++i) contacts.sweep(cloth, state.velocities);
+  for (int i = 0; i < 100; ++i) contacts.sweep(cloth, 0, state.velocities);
   ASSERT_EQ(contacts.count(), 1);
   const Eigen::RowVector3d impulse =
       cloth.mass[7] * (state.velocities.row(7) - middle.velocities.row(7));
@@ -183,7 +183,7 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
     state.positions += reach * h * state.velocities;
     const Points before = state.velocities;
     contacts.begin(cloth, {h, reach, start, before, alone}, state);
-    for (int i = 0; i < 2000 && contacts.sweep(cloth, state.velocities) > 1e-14; ++i) {
+    for (int i = 0; i < 2000 && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
     }
     state.positions += reach * h * (state.velocities - before);
   }
@@ -247,7 +247,7 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
   contacts.begin(cloth, contact_step, state);
   for (int pass = 0; pass < 1000; ++pass) {
     press();
-    contacts.sweep(cloth, state.velocities);
+    contacts.sweep(cloth, 0, state.velocities);
   }
   Points impulses = Points::Zero(cloth.num_points(), 3);
   contacts.add_impulses(1, impulses);

@@ -46,6 +46,9 @@ class Distances {
   /// the lengths between its points at most, where these are far longer.
   double operator[](std::size_t k) const { return values_[k]; }
 
+  /// Are two edges closest at an end of one of them?
+  bool at_end(std::size_t k) const { return inside_[k] == 0; }
+
   /// Direction from where the second feature is closest to where the first is; zero where they
   /// meet.
   Vector3 direction(std::size_t k) const {
@@ -58,6 +61,7 @@ class Distances {
   std::size_t size_ = 0;
   std::array<std::array<int, capacity>, 4> points_;
   std::array<double, capacity> values_;
+  std::array<double, capacity> inside_;               // of both edges; 0: at an end
   std::array<std::array<double, capacity>, 3> ways_;  // from where b is closest to where a is
 };
 

@@ -21,8 +21,9 @@ class PointContacts {
   /// Finds touching pairs after a step to `state`, and gives them their last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// One pass over the pairs. Returns the largest change as a displacement in h [m].
-  double sweep(const Cloth&, Points& velocities);
+  /// One pass over the pairs, whatever the `precision` [m]. Returns the largest change as a
+  /// displacement in h [m].
+  double sweep(const Cloth&, double precision, Points& velocities);
 
   /// Moves pairs that are closer than they may be apart, in one pass.
   void correct(const Cloth&, Points& positions) const;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "clothsim/collision/changed_points.h"
 #include "clothsim/collision/contact_impulse.h"
 #include "clothsim/collision/contact_step.h"
 #include "clothsim/collision/near_pairs.h"
@@ -28,8 +29,9 @@ class SurfaceContacts {
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// One pass over the contacts. Returns the largest change as a displacement in h [m].
-  double sweep(const Cloth&, Points& velocities);
+  /// One pass over the contacts, but for those where nothing has changed that matters to a
+  /// `precision` [m]. Returns the largest change as a displacement in h [m].
+  double sweep(const Cloth&, double precision, Points& velocities);
 
   /// Impulses alone part what is closer than it may be: moving it at once would shake piles.
   void correct(const Cloth&, Points&) const {}
@@ -72,6 +74,7 @@ class SurfaceContacts {
   double h_ = 0;
   std::vector<Contact> contacts_;  // by key
   std::vector<Contact> last_;
+  ChangedPoints changed_;
 };
 
 }  // namespace clothsim
