@@ -1,9 +1,13 @@
 #include "clothsim/collision/feature_pairs.h"
 
 #include <algorithm>
-#include <cassert>
 
 namespace clothsim {
+namespace {
+
+bool is_empty(const FeaturePairs::List& list) { return list[0].empty() && list[1].empty(); }
+
+}  // namespace
 
 FeaturePairs::FeaturePairs(const SurfaceMesh& mesh) {
   for (int r = 0; r < mesh.cell_rows; ++r) {
@@ -23,16 +27,12 @@ FeaturePairs::FeaturePairs(const SurfaceMesh& mesh) {
   }
   for (const int cell : cells) {
     for (const int other : cells) {
-      auto& lists = lists_[kind(cell)][kind(other)];
-      if (lists[far_way].empty()) lists[far_way] = list(mesh, cell, other, true);
-      Runs& runs = lists[way(cell, other)];
-      if (runs.empty()) runs = list(mesh, cell, other, false);
+      const std::size_t here = number(cell, other);
+      List& far = lists_[here - way(cell, other) + far_way];
+      if (is_empty(far)) far = list(mesh, cell, other, true);
+      if (is_empty(lists_[here])) lists_[here] = list(mesh, cell, other, false);
     }
   }
-}
-
-const FeaturePairs::Runs& FeaturePairs::of(int cell, int other) const {
-  return lists_[kind(cell)][kind(other)][way(cell, other)];
 }
 
 std::size_t FeaturePairs::way(int cell, int other) const {
@@ -43,49 +43,44 @@ std::size_t FeaturePairs::way(int cell, int other) const {
 }
 
 /// What two cells have together; if they are `apart`, they cannot share a point.
-FeaturePairs::Runs FeaturePairs::list(const SurfaceMesh& mesh, int cell, int other,
+FeaturePairs::List FeaturePairs::list(const SurfaceMesh& mesh, int cell, int other,
                                       bool apart) const {
   const std::array<int, 2> cells{cell, other};
-  const std::array<int, 2> first = first_points(cell, other);
-  const auto add = [&](Run& run, const std::array<int, 4>& points) {
-    const std::size_t of_a = run.edges ? 2 : 1;
-    const auto begin_b = points.begin() + of_a;
+  const bool alone = cell == other && !apart;
+  List result;
+  const auto add = [&](bool edges, const std::array<int, 4>& points,
+                       const std::array<std::size_t, 4>& of, int triangle) {
+    const auto begin_b = points.begin() + (edges ? 2 : 1);
     const bool share = std::any_of(points.begin(), begin_b, [&](int point) {
       return std::find(begin_b, points.end(), point) != points.end();
     });
-    if (share && !apart) return false;
-    for (std::size_t k = 0; k < 4; ++k) run.points[k].push_back(points[k] - first[run.of_point(k)]);
-    return true;
+    if (share && !apart) return;
+    Pair pair{points, of, triangle};
+    for (std::size_t k = 0; k < 4; ++k) pair.points[k] -= first_point(cells[of[k]]);
+    result[edges].push_back(pair);
   };
-  const bool alone = cell == other && !apart;
 
-  Runs runs;
-  for (std::size_t a : {0u, 1u}) {
+  for (const std::size_t a : {0u, 1u}) {
     if (alone && a == 1) continue;
-    Run run{false, {a, 1 - a}, {}, {}};
-    const auto& points = mesh.cell_points[static_cast<std::size_t>(cells[a])];
-    for (const int point : points) {
+    const std::size_t b = 1 - a;
+    for (const int point : mesh.cell_points[static_cast<std::size_t>(cells[a])]) {
       for (const int t : {0, 1}) {
-        const auto& [b, c, d] = mesh.triangles[static_cast<std::size_t>(2 * cells[1 - a] + t)];
-        if (add(run, {point, b, c, d})) run.triangles.push_back(t);
+        const auto& [p, q, r] = mesh.triangles[static_cast<std::size_t>(2 * cells[b] + t)];
+        add(false, {point, p, q, r}, {a, b, b, b}, t);
       }
     }
-    runs.push_back(std::move(run));
   }
 
-  Run run{true, {0, 1}, {}, {}};
   const auto& edges = mesh.cell_edges[static_cast<std::size_t>(cell)];
   const auto& others = mesh.cell_edges[static_cast<std::size_t>(other)];
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = alone ? i + 1 : 0; j < others.size(); ++j) {
       const auto& [a, b] = mesh.edges[static_cast<std::size_t>(edges[i])];
       const auto& [c, d] = mesh.edges[static_cast<std::size_t>(others[j])];
-      add(run, {a, b, c, d});
+      add(true, {a, b, c, d}, {0, 0, 1, 1}, SurfacePair::no_triangle);
     }
   }
-  runs.push_back(std::move(run));
-  assert(std::all_of(runs.begin(), runs.end(), [](const Run& r) { return r.size() <= most; }));
-  return runs;
+  return result;
 }
 
 }  // namespace clothsim

@@ -13,7 +13,7 @@ namespace {
 constexpr double margin_share = 0.12;
 
 /// How far features on a list reach, of what is asked for now: for three times the way of now.
-constexpr double list_share = 3;
+constexpr double list_share = 4;
 
 /// So many sides of a patch more than needed paired patches may be apart.
 constexpr double pairing_sides = 0.5;
@@ -25,7 +25,8 @@ NearPairs::Impl::Impl(const Cloth& cloth)
       nearest(cloth),
       feature_pairs(mesh),
       patches(cut_into_patches(cloth, patch_cells)),
-      patch_columns((mesh.cell_columns + patch_cells - 1) / patch_cells) {
+      patch_columns((mesh.cell_columns + patch_cells - 1) / patch_cells),
+      outlines(patches.size()) {
   const Points& x = cloth.rest_positions;
   const double along_row = (x.row(1) - x.row(0)).norm();
   const double along_column = (x.row(cloth.columns) - x.row(0)).norm();
@@ -34,7 +35,6 @@ NearPairs::Impl::Impl(const Cloth& cloth)
   least_rest_distance = along_row * along_column / std::hypot(along_row, along_column);
   contact = 2 * cloth.thickness;
   margin = margin_share * least_rest_distance;
-  outlines.resize(static_cast<std::size_t>(mesh.num_cells()));
   boxes.resize(patches.size());
   gradients.resize(patches.size());
 }
@@ -84,15 +84,7 @@ void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const
           boxes[p] = around(positions, patch.points);
           gradients[p] = gradient_bounds(cloth, positions, first % columns, first / columns,
                                          patch.columns - 1, patch.rows - 1);
-          for (const int cell : patch.cells) {
-            Outline& of_cell = outlines[static_cast<std::size_t>(cell)];
-            const int i = cell + cell / columns;
-            const std::array<int, 4> corners{i, i + 1, i + cloth.columns, i + cloth.columns + 1};
-            for (int k = 0; k < 4; ++k) {
-              of_cell.corners.col(k) = row(positions, corners[static_cast<std::size_t>(k)]);
-            }
-            of_cell.centre = of_cell.corners.rowwise().mean();
-          }
+          outlines.update(p, patch, positions);
         }
       },
       least);
@@ -166,11 +158,12 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
           }
           scratch.awake.emplace_back(&pair, within);
         }
-        measure_cells(query.positions, scratch);
+        for (std::size_t list = 0; list < FeaturePairs::num_lists; ++list) {
+          measure_cells(query.positions, list, scratch);
+        }
         for (const auto& [pair, within] : scratch.awake) {
           pair->wake_at = pair->list_until;
-          pair->meet_at =
-              pair->list_until + (pair->are_neighbours ? nearest.least() : contact);
+          pair->meet_at = pair->list_until + (pair->are_neighbours ? nearest.least() : contact);
         }
         for (const bool edges : {false, true}) look_at_lists(query, edges, scratch);
         keep_found(query, scratch);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clothsim/collision/box_tree.h"
+#include "clothsim/collision/cell_outlines.h"
 #include "clothsim/collision/distances.h"
 #include "clothsim/collision/feature_pairs.h"
 #include "clothsim/collision/near_pairs.h"
@@ -22,8 +23,6 @@ struct NearPairs::Impl {
   static constexpr double least_margin_share = 0.1;
   /// Cells along the side of a patch.
   static constexpr int patch_cells = 4;
-  static constexpr int cells_of_patch = patch_cells * patch_cells;
-  static constexpr int cells_of_patches = cells_of_patch * cells_of_patch;
 
   /// Features of two patches that are near, and the end of their key.
   struct Listed {
@@ -55,20 +54,13 @@ struct NearPairs::Impl {
     double distance;
   };
 
-  /// Where a cell is: its corners and their mean.
-  struct Outline {
-    Eigen::Matrix<double, 3, 4> corners;
-    Vector3 centre;
-  };
   /// Two cells whose features are measured.
   struct Cells {
     PatchPair* of;
-    int number;  // in cells_wake_at
+    std::size_t number;  // in cells_wake_at
     std::array<int, 2> cells;
     double most_nearest;  // of their features [m]
     double reach;
-    const FeaturePairs::Runs* runs;
-    std::array<std::size_t, 2> first;  // of their distances, by kind
   };
   /// A part of a list that is measured.
   struct Part {
@@ -87,13 +79,11 @@ struct NearPairs::Impl {
   struct Scratch {
     int band = -1;                                     // first patch pair
     std::vector<std::pair<PatchPair*, double>> awake;  // and the reach
-    std::vector<Cells> cells;
+    std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
     std::vector<Part> parts;
     std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
-    std::array<std::vector<Found>, 2> found;                                // the same
+    std::vector<Found> found;
     std::vector<NearPair> near;
-
-    std::array<std::size_t, 2> sizes() const { return {distances[0].size(), distances[1].size()}; }
   };
 
   explicit Impl(const Cloth&);
@@ -112,11 +102,9 @@ struct NearPairs::Impl {
   // near_pairs_search.cpp: what two of them have near each other.
   double gap_of_patches(const PatchPair&) const;
   void seek(const Points& positions, double reach, PatchPair&, Scratch&) const;
-  double distance_of_cells(int cell, int other) const;
-  void measure_later(const Points& positions, Cells, Scratch&) const;
-  void measure_cells(const Points& positions, Scratch&) const;
-  SurfacePair features_of(const std::array<int, 2>& cells, const FeaturePairs::Run&,
-                          std::size_t k) const;
+  void measure_later(const Points& positions, const Cells&, Scratch&) const;
+  void measure_cells(const Points& positions, std::size_t list, Scratch&) const;
+  SurfacePair features_of(const Cells&, bool edges, const FeaturePairs::Pair&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_parts(const Query&, bool edges, Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
@@ -137,7 +125,7 @@ struct NearPairs::Impl {
   PatchMotions motions;
 
   // At the positions last given.
-  std::vector<Outline> outlines;          // by cell
+  CellOutlines outlines;
   std::vector<Box> boxes;                 // by patch
   std::vector<GradientBounds> gradients;  // by patch
 

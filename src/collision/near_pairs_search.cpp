@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clothsim/model/target_clones.h"
 #include "near_pairs_impl.h"
 
 namespace clothsim {
 namespace {
 
 /// Numbers for the pairs of features of two cells, in their key.
-constexpr int keys_of_cells = 64;
-
-/// Which of some pairs of cells wake before their patches have `moved` so far: vectorised.
-CLOTHSIM_TARGET_CLONES
-void wake(int count, double moved, const double* __restrict wake_at, char* __restrict wakes) {
-  for (int k = 0; k < count; ++k) wakes[k] = wake_at[k] <= moved;
-}
+constexpr std::size_t keys_of_cells = 64;
 
 template <typename T>
 const T& of(const std::vector<T>& list, int i) {
@@ -49,88 +42,100 @@ void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pai
   const std::vector<int>& p = of(patches, pair.p).cells;
   const std::vector<int>& q = of(patches, pair.q).cells;
   if (pair.cells_wake_at.empty()) {
-    pair.cells_wake_at.assign(cells_of_patches, infinity);
+    pair.cells_wake_at.assign(CellOutlines::pairs, infinity);
     for (std::size_t i = 0; i < p.size(); ++i) {
       for (std::size_t j = pair.p == pair.q ? i : 0; j < q.size(); ++j) {  // each two once
-        pair.cells_wake_at[i * cells_of_patch + j] = -infinity;
+        pair.cells_wake_at[i * CellOutlines::cells + j] = -infinity;
       }
     }
   }
   for (std::vector<Listed>& list : pair.lists) list.clear();
   pair.list_until = pair.moved + reach;
 
-  // Most sleep on.
-  std::array<char, cells_of_patches> wakes;
-  double* const wake_at = pair.cells_wake_at.data();
-  wake(cells_of_patches, pair.list_until, wake_at, wakes.data());
-  for (int k = 0; k < cells_of_patches; ++k) {
-    if (!wakes[k]) continue;
-    const int cell = of(p, k / cells_of_patch), other = of(q, k % cells_of_patch);
-    const double most_nearest = nearest.most_of_cells(cell, other);
-    const double gap = distance_of_cells(cell, other) - most_nearest;
-    if (gap > reach) {
-      wake_at[k] = pair.moved + gap;
-      continue;
+  std::array<int, CellOutlines::pairs> awake;
+  const std::size_t count =
+      outlines.look(static_cast<std::size_t>(pair.p), static_cast<std::size_t>(pair.q), pair.moved,
+                    contact, reach, pair.cells_wake_at.data(), awake.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(awake[i]);
+    const std::array<int, 2> cells{p[k / CellOutlines::cells], q[k % CellOutlines::cells]};
+    double most_nearest = contact;
+    if (pair.are_neighbours) {  // they may come nearer
+      most_nearest = nearest.most_of_cells(cells[0], cells[1]);
+      double& wake_at = pair.cells_wake_at[k];
+      wake_at += contact - most_nearest;
+      if (wake_at - pair.moved > reach) continue;
     }
-    const FeaturePairs::Runs& runs = feature_pairs.of(cell, other);
-    measure_later(positions, {&pair, k, {cell, other}, most_nearest, reach, &runs, {}}, scratch);
+    measure_later(positions, {&pair, k, cells, most_nearest, reach}, scratch);
   }
 }
 
-/// At least: between planes square to the line between their centres.
-double NearPairs::Impl::distance_of_cells(int cell, int other) const {
-  const Outline &a = of(outlines, cell), &b = of(outlines, other);
-  const Vector3 way = b.centre - a.centre;
-  const double between =
-      (way.transpose() * b.corners).minCoeff() - (way.transpose() * a.corners).maxCoeff();
-  return between > 0 ? between / way.norm() : 0;
+/// Puts two cells among those whose features are to be measured.
+void NearPairs::Impl::measure_later(const Points& positions, const Cells& cells,
+                                    Scratch& scratch) const {
+  const std::size_t number = feature_pairs.number(cells.cells[0], cells.cells[1]);
+  std::vector<Cells>& others = scratch.cells[number];
+  others.push_back(cells);
+  const FeaturePairs::List& list = feature_pairs[number];
+  const std::size_t most = std::max(list[0].size(), list[1].size());
+  if ((others.size() + 1) * most > Distances::capacity) measure_cells(positions, number, scratch);
 }
 
-/// Puts all features of two cells among those to be measured.
-void NearPairs::Impl::measure_later(const Points& positions, Cells cells, Scratch& scratch) const {
-  auto& distances = scratch.distances;
-  if (std::min(distances[0].room(), distances[1].room()) < FeaturePairs::most) {
-    measure_cells(positions, scratch);
+/// Puts what is near of some cells with the same list of features on the lists of their patches.
+void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
+                                    Scratch& scratch) const {
+  std::vector<Cells>& all = scratch.cells[number];
+  const std::size_t count = all.size();
+  if (count == 0) return;
+  std::array<std::array<int, Distances::capacity>, 2> firsts;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < 2; ++k) firsts[k][i] = feature_pairs.first_point(all[i].cells[k]);
   }
-  cells.first = scratch.sizes();
-  scratch.cells.push_back(cells);
-  const std::array<int, 2> first = feature_pairs.first_points(cells.cells[0], cells.cells[1]);
-  for (const FeaturePairs::Run& run : *cells.runs) distances[run.edges].add(run, first);
-}
+  std::array<double, Distances::capacity> least, most;
+  for (std::size_t i = 0; i < count; ++i) {
+    least[i] = infinity;
+    most[i] = all[i].most_nearest + all[i].reach;
+  }
 
-void NearPairs::Impl::measure_cells(const Points& positions, Scratch& scratch) const {
-  for (Distances& distances : scratch.distances) distances.measure(positions);
-  for (const Cells& cells : scratch.cells) {
-    PatchPair& pair = *cells.of;
-    auto key = static_cast<unsigned>(cells.number * keys_of_cells);
-    std::array<std::size_t, 2> next = cells.first;
-    double least = infinity;
-    for (const FeaturePairs::Run& run : *cells.runs) {
-      for (std::size_t k = 0; k < run.size(); ++k, ++key) {
-        const double distance = scratch.distances[run.edges][next[run.edges]++];
-        least = std::min(least, distance);
-        if (distance > cells.most_nearest + cells.reach) continue;
-        const SurfacePair features = features_of(cells.cells, run, k);
-        if (distance <= features.nearest + cells.reach) {
-          pair.lists[run.edges].push_back({features, key});
-        }
+  std::size_t keys = 0;
+  for (const bool edges : {false, true}) {
+    const std::vector<FeaturePairs::Pair>& list = feature_pairs[number][edges];
+    Distances& distances = scratch.distances[edges];
+    for (const FeaturePairs::Pair& pair : list) {
+      std::array<const int*, 4> of;
+      for (std::size_t k = 0; k < 4; ++k) of[k] = firsts[pair.of[k]].data();
+      distances.add(count, of, pair.points);
+    }
+    distances.measure(positions);
+    for (std::size_t f = 0; f < list.size(); ++f) {
+      const double* const here = distances.values() + f * count;
+      for (std::size_t i = 0; i < count; ++i) least[i] = here[i] < least[i] ? here[i] : least[i];
+      for (std::size_t i = 0; i < count; ++i) {
+        if (here[i] > most[i]) continue;
+        const SurfacePair features = features_of(all[i], edges, list[f]);
+        if (here[i] > features.nearest + all[i].reach) continue;
+        const std::size_t key = all[i].number * keys_of_cells + keys + f;
+        all[i].of->lists[edges].push_back({features, static_cast<unsigned>(key)});
       }
     }
-    const double gap = least - cells.most_nearest;
-    pair.cells_wake_at[static_cast<std::size_t>(cells.number)] = pair.moved + gap;
+    keys += list.size();
+    distances.clear();
   }
-  scratch.cells.clear();
-  for (Distances& distances : scratch.distances) distances.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    PatchPair& pair = *all[i].of;
+    pair.cells_wake_at[all[i].number] = pair.moved + least[i] - all[i].most_nearest;
+  }
+  all.clear();
 }
 
-/// Pair `k` of a run of two cells.
-SurfacePair NearPairs::Impl::features_of(const std::array<int, 2>& cells,
-                                         const FeaturePairs::Run& run, std::size_t k) const {
-  const std::array<int, 2> first = feature_pairs.first_points(cells[0], cells[1]);
-  SurfacePair pair{SurfacePair::no_triangle, {}, 0};
-  for (std::size_t i = 0; i < 4; ++i) pair.points[i] = first[run.of_point(i)] + run.points[i][k];
-  if (!run.edges) pair.triangle = 2 * cells[run.of[1]] + run.triangles[k];
-  pair.nearest = nearest.of(pair);
+SurfacePair NearPairs::Impl::features_of(const Cells& cells, bool edges,
+                                         const FeaturePairs::Pair& features) const {
+  SurfacePair pair{SurfacePair::no_triangle, features.points, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    pair.points[k] += feature_pairs.first_point(cells.cells[features.of[k]]);
+  }
+  if (!edges) pair.triangle = 2 * cells.cells[features.of[1]] + features.triangle;
+  pair.nearest = cells.of->are_neighbours ? nearest.of(pair) : contact;
   return pair;
 }
 
@@ -175,7 +180,7 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
           continue;
         }
       }
-      scratch.found[edges].push_back({key | listed->key, &listed->features});
+      scratch.found.push_back({key | listed->key, &listed->features});
     }
     pair.wake_at = std::min(pair.wake_at, pair.moved + least_gap);
     pair.meet_at = std::min(pair.meet_at, pair.moved + least_distance);
@@ -184,22 +189,16 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
   distances.clear();
 }
 
-/// Both kinds in the order of their keys, measured one by one.
+/// In the order of their keys, measured one by one.
 void NearPairs::Impl::keep_found(const Query& query, Scratch& scratch) const {
-  auto& [points, edges] = scratch.found;
-  const auto keep = [&](const Found& found) {
-    const SurfacePair& features = *found.features;
-    const Separation s = separation(features, query.positions);
-    if (s.distance <= query.distance) scratch.near.push_back({found.key, features, s});
-  };
-  auto point = points.begin();
-  for (const Found& edge : edges) {
-    for (; point != points.end() && point->key < edge.key; ++point) keep(*point);
-    keep(edge);
+  std::vector<Found>& found = scratch.found;
+  std::sort(found.begin(), found.end(),
+            [](const Found& a, const Found& b) { return a.key < b.key; });
+  for (const Found& f : found) {
+    const Separation s = separation(*f.features, query.positions);
+    if (s.distance <= query.distance) scratch.near.push_back({f.key, *f.features, s});
   }
-  std::for_each(point, points.end(), keep);
-  points.clear();
-  edges.clear();
+  found.clear();
 }
 
 }  // namespace clothsim

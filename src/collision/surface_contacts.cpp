@@ -131,7 +131,7 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
   }
   if (inv_mass == 0) return {};
   const double to_stop = std::abs(rate) / inv_mass;
-  const double most = strongest_push * cloth.mass.sum() * h_ + 2 * to_stop;
+  const double most = strongest_push_ + 2 * to_stop;
   return Contact{near.key,
                  pair.points,
                  s.weights,
@@ -142,6 +142,7 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
 void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
+  strongest_push_ = strongest_push * cloth.mass.sum() * h_;
 
   last_.swap(contacts_);
   contacts_.clear();

@@ -1,5 +1,8 @@
 #include "clothsim/collision/distances.h"
 
+#include <algorithm>
+
+#include "clothsim/collision/surface_pair.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -21,6 +24,7 @@ TEST(Distances, AreThoseOfEachPair) {
     return static_cast<int>((random >> 33) % count);
   };
   double most = 0;
+  int at_ends = 0, inside = 0;
   for (Distances* distances : {&edges, &triangles}) {
     for (int round = 0; round < 20; ++round) {
       pairs.clear();
@@ -32,14 +36,24 @@ TEST(Distances, AreThoseOfEachPair) {
       }
       distances->measure(x);
       for (std::size_t k = 0; k < pairs.size(); ++k) {
-        const double exact = separation(pairs[k], x).distance;
+        const Separation s = separation(pairs[k], x);
+        const double exact = s.distance;
         EXPECT_LE((*distances)[k], exact + 1e-12);
         EXPECT_GE((*distances)[k], (1 - 1e-10) * exact - 1e-6);
         most = std::max(most, exact);
+        const bool apart = exact > 1e-3 && pairs[k].points[0] != pairs[k].points[1] &&
+                           pairs[k].points[2] != pairs[k].points[3];
+        if (distances != &edges || !apart) continue;
+        const bool at_end =
+            std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; });
+        EXPECT_EQ(edges.at_end(k), at_end);
+        ++(at_end ? at_ends : inside);
       }
     }
   }
   EXPECT_GT(most, 1);
+  EXPECT_GT(at_ends, 100);
+  EXPECT_GT(inside, 100);
 }
 
 }  // namespace

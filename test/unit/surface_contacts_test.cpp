@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "clothsim/collision/intersections.h"
-#include "verification/testing.h"
+#include "surface_testing.h"
 
 namespace clothsim {
 namespace {
@@ -190,6 +190,25 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
   double mean = 0;
   for (const int i : {6, 7, 14, 15}) mean += state.velocities(i, 1) / 4;
   EXPECT_NEAR(mean, 0.1 - mu * g * 10 * h, 0.01 * mu * g * 10 * h);
+}
+
+TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
+  // A crumpled cloth that falls in on itself.
+  const Cloth cloth = cloth_of(12, 12, thickness);
+  Points start = 0.3 * cloth.rest_positions + random_points(cloth.num_points(), 0.02, 3);
+  State state{start, Points::Zero(cloth.num_points(), 3), 0};
+  state.velocities = -10 * (start.rowwise() - start.colwise().mean());
+  state.positions += h * state.velocities;
+  const Points before = state.velocities;
+  SurfaceContacts contacts(cloth);
+  contacts.begin(cloth, {h, reach, start, before, alone}, state);
+
+  constexpr double precision = 1e-6, none_left_out = -1;
+  int passes = 0;
+  while (contacts.sweep(cloth, precision, state.velocities) > precision) ++passes;
+  EXPECT_GT(contacts.count(), 50);
+  EXPECT_GT(passes, 10);
+  EXPECT_LT(contacts.sweep(cloth, none_left_out, state.velocities), precision);
 }
 
 TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {

@@ -56,14 +56,13 @@ TEST(FeaturePairs, AreAllThatShareNoPointEachOnce) {
     for (int cell = 0; cell < mesh.num_cells(); ++cell) {
       for (int other = cell; other < mesh.num_cells(); ++other) {
         const std::array<int, 2> cells{cell, other};
-        const std::array<int, 2> first = lists.first_points(cell, other);
-        for (const FeaturePairs::Run& run : lists.of(cell, other)) {
-          EXPECT_LE(run.size(), FeaturePairs::most);
-          for (std::size_t k = 0; k < run.size(); ++k) {
-            SurfacePair pair{SurfacePair::no_triangle, {}, 0};
-            if (!run.edges) pair.triangle = 2 * cells[run.of[1]] + run.triangles[k];
-            for (std::size_t i = 0; i < 4; ++i) {
-              pair.points[i] = first[run.of_point(i)] + run.points[i][k];
+        const FeaturePairs::List& list = lists[lists.number(cell, other)];
+        for (const bool edges : {false, true}) {
+          for (const FeaturePairs::Pair& features : list[edges]) {
+            SurfacePair pair{SurfacePair::no_triangle, features.points, 0};
+            if (!edges) pair.triangle = 2 * cells[features.of[1]] + features.triangle;
+            for (std::size_t k = 0; k < 4; ++k) {
+              pair.points[k] += lists.first_point(cells[features.of[k]]);
             }
             found.push_back(pair);
           }

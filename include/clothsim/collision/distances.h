@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cstddef>
 
-#include "clothsim/collision/feature_pairs.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -29,14 +28,16 @@ class Distances {
     ++size_;
   }
 
-  /// All pairs of a run of this kind, by the first points of its cells. Needs room.
-  void add(const FeaturePairs::Run& run, const std::array<int, 2>& first_points) {
-    assert(run.edges == edges_ && room() >= run.size());
+  /// `count` pairs of one place in the grid: each of their points so far on from a first one of the
+  /// pair. Needs room.
+  void add(std::size_t count, const std::array<const int*, 4>& firsts,
+           const std::array<int, 4>& from_first) {
+    assert(room() >= count);
     for (std::size_t k = 0; k < 4; ++k) {
-      const int first = first_points[run.of_point(k)];
-      for (std::size_t i = 0; i < run.size(); ++i) points_[k][size_ + i] = first + run.points[k][i];
+      int* const points = points_[k].data() + size_;
+      for (std::size_t i = 0; i < count; ++i) points[i] = firsts[k][i] + from_first[k];
     }
-    size_ += run.size();
+    size_ += count;
   }
 
   /// Measures all pairs at `positions` [m, N x 3].
@@ -45,6 +46,7 @@ class Distances {
   /// Distance of pair `k` [m]. Never more than it is, and less by a part in 1e10 of that or 1e-7 of
   /// the lengths between its points at most, where these are far longer.
   double operator[](std::size_t k) const { return values_[k]; }
+  const double* values() const { return values_.data(); }
 
   /// Are two edges closest at an end of one of them?
   bool at_end(std::size_t k) const { return inside_[k] == 0; }

@@ -33,7 +33,8 @@ class NearPairs {
 
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], by ascending
   /// key. All that are within the nearest they may come plus least_margin() are among them, and
-  /// none that is further than that plus margin().
+  /// none that is further than that plus margin(). Edges that are closest at an end of one are left
+  /// out: there its point is as near.
   const std::vector<NearPair>& approaching(const Cloth&, const Points& positions,
                                            const Points& ahead, const Workers& = {});
 

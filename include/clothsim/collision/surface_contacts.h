@@ -72,6 +72,7 @@ class SurfaceContacts {
 
   NearPairs near_;
   double h_ = 0;
+  double strongest_push_ = 0;      // between two features, but for what stops them [N s]
   std::vector<Contact> contacts_;  // by key
   std::vector<Contact> last_;
   ChangedPoints changed_;

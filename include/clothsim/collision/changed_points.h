@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Which points changed their velocity since they were last looked at: passes over contacts leave
+/// out those where no point did.
+class ChangedPoints {
+ public:
+  /// All `count` points count as changed at the next look.
+  void mark_all(int count);
+  /// These points count as changed at the next look.
+  void mark(const std::array<int, 4>& points) {
+    for (const int point : points) marked_[static_cast<std::size_t>(point)] = 1;
+  }
+
+  /// Finds those that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by more
+  /// than `least` [m/s] from what they were when they were last found.
+  void look(const Points& velocities, double least);
+
+  bool any(const std::array<int, 4>& points) const {
+    Flag result = 0;
+    for (const int point : points) result |= changed_[static_cast<std::size_t>(point)];
+    return result != 0;
+  }
+
+ private:
+  using Flag = std::int64_t;  // as wide as a coordinate, for vector units
+
+  Points seen_;                // [m/s]
+  std::vector<Flag> marked_;   // by point
+  std::vector<Flag> changed_;  // by point
+};
+
+}  // namespace clothsim
