@@ -24,10 +24,11 @@ struct NearPairs::Impl {
   /// Cells along the side of a patch.
   static constexpr int patch_cells = 4;
 
-  /// Features of two patches that are near, and the end of their key.
+  /// Features of two patches that are near: not more of them than it takes to measure them.
   struct Listed {
-    SurfacePair features;
-    unsigned key;
+    std::array<int, 4> points;
+    float nearest;  // that they may come, or a little more [m]
+    unsigned key;   // its end
   };
 
   /// Two patches, or one with itself. A gap is what is left of a distance over the nearest that two
@@ -70,11 +71,6 @@ struct NearPairs::Impl {
     const Listed* end;
     std::size_t first;  // of their distances
   };
-  /// Features that have been found, by their key.
-  struct Found {
-    std::uint64_t key;
-    const SurfacePair* features;
-  };
   /// What is measured of a band of patch pairs.
   struct Scratch {
     int band = -1;                                     // first patch pair
@@ -82,7 +78,7 @@ struct NearPairs::Impl {
     std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
     std::vector<Part> parts;
     std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
-    std::vector<Found> found;
+    std::vector<std::uint64_t> found;  // keys
     std::vector<NearPair> near;
   };
 
@@ -104,10 +100,10 @@ struct NearPairs::Impl {
   void seek(const Points& positions, double reach, PatchPair&, Scratch&) const;
   void measure_later(const Points& positions, const Cells&, Scratch&) const;
   void measure_cells(const Points& positions, std::size_t list, Scratch&) const;
-  SurfacePair features_of(const Cells&, bool edges, const FeaturePairs::Pair&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_parts(const Query&, bool edges, Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
+  SurfacePair features_of(std::uint64_t key) const;
 
   SurfaceMesh mesh;
   NearestDistances nearest;

@@ -11,6 +11,14 @@ namespace {
 /// Numbers for the pairs of features of two cells, in their key.
 constexpr std::size_t keys_of_cells = 64;
 
+/// A key, but for its end: the cells of the patches and the features of these.
+std::uint64_t key_of(int p, int q) {
+  return static_cast<std::uint64_t>(p) << 40 | static_cast<std::uint64_t>(q) << 16;
+}
+
+/// Makes up for the rounding of a length to single precision.
+constexpr float rounded_up = 1 + 1e-6F;
+
 template <typename T>
 const T& of(const std::vector<T>& list, int i) {
   return list[static_cast<std::size_t>(i)];
@@ -97,7 +105,7 @@ void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
     most[i] = all[i].most_nearest + all[i].reach;
   }
 
-  std::size_t keys = 0;
+  std::size_t key = 0;  // of a feature, in those of its cells
   for (const bool edges : {false, true}) {
     const std::vector<FeaturePairs::Pair>& list = feature_pairs[number][edges];
     Distances& distances = scratch.distances[edges];
@@ -107,18 +115,24 @@ void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
       distances.add(count, of, pair.points);
     }
     distances.measure(positions);
-    for (std::size_t f = 0; f < list.size(); ++f) {
-      const double* const here = distances.values() + f * count;
-      for (std::size_t i = 0; i < count; ++i) least[i] = here[i] < least[i] ? here[i] : least[i];
+    const double* distance = distances.values();
+    for (const FeaturePairs::Pair& pair : list) {
       for (std::size_t i = 0; i < count; ++i) {
-        if (here[i] > most[i]) continue;
-        const SurfacePair features = features_of(all[i], edges, list[f]);
-        if (here[i] > features.nearest + all[i].reach) continue;
-        const std::size_t key = all[i].number * keys_of_cells + keys + f;
-        all[i].of->lists[edges].push_back({features, static_cast<unsigned>(key)});
+        least[i] = distance[i] < least[i] ? distance[i] : least[i];
       }
+      for (std::size_t i = 0; i < count; ++i) {
+        if (distance[i] > most[i]) continue;
+        SurfacePair features{pair.triangle, pair.points, contact};
+        for (std::size_t k = 0; k < 4; ++k) features.points[k] += firsts[pair.of[k]][i];
+        if (all[i].of->are_neighbours) features.nearest = nearest.of(features);
+        if (distance[i] > features.nearest + all[i].reach) continue;
+        all[i].of->lists[edges].push_back(
+            {features.points, static_cast<float>(features.nearest) * rounded_up,
+             static_cast<unsigned>(all[i].number * keys_of_cells + key)});
+      }
+      distance += count;
+      ++key;
     }
-    keys += list.size();
     distances.clear();
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -126,17 +140,6 @@ void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
     pair.cells_wake_at[all[i].number] = pair.moved + least[i] - all[i].most_nearest;
   }
   all.clear();
-}
-
-SurfacePair NearPairs::Impl::features_of(const Cells& cells, bool edges,
-                                         const FeaturePairs::Pair& features) const {
-  SurfacePair pair{SurfacePair::no_triangle, features.points, 0};
-  for (std::size_t k = 0; k < 4; ++k) {
-    pair.points[k] += feature_pairs.first_point(cells.cells[features.of[k]]);
-  }
-  if (!edges) pair.triangle = 2 * cells.cells[features.of[1]] + features.triangle;
-  pair.nearest = cells.of->are_neighbours ? nearest.of(pair) : contact;
-  return pair;
 }
 
 /// Finds what is asked for on the lists of the pairs that are awake, of one kind.
@@ -152,7 +155,7 @@ void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scr
       const Listed* const stop =
           begin + std::min(static_cast<std::size_t>(end - begin), distances.room());
       scratch.parts.push_back({pair, reach, begin, stop, first});
-      for (; begin != stop; ++begin) distances.add(begin->features.points);
+      for (; begin != stop; ++begin) distances.add(begin->points);
     }
   }
   measure_parts(query, edges, scratch);
@@ -163,24 +166,24 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
   distances.measure(query.positions);
   for (const Part& part : scratch.parts) {
     PatchPair& pair = *part.of;
-    const std::uint64_t key =
-        static_cast<std::uint64_t>(pair.p) << 40 | static_cast<std::uint64_t>(pair.q) << 16;
+    const std::uint64_t key = key_of(pair.p, pair.q);
     double least_gap = infinity, least_distance = infinity;
     std::size_t k = part.first;
     for (const Listed* listed = part.begin; listed != part.end; ++listed, ++k) {
-      const double distance = distances[k];
-      const double gap = distance - listed->features.nearest;
+      const double distance = distances[k], least = static_cast<double>(listed->nearest);
+      const double gap = distance - least;
       least_gap = std::min(least_gap, gap);
       least_distance = std::min(least_distance, distance);
       if (gap > part.reach || distance > query.distance) continue;
       if (query.ahead) {
         if (edges && distances.at_end(k)) continue;
-        if (gap > least_margin() && gap_along(distances.direction(k), listed->features,
-                                              *query.ahead) > listed->features.nearest) {
+        const SurfacePair features{edges ? SurfacePair::no_triangle : 0, listed->points, least};
+        if (gap > least_margin() &&
+            gap_along(distances.direction(k), features, *query.ahead) > least) {
           continue;
         }
       }
-      scratch.found.push_back({key | listed->key, &listed->features});
+      scratch.found.push_back(key | listed->key);
     }
     pair.wake_at = std::min(pair.wake_at, pair.moved + least_gap);
     pair.meet_at = std::min(pair.meet_at, pair.moved + least_distance);
@@ -191,14 +194,33 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
 
 /// In the order of their keys, measured one by one.
 void NearPairs::Impl::keep_found(const Query& query, Scratch& scratch) const {
-  std::vector<Found>& found = scratch.found;
-  std::sort(found.begin(), found.end(),
-            [](const Found& a, const Found& b) { return a.key < b.key; });
-  for (const Found& f : found) {
-    const Separation s = separation(*f.features, query.positions);
-    if (s.distance <= query.distance) scratch.near.push_back({f.key, *f.features, s});
+  std::sort(scratch.found.begin(), scratch.found.end());
+  for (const std::uint64_t key : scratch.found) {
+    const SurfacePair features = features_of(key);
+    const Separation s = separation(features, query.positions);
+    if (s.distance <= query.distance) scratch.near.push_back({key, features, s});
   }
-  found.clear();
+  scratch.found.clear();
+}
+
+SurfacePair NearPairs::Impl::features_of(std::uint64_t key) const {
+  const auto p = static_cast<int>(key >> 40), q = static_cast<int>(key >> 16 & 0xffffff);
+  const auto end = static_cast<std::size_t>(key & 0xffff);
+  const std::array<int, 2> cells{of(patches, p).cells[end / keys_of_cells / CellOutlines::cells],
+                                 of(patches, q).cells[end / keys_of_cells % CellOutlines::cells]};
+  const FeaturePairs::List& list = feature_pairs[feature_pairs.number(cells[0], cells[1])];
+  std::size_t k = end % keys_of_cells;
+  const bool edges = k >= list[0].size();
+  if (edges) k -= list[0].size();
+  const FeaturePairs::Pair& features = list[edges][k];
+
+  SurfacePair pair{SurfacePair::no_triangle, features.points, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    pair.points[i] += feature_pairs.first_point(cells[features.of[i]]);
+  }
+  if (!edges) pair.triangle = 2 * cells[features.of[1]] + features.triangle;
+  pair.nearest = nearest.of(pair);
+  return pair;
 }
 
 }  // namespace clothsim
