@@ -176,6 +176,8 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   for (const auto& [begin, contacts] : found) {
     contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
   }
+  points_.clear();
+  for (const Contact& c : contacts_) points_.push_back(c.points);
   changed_.mark_all(cloth.num_points());
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
@@ -187,8 +189,9 @@ double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velo
   const double least = unseen_share * precision;  // [m]
   changed_.look(velocities, least / h_);
   double residual2 = 0;
-  for (Contact& c : contacts_) {
-    if (!changed_.any(c.points)) continue;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (!changed_.any(points_[k])) continue;
+    Contact& c = contacts_[k];
     const Vector3 v = sum(c.points, c.weights, velocities);
     if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
     const Vector3 change = c.impulse.update(v, c.inv_mass);

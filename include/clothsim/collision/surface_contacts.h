@@ -72,8 +72,9 @@ class SurfaceContacts {
 
   NearPairs near_;
   double h_ = 0;
-  double strongest_push_ = 0;      // between two features, but for what stops them [N s]
-  std::vector<Contact> contacts_;  // by key
+  double strongest_push_ = 0;               // between two features, but for what stops them [N s]
+  std::vector<Contact> contacts_;           // by key
+  std::vector<std::array<int, 4>> points_;  // of contacts_: most passes look at no more of them
   std::vector<Contact> last_;
   ChangedPoints changed_;
 };
