@@ -12,9 +12,6 @@ namespace {
 /// rest.
 constexpr double margin_share = 0.12;
 
-/// How far features on a list reach, of what is asked for now: for three times the way of now.
-constexpr double list_share = 4;
-
 /// So many sides of a patch more than needed paired patches may be apart.
 constexpr double pairing_sides = 0.5;
 
@@ -154,16 +151,14 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
               pair.wake_at = pair.moved + gap;
               continue;
             }
-            seek(query.positions, list_share * std::max(within, least_margin()), pair, scratch);
+            seek(query, within, pair, scratch);
+          } else {
+            wake_with_list(pair);
+            scratch.awake.emplace_back(&pair, within);
           }
-          scratch.awake.emplace_back(&pair, within);
         }
         for (std::size_t list = 0; list < FeaturePairs::num_lists; ++list) {
-          measure_cells(query.positions, list, scratch);
-        }
-        for (const auto& [pair, within] : scratch.awake) {
-          pair->wake_at = pair->list_until;
-          pair->meet_at = pair->list_until + (pair->are_neighbours ? nearest.least() : contact);
+          measure_cells(query, list, scratch);
         }
         for (const bool edges : {false, true}) look_at_lists(query, edges, scratch);
         keep_found(query, scratch);

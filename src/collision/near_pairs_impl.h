@@ -61,7 +61,8 @@ struct NearPairs::Impl {
     std::size_t number;  // in cells_wake_at
     std::array<int, 2> cells;
     double most_nearest;  // of their features [m]
-    double reach;
+    double reach;         // of the list
+    double within;        // of what is asked for
   };
   /// A part of a list that is measured.
   struct Part {
@@ -78,7 +79,7 @@ struct NearPairs::Impl {
     std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
     std::vector<Part> parts;
     std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
-    std::vector<std::uint64_t> found;  // keys
+    std::vector<std::uint64_t> found;                                       // keys
     std::vector<NearPair> near;
   };
 
@@ -97,11 +98,14 @@ struct NearPairs::Impl {
 
   // near_pairs_search.cpp: what two of them have near each other.
   double gap_of_patches(const PatchPair&) const;
-  void seek(const Points& positions, double reach, PatchPair&, Scratch&) const;
-  void measure_later(const Points& positions, const Cells&, Scratch&) const;
-  void measure_cells(const Points& positions, std::size_t list, Scratch&) const;
+  void seek(const Query&, double within, PatchPair&, Scratch&) const;
+  void measure_later(const Query&, const Cells&, Scratch&) const;
+  void measure_cells(const Query&, std::size_t list, Scratch&) const;
+  void wake_with_list(PatchPair&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_parts(const Query&, bool edges, Scratch&) const;
+  bool is_asked_for(const Query&, double reach, const Distances&, std::size_t k,
+                    const Listed&) const;
   void keep_found(const Query&, Scratch&) const;
   SurfacePair features_of(std::uint64_t key) const;
 

@@ -8,6 +8,9 @@
 namespace clothsim {
 namespace {
 
+/// How far features on a list reach, of what is asked for now: for four times the way of now.
+constexpr double list_share = 4;
+
 /// Numbers for the pairs of features of two cells, in their key.
 constexpr std::size_t keys_of_cells = 64;
 
@@ -44,8 +47,9 @@ double NearPairs::Impl::gap_of_patches(const PatchPair& pair) const {
   return unfolded > 0 ? unfolded * least_rest_distance : -infinity;
 }
 
-/// Puts what is within `reach` on the pair's list, once the cells are measured.
-void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pair,
+/// Makes a new list for the pair, of which what is `within` is asked for, once the cells are
+/// measured.
+void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
                            Scratch& scratch) const {
   const std::vector<int>& p = of(patches, pair.p).cells;
   const std::vector<int>& q = of(patches, pair.q).cells;
@@ -58,7 +62,9 @@ void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pai
     }
   }
   for (std::vector<Listed>& list : pair.lists) list.clear();
-  pair.list_until = pair.moved + reach;
+  pair.list_until = pair.moved + list_share * std::max(within, least_margin());
+  const double reach = pair.list_until - pair.moved;
+  wake_with_list(pair);
 
   std::array<int, CellOutlines::pairs> awake;
   const std::size_t count =
@@ -74,23 +80,24 @@ void NearPairs::Impl::seek(const Points& positions, double reach, PatchPair& pai
       wake_at += contact - most_nearest;
       if (wake_at - pair.moved > reach) continue;
     }
-    measure_later(positions, {&pair, k, cells, most_nearest, reach}, scratch);
+    measure_later(query, {&pair, k, cells, most_nearest, reach, within}, scratch);
   }
 }
 
 /// Puts two cells among those whose features are to be measured.
-void NearPairs::Impl::measure_later(const Points& positions, const Cells& cells,
+void NearPairs::Impl::measure_later(const Query& query, const Cells& cells,
                                     Scratch& scratch) const {
   const std::size_t number = feature_pairs.number(cells.cells[0], cells.cells[1]);
   std::vector<Cells>& others = scratch.cells[number];
   others.push_back(cells);
   const FeaturePairs::List& list = feature_pairs[number];
   const std::size_t most = std::max(list[0].size(), list[1].size());
-  if ((others.size() + 1) * most > Distances::capacity) measure_cells(positions, number, scratch);
+  if ((others.size() + 1) * most > Distances::capacity) measure_cells(query, number, scratch);
 }
 
-/// Puts what is near of some cells with the same list of features on the lists of their patches.
-void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
+/// Puts what is near of some cells with the same list of features on the lists of their patches,
+/// and finds what is asked for among it.
+void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
                                     Scratch& scratch) const {
   std::vector<Cells>& all = scratch.cells[number];
   const std::size_t count = all.size();
@@ -114,9 +121,10 @@ void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
       for (std::size_t k = 0; k < 4; ++k) of[k] = firsts[pair.of[k]].data();
       distances.add(count, of, pair.points);
     }
-    distances.measure(positions);
-    const double* distance = distances.values();
+    distances.measure(query.positions);
+    std::size_t first = 0;
     for (const FeaturePairs::Pair& pair : list) {
+      const double* const distance = distances.values() + first;
       for (std::size_t i = 0; i < count; ++i) {
         least[i] = distance[i] < least[i] ? distance[i] : least[i];
       }
@@ -124,13 +132,20 @@ void NearPairs::Impl::measure_cells(const Points& positions, std::size_t number,
         if (distance[i] > most[i]) continue;
         SurfacePair features{pair.triangle, pair.points, contact};
         for (std::size_t k = 0; k < 4; ++k) features.points[k] += firsts[pair.of[k]][i];
-        if (all[i].of->are_neighbours) features.nearest = nearest.of(features);
+        PatchPair& of_patches = *all[i].of;
+        if (of_patches.are_neighbours) features.nearest = nearest.of(features);
         if (distance[i] > features.nearest + all[i].reach) continue;
-        all[i].of->lists[edges].push_back(
-            {features.points, static_cast<float>(features.nearest) * rounded_up,
-             static_cast<unsigned>(all[i].number * keys_of_cells + key)});
+        const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
+                            static_cast<unsigned>(all[i].number * keys_of_cells + key)};
+        of_patches.lists[edges].push_back(listed);
+        of_patches.wake_at = std::min(of_patches.wake_at, of_patches.moved + distance[i] -
+                                                              static_cast<double>(listed.nearest));
+        of_patches.meet_at = std::min(of_patches.meet_at, of_patches.moved + distance[i]);
+        if (is_asked_for(query, all[i].within, distances, first + i, listed)) {
+          scratch.found.push_back(key_of(of_patches.p, of_patches.q) | listed.key);
+        }
       }
-      distance += count;
+      first += count;
       ++key;
     }
     distances.clear();
@@ -174,22 +189,35 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
       const double gap = distance - least;
       least_gap = std::min(least_gap, gap);
       least_distance = std::min(least_distance, distance);
-      if (gap > part.reach || distance > query.distance) continue;
-      if (query.ahead) {
-        if (edges && distances.at_end(k)) continue;
-        const SurfacePair features{edges ? SurfacePair::no_triangle : 0, listed->points, least};
-        if (gap > least_margin() &&
-            gap_along(distances.direction(k), features, *query.ahead) > least) {
-          continue;
-        }
+      if (is_asked_for(query, part.reach, distances, k, *listed)) {
+        scratch.found.push_back(key | listed->key);
       }
-      scratch.found.push_back(key | listed->key);
     }
     pair.wake_at = std::min(pair.wake_at, pair.moved + least_gap);
     pair.meet_at = std::min(pair.meet_at, pair.moved + least_distance);
   }
   scratch.parts.clear();
   distances.clear();
+}
+
+/// Of features whose distance, number `k`, has been measured.
+bool NearPairs::Impl::is_asked_for(const Query& query, double reach, const Distances& distances,
+                                   std::size_t k, const Listed& listed) const {
+  const double distance = distances[k], least = static_cast<double>(listed.nearest);
+  const double gap = distance - least;
+  if (gap > reach || distance > query.distance) return false;
+  if (!query.ahead) return true;
+  if (distances.edges() && distances.at_end(k)) return false;
+  if (gap <= least_margin()) return true;
+  const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, listed.points,
+                             least};
+  return gap_along(distances.direction(k), features, *query.ahead) <= least;
+}
+
+/// Until all that is on its list has been measured.
+void NearPairs::Impl::wake_with_list(PatchPair& pair) const {
+  pair.wake_at = pair.list_until;
+  pair.meet_at = pair.list_until + (pair.are_neighbours ? nearest.least() : contact);
 }
 
 /// In the order of their keys, measured one by one.

@@ -16,6 +16,7 @@ class Distances {
 
   /// Of two edges, otherwise of a point and a triangle.
   explicit Distances(bool edges) : edges_(edges) {}
+  bool edges() const { return edges_; }
 
   void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
