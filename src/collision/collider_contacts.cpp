@@ -23,6 +23,8 @@ Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
   return box;
 }
 
+double longest_row(const Points& x) { return std::sqrt(x.rowwise().squaredNorm().maxCoeff()); }
+
 /// False where no point in `box` can be within `margin` [m] of the collider.
 bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, double margin) {
   const double radius = bounding_radius(collider.shape());
@@ -126,17 +128,21 @@ std::vector<ColliderContacts::Caught> ColliderContacts::find(
     State& state) {
   std::vector<Caught> result;
   const Eigen::AlignedBox3d box = bounds(step.start, state.positions);
-  const double fastest = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
+  const double fastest = longest_row(state.velocities);
+  const double fastest_drift = longest_row(step.drifted);
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     const Clearance keeps = clearance(collider.shape(), cloth);
-    const double margin = step.h * (fastest + collider.fastest_in(box)) + keeps.points;
+    const double of_surface = collider.fastest_in(box);
+    const double margin = step.h * (fastest + of_surface) + keeps.points;
     if (!in_reach(collider, box, margin)) continue;
 
     Caught caught{k, {}, {}};
     local_.place(collider, step.start, state.positions);
     local_.place_middle(collider, step, state.positions);
-    find_points(k, collider, cloth, step, keeps.points, state, caught.points);
+    const double reach =
+        margin + step.reach * step.h * (fastest_drift + of_surface) + local_.longest;
+    find_points(k, collider, cloth, step, keeps.points, reach, state, caught.points);
     if (keeps.faces) {
       faces_.find(k, collider, cloth, step, margin, local_, state, caught.faces);
     }
@@ -194,17 +200,20 @@ void ColliderContacts::resume(const Cloth& cloth, double scale, Points& velociti
 }
 
 void ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
-                                   const ContactStep& step, double offset, State& state,
-                                   std::vector<CaughtPoint>& caught) {
+                                   const ContactStep& step, double offset, double reach,
+                                   State& state, std::vector<CaughtPoint>& caught) {
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
-  local_.distance.resize(cloth.num_points());
   for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] == 0) continue;
+
+    // The last step's impulse, if it was in contact.
+    const auto id = std::make_tuple(index, i);
+    while (next_last_ < last_.size() && last_[next_last_].id() < id) ++next_last_;
+    const bool held = next_last_ < last_.size() && last_[next_last_].id() == id &&
+                      last_[next_last_].impulse.push > 0;
+    if (!held && local_.distance[i] > reach) continue;
     const Vector3 from = row(local_.from, i);
     Vector3 to = row(local_.to, i);
-    if (cloth.inv_mass[i] == 0) {
-      local_.distance[i] = signed_distance(collider.shape(), to, from).value;
-      continue;
-    }
 
     // A point that may have passed through stops where it came in.
     const auto entry = swept_entry(collider, from, to, offset);
@@ -213,12 +222,6 @@ void ColliderContacts::find_points(int index, const MovingCollider& collider, co
       local_.to.row(i) = to.transpose();
       state.positions.row(i) = to_world(collider.pose(), to).transpose();
     }
-
-    // The last step's impulse, if it was in contact.
-    const auto id = std::make_tuple(index, i);
-    while (next_last_ < last_.size() && last_[next_last_].id() < id) ++next_last_;
-    const bool held = next_last_ < last_.size() && last_[next_last_].id() == id &&
-                      last_[next_last_].impulse.push > 0;
 
     // The gap this step would leave if the point only followed the surface. What is held, as it
     // lies where impulses act.
@@ -289,8 +292,12 @@ void ColliderContacts::escape(const Caught& caught, const MovingCollider& collid
 double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
-    const Vector3 change = c.impulse.update(row(velocities, c.point), 1);
-    velocities.row(c.point) += change.transpose();
+    Vector3 velocity = row(velocities, c.point);
+    if (velocity == c.left) continue;
+    const Vector3 change = c.impulse.update(velocity, 1);
+    velocity += change;
+    velocities.row(c.point) = velocity.transpose();
+    c.left = velocity;
     residual2 = std::max(residual2, change.squaredNorm());
   }
   const double on_faces = faces_.sweep(cloth, velocities);
@@ -309,9 +316,10 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
     const auto escape = std::find_if(escapes_.begin(), escapes_.end(),
                                      [&](const Escape& e) { return e.collider == k; });
     local_.place(collider, start, positions);
-    local_.distance.resize(cloth.num_points());
     std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
     for (int i = 0; i < cloth.num_points(); ++i) {
+      const bool escapes = escape != escapes_.end() && escape->held[static_cast<std::size_t>(i)];
+      if (!escapes && local_.distance[i] > keeps.points + local_.longest) continue;
       const Vector3 from = row(local_.from, i);
       Vector3 to = row(local_.to, i);
       const auto entry =
@@ -321,7 +329,6 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
       local_.distance[i] = d.value;
       if (cloth.inv_mass[i] == 0 || pinches_.holds(i)) continue;
 
-      const bool escapes = escape != escapes_.end() && escape->held[static_cast<std::size_t>(i)];
       if (escapes) {
         const double way = escape->direction.dot(to - from);
         to += std::max(0.0, recovery_speed * h_ - way) * escape->direction;

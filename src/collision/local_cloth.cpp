@@ -29,17 +29,16 @@ double curvature(const Plane&) { return std::numeric_limits<double>::infinity();
 void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
   move_into(collider.previous(), start, from);
   move_into(collider.pose(), end, to);
+  distance = signed_distances(collider.shape(), to, from);
+  longest = std::sqrt((to - from).rowwise().squaredNorm().maxCoeff()) +
+            collider.last_turn() * std::sqrt(to.rowwise().squaredNorm().maxCoeff());
 }
 
 void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep& step,
                               const Points& end) {
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
-  middle.resize(end.rows(), 3);
-  for (Eigen::Index i = 0; i < end.rows(); ++i) {
-    const Vector3 x = end.row(i);
-    const Vector3 velocity = step.drifted.row(i).transpose() - collider.velocity_at(x);
-    middle.row(i) = to.row(i) - step.reach * step.h * velocity.transpose() * turn;
-  }
+  middle = step.drifted - collider.velocities_at(end);
+  middle = to - step.reach * step.h * middle * turn;
 }
 
 double longest_edge_within_limit(const Cloth& cloth) {

@@ -51,6 +51,18 @@ Vector3 MovingCollider::velocity_at(const Vector3& point) const {
   return velocity_ + angular_velocity_.cross(point - pose_.position);
 }
 
+Points MovingCollider::velocities_at(const Points& points) const {
+  Points velocities = velocity_.transpose().replicate(points.rows(), 1);
+  if (angular_velocity_.isZero(0)) return velocities;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    velocities.col(axis).array() +=
+        angular_velocity_[next] * (points.col(last).array() - pose_.position[last]) -
+        angular_velocity_[last] * (points.col(next).array() - pose_.position[next]);
+  }
+  return velocities;
+}
+
 double MovingCollider::fastest_in(const Eigen::AlignedBox3d& box) const {
   double fastest = 0;  // at a corner, as velocities are linear in the point
   for (int corner = 0; corner < 8; ++corner) {

@@ -43,6 +43,28 @@ Distance distance(const Cuboid& box, const Vector3& point, const Vector3&) {
   return {r, sign.cwiseProduct(out / r)};
 }
 
+// ---- The same of many points: vectorised
+
+Scalars distances(const Sphere& sphere, const Points& points, const Points&) {
+  return points.rowwise().norm().array() - sphere.radius;
+}
+
+Scalars distances(const Plane& plane, const Points& points, const Points& sides) {
+  if (!plane.two_sided) return points.col(2);
+  return (sides.col(2).array() < 0).select(-points.col(2), points.col(2));
+}
+
+Scalars distances(const Capsule& capsule, const Points& points, const Points&) {
+  const auto beyond_end = (points.col(2).array().abs() - capsule.length / 2).max(0.0);
+  return (points.leftCols<2>().rowwise().squaredNorm().array() + beyond_end.square()).sqrt() -
+         capsule.radius;
+}
+
+Scalars distances(const Cuboid& box, const Points& points, const Points&) {
+  const Points beyond = points.cwiseAbs().rowwise() - box.size.transpose() / 2;
+  return beyond.cwiseMax(0.0).rowwise().norm() + beyond.rowwise().maxCoeff().cwiseMin(0.0);
+}
+
 // ---- Share of the way `from` -> `from` + d after which a point is within offset, if it ever is
 
 /// Smaller root of a t^2 + 2 b t + c, where c > 0: empty where there is none ahead.
@@ -112,6 +134,10 @@ double bounds(const Cuboid& box) { return box.size.norm() / 2; }
 
 Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3& side) {
   return std::visit([&](const auto& s) { return distance(s, point, side); }, shape);
+}
+
+Scalars signed_distances(const Shape& shape, const Points& points, const Points& sides) {
+  return std::visit([&](const auto& s) { return distances(s, points, sides); }, shape);
 }
 
 std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, const Vector3& to,

@@ -95,6 +95,19 @@ TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
   EXPECT_GT(inside, 10);
 }
 
+TEST(Shape, DistancesOfManyPointsAreThoseOfEach) {
+  const Points points = Points::Random(200, 3), sides = Points::Random(200, 3);
+  for (const Shape& shape : {ball, ground, sheet, rod, crate}) {
+    const Scalars distances = signed_distances(shape, points, sides);
+    ASSERT_EQ(distances.size(), 200);
+    for (int i = 0; i < 200; ++i) {
+      EXPECT_NEAR(distances[i], signed_distance(shape, row(points, i), row(sides, i)).value, 1e-15);
+    }
+    EXPECT_LT(distances.minCoeff(), 0);
+    EXPECT_GT(distances.maxCoeff(), 0);
+  }
+}
+
 TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
   for (const Vector3& p :
        {Vector3(0, 0, 0), Vector3(0, 0, 0.4), Vector3(0, 0, -0.4), Vector3(0, 0, 0.1),

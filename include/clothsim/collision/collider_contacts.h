@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -61,6 +62,8 @@ class ColliderContacts {
     int collider;
     int point;
     ContactImpulse impulse;
+    // What the last pass left the point with: none needs another until it changes [m/s].
+    Vector3 left = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
 
     std::tuple<int, int> id() const { return {collider, point}; }
   };
@@ -93,9 +96,9 @@ class ColliderContacts {
   std::vector<Caught> find(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
                            State&);
 
-  /// Adds the point contacts of a collider.
+  /// Adds the point contacts of a collider. Nothing further than `reach` [m] from it can touch it.
   void find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
-                   double offset, State&, std::vector<CaughtPoint>&);
+                   double offset, double reach, State&, std::vector<CaughtPoint>&);
 
   /// Holds what colliders leave no room, and takes it out of what they caught.
   void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const Points& positions,

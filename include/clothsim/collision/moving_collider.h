@@ -38,6 +38,9 @@ class MovingCollider {
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
 
+  /// The same at `points`, N x 3 both.
+  Points velocities_at(const Points& points) const;
+
   /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
   double fastest_in(const Eigen::AlignedBox3d& box) const;
 
