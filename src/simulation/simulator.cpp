@@ -44,10 +44,9 @@ constexpr double folding_precision = 0.01;
 /// Stretch over the strain limit that pins must be asking for.
 constexpr double overpulled = 0.05;
 
-/// Times the usual substeps that springs which part fast may ask for: for material that changes a
-/// hundredfold every frame 2 is too few and 4 will do. Where impulses cannot hold the springs, as
-/// between two colliders, more would shake them faster.
-constexpr int most_for_parting = 4;
+/// Times the usual substeps that springs which part fast may ask for. Of material that changes a
+/// hundredfold every frame 4 tears springs in 3 of 10000 frames, 16 in none of 54000.
+constexpr int most_for_parting = 16;
 
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
@@ -218,7 +217,11 @@ std::optional<Tension> Simulator::Impl::tension() {
 int Simulator::Impl::substeps_for_parting(double dt) const {
   const int least = method->choice.least_substeps;
   const int needed = substeps_at_parting(cloth, state.velocities, dt);
-  if (needed <= least || are_pulled_taut(cloth, state.positions)) return 1;
+  if (needed <= least) return 1;
+  // Where the limit pulls without end, springs part the faster the shorter the steps.
+  const bool is_overpulled =
+      worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
+  if (is_overpulled || are_pulled_taut(cloth, state.positions)) return 1;
   return std::min(needed, most_for_parting * least);
 }
 
