@@ -287,9 +287,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
     double stretching = 0;
     double folding = 0;
     if (strain_limit) stretching = strain_limit->sweep(state.velocities, workers);
-    visit_self_contacts([&](auto& contacts) {
-      folding = contacts.sweep(cloth, small_fold, state.velocities);
-    });
+    visit_self_contacts(
+        [&](auto& contacts) { folding = contacts.sweep(cloth, small_fold, state.velocities); });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;
     const bool solved = stretching <= small && touching <= small_touch && folding <= small_fold;
