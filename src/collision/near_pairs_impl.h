@@ -23,6 +23,7 @@ struct NearPairs::Impl {
   static constexpr double least_margin_share = 0.1;
   /// Cells along the side of a patch.
   static constexpr int patch_cells = 4;
+  static_assert(patch_cells * patch_cells == CellOutlines::cells);
 
   /// Features of two patches that are near: not more of them than it takes to measure them.
   struct Listed {
@@ -67,7 +68,7 @@ struct NearPairs::Impl {
   /// A part of a list that is measured.
   struct Part {
     PatchPair* of;
-    double reach;
+    double within;  // of what is asked for
     const Listed* begin;
     const Listed* end;
     std::size_t first;  // of their distances
@@ -75,7 +76,7 @@ struct NearPairs::Impl {
   /// What is measured of a band of patch pairs.
   struct Scratch {
     int band = -1;                                     // first patch pair
-    std::vector<std::pair<PatchPair*, double>> awake;  // and the reach
+    std::vector<std::pair<PatchPair*, double>> awake;  // and within what
     std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
     std::vector<Part> parts;
     std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
@@ -100,11 +101,11 @@ struct NearPairs::Impl {
   double gap_of_patches(const PatchPair&) const;
   void seek(const Query&, double within, PatchPair&, Scratch&) const;
   void measure_later(const Query&, const Cells&, Scratch&) const;
-  void measure_cells(const Query&, std::size_t list, Scratch&) const;
+  void measure_cells(const Query&, std::size_t number, Scratch&) const;
   void wake_with_list(PatchPair&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_parts(const Query&, bool edges, Scratch&) const;
-  bool is_asked_for(const Query&, double reach, const Distances&, std::size_t k,
+  bool is_asked_for(const Query&, double within, const Distances&, std::size_t k,
                     const Listed&) const;
   void keep_found(const Query&, Scratch&) const;
   SurfacePair features_of(std::uint64_t key) const;

@@ -13,6 +13,7 @@ constexpr double list_share = 4;
 
 /// Numbers for the pairs of features of two cells, in their key.
 constexpr std::size_t keys_of_cells = 64;
+static_assert(CellOutlines::pairs * keys_of_cells <= 1 << 16, "the end of a key is 16 bits");
 
 /// A key, but for its end: the cells of the patches and the features of these.
 std::uint64_t key_of(int p, int q) {
@@ -91,7 +92,7 @@ void NearPairs::Impl::measure_later(const Query& query, const Cells& cells,
   std::vector<Cells>& others = scratch.cells[number];
   others.push_back(cells);
   const FeaturePairs::List& list = feature_pairs[number];
-  const std::size_t most = std::max(list[0].size(), list[1].size());
+  const std::size_t most = std::max({std::size_t{1}, list[0].size(), list[1].size()});
   if ((others.size() + 1) * most > Distances::capacity) measure_cells(query, number, scratch);
 }
 
@@ -160,7 +161,7 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
 /// Finds what is asked for on the lists of the pairs that are awake, of one kind.
 void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
-  for (const auto& [pair, reach] : scratch.awake) {
+  for (const auto& [pair, within] : scratch.awake) {
     const std::vector<Listed>& list = pair->lists[edges];
     const Listed* begin = list.data();
     const Listed* const end = begin + list.size();
@@ -169,7 +170,7 @@ void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scr
       const std::size_t first = distances.size();
       const Listed* const stop =
           begin + std::min(static_cast<std::size_t>(end - begin), distances.room());
-      scratch.parts.push_back({pair, reach, begin, stop, first});
+      scratch.parts.push_back({pair, within, begin, stop, first});
       for (; begin != stop; ++begin) distances.add(begin->points);
     }
   }
@@ -189,7 +190,7 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
       const double gap = distance - least;
       least_gap = std::min(least_gap, gap);
       least_distance = std::min(least_distance, distance);
-      if (is_asked_for(query, part.reach, distances, k, *listed)) {
+      if (is_asked_for(query, part.within, distances, k, *listed)) {
         scratch.found.push_back(key | listed->key);
       }
     }
@@ -201,11 +202,11 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
 }
 
 /// Of features whose distance, number `k`, has been measured.
-bool NearPairs::Impl::is_asked_for(const Query& query, double reach, const Distances& distances,
+bool NearPairs::Impl::is_asked_for(const Query& query, double within, const Distances& distances,
                                    std::size_t k, const Listed& listed) const {
   const double distance = distances[k], least = static_cast<double>(listed.nearest);
   const double gap = distance - least;
-  if (gap > reach || distance > query.distance) return false;
+  if (gap > within || distance > query.distance) return false;
   if (!query.ahead) return true;
   if (distances.edges() && distances.at_end(k)) return false;
   if (gap <= least_margin()) return true;

@@ -189,7 +189,7 @@ double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velo
   const double least = unseen_share * precision;  // [m]
   changed_.look(velocities, least / h_);
   double residual2 = 0;
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
     if (!changed_.any(points_[k])) continue;
     Contact& c = contacts_[k];
     const Vector3 v = sum(c.points, c.weights, velocities);
@@ -274,6 +274,7 @@ int SurfaceContacts::count() const {
 
 void SurfaceContacts::reset() {
   contacts_.clear();
+  points_.clear();
   h_ = 0;
 }
 

@@ -44,7 +44,7 @@ constexpr double weight_limit = 1;
 /// frame of a shipped scene takes a substep more for it.
 constexpr double way_share = 0.25;
 
-/// Of what a straight line of springs can reach.
+/// Of what a straight line of springs can reach; a way with corners reaches further.
 constexpr double taut = 0.99;
 
 int whole_steps(double steps) {

@@ -241,8 +241,8 @@ TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   RecordProperty("held_of_touching", std::to_string(held) + " of " + std::to_string(touching));
   EXPECT_GT(touching, 9 * 300);
   EXPECT_GT(held, 0.7 * touching);
-  EXPECT_LT(slid[4], 2e-4);
-  EXPECT_LT(slid[8], 5e-3);
+  EXPECT_LT(slid[4], 5e-5);
+  EXPECT_LT(slid[8], 3e-3);
   const Points& after = simulator.state().positions;
   EXPECT_LT(worst_stretch(simulator.cloth(), after), 0.105);
   EXPECT_LT(after.col(2).minCoeff(), 0) << "it does not drape";

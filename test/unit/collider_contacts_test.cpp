@@ -202,6 +202,38 @@ TEST(ColliderContacts, PointsOutOfReachAreUntouched) {
   EXPECT_EQ(state.velocities, before.velocities);
 }
 
+TEST(ColliderContacts, LeavingOutFarPointsChangesNothing) {
+  // A point so fast that all others might touch next makes the twin that looks at every one.
+  constexpr int count = 400;
+  const Cloth cloth = loose(count), with_fast_one = loose(count + 1);
+  const Shape shapes[] = {Sphere{0.3}, Plane{}, Capsule{0.8, 0.05}, Cuboid{{0.8, 0.3, 0.2}}};
+  for (const Shape& shape : shapes) {
+    auto colliders = one(shape, 0.4), others = one(shape, 0.4);
+    State state{random_points(count, 0.8, 1), random_points(count, 6, 2), 0};
+    State other{Points::Zero(count + 1, 3), Points::Zero(count + 1, 3), 0};
+    other.positions.topRows(count) = state.positions;
+    other.velocities.topRows(count) = state.velocities;
+    other.positions.row(count) << 1e3, 1e3, 1e3;
+    other.velocities.row(count) << 1e5, 1e5, 1e5;
+    ColliderContacts contacts, all;
+    int touched = 0;
+    for (int k = 0; k < 60; ++k) {
+      const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.1 * k, Vector3(0, 0.6, 0.8)));
+      for (auto* c : {&colliders, &others}) {
+        c->front().aim({Vector3(0.004 * k, 0, 0), turned}, h);
+      }
+      step(contacts, colliders, cloth, state);
+      step(all, others, with_fast_one, other);
+      const Points apart = state.positions - other.positions.topRows(count);
+      const Points faster = state.velocities - other.velocities.topRows(count);
+      ASSERT_LT(apart.cwiseAbs().maxCoeff(), 1e-10) << k;
+      ASSERT_LT(faster.cwiseAbs().maxCoeff(), 1e-7) << k;
+      touched += contacts.count();
+    }
+    EXPECT_GT(touched, 15);
+  }
+}
+
 TEST(ColliderContacts, APointAtTheCentreOfASphereComesOut) {
   auto colliders = one(Sphere{0.2});
   const Cloth cloth = loose(2);

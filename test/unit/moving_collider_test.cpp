@@ -29,6 +29,18 @@ TEST(MovingCollider, StaysWhereItIsPlaced) {
   EXPECT_EQ(collider.previous().position, Vector3(4, 4, 4)) << "a jump is no motion";
 }
 
+TEST(MovingCollider, VelocitiesOfManyPointsAreThoseOfEach) {
+  const Points points = Points::Random(20, 3);
+  for (const double angle : {0.0, 0.7}) {
+    MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitX())));
+    collider.aim(pose(Vector3(1, 2, -1), 0.2 + angle, Vector3::UnitX()), 0.5);
+    const Points velocities = collider.velocities_at(points);
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_NEAR((row(velocities, i) - collider.velocity_at(row(points, i))).norm(), 0, 1e-14);
+    }
+  }
+}
+
 TEST(MovingCollider, ArrivesAtItsTargetInEvenSteps) {
   const Pose start = pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ());
   const Pose target = pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ());

@@ -110,6 +110,15 @@ TEST(NearPairs, EqualBruteForceOnAClothInAnyShape) {
   expect_equals_brute_force(cloth, flat, line);
 }
 
+TEST(NearPairs, EqualBruteForceWhereAllOfALargeClothIsCrumpled) {
+  const Cloth cloth = cloth_of(25, 25, 0.01);
+  NearPairs finder(cloth);
+  const Points x = random_points(cloth.num_points(), 0.4, 2);
+  constexpr double any = 1e9;
+  expect_equals_brute_force(finder.approaching(cloth, x, x), cloth, x, finder.least_margin(), any,
+                            true);
+}
+
 TEST(NearPairs, EqualBruteForceWhileTheClothMoves) {
   // Rolled up step by step with all points trembling, then blown apart at once.
   const Cloth cloth = cloth_of(17, 6, 0.015);

@@ -11,11 +11,11 @@ namespace clothsim {
 
 /// A cloth about one collider, in the collider's own frame.
 struct LocalCloth {
-  Points from;       // at a step's start [m]
-  Points to;         // at its end [m]
-  Points middle;     // where impulses act, as if it followed the collider from there on [m]
-  Scalars distance;  // of `to` from the surface [m]
-  double longest;    // of the ways from `from` to `to`, however they bend as the frame turns [m]
+  Points from;         // at a step's start [m]
+  Points to;           // at its end [m]
+  Points middle;       // where impulses act, as if it followed the collider from there on [m]
+  Scalars distance;    // of `to` from the surface [m]
+  double longest = 0;  // of the ways from `from` to `to`, however they bend as the frame turns [m]
 
   void place(const MovingCollider&, const Points& start, const Points& end);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
