@@ -77,8 +77,9 @@ struct Workers::Pool {
     while (wait_for_round(seen)) {
       {
         const std::lock_guard<std::mutex> lock(mutex);
+        if (stopped) return;  // the last round: to wait for another would be for ever
         seen = round;
-        if (!is_open || stopped) continue;
+        if (!is_open) continue;
         ++inside;
       }
       take_bands();

@@ -55,6 +55,18 @@ TEST(Workers, ShareEveryElementOnce) {
   }
 }
 
+TEST(Workers, EndWhateverTheirThreadsDo) {
+  // The pool ends while threads come awake, look for work, take it or have just missed it.
+  std::atomic<int> bands{0};
+  constexpr int rounds = 30000;
+  for (int k = 0; k < rounds; ++k) {
+    const Workers workers(2);
+    workers.share(
+        16, [&](int, int) { ++bands; }, 8);
+  }
+  EXPECT_EQ(bands, 2 * rounds);
+}
+
 TEST(Workers, ManyLoopsInARowAndAfterASleep) {
   const Workers workers(3);
   std::vector<double> sums(3000, 0);
