@@ -35,7 +35,7 @@ constexpr double overlap_share = 0.01;
 constexpr double strongest_push = 9.81;
 
 /// Changes that a pass leaves out, of the precision to which it solves.
-constexpr double unseen_share = 0.25;
+constexpr double unseen_share = 0.05;
 
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
