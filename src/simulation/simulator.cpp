@@ -283,12 +283,13 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
       self_contacts ? folding_precision * h * speed_within(state.velocities) : 0;
   const double small_touch = std::max(std::min(small / contact_precision, calm * h), small_move);
   const double small_fold = std::max(small / contact_precision, small_move);
+  const double unseen_fold = small_fold - small / contact_precision;  // at rest all is seen
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double stretching = 0;
     double folding = 0;
     if (strain_limit) stretching = strain_limit->sweep(state.velocities, workers);
     visit_self_contacts(
-        [&](auto& contacts) { folding = contacts.sweep(cloth, small_fold, state.velocities); });
+        [&](auto& contacts) { folding = contacts.sweep(cloth, unseen_fold, state.velocities); });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;
     const bool solved = stretching <= small && touching <= small_touch && folding <= small_fold;
