@@ -23,6 +23,8 @@ CLOTHSIM_TARGET_CLONES
 std::size_t look_at(const double* __restrict a, const double* __restrict b, double moved,
                     double nearest, double reach, double* __restrict wake_at,
                     int* __restrict awake) {
+  constexpr std::size_t corner = 3 * n;  // from one to the next
+  constexpr std::size_t centre = 4 * corner;
   std::size_t found = 0;
   for (std::size_t i = 0; i < n; ++i, ++a, wake_at += n) {
     std::int64_t any = 0;
@@ -31,15 +33,15 @@ std::size_t look_at(const double* __restrict a, const double* __restrict b, doub
 
     std::array<std::int64_t, n> is_near;
     for (std::size_t j = 0; j < n; ++j) {
-      const double x = b[12 * n + j] - a[12 * n], y = b[13 * n + j] - a[13 * n],
-                   z = b[14 * n + j] - a[14 * n];
-      const auto along = [=](const double* corner) {
-        return x * corner[0] + y * corner[n] + z * corner[2 * n];
+      const auto between = [=](std::size_t axis) {
+        return b[centre + axis * n + j] - a[centre + axis * n];
       };
-      const double highest =
-          larger(larger(along(a), along(a + 3 * n)), larger(along(a + 6 * n), along(a + 9 * n)));
-      const double lowest = smaller(smaller(along(b + j), along(b + j + 3 * n)),
-                                    smaller(along(b + j + 6 * n), along(b + j + 9 * n)));
+      const double x = between(0), y = between(1), z = between(2);
+      const auto along = [=](const double* at) { return x * at[0] + y * at[n] + z * at[2 * n]; };
+      const double highest = larger(larger(along(a), along(a + corner)),
+                                    larger(along(a + 2 * corner), along(a + 3 * corner)));
+      const double lowest = smaller(smaller(along(b + j), along(b + corner + j)),
+                                    smaller(along(b + 2 * corner + j), along(b + 3 * corner + j)));
       const auto length = std::sqrt(static_cast<float>(x * x + y * y + z * z));
       const auto share = static_cast<float>(lowest - highest) / (length + 1e-30F);
       const double gap = larger((1 - rounding) * static_cast<double>(share), 0) - nearest;

@@ -23,8 +23,6 @@ Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
   return box;
 }
 
-double longest_row(const Points& x) { return std::sqrt(x.rowwise().squaredNorm().maxCoeff()); }
-
 /// False where no point in `box` can be within `margin` [m] of the collider.
 bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, double margin) {
   const double radius = bounding_radius(collider.shape());

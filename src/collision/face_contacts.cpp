@@ -77,7 +77,7 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const LocalCloth& loc
   double edge = longest_edge_within_limit(cloth);
   if (std::isinf(edge)) edge = longest_edge(local.to, cloth.triangles);
   const double far = margin + edge / std::sqrt(3);  // of the nearest corner
-  const double way = std::sqrt((local.to - local.from).rowwise().squaredNorm().maxCoeff());
+  const double way = longest_row(local.to - local.from);
   const bool fast = way > safe_depth(shape);
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const Corners& c = cloth.triangles[t];

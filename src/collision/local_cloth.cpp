@@ -30,8 +30,7 @@ void LocalCloth::place(const MovingCollider& collider, const Points& start, cons
   move_into(collider.previous(), start, from);
   move_into(collider.pose(), end, to);
   distance = signed_distances(collider.shape(), to, from);
-  longest = std::sqrt((to - from).rowwise().squaredNorm().maxCoeff()) +
-            collider.last_turn() * std::sqrt(to.rowwise().squaredNorm().maxCoeff());
+  longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
 }
 
 void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep& step,

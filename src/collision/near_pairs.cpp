@@ -65,7 +65,7 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
 double NearPairs::Impl::spread_since_pairing(const Points& positions) const {
   const Points ways = positions - paired_at;
   const Eigen::RowVector3d common = ways.colwise().mean();
-  return std::sqrt((ways.rowwise() - common).rowwise().squaredNorm().maxCoeff());
+  return longest_row(ways.rowwise() - common);
 }
 
 /// Where patches and cells are.

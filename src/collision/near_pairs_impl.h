@@ -105,8 +105,8 @@ struct NearPairs::Impl {
   void wake_with_list(PatchPair&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_parts(const Query&, bool edges, Scratch&) const;
-  bool is_asked_for(const Query&, double within, const Distances&, std::size_t k,
-                    const Listed&) const;
+  void consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
+                PatchPair&, Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
   SurfacePair features_of(std::uint64_t key) const;
 

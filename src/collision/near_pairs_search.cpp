@@ -139,12 +139,7 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
         const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
                             static_cast<unsigned>(all[i].number * keys_of_cells + key)};
         of_patches.lists[edges].push_back(listed);
-        of_patches.wake_at = std::min(of_patches.wake_at, of_patches.moved + distance[i] -
-                                                              static_cast<double>(listed.nearest));
-        of_patches.meet_at = std::min(of_patches.meet_at, of_patches.moved + distance[i]);
-        if (is_asked_for(query, all[i].within, distances, first + i, listed)) {
-          scratch.found.push_back(key_of(of_patches.p, of_patches.q) | listed.key);
-        }
+        consider(query, all[i].within, distances, first + i, listed, of_patches, scratch);
       }
       first += count;
       ++key;
@@ -182,37 +177,35 @@ void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scr
   distances.measure(query.positions);
   for (const Part& part : scratch.parts) {
     PatchPair& pair = *part.of;
-    const std::uint64_t key = key_of(pair.p, pair.q);
-    double least_gap = infinity, least_distance = infinity;
     std::size_t k = part.first;
     for (const Listed* listed = part.begin; listed != part.end; ++listed, ++k) {
-      const double distance = distances[k], least = static_cast<double>(listed->nearest);
-      const double gap = distance - least;
-      least_gap = std::min(least_gap, gap);
-      least_distance = std::min(least_distance, distance);
-      if (is_asked_for(query, part.within, distances, k, *listed)) {
-        scratch.found.push_back(key | listed->key);
-      }
+      consider(query, part.within, distances, k, *listed, pair, scratch);
     }
-    pair.wake_at = std::min(pair.wake_at, pair.moved + least_gap);
-    pair.meet_at = std::min(pair.meet_at, pair.moved + least_distance);
   }
   scratch.parts.clear();
   distances.clear();
 }
 
-/// Of features whose distance, number `k`, has been measured.
-bool NearPairs::Impl::is_asked_for(const Query& query, double within, const Distances& distances,
-                                   std::size_t k, const Listed& listed) const {
+/// Takes the distance, number `k`, that features on the list of a pair have now: when the pair is
+/// to wake, and whether they are asked for.
+void NearPairs::Impl::consider(const Query& query, double within, const Distances& distances,
+                               std::size_t k, const Listed& listed, PatchPair& pair,
+                               Scratch& scratch) const {
   const double distance = distances[k], least = static_cast<double>(listed.nearest);
   const double gap = distance - least;
-  if (gap > within || distance > query.distance) return false;
-  if (!query.ahead) return true;
-  if (distances.edges() && distances.at_end(k)) return false;
-  if (gap <= least_margin()) return true;
-  const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, listed.points,
-                             least};
-  return gap_along(distances.direction(k), features, *query.ahead) <= least;
+  pair.wake_at = std::min(pair.wake_at, pair.moved + gap);
+  pair.meet_at = std::min(pair.meet_at, pair.moved + distance);
+
+  if (gap > within || distance > query.distance) return;
+  if (query.ahead) {
+    if (distances.edges() && distances.at_end(k)) return;
+    const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, listed.points,
+                               least};
+    if (gap > least_margin() && gap_along(distances.direction(k), features, *query.ahead) > least) {
+      return;
+    }
+  }
+  scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
 }
 
 /// Until all that is on its list has been measured.

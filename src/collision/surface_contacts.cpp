@@ -65,8 +65,6 @@ Points own_ways(const Points& from, const Points& to) {
   return ways;
 }
 
-double longest(const Points& ways) { return std::sqrt(ways.rowwise().squaredNorm().maxCoeff()); }
-
 }  // namespace
 
 SurfaceContacts::SurfaceContacts(const Cloth& cloth) : near_(cloth) {}
@@ -215,7 +213,7 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
     // Pairs that bind are nearer than the longest way needs; further ones than can be seen are
     // taken to be no further.
     Points ways = own_ways(here, positions);
-    const double needed = floor + longest(ways) / bound_share;
+    const double needed = floor + longest_row(ways) / bound_share;
     if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
     const double seen = std::min(needed, near_.reach());
     const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen, step.workers);

@@ -227,7 +227,7 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 
 double Simulator::Impl::contact_speed(double dt) const {
   if (colliders.empty()) return 0;
-  const double own = std::sqrt(state.velocities.rowwise().squaredNorm().maxCoeff());
+  const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
   double fastest = 0;

@@ -98,8 +98,9 @@ bool are_pulled_taut(const Cloth& cloth, const Points& positions) {
     if (cloth.inv_mass[i] == 0) held.push_back(i);
   }
   const double reach = taut * (1 + cloth.strain_limit.value());
-  for (const int a : held) {
-    for (const int b : held) {
+  for (auto first = held.begin(); first != held.end(); ++first) {
+    for (auto second = first + 1; second != held.end(); ++second) {
+      const int a = *first, b = *second;
       const double apart = (positions.row(b) - positions.row(a)).norm();
       const double at_rest = (cloth.rest_positions.row(b) - cloth.rest_positions.row(a)).norm();
       if (apart > reach * at_rest) return true;

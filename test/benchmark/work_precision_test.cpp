@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -16,6 +17,7 @@
 
 #include "benchmark/work_precision/verdict.h"
 #include "clothsim/dynamics/integrator.h"
+#include "temporary_folder.h"
 
 namespace clothsim {
 namespace {
@@ -58,15 +60,15 @@ class WorkPrecision : public ::testing::Test {
  protected:
   /// All charts at once: the tests look at what one run left.
   static void SetUpTestSuite() {
-    std::string pattern = ::testing::TempDir() + "work_precision_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
+    temporary_.emplace("work_precision");
+    folder_ = temporary_->path();
     const std::string command = std::string(CLOTHSIM_WORK_PRECISION) + " --quick --output " +
                                 folder_.string() + " > " + (folder_ / "out").string();
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  static void TearDownTestSuite() { temporary_.reset(); }
 
+  static inline std::optional<testing::TemporaryFolder> temporary_;
   static inline fs::path folder_;
 };
 

@@ -16,6 +16,8 @@
 #include <set>
 #include <sstream>
 
+#include "temporary_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,12 +38,8 @@ std::string read(const fs::path& path) {
 class Simulate : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = testing::TempDir() + "simulate_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     scene_ = write("scene.yaml", "cloth: {columns: 6, rows: 5, pinned: [[0, 0]]}\n");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
@@ -57,7 +55,8 @@ class Simulate : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
   }
 
-  fs::path folder_;
+  const clothsim::testing::TemporaryFolder temporary_{"simulate"};
+  const fs::path folder_ = temporary_.path();
   std::string scene_;
 };
 

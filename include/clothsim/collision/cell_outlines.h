@@ -24,7 +24,8 @@ class CellOutlines {
   /// `reach` more [m]. Those that are further apart than `nearest` + `reach` sleep on, until they
   /// may be within `nearest`. Puts the others into `awake` and returns how many they are.
   ///
-  /// Both have room for `pairs`. Cells are as far apart as planes square to the line between their
+  /// `wake_at` [m], how far the patches will have moved then, and `awake` have room for `pairs`.
+  /// Cells are as far apart as planes square to the line between their
   /// centres, at least.
   std::size_t look(std::size_t patch, std::size_t other, double moved, double nearest, double reach,
                    double* wake_at, int* awake) const;

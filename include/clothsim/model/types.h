@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace clothsim {
 
@@ -13,6 +14,11 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor>;
 /// Point i.
 inline Vector3 row(const Points& points, int i) {
   return {points(i, 0), points(i, 1), points(i, 2)};
+}
+
+/// Length of the longest of some vectors, one or more.
+inline double longest_row(const Points& vectors) {
+  return std::sqrt(vectors.rowwise().squaredNorm().maxCoeff());
 }
 
 /// One number per point.

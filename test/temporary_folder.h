@@ -1,0 +1,31 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace clothsim::testing {
+
+/// A new folder of a test's own, gone with all that is in it at the end.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const std::string& name) {
+    std::string path = ::testing::TempDir() + name + "_" + std::string(6, 'X');  // for mkdtemp
+    if (!mkdtemp(path.data())) throw std::system_error(errno, std::generic_category(), path);
+    path_ = path;
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace clothsim::testing
