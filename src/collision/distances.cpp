@@ -71,8 +71,12 @@ void point_triangle(std::size_t count, const Coordinates p, const Indices i,
     const double beta = uw * vv - vw * uv, gamma = vw * uu - uw * uv;  // times area2
     const bool within =
         (beta >= 0) & (gamma >= 0) & (beta + gamma <= area2) & (area2 > parallel * uu * vv);
+    const double thinness = uu * vv / (area2 + tiny);
     const double on_plane = ww - (beta * uw + gamma * vw) / (area2 + tiny);
-    const double least = (within ? on_plane : on_edges) - rounding * (uu + vv + ww);
+    // In thin triangles the first one's rounding grows, and the edges are the nearer.
+    const double inside =
+        larger(on_plane - rounding * thinness * ww, on_edges - larger(uu, vv) / thinness);
+    const double least = (within ? inside : on_edges) - rounding * (uu + vv + ww);
     values[k] = std::sqrt(larger(least, 0.0));
 
     // Where on the triangle, from b in shares of its edges.

@@ -1,6 +1,8 @@
 #include "clothsim/collision/distances.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "clothsim/collision/surface_pair.h"
 #include "verification/testing.h"
@@ -54,6 +56,62 @@ TEST(Distances, AreThoseOfEachPair) {
   EXPECT_GT(most, 1);
   EXPECT_GT(at_ends, 100);
   EXPECT_GT(inside, 100);
+}
+
+/// The same in extended precision: to the plane where the foot is inside, otherwise to an edge.
+long double exact_distance(const Points& x, const std::array<int, 4>& points) {
+  using Vector = Eigen::Matrix<long double, 3, 1>;
+  const auto at = [&](std::size_t k) -> Vector { return row(x, points[k]).cast<long double>(); };
+  const Vector p = at(0);
+  const std::array<Vector, 3> corners{at(1), at(2), at(3)};
+  // Two directions in the plane, the second one freed of the first twice, as one is not enough.
+  const Vector u = (corners[1] - corners[0]).normalized();
+  Vector v = corners[2] - corners[0];
+  for (int k = 0; k < 2; ++k) v = (v - v.dot(u) * u).normalized().eval();
+  const Vector way = p - corners[0];
+  const Vector normal = way - way.dot(u) * u - way.dot(v) * v;
+
+  bool inside = true;
+  long double least = std::numeric_limits<long double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector &a = corners[k], &b = corners[(k + 1) % 3], &c = corners[(k + 2) % 3];
+    const Vector along = b - a;
+    const Vector inward = c - a - (c - a).dot(along) / along.squaredNorm() * along;
+    inside = inside && inward.dot(p - a) >= 0;
+    const long double t = (p - a).dot(along) / along.squaredNorm();
+    least = std::min(least, (p - a - std::clamp(t, 0.0L, 1.0L) * along).norm());
+  }
+  return inside ? normal.norm() : least;
+}
+
+TEST(Distances, OfPointsAboveNeedlesAreNeverMoreThanTheyAre) {
+  // Of all lengths 1, ever thinner, each at some place of its own.
+  for (double height = 1; height > 1e-9; height /= 3) {
+    Distances distances(false);
+    const int count = 60;
+    Points x(4 * count, 3);
+    const Points random = random_points(3 * count, 1, 5);
+    double worst = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vector3 place = 0.1 * row(random, i);
+      const Vector3 along = row(random, count + i).normalized();
+      const Vector3 aside = along.cross(row(random, 2 * count + i)).normalized();
+      const Vector3 up = along.cross(aside);
+      x.row(4 * i) = (place + 0.4 * along + 0.3 * height * aside + up).transpose();
+      x.row(4 * i + 1) = place.transpose();
+      x.row(4 * i + 2) = (place + along).transpose();
+      x.row(4 * i + 3) = (place + 0.5 * along + height * aside).transpose();
+      distances.add({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
+    }
+    distances.measure(x);
+    for (int i = 0; i < count; ++i) {
+      const auto exact =
+          static_cast<double>(exact_distance(x, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}));
+      EXPECT_LE(distances[static_cast<std::size_t>(i)], exact) << "height " << height;
+      worst = std::max(worst, exact - distances[static_cast<std::size_t>(i)]);
+    }
+    EXPECT_LT(worst, 1e-6) << "height " << height;
+  }
 }
 
 }  // namespace
