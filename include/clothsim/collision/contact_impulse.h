@@ -14,8 +14,9 @@ struct ContactImpulse {
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
   double slowest = 0;                 // least normal velocity off the surface allowed [m/s]
   double friction = 0;
-  double most = std::numeric_limits<double>::infinity();  // of push
-  double push = 0;                                        // along the normal [m/s], >= 0
+  double most = std::numeric_limits<double>::infinity();          // of push
+  double most_to_part = std::numeric_limits<double>::infinity();  // of push that parts, not stops
+  double push = 0;                                                // along the normal [m/s], >= 0
   Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]
 
   /// Brings it up to date where the cloth touches with `velocity` [m/s], of which an impulse
@@ -25,7 +26,9 @@ struct ContactImpulse {
 
     // Off the surface, or towards it no faster than the gap allows.
     const double rate = normal.dot(v);
-    const double new_push = std::clamp(push + (slowest - rate) / yield, 0.0, most);
+    double new_push = push + (slowest - rate) / yield;
+    if (slowest > 0) new_push = std::min(new_push, std::max(push - rate / yield, most_to_part));
+    new_push = std::clamp(new_push, 0.0, most);
 
     // Against sliding, as far as Coulomb's cone reaches.
     Vector3 new_drag = drag - (v - rate * normal) / yield;

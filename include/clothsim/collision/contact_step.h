@@ -5,6 +5,8 @@
 
 namespace clothsim {
 
+class Pinches;
+
 /// The step after which contacts are sought.
 struct ContactStep {
   double h;               // [s]
@@ -12,6 +14,7 @@ struct ContactStep {
   const Points& start;    // positions at its start [m]
   const Points& drifted;  // the velocities that brought the points where they are [m/s]
   const Workers& workers;
+  const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
 };
 
 }  // namespace clothsim

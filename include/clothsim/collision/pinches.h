@@ -17,7 +17,7 @@ namespace clothsim {
 /// without end. So such a point goes across them midway between what they ask for. Solids press as
 /// hard as it takes: where friction can keep it from slipping out, it does, and the point goes
 /// along with both, more with the rougher one. Else it slips, and so it does where it is pulled out
-/// with more than some weights of the whole cloth, before what pulls it is torn.
+/// with more than its share of some weights of the whole cloth, before what pulls it is torn.
 class Pinches {
  public:
   /// A contact, and the collider that it is with.
@@ -60,13 +60,24 @@ class Pinches {
     int point;
     Vector3 velocity;  // wanted [m/s]
     Vector3 across;    // from one collider to the other
-    double grip;       // greatest change of velocity along them in the step [m/s]
+    double grip;       // greatest change of velocity along them in the step, were it alone [m/s]
+    std::size_t jaws;  // that hold it
     Vector3 given;     // change of velocity in the step so far [m/s]
     bool slips;
   };
 
+  /// Two colliders that hold points.
+  struct Jaws {
+    const MovingCollider* a;
+    const MovingCollider* b;
+    int points;
+  };
+
+  std::size_t jaws_of(const MovingCollider&, const MovingCollider&);
+
   double h_ = 0;
   std::vector<Pinch> pinches_;
+  std::vector<Jaws> jaws_;
   std::vector<char> held_;
 };
 

@@ -68,11 +68,12 @@ class SurfaceContacts {
 
   bool is_nearest_on_surface(const SurfacePair&, const Separation&) const;
   std::optional<Contact> find(const Cloth&, const NearPair&, bool held, const Points& middle,
-                              const Points& velocities) const;
+                              const ContactStep&, const Points& velocities) const;
 
   NearPairs near_;
   double h_ = 0;
   double strongest_push_ = 0;               // between two features, but for what stops them [N s]
+  double most_to_part_ = 0;                 // of what works off an overlap [N s]
   std::vector<Contact> contacts_;           // by key
   std::vector<std::array<int, 4>> points_;  // of contacts_: most passes look at no more of them
   std::vector<Contact> last_;
