@@ -100,24 +100,28 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
   }
 }
 
-TEST(Pinches, WhatIsPulledWithMoreThanThreeWeightsOfTheClothSlips) {
+TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
   const Cloth cloth = make_grid(chain_spec(4, 1, 0));
-  const double grip = 3 * 9.81 * h * cloth.mass.sum() * cloth.inv_mass[1];  // [m/s]
+  const double all = 3 * 9.81 * h * cloth.mass.sum() * cloth.inv_mass[1];  // [m/s]
+  const double grip = all / 2;
+  const MovingCollider finger = moving(still), thumb = moving(still), other = moving(still);
   const ContactImpulse a = contact(up, still, 0, 1), b = contact(down, still, 0, 1);
   Pinches pinches;
   pinches.start_over(h);
-  for (const int point : {1, 2}) {
-    pinches.add(point, still, {a, moving(still)}, {b, moving(still)}, cloth);
-  }
+  pinches.add(1, still, {a, finger}, {b, thumb}, cloth);
+  pinches.add(2, still, {b, thumb}, {a, finger}, cloth);
+  pinches.add(3, still, {a, finger}, {b, other}, cloth);  // shares with none
   // In two pulls.
   Points velocities = Points::Zero(4, 3);
   for (int pull = 0; pull < 2; ++pull) {
     velocities.row(1) += Eigen::RowVector3d(0.49 * grip, 0, 1e3);
     velocities.row(2) += Eigen::RowVector3d(0.51 * grip, 0, 1e3);
+    velocities.row(3) += Eigen::RowVector3d(0.49 * all, 0, 1e3);
     pinches.sweep(velocities);
   }
   EXPECT_LT(row(velocities, 1).norm(), 1e-9 * grip);
   EXPECT_LT((row(velocities, 2) - Vector3(0.02 * grip, 0, 0)).norm(), 1e-9 * grip);
+  EXPECT_LT(row(velocities, 3).norm(), 1e-9 * grip);
 
   // It is moved along as far as it slips, and never across.
   Points positions = Points::Constant(4, 3, 5);

@@ -174,6 +174,8 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
     return c;
   }();
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  for (const int i : {2, 10}) state.positions(i, 2) = 0;  // nothing but the layers touches
+  for (const int i : {5, 13}) state.positions(i, 2) = 1;
   for (const int i : {6, 7, 14, 15}) state.velocities(i, 1) = 0.1;
   SurfaceContacts contacts(cloth);
   for (int k = 0; k < 10; ++k) {
