@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "clothsim/ros/conversions.h"
+#include "clothsim/ros/stamps.h"
 
 namespace clothsim_ros {
 namespace {
@@ -87,7 +88,9 @@ std::optional<clothsim::Pose> OtherBroadcasters::pose(const std::string& world,
 
 ros::Time OtherBroadcasters::next_stamp(const std::string& frame) {
   ros::Time& newest = newest_[frame];
-  newest = std::max(newest + stamp_step, sim_time_ ? clock_ : ros::Time::now());
+  const ros::Time now = sim_time_ ? clock_ : ros::Time::now();
+  // Listeners of ours have refused a stamp of the future, and would do so with one after it.
+  newest = is_ahead(newest, now) ? now : std::max(newest + stamp_step, now);
   return newest;
 }
 

@@ -4,12 +4,17 @@
 #include <ros/node_handle.h>
 #include <tf2/exceptions.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "clothsim/ros/conversions.h"
+#include "clothsim/ros/stamps.h"
 
 namespace clothsim_ros {
 namespace {
+
+/// As many as tf2's own listener keeps.
+constexpr std::uint32_t queue_size = 100;
 
 /// Time that publishers take to connect, and frames of 10 Hz to come.
 const ros::WallDuration settling(0.5);
@@ -22,14 +27,53 @@ bool is_usable(const clothsim::Pose& pose) {
 }
 
 void TfListener::listen() {
-  if (listener_) return;
+  if (moving_subscriber_) return;
+  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
   ros::NodeHandle node;
   node.setCallbackQueue(&queue_);
-  listener_.emplace(buffer_, node, false);
+  const auto subscribe = [&](const std::string& topic, bool is_static) {
+    const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
+      hear(event, is_static);
+    };
+    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
+  };
+  moving_subscriber_ = subscribe("/tf", false);
+  static_subscriber_ = subscribe("/tf_static", true);
   settled_ = ros::SteadyTime::now() + settling;
 }
 
-void TfListener::receive() { queue_.callAvailable(); }
+void TfListener::receive() {
+  forget_the_future();
+  queue_.callAvailable();
+}
+
+void TfListener::forget_the_future() {
+  // Back in time, or time has begun: what is held would be the latest for long.
+  const ros::Time now = ros::Time::now();
+  if (now < now_ || is_ahead(newest_, now)) {
+    buffer_.clear();  // but of static transforms
+    newest_ = {};
+  }
+  now_ = now;
+}
+
+void TfListener::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event, bool is_static) {
+  const ros::Time now = ros::Time::now();
+  for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
+    const ros::Time& stamp = transform.header.stamp;
+    if (!is_static && is_ahead(stamp, now)) {
+      ROS_WARN_THROTTLE(5,
+                        "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at "
+                        "most %g s after now, %.3f",
+                        transform.child_frame_id.c_str(), event.getPublisherName().c_str(),
+                        stamp.toSec(), largest_lead, now.toSec());
+      continue;
+    }
+    // tf2 logs what it refuses.
+    const bool is_taken = buffer_.setTransform(transform, event.getPublisherName(), is_static);
+    if (is_taken && !is_static) newest_ = std::max(newest_, stamp);
+  }
+}
 
 void TfListener::wait_for_first() {
   listen();
@@ -46,7 +90,7 @@ void TfFrame::look_up() {
   const bool known = read();
   if (!status_.seen) return;  // nothing to lose yet
   const bool was_lost = status_.lost;
-  status_.age = stamp_.isZero() ? 0 : (ros::Time::now() - stamp_).toSec();
+  status_.age = stamp_.isZero() ? 0 : seconds_between(stamp_, ros::Time::now());
   const std::optional<double> lost_after = tf_->lost_after();
   status_.lost = !known || (lost_after && status_.age > *lost_after);
   if (status_.lost && !was_lost)

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <ros/callback_queue.h>
+#include <ros/message_event.h>
+#include <ros/subscriber.h>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
-#include <tf2_ros/transform_listener.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <optional>
 #include <string>
@@ -20,6 +22,8 @@ bool is_usable(const clothsim::Pose&);
 
 /// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what
 /// has come in the thread that asks: in lockstep, what came before a call counts in the call.
+/// Transforms that are stamped ahead of now are refused, since tf2 would take them for the latest
+/// until then.
 class TfListener {
  public:
   /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
@@ -40,11 +44,17 @@ class TfListener {
   const tf2::BufferCore& buffer() const { return buffer_; }
 
  private:
+  void hear(const ros::MessageEvent<const tf2_msgs::TFMessage>&, bool is_static);
+  void forget_the_future();
+
   std::string world_frame_;
   std::optional<double> lost_after_;
   tf2::BufferCore buffer_;
   ros::CallbackQueue queue_;
-  std::optional<tf2_ros::TransformListener> listener_;
+  ros::Subscriber moving_subscriber_;
+  ros::Subscriber static_subscriber_;
+  ros::Time now_;            // when transforms were last received
+  ros::Time newest_;         // stamp in the buffer
   ros::SteadyTime settled_;  // when the first transforms have come
 };
 

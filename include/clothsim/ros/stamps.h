@@ -1,0 +1,18 @@
+#pragma once
+
+#include <ros/time.h>
+
+namespace clothsim_ros {
+
+/// How far the stamp of a transform may lie ahead of now [s]: clocks of machines differ, some nodes
+/// date theirs a little forward, and /clock may go in large ticks.
+inline constexpr double largest_lead = 2;
+
+/// [s]; negative where `end` is the earlier one. ros::Duration throws beyond 68 years.
+double seconds_between(const ros::Time& begin, const ros::Time& end);
+
+/// Whether a stamp lies too far ahead of now, or is none that tf2 can hold. As long as time has not
+/// begun (`now` is zero), none lies ahead.
+bool is_ahead(const ros::Time& stamp, const ros::Time& now);
+
+}  // namespace clothsim_ros
