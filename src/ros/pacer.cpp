@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "clothsim/ros/stamps.h"
+
 namespace clothsim_ros {
 namespace {
 
@@ -42,7 +44,7 @@ ros::WallDuration Pacer::until_due(double frame_duration) {
     elapsed_ = 0;
   }
   const double period = frame_duration / realtime_factor_;
-  const double since_start = (now - *start_).toSec();
+  const double since_start = seconds_between(*start_, now);
   double wait = elapsed_ + period - since_start;
 
   // Too late to catch up: this frame is due now. Time ran backwards: it is due in one period.

@@ -85,6 +85,19 @@ TEST_F(PacerTest, StartsAgainWhenTimeRunsBack) {
   EXPECT_NEAR(last_stamp.toSec(), 5.01, 1e-6);
 }
 
+TEST_F(PacerTest, StartsAgainAfterAJumpBeyondADuration) {
+  Pacer pacer(1, false);
+  set_time(10);
+  run_due(pacer);
+  set_time(3e9);
+  EXPECT_EQ(run_due(pacer), 1);
+  EXPECT_NEAR(last_stamp.toSec(), 3e9, 1e-6);
+  set_time(5);
+  EXPECT_EQ(run_due(pacer), 0);
+  set_time(5.01001);
+  EXPECT_EQ(run_due(pacer), 1);
+}
+
 TEST_F(PacerTest, AfterAPauseTheNextFrameIsAPeriodAway) {
   Pacer pacer(1, false);
   set_time(10);
