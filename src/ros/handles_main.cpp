@@ -1,10 +1,14 @@
+#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
 
+#include <cstdlib>
+#include <exception>
 #include <string>
 #include <vector>
 
 #include "clothsim/ros/handles.h"
+#include "clothsim/ros/parameters.h"
 
 int main(int argc, char** argv) {
   // Wall time, whatever /use_sim_time says: the library's time-outs are to pass while the clock
@@ -15,10 +19,19 @@ int main(int argc, char** argv) {
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
 
-  ros::init(count, arguments.data(), "clothsim_handles");
-  ros::start();
-  if (!ros::ok()) return 0;  // interrupted while it waited for a master
-  const ros::NodeHandle cloth(ros::NodeHandle("~").param<std::string>("cloth", "/clothsim"));
-  clothsim_ros::Handles handles(cloth);
-  ros::spin();
+  int exit_code = EXIT_SUCCESS;
+  try {
+    ros::init(count, arguments.data(), "clothsim_handles");
+    ros::start();     // rather than by a handle: the log outlives a node that fails
+    if (ros::ok()) {  // not interrupted while it waited for a master
+      const ros::NodeHandle cloth(clothsim_ros::read_cloth_parameter(ros::NodeHandle("~")));
+      clothsim_ros::Handles handles(cloth);
+      ros::spin();
+    }
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    exit_code = EXIT_FAILURE;
+  }
+  ros::shutdown();
+  return exit_code;
 }

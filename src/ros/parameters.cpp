@@ -1,6 +1,7 @@
 #include "clothsim/ros/parameters.h"
 
 #include <ros/master.h>
+#include <ros/names.h>
 #include <ros/param.h>
 #include <ros/this_node.h>
 
@@ -87,6 +88,16 @@ YAML::Node without_topics(YAML::Node camera) {
   return camera;
 }
 
+/// Calls `read`; an InvalidValue it throws gets the full name of the parameter.
+template <class Read>
+auto with_full_name(const ros::NodeHandle& node, Read read) {
+  try {
+    return read();
+  } catch (const InvalidValue& error) {
+    throw std::runtime_error(error.message(node.getNamespace() + "/", "/"));
+  }
+}
+
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
   parameters.scene = read_scene_parameter(node);
@@ -157,11 +168,20 @@ YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
 }
 
 NodeParameters read_parameters(const ros::NodeHandle& node) {
-  try {
-    return read(node);
-  } catch (const InvalidValue& error) {
-    throw std::runtime_error(error.message(node.getNamespace() + "/", "/"));
-  }
+  return with_full_name(node, [&] { return read(node); });
+}
+
+std::string read_cloth_parameter(const ros::NodeHandle& node) {
+  std::string name = "clothsim";
+  with_full_name(node, [&] {
+    read_optional(node, "cloth", clothsim::into(name));
+    std::string mistake;
+    if (!ros::names::validate(name, mistake)) {
+      throw InvalidValue({"cloth"}, '"' + name + '"',
+                         "the name of a clothsim node, such as clothsim or /left/clothsim");
+    }
+  });
+  return ros::names::resolve(name);
 }
 
 }  // namespace clothsim_ros

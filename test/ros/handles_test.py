@@ -7,8 +7,12 @@ import time
 import unittest
 
 import numpy as np
+import rosgraph
+import roslaunch.config
+import roslib.packages
 import rospy
 import rostest
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose
 from rosgraph_msgs.msg import Log
@@ -17,7 +21,7 @@ from visualization_msgs.msg import (InteractiveMarkerFeedback, InteractiveMarker
                                     InteractiveMarkerUpdate, MarkerArray)
 
 from clothsim.srv import LoadScene
-from cloth_client import Cloth, Recorder, call, point, positions, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, call, point, positions, wait_for
 
 HANDLES = "/clothsim/handles"
 BALL, PLATE = np.array([0.5, 0.5, 0.5]), np.array([0, 0, -1.0])  # where the scene puts them [m]
@@ -87,6 +91,21 @@ class OtherNode:
     def __exit__(self, *_):
         self.process.terminate()
         self.process.wait()
+
+
+class HandlesNode:
+    """Another node of handles, with arguments of its own."""
+
+    def __init__(self, *arguments):
+        program = roslib.packages.find_node("clothsim", "clothsim_handles")[0]
+        self.process = subprocess.Popen([program, *arguments], stderr=subprocess.PIPE, text=True)
+
+    def __enter__(self):
+        return self.process
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.communicate()
 
 
 class HandlesTest(unittest.TestCase):
@@ -252,6 +271,31 @@ class HandlesTest(unittest.TestCase):
         self.assertEqual(nodes(), {"/clothsim", "/rviz", "/clothsim_handles"})
         self.assertEqual(nodes("interactive:=false"), {"/clothsim", "/rviz"})
         self.assertEqual(nodes("rviz:=false"), {"/clothsim"})
+        path = roslib.packages.find_resource("clothsim", "sphere.launch")[0]
+        cleared = roslaunch.config.load_config_default([path], None, verbose=False).clear_params
+        self.assertLessEqual({"/clothsim/", "/clothsim_handles/"}, set(cleared))
+
+    def test_8_the_node_they_belong_to(self):
+        def serves(topic, name):
+            return any(topic == entry[0] and name in entry[1]
+                       for entry in rosgraph.Master("/test").getSystemState()[0])
+        for name, (argument, cloth) in {
+                "of_the_group": ([], "/a/clothsim"),
+                "relative": (["_cloth:=b/cloth"], "/a/b/cloth"),
+                "absolute": (["_cloth:=/b/cloth"], "/b/cloth")}.items():
+            with HandlesNode("__ns:=/a", "__name:=" + name, *argument):
+                wait_for(lambda: serves(cloth + "/handles/update", "/a/" + name),
+                         "the handles of " + cloth)
+
+    def test_9_a_bad_name(self):
+        for number, (value, got) in enumerate(
+                {"no name": '"no name"', "5": "5", "''": '"" (text)', "[1, 2]": "[1, 2]"}.items()):
+            name = "bad_%d" % number
+            rospy.set_param("/%s/cloth" % name, yaml.safe_load(value))
+            with HandlesNode("__name:=" + name) as node:
+                _, errors = node.communicate(timeout=PATIENCE)
+            self.assertIn("/%s/cloth: got %s, expected" % (name, got), errors)
+            self.assertEqual(node.returncode, 1)
 
 
 if __name__ == "__main__":

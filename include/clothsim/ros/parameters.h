@@ -26,6 +26,10 @@ struct NodeParameters {
 /// parameter, what it is and what is expected.
 NodeParameters read_parameters(const ros::NodeHandle& node);
 
+/// Reads ~cloth of the handles' node `node`: the clothsim node's namespace, in full. Throws as
+/// read_parameters does.
+std::string read_cloth_parameter(const ros::NodeHandle& node);
+
 /// Reads ~scene alone. Throws InvalidValue with keys relative to the node.
 clothsim::Scene read_scene_parameter(const ros::NodeHandle& node);
 
