@@ -53,9 +53,10 @@ double NearestDistances::distance(bool edges, const std::array<Eigen::Vector2i, 
 }
 
 void NearestDistances::fill_features() {
-  // Beyond these ways both are as far apart as they ever need to be.
+  // Beyond these ways both are as far apart as they ever need to be, or not on the cloth.
   const double far = std::ceil(contact_ / (neighbour_share * spacing_.minCoeff())) + 2;
-  const int size = static_cast<int>(std::min(far, 1e4));
+  const double longest = point_places_.back().maxCoeff() + 2;
+  const int size = static_cast<int>(std::min(far, longest));
   const std::size_t count = static_cast<std::size_t>(2 * size + 1) * (2 * size + 1);
   const auto for_each_way = [size](auto&& visit) {
     for (int rows = -size; rows <= size; ++rows) {

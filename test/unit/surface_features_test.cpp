@@ -7,7 +7,7 @@ namespace {
 using namespace testing;
 
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
-  for (const double thickness : {0.004, 0.02, 0.1}) {
+  for (const double thickness : {0.004, 0.02, 0.1, 1000.0}) {
     ClothSpec spec;
     spec.columns = 8;
     spec.rows = 7;
