@@ -367,6 +367,7 @@ int ColliderContacts::count() const { return points_count() + faces_.count() + p
 void ColliderContacts::reset() {
   contacts_.clear();
   faces_.reset();
+  pinches_.start_over(0);
   h_ = 0;
 }
 
@@ -380,6 +381,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     c.impulse.write(memory);
   }
   faces_.write(memory);
+  pinches_.write(memory);
 }
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
@@ -393,6 +395,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     contacts_.push_back(c);
   }
   faces_.read(memory, colliders, cloth);
+  pinches_.read(memory, cloth);
 }
 
 }  // namespace clothsim

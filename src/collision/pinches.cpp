@@ -109,4 +109,19 @@ void Pinches::correct(const Points& start, Points& positions) const {
   }
 }
 
+void Pinches::write(MemoryWriter& memory) const {
+  memory.add(static_cast<double>(std::count(held_.begin(), held_.end(), 1)));
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    if (held_[i] != 0) memory.add(static_cast<double>(i));
+  }
+}
+
+void Pinches::read(MemoryReader& memory, const Cloth& cloth) {
+  start_over(0);
+  const auto points = static_cast<std::size_t>(cloth.num_points());
+  const std::size_t count = memory.count();
+  if (count > 0) held_.assign(points, 0);
+  for (std::size_t k = 0; k < count; ++k) held_[static_cast<std::size_t>(memory.index(points))] = 1;
+}
+
 }  // namespace clothsim

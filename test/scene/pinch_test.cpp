@@ -250,6 +250,13 @@ TEST_P(Fold, StaysCalmInFingersThatLeaveItLessThanItsThickness) {
     EXPECT_NEAR(simulator.state().positions(held, 2) - before, 0.15, 5e-3);
   }
   EXPECT_EQ(crossings, 0);
+
+  const auto saved = simulator.save();
+  go(closed, closed, 0.85, 0.85, 5);
+  const Points expected = simulator.state().positions;
+  simulator.restore(*saved);
+  go(closed, closed, 0.85, 0.85, 5);
+  EXPECT_TRUE(simulator.state().positions == expected) << "pinched or not, to the same bits";
 }
 
 INSTANTIATE_TEST_SUITE_P(Rooms, Fold, ::testing::Values(0.008, 0.004, -0.002, -0.006));

@@ -8,6 +8,7 @@
 #include "clothsim/collision/contact_impulse.h"
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 
 namespace clothsim {
 
@@ -50,6 +51,10 @@ class Pinches {
   }
   /// By point; empty: none.
   const std::vector<char>& held() const { return held_; }
+
+  /// Which points are held. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, const Cloth&);
 
   int count() const { return static_cast<int>(pinches_.size()); }
   /// The first of them; -1: none.
