@@ -18,7 +18,10 @@ class TemporaryFolder {
     if (!mkdtemp(path.data())) throw std::system_error(errno, std::generic_category(), path);
     path_ = path;
   }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 

@@ -368,6 +368,7 @@ void ColliderContacts::reset() {
   contacts_.clear();
   faces_.reset();
   pinches_.start_over(0);
+  recovers_ = false;
   h_ = 0;
 }
 
@@ -382,6 +383,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
   }
   faces_.write(memory);
   pinches_.write(memory);
+  memory.add(recovers_);
 }
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
@@ -396,6 +398,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
   }
   faces_.read(memory, colliders, cloth);
   pinches_.read(memory, cloth);
+  recovers_ = memory.index(2) == 1;
 }
 
 }  // namespace clothsim

@@ -92,8 +92,7 @@ bool NearPairs::Impl::are_neighbours(int p, int q) const {
   const std::vector<int>& of_p = patches[static_cast<std::size_t>(p)].cells;
   const std::vector<int>& of_q = patches[static_cast<std::size_t>(q)].cells;
   const int columns = mesh.cell_columns;
-  const int window =
-      static_cast<int>(std::ceil(contact / (NearestDistances::neighbour_share * spacing)));
+  const double window = std::ceil(contact / (NearestDistances::neighbour_share * spacing));
   const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
     return std::max(b_first - a_last, a_first - b_last);
   };

@@ -18,13 +18,20 @@ const std::array<std::array<Eigen::Vector2i, 3>, 2> corners{
 
 }  // namespace
 
-double& NearestDistances::Table::at(int columns, int rows) {
-  return values[static_cast<std::size_t>((rows + size) * (2 * size + 1) + columns + size)];
+NearestDistances::Table::Table(const Eigen::Vector2i& most_way)
+    : most(most_way),
+      values(static_cast<std::size_t>(2 * most.x() + 1) *
+             static_cast<std::size_t>(2 * most.y() + 1)) {}
+
+std::size_t NearestDistances::Table::place(int columns, int rows) const {
+  const auto width = static_cast<std::size_t>(2 * most.x() + 1);
+  return static_cast<std::size_t>(rows + most.y()) * width +
+         static_cast<std::size_t>(columns + most.x());
 }
 
 double NearestDistances::Table::at(int columns, int rows, double beyond) const {
-  if (std::max(std::abs(columns), std::abs(rows)) > size) return beyond;
-  return values[static_cast<std::size_t>((rows + size) * (2 * size + 1) + columns + size)];
+  if (std::abs(columns) > most.x() || std::abs(rows) > most.y()) return beyond;
+  return values[place(columns, rows)];
 }
 
 NearestDistances::NearestDistances(const Cloth& cloth)
@@ -55,12 +62,11 @@ double NearestDistances::distance(bool edges, const std::array<Eigen::Vector2i, 
 void NearestDistances::fill_features() {
   // Beyond these ways both are as far apart as they ever need to be, or not on the cloth.
   const double far = std::ceil(contact_ / (neighbour_share * spacing_.minCoeff())) + 2;
-  const double longest = point_places_.back().maxCoeff() + 2;
-  const int size = static_cast<int>(std::min(far, longest));
-  const std::size_t count = static_cast<std::size_t>(2 * size + 1) * (2 * size + 1);
-  const auto for_each_way = [size](auto&& visit) {
-    for (int rows = -size; rows <= size; ++rows) {
-      for (int columns = -size; columns <= size; ++columns) visit(columns, rows);
+  const Eigen::Vector2i most =
+      (point_places_.back().array() + 2).cast<double>().min(far).cast<int>();
+  const auto for_each_way = [&most](auto&& visit) {
+    for (int rows = -most.y(); rows <= most.y(); ++rows) {
+      for (int columns = -most.x(); columns <= most.x(); ++columns) visit(columns, rows);
     }
   };
 
@@ -71,7 +77,7 @@ void NearestDistances::fill_features() {
     if (!share_a_point) least_ = std::min(least_, entry);
   };
   for (std::size_t t = 0; t < 2; ++t) {
-    of_points_[t] = {size, std::vector<double>(count)};
+    of_points_[t] = Table(most);
     for_each_way([&](int columns, int rows) {
       keep(of_points_[t].at(columns, rows), false,
            {Eigen::Vector2i(-columns, -rows), corners[t][0], corners[t][1], corners[t][2]});
@@ -79,7 +85,7 @@ void NearestDistances::fill_features() {
   }
   for (std::size_t e = 0; e < 3; ++e) {
     for (std::size_t f = 0; f < 3; ++f) {
-      of_edges_[e][f] = {size, std::vector<double>(count)};
+      of_edges_[e][f] = Table(most);
       for_each_way([&](int columns, int rows) {
         const Eigen::Vector2i way(columns, rows);
         keep(of_edges_[e][f].at(columns, rows), true,
@@ -90,9 +96,8 @@ void NearestDistances::fill_features() {
 }
 
 void NearestDistances::fill_cells() {
-  const int size = of_points_[0].size;
-  const std::size_t count = static_cast<std::size_t>(2 * size + 1) * (2 * size + 1);
-  of_cells_ = of_first_cells_ = {size, std::vector<double>(count)};
+  const Eigen::Vector2i most_way = of_points_[0].most;
+  of_cells_ = of_first_cells_ = Table(most_way);
 
   // What a cell owns, as points and edges from its first point.
   struct Owned {
@@ -121,8 +126,8 @@ void NearestDistances::fill_cells() {
     }
     return result;
   };
-  for (int rows = -size; rows <= size; ++rows) {
-    for (int columns = -size; columns <= size; ++columns) {
+  for (int rows = -most_way.y(); rows <= most_way.y(); ++rows) {
+    for (int columns = -most_way.x(); columns <= most_way.x(); ++columns) {
       of_cells_.at(columns, rows) = most(usual, {columns, rows});
       of_first_cells_.at(columns, rows) = most(first, {columns, rows});
     }

@@ -15,9 +15,9 @@ constexpr double facing = -0.5;
 /// it. With as much for each, a cloth held by its pins too shook at up to 0.3 m/s.
 constexpr double strongest_grip = 3 * 9.81;
 
-/// Points nearer than this to the middle stay where they are [m]: layers that all had to go there
-/// would have to pass through each other.
-constexpr double off_middle = 3e-4;
+/// Points that would go to the middle no faster than this stay where they are [m/s]: layers that
+/// all had to go there would have to pass through each other.
+constexpr double least_draw = 0.2;
 
 /// Least velocity along `across` that a contact asks for, where its surface moves at `surface`.
 double least_rate(const ContactImpulse& contact, const Vector3& surface, const Vector3& across) {
@@ -72,14 +72,13 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
   const double still = across.dot(of_a + of_b) / 2;
   const double centred =
       (least_rate(a.contact, of_a, across) - least_rate(b.contact, of_b, -across)) / 2;
-  const double slack = off_middle / h_;
-  const double rate = std::clamp(still, centred - slack, centred + slack);
+  const double rate = std::clamp(still, centred - least_draw, centred + least_draw);
   const bool sticks = jams(a.contact, b.contact);
   const double share = sticks ? a.contact.friction / (a.contact.friction + b.contact.friction) : 0;
   const Vector3 along = share * of_a + (1 - share) * of_b;
   const double grip = sticks ? strongest_grip * cloth.mass.sum() * cloth.inv_mass[point] * h_ : 0;
   const std::size_t jaws = jaws_of(a.collider, b.collider);
-  ++jaws_[jaws].points;
+  if (sticks) ++jaws_[jaws].points;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, grip, jaws,
                       Vector3::Zero(), !sticks});
 }
@@ -90,7 +89,8 @@ double Pinches::sweep(Points& velocities) {
     const Vector3 wanted = p.given + p.velocity - row(velocities, p.point);
     const Vector3 across = p.across.dot(wanted) * p.across;
     Vector3 along = wanted - across;
-    const double strength = along.norm(), strongest = p.grip / jaws_[p.jaws].points;
+    const double strength = along.norm(),
+                 strongest = p.grip > 0 ? p.grip / jaws_[p.jaws].points : 0;
     p.slips = strongest == 0 || strength > strongest;
     if (strength > strongest) along *= strongest / strength;
     const Vector3 change = across + along - p.given;

@@ -5,8 +5,9 @@
 namespace clothsim_ros {
 namespace {
 
-/// tf2 adds the length of its memory, 10 s, to each stamp: from later ones on that overflows [s].
-constexpr std::uint32_t latest_held = std::numeric_limits<std::uint32_t>::max() - 11;
+/// tf2 adds the length of its memory, 10 s, to each stamp, whose nanoseconds may be as many as
+/// 4.3 s: from later ones on that overflows [s].
+constexpr std::uint32_t latest_held = std::numeric_limits<std::uint32_t>::max() - 15;
 
 }  // namespace
 

@@ -45,8 +45,8 @@ class Distances {
   void measure(const Points& positions);
 
   /// Distance of pair `k` [m]. Never more than it is, and less by a part in 1e10 of that or 1e-7 of
-  /// the lengths between its points at most, where these are far longer; at triangles a thousand
-  /// times as long as high, or more, by a thousandth of these lengths at most.
+  /// the lengths between its points at most, where these are far longer; of a triangle's by that
+  /// times its length over its height, and a thousandth at most.
   double operator[](std::size_t k) const { return values_[k]; }
   const double* values() const { return values_.data(); }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "clothsim/collision/surface_pair.h"
@@ -29,11 +30,14 @@ class NearestDistances {
   double least() const { return least_; }
 
  private:
-  /// By way along rows and along columns, both from -size to size.
+  /// By way along rows and along columns, from -most to most.
   struct Table {
-    int size = 0;
+    explicit Table(const Eigen::Vector2i& most = {0, 0});
+
+    Eigen::Vector2i most;
     std::vector<double> values;
-    double& at(int columns, int rows);
+    std::size_t place(int columns, int rows) const;
+    double& at(int columns, int rows) { return values[place(columns, rows)]; }
     double at(int columns, int rows, double beyond) const;
   };
 

@@ -15,10 +15,11 @@ namespace clothsim {
 /// Points of a cloth that two colliders leave no room.
 ///
 /// What surfaces that close on a cloth ask of it cannot both be met, and impulses that try grow
-/// without end. So such a point goes across them midway between what they ask for. Solids press as
-/// hard as it takes: where friction can keep it from slipping out, it does, and the point goes
-/// along with both, more with the rougher one. Else it slips, and so it does where it is pulled out
-/// with more than its share of some weights of the whole cloth, before what pulls it is torn.
+/// without end. So such a point goes across them with both, or midway between what they ask for if
+/// that differs much. Solids press as hard as it takes: where friction can keep it from slipping
+/// out, it does, and the point goes along with both, more with the rougher one. Else it slips, and
+/// so it does where it is pulled out with more than its share of some weights of the whole cloth,
+/// before what pulls it is torn.
 class Pinches {
  public:
   /// A contact, and the collider that it is with.
@@ -75,7 +76,7 @@ class Pinches {
   struct Jaws {
     const MovingCollider* a;
     const MovingCollider* b;
-    int points;
+    int points;  // that stick
   };
 
   std::size_t jaws_of(const MovingCollider&, const MovingCollider&);
