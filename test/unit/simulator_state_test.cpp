@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
@@ -110,6 +111,27 @@ TEST(SavedStates, BringBackCollidersAndPinsToo) {
   EXPECT_EQ(simulator.collider_pose(0).position, pose.position);
   go_on();
   expect_same(simulator.state(), expected);
+}
+
+TEST(SavedStates, KeepThatAColliderPushesTheClothOut) {
+  Scene scene = busy("verlet");
+  scene.cloth.material.strain_limit = 0.1;  // tension sets the substeps, but not meanwhile
+  Simulator simulator(scene);
+  run(simulator, once);
+  const Vector3 inside = simulator.state().positions.row(55).transpose();
+  simulator.place_collider(0, {inside, Eigen::Quaterniond::Identity()});
+  simulator.step();
+  const auto saved = simulator.save();
+  const auto substeps = [&] {
+    std::vector<int> counts;
+    for (int frame = 0; frame < 5; ++frame) counts.push_back(simulator.step().substeps);
+    return counts;
+  };
+  const std::vector<int> expected = substeps();
+  const State state = simulator.state();
+  simulator.restore(*saved);
+  EXPECT_EQ(substeps(), expected);
+  expect_same(simulator.state(), state);
 }
 
 TEST(SavedStates, SurviveAChangeOfMaterial) {
