@@ -12,9 +12,6 @@
 namespace clothsim_ros {
 namespace {
 
-/// As many as tf2's own listener keeps.
-constexpr std::uint32_t queue_size = 100;
-
 /// A node that is silent for longer has let go of its frame.
 const ros::WallDuration silence(1);
 
@@ -37,15 +34,7 @@ bool others_use_sim_time() {
 }  // namespace
 
 OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) : sim_time_(others_use_sim_time()) {
-  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
-  const auto subscribe = [&](const std::string& topic, bool is_static) {
-    const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
-      hear(event, is_static);
-    };
-    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
-  };
-  moving_subscriber_ = subscribe("/tf", false);
-  static_subscriber_ = subscribe("/tf_static", true);
+  subscribers_.listen(node, [this](const auto& event, bool is_static) { hear(event, is_static); });
   if (!sim_time_) return;
   clock_subscriber_ = node.subscribe<rosgraph_msgs::Clock>(
       "/clock", clock_queue, [this](const auto& msg) { tick(msg->clock); });
@@ -57,8 +46,7 @@ void OtherBroadcasters::tick(const ros::Time& clock) {
   clock_ = clock;
 }
 
-void OtherBroadcasters::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
-                             bool is_static) {
+void OtherBroadcasters::hear(const TfSubscribers::Event& event, bool is_static) {
   const std::string& node = event.getPublisherName();
   if (node == ros::this_node::getName()) return;
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {

@@ -13,9 +13,6 @@
 namespace clothsim_ros {
 namespace {
 
-/// As many as tf2's own listener keeps.
-constexpr std::uint32_t queue_size = 100;
-
 /// Time that publishers take to connect, and frames of 10 Hz to come.
 const ros::WallDuration settling(0.5);
 
@@ -27,18 +24,10 @@ bool is_usable(const clothsim::Pose& pose) {
 }
 
 void TfListener::listen() {
-  if (moving_subscriber_) return;
-  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
+  if (subscribers_.listens()) return;
   ros::NodeHandle node;
   node.setCallbackQueue(&queue_);
-  const auto subscribe = [&](const std::string& topic, bool is_static) {
-    const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
-      hear(event, is_static);
-    };
-    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
-  };
-  moving_subscriber_ = subscribe("/tf", false);
-  static_subscriber_ = subscribe("/tf_static", true);
+  subscribers_.listen(node, [this](const auto& event, bool is_static) { hear(event, is_static); });
   settled_ = ros::SteadyTime::now() + settling;
 }
 
@@ -57,7 +46,7 @@ void TfListener::forget_the_future() {
   now_ = now;
 }
 
-void TfListener::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event, bool is_static) {
+void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
   const ros::Time now = ros::Time::now();
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;

@@ -1,16 +1,15 @@
 #pragma once
 
-#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <rosgraph_msgs/Clock.h>
 #include <tf2/buffer_core.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <map>
 #include <optional>
 #include <string>
 
 #include "clothsim/collision/collider.h"
+#include "clothsim/ros/tf_subscribers.h"
 
 namespace clothsim_ros {
 
@@ -38,7 +37,7 @@ class OtherBroadcasters {
     bool is_static = false;
   };
 
-  void hear(const ros::MessageEvent<const tf2_msgs::TFMessage>&, bool is_static);
+  void hear(const TfSubscribers::Event&, bool is_static);
   void tick(const ros::Time& clock);
 
   const bool sim_time_;  // others go by /clock
@@ -46,8 +45,7 @@ class OtherBroadcasters {
   tf2::BufferCore buffer_;
   std::map<std::string, Heard> heard_;       // by frame
   std::map<std::string, ros::Time> newest_;  // stamp by frame
-  ros::Subscriber moving_subscriber_;
-  ros::Subscriber static_subscriber_;
+  TfSubscribers subscribers_;
   ros::Subscriber clock_subscriber_;
 };
 

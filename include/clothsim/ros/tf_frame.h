@@ -1,16 +1,14 @@
 #pragma once
 
 #include <ros/callback_queue.h>
-#include <ros/message_event.h>
-#include <ros/subscriber.h>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <optional>
 #include <string>
 
 #include "clothsim/collision/collider.h"
+#include "clothsim/ros/tf_subscribers.h"
 
 namespace clothsim_ros {
 
@@ -44,15 +42,14 @@ class TfListener {
   const tf2::BufferCore& buffer() const { return buffer_; }
 
  private:
-  void hear(const ros::MessageEvent<const tf2_msgs::TFMessage>&, bool is_static);
+  void hear(const TfSubscribers::Event&, bool is_static);
   void forget_the_future();
 
   std::string world_frame_;
   std::optional<double> lost_after_;
   tf2::BufferCore buffer_;
   ros::CallbackQueue queue_;
-  ros::Subscriber moving_subscriber_;
-  ros::Subscriber static_subscriber_;
+  TfSubscribers subscribers_;
   ros::Time now_;            // when transforms were last received
   ros::Time newest_;         // stamp in the buffer
   ros::SteadyTime settled_;  // when the first transforms have come

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <ros/message_event.h>
+#include <ros/node_handle.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+
+namespace clothsim_ros {
+
+/// Hears what is sent on /tf and /tf_static, and by whom: tf2's own listener takes all of it.
+class TfSubscribers {
+ public:
+  using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
+  using Hear = std::function<void(const Event&, bool is_static)>;
+
+  void listen(ros::NodeHandle&, const Hear&);
+  bool listens() const { return moving_; }
+
+ private:
+  ros::Subscriber moving_;
+  ros::Subscriber static_;
+};
+
+}  // namespace clothsim_ros

@@ -1,0 +1,24 @@
+#include "clothsim/ros/tf_subscribers.h"
+
+#include <string>
+
+namespace clothsim_ros {
+namespace {
+
+/// As many as tf2's own listener keeps.
+constexpr std::uint32_t queue_size = 100;
+
+}  // namespace
+
+void TfSubscribers::listen(ros::NodeHandle& node, const Hear& hear) {
+  const auto subscribe = [&](const std::string& topic, bool is_static) {
+    const boost::function<void(const Event&)> callback = [hear, is_static](const Event& event) {
+      hear(event, is_static);
+    };
+    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
+  };
+  moving_ = subscribe("/tf", false);
+  static_ = subscribe("/tf_static", true);
+}
+
+}  // namespace clothsim_ros
