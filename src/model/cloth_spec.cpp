@@ -55,7 +55,7 @@ void check_pins(const ClothSpec& spec) {
         const auto [first, is_new] = seen.emplace(std::pair(pin.column, pin.row), i);
         if (!is_new) {
           throw InvalidValue({}, got + " again",
-                             "a point other than that of pinned." + std::to_string(first->second));
+                             "a point other than that of item " + std::to_string(first->second));
         }
         check_frame(pin.frame);
       });

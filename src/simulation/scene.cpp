@@ -62,7 +62,7 @@ void validate(const std::vector<ColliderSpec>& colliders) {
       const auto [first, is_new] = seen.emplace(colliders[i].name, i);
       if (!is_new) {
         throw InvalidValue({"name"}, '"' + colliders[i].name + "\" again",
-                           "a name other than that of colliders." + std::to_string(first->second));
+                           "a name other than that of item " + std::to_string(first->second));
       }
     });
   }

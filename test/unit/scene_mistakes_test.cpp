@@ -261,7 +261,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.0: got [0, -1], expected [column, row] with column 0 to 4 and row 0 "
                 "to 3"},
         Mistake{"cloth.pinned=[[1, 2], [0, 0], [1, 2]]",
-                "cloth.pinned.2: got [1, 2] again, expected a point other than that of pinned.0"},
+                "cloth.pinned.2: got [1, 2] again, expected a point other than that of item 0"},
         Mistake{"cloth.pinned.1={frame: hand}",
                 "cloth.pinned.1.point: got nothing, expected [column, row]"},
         Mistake{"cloth.pinned.1.frame=/hand",
@@ -285,7 +285,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "colliders.0.frame: got \"/ball\", expected a tf frame without a leading slash"},
         Mistake{"colliders.0.name=ground",
                 "colliders.1.name: got \"ground\" again, expected a name other than that of "
-                "colliders.0"}));
+                "item 0"}));
 
 TEST(SceneYaml, UnknownClothKeyListsAllOfThem) {
   EXPECT_EQ(refusal("cloth: {kss: 1}"),
