@@ -7,6 +7,7 @@
 namespace clothsim {
 
 std::string to_text(double value) {
+  if (std::isnan(value)) return "nan";  // whatever its sign bit, which to_chars would show
   std::array<char, 32> text;
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
   return std::string(text.data(), result.ptr);

@@ -250,6 +250,7 @@ TEST(Grips, RefuseAndChangeNothing) {
   refused({55}, {}, "points.0: got 55, which is held already");
   refused({9}, -2, "tear_force: got -2");
   refused({9}, std::numeric_limits<double>::quiet_NaN(), "tear_force: got nan");
+  refused({9}, -std::numeric_limits<double>::quiet_NaN(), "tear_force: got nan");  // of x86's 0/0
   EXPECT_THROW(simulator.detach({0, 2}), InvalidValue);
   EXPECT_EQ(simulator.grips().at("left").held.size(), 2u);
   EXPECT_THROW(simulator.move_grip("right", at(0, 0, 0)), std::out_of_range);
