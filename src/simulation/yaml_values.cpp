@@ -1,6 +1,7 @@
 #include "clothsim/simulation/yaml_values.h"
 
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <set>
@@ -38,6 +39,17 @@ Parsed parse(const std::string& text, Number& value) {
   const auto result = std::from_chars(begin, end, value);
   if (result.ptr != end) return Parsed::no_number;
   return result.ec == std::errc() ? Parsed::number : Parsed::too_large;
+}
+
+/// A whole number, however it is written: 50, 50.0 or 5.0e+1.
+Parsed parse_whole(const std::string& text, std::int64_t& value) {
+  constexpr double exact = 9007199254740992;  // up to here doubles hold each whole number
+  const Parsed parsed = parse(text, value);
+  double number = 0;
+  if (parsed != Parsed::no_number || parse(text, number) != Parsed::number) return parsed;
+  if (std::trunc(number) != number || std::abs(number) > exact) return Parsed::no_number;
+  value = static_cast<std::int64_t>(number);
+  return Parsed::number;
 }
 
 std::optional<bool> parse_switch(const YAML::Node& node) {
@@ -94,7 +106,7 @@ double read_number(const YAML::Node& node, const std::string& expected) {
 std::int64_t read_integer(const YAML::Node& node, std::int64_t min, std::int64_t max,
                           const std::string& expected) {
   std::int64_t value = 0;
-  const Parsed parsed = is_plain(node) ? parse(node.Scalar(), value) : Parsed::no_number;
+  const Parsed parsed = is_plain(node) ? parse_whole(node.Scalar(), value) : Parsed::no_number;
   if (parsed == Parsed::no_number) refuse(node, expected);
 
   const bool negative = node.Scalar()[0] == '-';

@@ -118,6 +118,16 @@ TEST(SceneYaml, AcceptsWhatPhysicsAllows) {
   EXPECT_EQ(read_changed({"cloth.columns=1000", "cloth.rows=1000"}).cloth.rows, 1000);
 }
 
+// The parameter server knows 50.0 and 50 as two types, and hands on the first as 50.
+TEST(SceneYaml, AWholeNumberMayBeWrittenAsAnyNumber) {
+  EXPECT_EQ(read_changed({"cloth.columns=50.0"}).cloth.columns, 50);
+  EXPECT_EQ(read_changed({"cloth.columns=5.0e+1"}).cloth.columns, 50);
+  EXPECT_EQ(read_changed({"cloth.pinned.0=[1.0, -0.0]"}).cloth.pinned[0].column, 1);
+  EXPECT_EQ(read_changed({"simulation.seed=7.0"}).simulation.seed, 7u);
+  EXPECT_EQ(read_changed({"simulation.seed=9223372036854775807"}).simulation.seed,
+            9223372036854775807u);
+}
+
 TEST(SceneYaml, PlaneTurnsItsZAxisToTheNormal) {
   for (const char* normal :
        {"[0, 0, 1]", "[0, 0, -1]", "[3, -4, 0]", "[1e-5, 2e-5, -3e-5]", "[1e300, 1e300, 0]"}) {
