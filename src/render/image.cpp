@@ -1,6 +1,7 @@
 #include "clothsim/render/image.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -17,7 +18,11 @@ namespace fs = std::filesystem;
 constexpr int panorama_ratio = 2;
 constexpr double eight_bits = 255, sixteen_bits = 65535;
 
-[[noreturn]] void refuse(const std::string& key, const std::string& path, const char* expected) {
+/// Of formats that OpenCV writes in colour in any build of it.
+constexpr const char* known_endings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"};
+
+[[noreturn]] void refuse(const std::string& key, const std::string& path,
+                         const std::string& expected) {
   throw InvalidValue({key}, "\"" + path + "\"", expected);
 }
 
@@ -137,7 +142,19 @@ std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std:
   return cube;
 }
 
-void save_png(const std::string& path, const Image& image) {
+void check_image_ending(const std::string& path, const std::string& key) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string known;
+  for (const char* one : known_endings) {
+    if (ending == one) return;
+    known += (known.empty() ? "" : ", ") + std::string(one);
+  }
+  refuse(key, path, "a file name that ends in one of " + known);
+}
+
+void save_image(const std::string& path, const Image& image) {
   cv::Mat bgr;
   cv::cvtColor(
       cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())), bgr,

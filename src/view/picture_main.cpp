@@ -110,7 +110,7 @@ ExitCode take_pictures(const Options& options) {
   }
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
-  save_png(options.output, contact_sheet(tiles, options.columns));
+  save_image(options.output, contact_sheet(tiles, options.columns));
   return done;
 }
 
@@ -127,6 +127,7 @@ void check(const Options& options) {
   }
   constexpr Range columns{1, 100, ""};
   check_range("--columns", options.columns, columns);
+  check_image_ending(options.output, "--output");
 }
 
 void add_options(CLI::App& app, Options& options) {
@@ -134,7 +135,7 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option(name, target, text)->allow_extra_args(false)->type_name("KEY=VALUE");
   };
   app.add_option("scene", options.scene, "Scene file (YAML)")->required();
-  app.add_option("--output", options.output, "PNG file")->required();
+  app.add_option("--output", options.output, "Image file: .png, .jpg, .bmp or .tiff")->required();
   app.add_option("--seconds", options.seconds, "When to take the picture [s]; several: one each");
   app.add_option("--view", options.view_file, "View file (YAML): camera, light, shaders");
   one_each("--set", options.scene_values, "Change a value of the scene: --set cloth.ks=500");

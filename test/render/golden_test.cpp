@@ -43,7 +43,7 @@ void expect_golden(const std::string& name, const Snapshot& snapshot) {
   const Images images = draw(snapshot, camera);
   const Image actual{images.width, images.height, images.color};
   const std::string path = std::string(CLOTHSIM_GOLDENS_DIR) + "/" + name + ".png";
-  if (std::getenv("CLOTHSIM_UPDATE_GOLDENS")) save_png(path, actual);
+  if (std::getenv("CLOTHSIM_UPDATE_GOLDENS")) save_image(path, actual);
 
   const auto golden = load_image(path, "golden");
   ASSERT_EQ(golden->rgb.size(), actual.rgb.size());
@@ -62,8 +62,8 @@ void expect_golden(const std::string& name, const Snapshot& snapshot) {
   if (share > failing_share_allowed) {
     fs::create_directories(CLOTHSIM_IMAGES_OUT);
     const std::string out = std::string(CLOTHSIM_IMAGES_OUT) + "/" + name;
-    save_png(out + "_actual.png", actual);
-    save_png(out + "_diff.png", difference);
+    save_image(out + "_actual.png", actual);
+    save_image(out + "_diff.png", difference);
     ADD_FAILURE() << name << ": " << 100 * share << " % of the pixels differ by more than "
                   << channel_tolerance << "; see " << out << "_actual.png and _diff.png";
   }

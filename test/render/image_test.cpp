@@ -39,13 +39,25 @@ TEST(Image, ColoursComeBackInOrder) {
   const Folder folder;
   const Image image{2, 1, {10, 20, 30, 200, 100, 50}};
   for (const char* name : {"a.png", "a.bmp", "a.tiff"}) {
-    save_png(folder.file("a.png"), image);
+    save_image(folder.file("a.png"), image);
     cv::imwrite(folder.file(name), cv::imread(folder.file("a.png")));
     const auto read = load_image(folder.file(name), "texture");
     EXPECT_EQ(read->width, 2);
     EXPECT_EQ(read->height, 1);
     EXPECT_EQ(read->rgb, image.rgb);
   }
+}
+
+TEST(Image, TheEndingNamesTheFormat) {
+  const Folder folder;
+  const Image image{1, 1, {50, 50, 50}};
+  for (const char* name : {"a.png", "a.jpg", "a.jpeg", "a.bmp", "a.tif", "a.tiff", "a.b.PNG"}) {
+    EXPECT_NO_THROW(check_image_ending(folder.file(name), "key")) << name;
+    save_image(folder.file(name), image);
+    EXPECT_EQ(load_image(folder.file(name), "texture")->rgb, image.rgb) << name;
+  }
+  for (const char* name : {"a.xyz", "a", ".png", "a.png.txt"})
+    expect_refused(check_image_ending, folder.file(name));
 }
 
 TEST(Image, HeightsAreTheRedChannelOf8Or16Bits) {

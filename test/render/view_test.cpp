@@ -2,9 +2,12 @@
 #include <sys/wait.h>
 #include <yaml-cpp/yaml.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "clothsim/model/errors.h"
 #include "clothsim/simulation/scene_yaml.h"
@@ -113,11 +116,11 @@ TEST(View, CollidersMustBeThoseOfTheScene) {
 
 TEST(View, AnImageIsReadAgainWhenItsFileHasChanged) {
   const fs::path path = fs::path(testing::TempDir()) / "clothsim_texture.png";
-  save_png(path.string(), {1, 1, {1, 2, 3}});
+  save_image(path.string(), {1, 1, {1, 2, 3}});
   ImageStore images(textures_folder());
   const auto first = images.image(path.string(), "texture");
   EXPECT_EQ(images.image(path.string(), "texture"), first);
-  save_png(path.string(), {1, 1, {4, 5, 6}});
+  save_image(path.string(), {1, 1, {4, 5, 6}});
   fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(2));
   EXPECT_EQ(images.image(path.string(), "texture")->rgb[0], 4);
   EXPECT_EQ(first->rgb[0], 1);
@@ -204,6 +207,15 @@ TEST(Picture, RefusesMistakes) {
   EXPECT_EQ(picture(scene + " --output x.png --label one 2>/dev/null"), 1);
   EXPECT_EQ(picture(scene + " --output /dev/null/x.png 2>/dev/null"), 1);
   EXPECT_FALSE(fs::exists("x.png"));
+
+  const fs::path errors = fs::path(testing::TempDir()) / "clothsim_picture_errors";
+  EXPECT_EQ(picture(scene + " --output x.xyz 2>" + errors.string()), 1);
+  std::string message;
+  std::getline(std::ifstream(errors), message);
+  EXPECT_EQ(message,
+            "picture: --output: got \"x.xyz\", expected a file name that ends in one of .png, "
+            ".jpg, .jpeg, .bmp, .tif, .tiff");
+  fs::remove(errors);
 }
 
 }  // namespace

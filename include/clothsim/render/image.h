@@ -37,7 +37,12 @@ std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const 
 /// twice as wide as high, a panorama with the horizon along its middle.
 std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key);
 
-/// Writes a PNG. Throws std::runtime_error where the file cannot be written.
-void save_png(const std::string& path, const Image& image);
+/// Throws InvalidValue with `key` unless save_image knows the format that the ending of `path`
+/// names.
+void check_image_ending(const std::string& path, const std::string& key);
+
+/// Writes an image file, a PNG by the ending .png and so on. Throws std::runtime_error where the
+/// file cannot be written.
+void save_image(const std::string& path, const Image& image);
 
 }  // namespace clothsim
