@@ -44,6 +44,45 @@ TEST(View, AnEmptyOneHasDefaultsThatCanBeDrawn) {
   EXPECT_EQ(view.cloth.shader, "blinn_phong");
 }
 
+// The default view stands so that a cloth of any scene we ship is in the picture from its start
+// until it rests.
+class SceneInView : public testing::TestWithParam<std::string> {};
+
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> names;
+  for (const auto& file : fs::directory_iterator(CLOTHSIM_SCENES_DIR))
+    names.push_back(file.path().stem().string());
+  return names;
+}
+
+TEST_P(SceneInView, StaysInThePictureAndFillsIt) {
+  ImageStore images(textures_folder());
+  const Camera camera = prepare(read_view(YAML::Load("{}")), images).camera;
+  const Eigen::Matrix3d to_camera = camera.pose.orientation.conjugate().toRotationMatrix();
+  Simulator simulator(
+      read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/" + GetParam() + ".yaml")));
+
+  constexpr double run = 3;  // [s] longer than any of them falls, swings over or spreads
+  Eigen::AlignedBox2d seen;  // all that the cloth passes
+  while (simulator.state().time < run) {
+    for (const auto& point : simulator.state().positions.rowwise()) {
+      const Vector3 p = to_camera * (point.transpose() - camera.pose.position);
+      seen.extend(Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx,
+                                  camera.fy * p.y() / p.z() + camera.cy));
+    }
+    const double time = simulator.state().time;
+    ASSERT_GE(seen.min().minCoeff(), 0) << "beyond the left or upper edge at " << time << " s";
+    ASSERT_LE(seen.max().x(), camera.width - 1) << "beyond the right edge at " << time << " s";
+    ASSERT_LE(seen.max().y(), camera.height - 1) << "beyond the lower edge at " << time << " s";
+    simulator.step();
+  }
+  const double share = std::max(seen.sizes().x() / camera.width, seen.sizes().y() / camera.height);
+  EXPECT_GT(share, 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneInView, testing::ValuesIn(shipped_scenes()),
+                         [](const auto& scene) { return scene.param; });
+
 TEST(View, EachShaderCanBeNamedAndNeedsNoMore) {
   for (const std::string& name : shading_names()) {
     EXPECT_EQ(refused("{cloth: {shader: " + name + "}, collider: {shader: " + name + "}}"),

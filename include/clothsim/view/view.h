@@ -23,8 +23,8 @@ struct ColliderLook {
 /// All that a picture of a scene needs beside the scene.
 struct View {
   Camera camera;                   // without a pose: it follows from eye and target
-  Vector3 eye{1.9, -1.5, 1.5};     // [m]
-  Vector3 target{0.5, 0.5, 0.55};  // [m]
+  Vector3 eye{2, -1.8, 1.4};       // [m] from here each of config/scenes is in the picture
+  Vector3 target{0.5, 0.15, 0.4};  // [m]
   std::string frame;  // tf frame that carries the camera once it is seen, in optical convention
   Light light;
   Color background{0.1, 0.1, 0.12};
