@@ -51,11 +51,13 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
     if (!is_static && is_ahead(stamp, now)) {
-      ROS_WARN_THROTTLE(5,
-                        "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at "
-                        "most %g s after now, %.3f",
-                        transform.child_frame_id.c_str(), event.getPublisherName().c_str(),
-                        stamp.toSec(), largest_lead, now.toSec());
+      if (warnings_.passes()) {
+        ROS_WARN(
+            "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at most %g s after "
+            "now, %.3f",
+            transform.child_frame_id.c_str(), event.getPublisherName().c_str(), stamp.toSec(),
+            largest_lead, now.toSec());
+      }
       continue;
     }
     // tf2 logs what it refuses.
@@ -97,9 +99,9 @@ bool TfFrame::read() {
       transform_ = transform.transform;
       stamp_ = transform.header.stamp;
       status_.seen = true;
-    } else {
-      ROS_WARN_THROTTLE(5, "Ignored a transform of tf frame %s: not finite or beyond %g m",
-                        status_.frame.c_str(), farthest);
+    } else if (warnings_.passes()) {
+      ROS_WARN("Ignored a transform of tf frame %s: not finite or beyond %g m",
+               status_.frame.c_str(), farthest);
     }
     status_.apart_from.clear();
     return true;

@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Clock, Log
 from visualization_msgs.msg import MarkerArray
 
-from cloth_client import (Cloth, Frames, Recorder, make_transform, marker_named, point,
+from cloth_client import (Cloth, Frames, Recorder, is_connected, make_transform, point,
                           publisher_at_once, wait_for)
 
 LATEST = 2**32 - 1  # that a stamp can hold [s]
@@ -29,38 +29,42 @@ class Stamps(unittest.TestCase):
         cls.clock = publisher_at_once("/clock", Clock)
         wait_for(lambda: cls.clock.get_num_connections() >= 2, "the clock's subscribers")
         wait_for(cls.markers.connected, "the markers")
+        wait_for(lambda: is_connected("/rosout", "/stamps"), "the log")
         cls.places = 0
+        cls.now = 0
 
     def set_clock(self, seconds):
         now = genpy.Time(seconds)
+        Stamps.now = seconds
         self.clock.publish(now)
         wait_for(lambda: self.cloth.step(1).header.stamp == now, "the node to have the time")
 
-    def send(self, stamp):
-        """Another place each time; returns it."""
+    @staticmethod
+    def new_place():
         Stamps.places += 1
-        place = np.array([0.01 * self.places, 0, -2])
-        self.frames.send(make_transform("sphere", place, stamp=genpy.Time(stamp)))
-        return place
+        return np.array([0.01 * Stamps.places, 0, -2])
 
-    def sphere(self):
+    def colliders(self):
+        """Where the sphere and the witness are."""
         self.markers.clear()
         self.cloth.step(1)
         array = self.markers.wait("markers")
-        return point(marker_named(array, "colliders").pose.position)
-
-    def expect_at(self, place):
-        wait_for(lambda: np.allclose(self.sphere(), place), "the sphere at %s" % place)
+        return [point(m.pose.position) for m in array.markers if m.ns == "colliders"]
 
     def expect_followed(self, stamp):
-        self.expect_at(self.send(stamp))
+        place = self.new_place()
+        self.frames.send(make_transform("sphere", place, stamp=genpy.Time(stamp)))
+        wait_for(lambda: np.allclose(self.colliders()[0], place), "the sphere at %s" % place)
 
     def expect_refused(self, stamp):
-        before = self.sphere()
-        refused = self.send(stamp)
-        for _ in range(5):
-            self.assertFalse(np.allclose(self.sphere(), refused), "a stamp of %d" % stamp)
-        self.expect_at(before)
+        """One message moves the witness, with a good stamp of its own each time, and not the sphere."""
+        before = self.colliders()[0]
+        refused, witness = self.new_place(), self.new_place()
+        good = genpy.Time.from_sec(self.now + 0.001 * self.places)
+        self.frames.send(make_transform("sphere", refused, stamp=genpy.Time(stamp)),
+                         make_transform("witness", witness, stamp=good))
+        wait_for(lambda: np.allclose(self.colliders()[1], witness), "the witness at %s" % witness)
+        np.testing.assert_allclose(self.colliders()[0], before, err_msg="a stamp of %d" % stamp)
 
     def expect_lost(self):
         self.diagnostics.clear()
@@ -70,6 +74,8 @@ class Stamps(unittest.TestCase):
 
     def test_1_before_time_begins(self):
         self.expect_refused(LATEST)
+        self.log.wait("a warning", lambda m: m.msg.startswith(
+            "Ignored a transform of tf frame sphere from /stamps: stamped 4294967295.000"))
         self.expect_followed(500)
         self.set_clock(1)
         self.expect_lost()  # that was no stamp of now
@@ -78,11 +84,8 @@ class Stamps(unittest.TestCase):
     def test_2_ahead_of_now(self):
         self.set_clock(1000)
         self.expect_followed(1000)
-        self.log.clear()
         for stamp in (1000 + AHEAD + 1, 2000000000, 4000000000, LATEST):
             self.expect_refused(stamp)
-        self.log.wait("a warning", lambda m: m.msg.startswith(
-            "Ignored a transform of tf frame sphere from /stamps"))
         self.expect_followed(1000 + AHEAD - 1)
         self.set_clock(1010)
         self.expect_lost()

@@ -9,11 +9,15 @@
 
 #include "clothsim/collision/collider.h"
 #include "clothsim/ros/tf_subscribers.h"
+#include "clothsim/ros/throttle.h"
 
 namespace clothsim_ros {
 
 /// Positions farther out are no place for a cloth [m]; the scene has the same limit.
 inline constexpr double farthest = 1e6;
+
+/// At most one warning of transforms that are ignored in so long a time.
+inline const ros::WallDuration warning_period(5);
 
 /// Whether a pose is finite and no farther out than that.
 bool is_usable(const clothsim::Pose&);
@@ -53,6 +57,7 @@ class TfListener {
   ros::Time now_;            // when transforms were last received
   ros::Time newest_;         // stamp in the buffer
   ros::SteadyTime settled_;  // when the first transforms have come
+  Throttle warnings_{warning_period};
 };
 
 /// What is known of a tf frame that carries a collider, a pin or the camera.
@@ -89,6 +94,7 @@ class TfFrame {
   std::optional<clothsim::Pose> pose_;
   geometry_msgs::Transform transform_;
   ros::Time stamp_;  // of that; zero: a static transform
+  Throttle warnings_{warning_period};
 };
 
 }  // namespace clothsim_ros

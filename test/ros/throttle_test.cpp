@@ -1,0 +1,25 @@
+#include "clothsim/ros/throttle.h"
+
+#include <gtest/gtest.h>
+
+namespace clothsim_ros {
+namespace {
+
+TEST(Throttle, LetsTheFirstThroughAndThenOneAPeriod) {
+  ros::Time::init();
+  ros::Time::setNow(ros::Time(0));  // simulated time has not begun
+  Throttle hour(ros::WallDuration(3600));
+  EXPECT_TRUE(hour.passes());
+  EXPECT_FALSE(hour.passes());
+  ros::Time::setNow(ros::Time(1e6));
+  EXPECT_FALSE(hour.passes());
+
+  const ros::WallDuration period(0.05);
+  Throttle brief(period);
+  EXPECT_TRUE(brief.passes());
+  period.sleep();
+  EXPECT_TRUE(brief.passes());
+}
+
+}  // namespace
+}  // namespace clothsim_ros
