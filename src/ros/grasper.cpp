@@ -21,6 +21,11 @@ constexpr std::uint32_t wrench_queue = 100;
 
 constexpr clothsim::Range radius_range{0, 1e6, "m"};
 
+/// Below the node's name; letters that a frame may have and a topic may not become underscores.
+std::string wrench_topic(const std::string& frame) {
+  return "wrench/" + to_ros_name(frame, "frame_");
+}
+
 std::vector<int> sorted(std::vector<int> points) {
   std::sort(points.begin(), points.end());
   return points;
@@ -71,12 +76,22 @@ void Grasper::follow_grips() {
 }
 
 const ros::Publisher& Grasper::publisher_of(const std::string& frame) {
-  const auto known = publishers_.find(frame);
+  const std::string topic = wrench_topic(frame);
+  const auto known = publishers_.find(topic);
   if (known != publishers_.end()) return known->second;
-  const std::string topic = "wrench/" + to_ros_name(frame, "frame_");
   return publishers_
-      .emplace(frame, node_.advertise<geometry_msgs::WrenchStamped>(topic, wrench_queue, true))
+      .emplace(topic, node_.advertise<geometry_msgs::WrenchStamped>(topic, wrench_queue, true))
       .first->second;
+}
+
+void Grasper::check_topic(const std::string& frame) const {
+  for (const auto& [name, grip] : simulator_.grips()) {
+    if (name != frame && wrench_topic(name) == wrench_topic(frame)) {
+      throw InvalidValue({"frame"}, '"' + frame + '"',
+                         "a frame with a topic of its own: ~" + wrench_topic(frame) +
+                             " is that of \"" + name + '"');
+    }
+  }
 }
 
 std::vector<int> Grasper::points_near(const clothsim::Vector3& position, double radius) const {
@@ -93,6 +108,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     // What was asked for.
     clothsim::check_range("radius", request.radius, radius_range);
     clothsim::check_frame(request.frame);
+    check_topic(request.frame);
     if (request.points.empty() && request.radius == 0) {
       throw InvalidValue({"radius"}, "0 and no points", "a radius above 0, or points");
     }

@@ -183,6 +183,24 @@ class Grasp(unittest.TestCase):
         self.assertEqual(content(self.cloth.step(30)), expected)
         self.assertEqual(list(self.detach().points), sorted(CORNERS.values()))
 
+    def test_frames_of_one_topic(self):
+        """One wrench to a topic: a frame whose topic another one has is refused until that lets go."""
+        wrenches = Recorder("/clothsim/wrench/arm_hand", WrenchStamped)
+        for frame in ("arm/hand", "arm_hand"):
+            self.hands.put(frame, (0, 0, 1))
+        self.hands.send()
+        self.assertTrue(self.attach("arm/hand", points=[0]).success)
+        self.cloth.step(1)
+        answer = self.attach("arm_hand", points=[9])
+        self.assertFalse(answer.success)
+        self.assertEqual(answer.message, 'frame: got "arm_hand", expected a frame with a topic of its '
+                         'own: ~wrench/arm_hand is that of "arm/hand"')
+        self.assertTrue(self.attach("arm/hand", points=[9]).success)
+        self.assertTrue(self.detach("arm/hand").success)
+        self.assertTrue(self.attach("arm_hand", points=[9]).success)
+        self.cloth.step(1)
+        wrenches.wait("the wrench", lambda m: m.header.frame_id == "arm_hand")
+
     def test_refused(self):
         self.assertTrue(self.attach("left", points=[0]).success)
         self.cloth.step(3)

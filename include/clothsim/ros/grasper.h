@@ -41,6 +41,8 @@ class Grasper {
   bool attach(clothsim::Attach::Request&, clothsim::Attach::Response&);
   bool detach(clothsim::Detach::Request&, clothsim::Detach::Response&);
   const ros::Publisher& publisher_of(const std::string& frame);
+  /// Throws InvalidValue where another frame that carries points has the topic of `frame`.
+  void check_topic(const std::string& frame) const;
   std::vector<int> points_near(const clothsim::Vector3& position, double radius) const;
 
   ros::NodeHandle node_;
@@ -48,7 +50,7 @@ class Grasper {
   TfListener& tf_;
   Changes& changes_;
   std::map<std::string, TfFrame> frames_;  // of the simulator's grips
-  // By frame, kept: a subscriber may miss that a topic goes and comes again.
+  // By topic, kept: a subscriber may miss that a topic goes and comes again.
   std::map<std::string, ros::Publisher> publishers_;
   std::vector<ros::ServiceServer> services_;
 };
