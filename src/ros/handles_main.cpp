@@ -9,6 +9,7 @@
 
 #include "clothsim/ros/handles.h"
 #include "clothsim/ros/parameters.h"
+#include "clothsim/ros/signals.h"
 
 int main(int argc, char** argv) {
   // Wall time, whatever /use_sim_time says: the library's time-outs are to pass while the clock
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
   int exit_code = EXIT_SUCCESS;
   try {
     ros::init(count, arguments.data(), "clothsim_handles");
+    clothsim_ros::shut_down_on_sigterm();
     ros::start();     // rather than by a handle: the log outlives a node that fails
     if (ros::ok()) {  // not interrupted while it waited for a master
       const ros::NodeHandle cloth(clothsim_ros::read_cloth_parameter(ros::NodeHandle("~")));

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Ends of the node and of its master: SIGINT ends it cleanly, a lost master does not."""
+"""Ends of the node and of its master: SIGINT and SIGTERM end it cleanly, a lost master does not."""
 
 import os
 import signal
@@ -63,8 +63,8 @@ class LifeCycle(unittest.TestCase):
         cloth.states.wait("the first state")
         return node, cloth
 
-    def assert_ends_cleanly(self, node):
-        node.send_signal(signal.SIGINT)
+    def assert_ends_cleanly(self, node, by=signal.SIGINT):
+        node.send_signal(by)
         _, errors = node.communicate(timeout=PATIENCE)
         self.assertEqual(node.returncode, 0, errors)
         return errors
@@ -72,6 +72,11 @@ class LifeCycle(unittest.TestCase):
     def test_interrupt_while_running(self):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
+
+    def test_terminate(self):
+        node, _ = self.start_node("terminated")
+        self.assertEqual(self.assert_ends_cleanly(node, by=signal.SIGTERM), "")
+        self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master knows, too
 
     def test_interrupt_while_paused(self):
         node, _ = self.start_node("paused", paused=True)
@@ -133,12 +138,14 @@ class LifeCycle(unittest.TestCase):
         self.master.kill()
         self.master.wait()
         try:
-            for program in ("clothsim_node", "clothsim_handles"):
+            for program, by in (("clothsim_node", signal.SIGINT), ("clothsim_node", signal.SIGTERM),
+                                ("clothsim_handles", signal.SIGINT),
+                                ("clothsim_handles", signal.SIGTERM)):
                 path = roslib.packages.find_node("clothsim", program)[0]
                 node = subprocess.Popen([path], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                         text=True)
                 self.assertIn("Failed to contact master", node.stderr.readline())
-                self.assert_ends_cleanly(node)
+                self.assert_ends_cleanly(node, by)
         finally:
             type(self).master = start_master()
 
