@@ -54,9 +54,9 @@ class Hands:
 
 def main():
     rospy.init_node("fold_cloth")
-    rospy.wait_for_service("/clothsim/attach")
-    attach = rospy.ServiceProxy("/clothsim/attach", Attach)
-    detach = rospy.ServiceProxy("/clothsim/detach", Detach)
+    rospy.wait_for_service("clothsim/attach")
+    attach = rospy.ServiceProxy("clothsim/attach", Attach)
+    detach = rospy.ServiceProxy("clothsim/detach", Detach)
 
     hands = Hands()
     rospy.sleep(1)  # the cloth comes to rest
@@ -70,7 +70,7 @@ def main():
         hands.go(place)
     rospy.sleep(2)  # it hangs still
     for frame in HANDS:
-        wrench = rospy.wait_for_message("/clothsim/wrench/" + frame, WrenchStamped)
+        wrench = rospy.wait_for_message("clothsim/wrench/" + frame, WrenchStamped)
         rospy.loginfo("%s carries %.1f N", frame, -wrench.wrench.force.z)
     for place in PATH[3:]:
         hands.go(place)

@@ -1,0 +1,36 @@
+#!/usr/bin/python3
+"""In a namespace: RViz, started there with our configuration, asks for topics that there are."""
+
+import os
+import unittest
+
+import roslib.packages
+import rosgraph.names
+import rospy
+import rostest
+import yaml
+
+from cloth_client import wait_for
+
+# What the displays of our configuration show.
+TYPES = {"rviz/MarkerArray": "visualization_msgs/MarkerArray",
+         "rviz/InteractiveMarkers": "visualization_msgs/InteractiveMarkerUpdate",
+         "rviz/PointCloud2": "sensor_msgs/PointCloud2",
+         "rviz/Image": "sensor_msgs/Image"}
+
+
+class Namespace(unittest.TestCase):
+    def test_rviz_finds_its_topics(self):
+        path = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "config/rviz/clothsim.rviz")
+        with open(path) as file:
+            displays = yaml.safe_load(file)["Visualization Manager"]["Displays"]
+        wanted = {(rosgraph.names.resolve_name(display[key], "/left/rviz"), TYPES[display["Class"]])
+                  for display in displays for key in display if key.endswith("Topic")}
+        self.assertEqual(len(wanted), len(TYPES))
+        wait_for(lambda: wanted <= {tuple(topic) for topic in rospy.get_published_topics()},
+                 "the topics %s" % sorted(wanted))
+
+
+if __name__ == "__main__":
+    rospy.init_node("namespace_test")
+    rostest.rosrun("clothsim", "namespace", Namespace)
