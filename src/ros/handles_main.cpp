@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clothsim/ros/handles.h"
+#include "clothsim/ros/ignored_parameters.h"
 #include "clothsim/ros/parameters.h"
 #include "clothsim/ros/signals.h"
 
@@ -26,7 +27,10 @@ int main(int argc, char** argv) {
     clothsim_ros::shut_down_on_sigterm();
     ros::start();     // rather than by a handle: the log outlives a node that fails
     if (ros::ok()) {  // not interrupted while it waited for a master
-      const ros::NodeHandle cloth(clothsim_ros::read_cloth_parameter(ros::NodeHandle("~")));
+      const ros::NodeHandle node("~");
+      const ros::NodeHandle cloth(clothsim_ros::read_cloth_parameter(node));
+      clothsim_ros::warn_of_ignored_parameters(node, {{"cloth"}, {}},
+                                               clothsim_ros::parameter_texts(node));
       clothsim_ros::Handles handles(cloth);
       ros::spin();
     }

@@ -58,7 +58,9 @@ Node::Node()
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
       diagnostics_(parameters_.limits) {
+  const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
+  warn_of_ignored(given);
   if (parameters_.publish_clock) {
     tf_.listen();  // by this clock nobody sends while ~attach waits for a first transform
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
@@ -73,6 +75,13 @@ Node::Node()
 void Node::serve_live_values() {
   reconfigure_.emplace(node_, simulator_, changes_);
   view_reconfigure_.emplace(node_, photographer_, simulator_.scene());
+}
+
+void Node::warn_of_ignored(const ParameterTexts& given) const {
+  KnownParameters known{parameter_names(), Reconfigure::names()};
+  const std::vector<std::string>& of_view = view_reconfigure_->names();
+  known.live.insert(known.live.end(), of_view.begin(), of_view.end());
+  warn_of_ignored_parameters(node_, known, given);
 }
 
 void Node::run() {

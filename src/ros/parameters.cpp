@@ -5,6 +5,7 @@
 #include <ros/param.h>
 #include <ros/this_node.h>
 
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -22,6 +23,11 @@ using clothsim::InvalidValue;
 /// Outside these, `paused` or 0 say better what is meant.
 constexpr double slowest_factor = 0.001;
 constexpr double fastest_factor = 1000;
+
+/// With no more digits than it takes, as messages are to show it.
+YAML::Node to_yaml_number(double value) {
+  return std::isfinite(value) ? YAML::Node(clothsim::to_text(value)) : YAML::Node(value);
+}
 
 YAML::Node to_yaml_list(XmlRpc::XmlRpcValue& value) {
   YAML::Node list(YAML::NodeType::Sequence);
@@ -149,7 +155,7 @@ YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
     case XmlRpc::XmlRpcValue::TypeInt:
       return YAML::Node(static_cast<int>(value));
     case XmlRpc::XmlRpcValue::TypeDouble:
-      return YAML::Node(static_cast<double>(value));
+      return to_yaml_number(value);
     case XmlRpc::XmlRpcValue::TypeString: {
       YAML::Node text(static_cast<std::string>(value));
       text.SetTag("!");
@@ -169,6 +175,11 @@ YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
 
 NodeParameters read_parameters(const ros::NodeHandle& node) {
   return with_full_name(node, [&] { return read(node); });
+}
+
+std::vector<std::string> parameter_names() {
+  return {"scene",           "camera", "diagnostics",  "world_frame",
+          "realtime_factor", "paused", "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

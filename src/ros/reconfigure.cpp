@@ -94,4 +94,6 @@ dynamic_reconfigure::Config Reconfigure::values() const {
   return to_message(impl_->values.accepted());
 }
 
+std::vector<std::string> Reconfigure::names() { return LiveValues<Config>::names(); }
+
 }  // namespace clothsim_ros

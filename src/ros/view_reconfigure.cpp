@@ -7,6 +7,7 @@
 #include <list>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "clothsim/ros/live_values.h"
 #include "clothsim/ros/names.h"
@@ -126,6 +127,7 @@ struct ViewReconfigure::Impl {
   /// Serves what `visit` visits in namespace `ns`.
   template <class Generated, class Visit>
   void add(std::list<LiveValues<Generated>>& servers, const std::string& ns, Visit visit) {
+    for (const std::string& name : LiveValues<Generated>::names()) names.push_back(ns + '/' + name);
     Generated start = Generated::__getDefault__();
     View view = photographer.view();
     visit(start, view, to_config);
@@ -139,6 +141,7 @@ struct ViewReconfigure::Impl {
 
   ros::NodeHandle node;
   Photographer& photographer;
+  std::vector<std::string> names;
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
   std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
@@ -149,5 +152,7 @@ ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Photographer& phot
     : impl_(std::make_unique<Impl>(node, photographer, scene)) {}
 
 ViewReconfigure::~ViewReconfigure() = default;
+
+const std::vector<std::string>& ViewReconfigure::names() const { return impl_->names; }
 
 }  // namespace clothsim_ros

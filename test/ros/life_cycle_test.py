@@ -73,6 +73,21 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
 
+    def test_says_which_parameters_have_no_effect(self):
+        node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
+                                  light={"intensity": 10.5, "colour": 1})
+        errors = self.assert_ends_cleanly(node)
+        unknown = ("got an unknown parameter, expected one of scene, camera, diagnostics, world_frame, "
+                   "realtime_factor, paused, publish_clock")
+        holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
+        for message in ("/mistaken/kss: %s; did you mean ks?" % unknown,
+                        "/mistaken/ks: got 123 " + holds % 5000,
+                        "/mistaken/light/colour: " + unknown,
+                        "/mistaken/light/intensity: got 10.5 " + holds % 10):
+            self.assertIn(message, errors)
+        self.assertEqual(errors.count("/mistaken"), 4, errors)
+        self.assertEqual(rospy.get_param("/mistaken/ks"), 5000)
+
     def test_terminate(self):
         node, _ = self.start_node("terminated")
         self.assertEqual(self.assert_ends_cleanly(node, by=signal.SIGTERM), "")

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clothsim/model/errors.h"
 
@@ -69,6 +70,13 @@ class LiveValues {
         config = accepted_;
       }
     });
+  }
+
+  /// Of all values, below the namespace.
+  static std::vector<std::string> names() {
+    std::vector<std::string> all;
+    for (const auto& value : Generated::__getParamDescriptions__()) all.push_back(value->name);
+    return all;
   }
 
   /// The values that hold.

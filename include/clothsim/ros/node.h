@@ -15,6 +15,7 @@
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
+#include "clothsim/ros/ignored_parameters.h"
 #include "clothsim/ros/outputs.h"
 #include "clothsim/ros/pacer.h"
 #include "clothsim/ros/parameters.h"
@@ -52,6 +53,8 @@ class Node {
   void jump();
   void publish_clock();
   void serve_live_values();
+  /// Warns of private parameters that were `given` for nothing, once live values are served.
+  void warn_of_ignored(const ParameterTexts& given) const;
   void publish_diagnostics();
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);

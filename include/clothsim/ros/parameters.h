@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <string>
+#include <vector>
 
 #include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/simulation/scene.h"
@@ -25,6 +26,9 @@ struct NodeParameters {
 /// Reads the private parameters of `node`. Throws std::runtime_error with the full name of the
 /// parameter, what it is and what is expected.
 NodeParameters read_parameters(const ros::NodeHandle& node);
+
+/// The names of those.
+std::vector<std::string> parameter_names();
 
 /// Reads ~cloth of the handles' node `node`: the clothsim node's namespace, in full. Throws as
 /// read_parameters does.

@@ -4,6 +4,8 @@
 #include <ros/node_handle.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "clothsim/ros/changes.h"
 #include "clothsim/simulation/simulator.h"
@@ -22,6 +24,9 @@ class Reconfigure {
 
   /// All of them.
   dynamic_reconfigure::Config values() const;
+
+  /// Theirs, below the node's.
+  static std::vector<std::string> names();
 
  private:
   struct Impl;

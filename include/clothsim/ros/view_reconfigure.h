@@ -3,6 +3,8 @@
 #include <ros/node_handle.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "clothsim/ros/photographer.h"
 #include "clothsim/simulation/scene.h"
@@ -16,6 +18,9 @@ class ViewReconfigure {
   /// Starts from the photographer's view. The photographer must outlive this.
   ViewReconfigure(const ros::NodeHandle&, Photographer&, const clothsim::Scene&);
   ~ViewReconfigure();
+
+  /// Of the values, below the node's, such as "light/intensity".
+  const std::vector<std::string>& names() const;
 
  private:
   struct Impl;

@@ -1,0 +1,142 @@
+#include "clothsim/ros/ignored_parameters.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "clothsim/model/errors.h"
+#include "clothsim/ros/parameters.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim_ros {
+namespace {
+
+using Names = std::vector<std::string>;
+
+std::string text_of(const XmlRpc::XmlRpcValue& value) {
+  try {
+    return clothsim::describe(to_yaml(value));
+  } catch (const clothsim::InvalidValue&) {
+    return "binary data or a date";
+  }
+}
+
+void add_texts(const std::string& name, XmlRpc::XmlRpcValue& value, ParameterTexts& texts) {
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    texts[name] = text_of(value);
+    return;
+  }
+  for (auto& [key, item] : value) add_texts(name.empty() ? key : name + '/' + key, item, texts);
+}
+
+bool has(const Names& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string join(const Names& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// The namespaces of names: "a" and "a/b" of "a/b/c".
+std::set<std::string> spaces_of(const Names& names) {
+  std::set<std::string> spaces;
+  for (const std::string& name : names) {
+    for (auto end = name.find('/'); end != std::string::npos; end = name.find('/', end + 1)) {
+      spaces.insert(name.substr(0, end));
+    }
+  }
+  return spaces;
+}
+
+/// The part of an unknown name that tells it: up to where it leaves the known namespaces, behind
+/// which may be many, of another node or of a collider of a scene before.
+std::string telling_part(const std::string& name, const std::set<std::string>& spaces) {
+  std::size_t end = name.find('/');
+  while (end != std::string::npos && spaces.count(name.substr(0, end)) > 0) {
+    end = name.find('/', end + 1);
+  }
+  return name.substr(0, end);
+}
+
+/// Levenshtein's: how many letters to insert, delete or replace.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (const char letter : a) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (letter == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+/// The one of `names` that may have been meant; empty: none.
+std::string nearest(const std::string& name, const Names& names) {
+  std::size_t limit = std::max<std::size_t>(1, name.size() / 3) + 1;  // farther is another word
+  std::string found;
+  for (const std::string& candidate : names) {
+    const std::size_t away = distance(name, candidate);
+    if (away >= limit) continue;
+    limit = away;
+    found = candidate;
+  }
+  return found;
+}
+
+/// What may have been meant by an unknown name, as the end of a message.
+std::string suggestion(const std::string& name, const KnownParameters& known) {
+  const std::string read = nearest(name, known.read);
+  if (!read.empty()) return "; did you mean " + read + '?';
+  const std::string live = nearest(name, known.live);
+  if (live.empty()) return "";
+  return "; did you mean " + live + "? It starts as ~scene or ~camera has it";
+}
+
+}  // namespace
+
+ParameterTexts parameter_texts(const ros::NodeHandle& node) {
+  ParameterTexts texts;
+  XmlRpc::XmlRpcValue all;
+  if (node.getParam(node.getNamespace(), all)) add_texts("", all, texts);
+  return texts;
+}
+
+std::vector<std::string> ignored_parameters(const std::string& prefix, const KnownParameters& known,
+                                            const ParameterTexts& given,
+                                            const ParameterTexts& now) {
+  const std::set<std::string> live_spaces = spaces_of(known.live);
+  std::vector<std::string> messages;
+  std::set<std::string> told;
+  for (const auto& [name, text] : given) {
+    if (has(known.read, name.substr(0, name.find('/')))) continue;
+    if (!has(known.live, name)) {
+      const std::string shown = telling_part(name, live_spaces);
+      if (!told.insert(shown).second) continue;
+      messages.push_back(prefix + shown + ": got an unknown parameter, expected one of " +
+                         join(known.read) + suggestion(shown, known));
+    } else if (now.count(name) > 0 && now.at(name) != text) {
+      messages.push_back(prefix + name + ": got " + text +
+                         " before the start, expected it in ~scene or ~camera, whose " +
+                         now.at(name) + " holds");
+    }
+  }
+  return messages;
+}
+
+void warn_of_ignored_parameters(const ros::NodeHandle& node, const KnownParameters& known,
+                                const ParameterTexts& given) {
+  const ParameterTexts now = parameter_texts(node);
+  for (const std::string& message :
+       ignored_parameters(node.getNamespace() + "/", known, given, now)) {
+    ROS_WARN("%s", message.c_str());
+  }
+}
+
+}  // namespace clothsim_ros
