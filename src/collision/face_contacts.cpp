@@ -278,7 +278,7 @@ double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
-    const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), c.yield);
+    const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), 1 / c.yield);
     spread(cloth, corners, c.weights, change, velocities);
     residual2 = std::max(residual2, change.squaredNorm());
   }

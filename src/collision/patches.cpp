@@ -58,14 +58,19 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
                           const Workers& workers) {
   motions_.resize(patches.size());
   const auto follow_one = [&](const Patch& patch) -> Motion {
-    Motion motion{centre(patch, from), centre(patch, to),
-                  frame(patch, to) * frame(patch, from).transpose(), 0, 0};
+    Motion motion{centre(patch, from),
+                  centre(patch, to),
+                  frame(patch, to) * frame(patch, from).transpose(),
+                  0,
+                  0,
+                  {}};
     double radius2 = 0, strain2 = 0;
     for (const int i : patch.points) {
       const Vector3 arm = row(from, i) - motion.from;
       radius2 = std::max(radius2, arm.squaredNorm());
       const Vector3 astray = row(to, i) - motion.to - motion.rotation * arm;
       strain2 = std::max(strain2, astray.squaredNorm());
+      motion.ways.extend(Vector3(row(to, i) - row(from, i)));
     }
     motion.radius = std::sqrt(radius2);
     motion.strain = std::sqrt(strain2);
@@ -89,7 +94,9 @@ double PatchMotions::between(int p, int q) const {
   // of two rotations stretches an arm: its Frobenius norm over the root of 2.
   const Vector3 shift = b.to - a.to - a.rotation * (b.from - a.from);
   const double turn = std::sqrt((b.rotation - a.rotation).squaredNorm() / 2);
-  return shift.norm() + turn * b.radius + a.strain + b.strain;
+  const double as_bodies = shift.norm() + turn * b.radius + a.strain + b.strain;
+  const Vector3 as_points = (a.ways.max() - b.ways.min()).cwiseMax(b.ways.max() - a.ways.min());
+  return std::min(as_bodies, as_points.norm());
 }
 
 }  // namespace clothsim

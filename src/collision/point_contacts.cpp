@@ -94,7 +94,7 @@ double PointContacts::sweep(const Cloth& cloth, double, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
     const Vector3 v = row(velocities, c.pair.b) - row(velocities, c.pair.a);
-    const Vector3 change = c.impulse.update(v, c.inv_mass);
+    const Vector3 change = c.impulse.update(v, 1 / c.inv_mass);
     push_apart(cloth, c.pair, change, velocities);
     residual2 = std::max(residual2, change.squaredNorm() * c.inv_mass * c.inv_mass);
   }

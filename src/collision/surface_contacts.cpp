@@ -47,16 +47,18 @@ constexpr double parting_push = 0.1;
 constexpr double least_turn = 0.5;
 
 /// Sum of the points, by weight.
-Vector3 sum(const std::array<int, 4>& points, const std::array<double, 4>& weights,
-            const Points& x) {
-  Vector3 result = Vector3::Zero();
-  for (std::size_t k = 0; k < 4; ++k) result += weights[k] * row(x, points[k]);
-  return result;
+inline Vector3 sum(const std::array<int, 4>& p, const std::array<double, 4>& weights,
+                   const Points& x) {
+  const auto along = [&](int axis) {
+    const auto share = [&](std::size_t k) { return weights[k] * x(p[k], axis); };
+    return (share(0) + share(1)) + (share(2) + share(3));
+  };
+  return {along(0), along(1), along(2)};
 }
 
 /// points_k += w_k / m_k d.
-void push_apart(const Cloth& cloth, const std::array<int, 4>& points,
-                const std::array<double, 4>& weights, const Vector3& d, Points& x) {
+inline void push_apart(const Cloth& cloth, const std::array<int, 4>& points,
+                       const std::array<double, 4>& weights, const Vector3& d, Points& x) {
   for (std::size_t k = 0; k < 4; ++k) {
     const double weight = weights[k] * cloth.inv_mass[points[k]];
     for (int axis = 0; axis < 3; ++axis) x(points[k], axis) += weight * d[axis];
@@ -142,7 +144,7 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
   return Contact{near.key,
                  pair.points,
                  s.weights,
-                 inv_mass,
+                 1 / inv_mass,
                  {s.normal, Vector3::Zero(), is_pinched ? std::min(slowest, 0.0) : slowest,
                   cloth.friction, most, most_to_part_}};
 }
@@ -203,9 +205,10 @@ double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velo
     Contact& c = contacts_[k];
     const Vector3 v = sum(c.points, c.weights, velocities);
     if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
-    const Vector3 change = c.impulse.update(v, c.inv_mass);
+    const Vector3 change = c.impulse.update(v, c.mass);
     push_apart(cloth, c.points, c.weights, change, velocities);
-    const double change2 = change.squaredNorm() * c.inv_mass * c.inv_mass * h_ * h_;  // [m^2]
+    const double way = h_ / c.mass;  // of the points by an impulse [s/kg]
+    const double change2 = way * way * change.squaredNorm();
     if (change2 > least * least) changed_.mark(c.points);
     residual2 = std::max(residual2, change2);
   }

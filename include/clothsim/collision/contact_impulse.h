@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "clothsim/model/memory.h"
@@ -19,22 +20,22 @@ struct ContactImpulse {
   double push = 0;                                                // along the normal [m/s], >= 0
   Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]
 
-  /// Brings it up to date where the cloth touches with `velocity` [m/s], of which an impulse
-  /// changes `yield` times itself. Returns the change.
-  Vector3 update(const Vector3& velocity, double yield) {
+  /// Brings it up to date where the cloth touches with `velocity` [m/s], and moves like a
+  /// `mass`: an impulse changes that velocity by itself over it. Returns the change.
+  Vector3 update(const Vector3& velocity, double mass) {
     const Vector3 v = velocity - surface_velocity;
 
     // Off the surface, or towards it no faster than the gap allows.
     const double rate = normal.dot(v);
-    double new_push = push + (slowest - rate) / yield;
-    if (slowest > 0) new_push = std::min(new_push, std::max(push - rate / yield, most_to_part));
+    double new_push = push + mass * (slowest - rate);
+    if (slowest > 0) new_push = std::min(new_push, std::max(push - mass * rate, most_to_part));
     new_push = std::clamp(new_push, 0.0, most);
 
     // Against sliding, as far as Coulomb's cone reaches.
-    Vector3 new_drag = drag - (v - rate * normal) / yield;
+    Vector3 new_drag = drag - mass * (v - rate * normal);
     const double strongest = friction * new_push;
-    const double length = new_drag.norm();
-    if (length > strongest) new_drag *= strongest / length;
+    const double length2 = new_drag.squaredNorm();
+    if (length2 > strongest * strongest) new_drag *= strongest / std::sqrt(length2);
 
     const Vector3 change = (new_push - push) * normal + new_drag - drag;
     push = new_push;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "clothsim/collision/box_tree.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/workers.h"
 
@@ -21,7 +22,8 @@ std::vector<Patch> cut_into_patches(const Cloth&, int size);
 /// How patches move against each other.
 ///
 /// Each is followed as a rigid body, so that a cloth that turns as a whole does not seem to
-/// move within itself: what no isometry changes, no distance shows.
+/// move within itself: what no isometry changes, no distance shows. Where it crumples, the ways of
+/// its points tell more.
 class PatchMotions {
  public:
   /// The motion of `patches` between two sets of positions [m, N x 3, finite].
@@ -39,6 +41,7 @@ class PatchMotions {
     Eigen::Matrix3d rotation;
     double radius;  // farthest point from the centre, at the start [m]
     double strain;  // farthest that a point has gone from where the rigid body has it [m]
+    Box ways;       // of its points [m]
   };
 
   std::vector<Motion> motions_;

@@ -62,7 +62,7 @@ class SurfaceContacts {
     std::uint64_t key;  // of the pair
     std::array<int, 4> points;
     std::array<double, 4> weights;  // see Separation
-    double inv_mass;                // of the closest points together [1/kg]
+    double mass;                    // of the closest points together [kg]
     ContactImpulse impulse;         // of b on a [N s]
   };
 
