@@ -116,6 +116,7 @@ std::vector<Job> winners_jobs(const Options& options) {
       const std::vector<Dial> list = cell_dials(cell->trial.scene, options.quick);
       for (std::size_t i = 0; i < list.size(); ++i) {
         if (!wanted(options.methods, list[i].method)) continue;
+        if (list[i].substeps > max_substeps) continue;  // no scene may have so many
         jobs.push_back([=] { race(*cell, list[i], i, *shared); });
       }
       jobs.push_back([=] { cell->reference = {}; });  // some are large
