@@ -94,13 +94,25 @@ void Grasper::check_topic(const std::string& frame) const {
   }
 }
 
-std::vector<int> Grasper::points_near(const clothsim::Vector3& position, double radius) const {
+std::vector<int> Grasper::free_points_near(const clothsim::Vector3& position, double radius) const {
+  const clothsim::Cloth& cloth = simulator_.cloth();
   const clothsim::Points& points = simulator_.state().positions;
-  std::vector<int> near;
-  for (int i = 0; i < simulator_.cloth().num_points(); ++i) {
-    if ((points.row(i).transpose() - position).norm() <= radius) near.push_back(i);
+  std::vector<int> free;
+  bool is_any_held = false;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if ((points.row(i).transpose() - position).norm() > radius) continue;
+    const bool is_held = cloth.inv_mass[i] == 0;
+    is_any_held = is_any_held || is_held;
+    if (!is_held) free.push_back(i);
   }
-  return near;
+  if (free.empty()) {
+    throw InvalidValue({"radius"},
+                       clothsim::to_text(radius) +
+                           (is_any_held ? " with none but points inside that are held already"
+                                        : " with no point inside"),
+                       "one about a free point of the cloth");
+  }
+  return free;
 }
 
 bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
@@ -126,11 +138,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
                          "a tf frame with a transform to " + tf_.world_frame());
     }
     std::vector<int> points(request.points.begin(), request.points.end());
-    if (points.empty()) points = points_near(frame.pose()->position, request.radius);
-    if (points.empty()) {
-      throw InvalidValue({"radius"}, clothsim::to_text(request.radius) + " with no point inside",
-                         "one about a point of the cloth");
-    }
+    if (points.empty()) points = free_points_near(frame.pose()->position, request.radius);
 
     std::optional<double> tear_force;
     if (request.tear_force != 0) tear_force = request.tear_force;

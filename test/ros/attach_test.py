@@ -201,6 +201,16 @@ class Grasp(unittest.TestCase):
         self.cloth.step(1)
         wrenches.wait("the wrench", lambda m: m.header.frame_id == "arm_hand")
 
+    def test_a_radius_about_held_points(self):
+        """What is held already is left out."""
+        self.assertTrue(self.attach("left", points=[0]).success)
+        answer = self.attach("left", radius=0.12)
+        self.assertEqual((answer.message, list(answer.points)), ("", [1, COLUMNS]))
+        answer = self.attach("left", radius=0.12)
+        self.assertFalse(answer.success)
+        self.assertEqual(answer.message, "radius: got 0.12 with none but points inside that are held "
+                         "already, expected one about a free point of the cloth")
+
     def test_refused(self):
         self.assertTrue(self.attach("left", points=[0]).success)
         self.cloth.step(3)

@@ -43,7 +43,8 @@ class Grasper {
   const ros::Publisher& publisher_of(const std::string& frame);
   /// Throws InvalidValue where another frame that carries points has the topic of `frame`.
   void check_topic(const std::string& frame) const;
-  std::vector<int> points_near(const clothsim::Vector3& position, double radius) const;
+  /// Those that nothing holds yet. Throws InvalidValue where there is none.
+  std::vector<int> free_points_near(const clothsim::Vector3& position, double radius) const;
 
   ros::NodeHandle node_;
   clothsim::Simulator& simulator_;
