@@ -56,8 +56,15 @@ void FrameFollower::reset() {
   for (Follower& follower : followers_) follower.pin_offset.reset();
 }
 
-void FrameFollower::jump(clothsim::Simulator& simulator) {
+FrameFollower::Saved FrameFollower::save() const {
+  Saved saved;
+  for (const Follower& follower : followers_) saved.push_back(follower.pin_offset);
+  return saved;
+}
+
+void FrameFollower::restore(const Saved& saved, clothsim::Simulator& simulator) {
   forget_applied();
+  for (size_t i = 0; i < followers_.size(); ++i) followers_[i].pin_offset = saved.at(i);
   move(simulator);
 }
 

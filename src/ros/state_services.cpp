@@ -58,7 +58,7 @@ bool StateServices::save(clothsim::SaveState::Request& request,
                        " that may be kept, expected one of theirs";
     return true;
   }
-  saved_[request.name] = {simulator_.save(), frame_number_};
+  saved_[request.name] = {simulator_.save(), follower_.save(), frame_number_};
   response.success = true;
   return true;
 }
@@ -72,7 +72,7 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
   }
   simulator_.restore(*entry->second.simulation);
   follower_.look_up();
-  follower_.jump(simulator_);
+  follower_.restore(entry->second.follower, simulator_);
   changes_.publish("restore_state");
   frame_number_ = entry->second.frame_number;
   jumped_();

@@ -23,6 +23,7 @@ class State(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.cloth = Cloth()
+        cls.broadcaster = StaticTransformBroadcaster()
         wait_for(cls.cloth.states.all, "the first state")
 
     def setUp(self):
@@ -160,16 +161,16 @@ class State(unittest.TestCase):
         client.update_configuration({"shear": True})
         self.set(state)
 
+    def carry(self, x, wait=0.2):
+        """Brings the frames of pin and ball to where they were at the start, and x farther in."""
+        self.broadcaster.sendTransform([make_transform("hand", (1 - x, 0, 1)),
+                                        make_transform("ball", (0.5 + x, 0.5, 0.75))])
+        time.sleep(wait)
+
     def test_with_moving_frames(self):
         """The frames brought back to where they were, the same bits follow."""
-        broadcaster = StaticTransformBroadcaster()
-
-        def carry(x, wait_until_seen=False):
-            broadcaster.sendTransform([make_transform("hand", (1 - x, 0, 1)),
-                                       make_transform("ball", (0.5 + x, 0.5, 0.75))])
-            time.sleep(1.0 if wait_until_seen else 0.2)
-
-        carry(0, wait_until_seen=True)
+        carry = self.carry
+        carry(0, wait=1.0)  # until it is seen
         self.cloth.step(20)
         carry(0.02)
         self.cloth.step(20)
@@ -181,6 +182,19 @@ class State(unittest.TestCase):
         carry(0.02)
         self.assertTrue(self.restore("carried").success)
         carry(0.04)
+        self.assertEqual(content(self.cloth.step(20)), expected)
+
+    def test_pins_keep_their_place_in_frames(self):
+        """Also where a reset has taken another place in the frame between."""
+        self.carry(0, wait=1.0)
+        self.cloth.step(20)
+        self.assertTrue(self.save("held").success)
+        expected = content(self.cloth.step(20))
+        self.carry(0.3)
+        self.cloth.reset()
+        self.cloth.step(1)
+        self.carry(0)
+        self.assertTrue(self.restore("held").success)
         self.assertEqual(content(self.cloth.step(20)), expected)
 
 

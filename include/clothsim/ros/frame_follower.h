@@ -30,9 +30,13 @@ class FrameFollower {
   /// Tells of what move() goes by.
   void tell(Changes&) const;
 
-  /// As move(), but places colliders at once: to be called when the simulator went to another
-  /// state.
-  void jump(clothsim::Simulator&);
+  /// Where pins are in their frames [m]; empty until a frame is seen. A run goes on with these.
+  using Saved = std::vector<std::optional<clothsim::Vector3>>;
+  Saved save() const;
+
+  /// As move(), with pins where they were in their frames and colliders placed at once: to be
+  /// called when the simulator went back to the state it had at save().
+  void restore(const Saved&, clothsim::Simulator&);
 
   /// One for each collider and pin that has a frame.
   std::vector<FrameStatus> status() const;

@@ -33,6 +33,7 @@ class StateServices {
  private:
   struct Entry {
     std::shared_ptr<const clothsim::Simulator::Saved> simulation;
+    FrameFollower::Saved follower;
     std::uint64_t frame_number;
   };
 
