@@ -58,9 +58,9 @@ constexpr double most_pressed = 0.5;
 
 /// Where points suffice, by scenes that were tried: those that fold under their own weight had no
 /// crossing, softer and thinner ones did.
-SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2d& spacing) {
+SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2d& spacing,
+                                     double gravity) {
   if (spec.self_collision != SelfCollision::automatic) return spec.self_collision;
-  constexpr double gravity = 9.8;  // [m/s^2]
   const double edge = spacing.maxCoeff();
   const double weight = spec.material.density * spec.height * edge * gravity;
   const bool dense = 2 * spec.thickness >= least_touch * edge;
@@ -71,7 +71,7 @@ SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2
 
 }  // namespace
 
-Cloth make_grid(const ClothSpec& spec) {
+Cloth make_grid(const ClothSpec& spec, double gravity) {
   validate(spec);
   const int n = spec.columns * spec.rows;
   const Eigen::Vector2d spacing(spec.columns > 1 ? spec.width / (spec.columns - 1) : 0,
@@ -83,7 +83,7 @@ Cloth make_grid(const ClothSpec& spec) {
   cloth.damping = spec.material.damping;
   cloth.strain_limit = spec.material.strain_limit;
   cloth.thickness = spec.thickness;
-  cloth.self_collision = resolve_self_collision(spec, spacing);
+  cloth.self_collision = resolve_self_collision(spec, spacing, gravity);
   cloth.friction = spec.friction;
 
   // Points: rest positions and texture coordinates.

@@ -19,6 +19,13 @@ constexpr double usual_growth = 1.5;
 constexpr double margin = 1;
 constexpr double lift = 0.02;
 
+/// The same over any number of frames, of all that the cloth can have had: explicit steps just
+/// below their limit show their fastest waves with some tens of the energy that they have.
+constexpr double margin_in_all = 100;
+
+/// Speed of what rounding may do to a cloth that was given nothing [m/s].
+constexpr double tremble = 1e-3;
+
 /// Fastest speed of pins and of collider surfaces near the cloth [m/s].
 double fastest_boundary(const Cloth& cloth, const State& before, const State& after,
                         const std::vector<MovingCollider>& colliders) {
@@ -55,28 +62,38 @@ double work_on_springs(const Cloth& cloth, double dt, const State& before, const
 
 }  // namespace
 
-bool energy_is_plausible(const Cloth& cloth, const Vector3& gravity, double dt, const State& before,
-                         const State& after, const std::vector<MovingCollider>& colliders) {
+bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
+                          const State& before, const State& after,
+                          const std::vector<MovingCollider>& colliders) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
-  const double kinetic_before = kinetic_energy(cloth, before);
-  const double kinetic_after = kinetic_energy(cloth, after);
-  const double fall = 2 * g * dt;
-  if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
+  const Eigen::RowVector3d extent =
+      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
+  const double lifted = mass * g * lift * extent.maxCoeff();
+  if (!begun_) {
+    given_ = kinetic_energy(cloth, before) + elastic_energy(cloth, before.positions) + lifted +
+             mass * tremble * tremble / 2;
+    potential_ = gravitational_energy(cloth, gravity, before.positions);
+    begun_ = true;
+  }
 
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
   const double speed = fastest_boundary(cloth, before, after, colliders);
-  const double work = mass * (2 * speed * speed + g * speed * dt) +
-                      (speed > 0 ? work_on_springs(cloth, dt, before, after) : 0);
+  const double work = mass * (2 * speed * speed + g * speed * dt);
+  given_ += work;
+  const double kinetic_before = kinetic_energy(cloth, before);
+  const double kinetic_after = kinetic_energy(cloth, after);
+  const double fallen = potential_ - gravitational_energy(cloth, gravity, after.positions);
+  if (!(kinetic_after <= margin_in_all * (given_ + std::max(fallen, 0.0)))) return false;
 
+  const double fall = 2 * g * dt;
+  if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
+  const double on_springs = speed > 0 ? work_on_springs(cloth, dt, before, after) : 0;
   const double elastic_before = elastic_energy(cloth, before.positions);
   const double gain = kinetic_after - kinetic_before + elastic_energy(cloth, after.positions) -
                       elastic_before + gravitational_energy(cloth, gravity, after.positions) -
                       gravitational_energy(cloth, gravity, before.positions);
-  const Eigen::RowVector3d extent =
-      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-  return gain <=
-         work + margin * (kinetic_before + elastic_before) + mass * g * lift * extent.maxCoeff();
+  return gain <= work + on_springs + margin * (kinetic_before + elastic_before) + lifted;
 }
 
 }  // namespace clothsim

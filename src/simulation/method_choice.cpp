@@ -192,11 +192,11 @@ double xpbd_error(const Motion& m, double h) {
 
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
-      {VelocityVerlet::name, true, verlet_error, [](double s, double) { return 1.8e-9 * s; }},
-      {RungeKutta4::name, false, rk4_error, [](double s, double) { return 7e-9 * s; }},
-      {Xpbd::name, true, xpbd_error, [](double s, double) { return 6.3e-9 * s; }},
+      {VelocityVerlet::name, true, verlet_error, [](double s, double) { return 0.9e-9 * s; }},
+      {RungeKutta4::name, false, rk4_error, [](double s, double) { return 3.8e-9 * s; }},
+      {Xpbd::name, true, xpbd_error, [](double s, double) { return 7.5e-9 * s; }},
       // Two factorisations of the grid's matrix a step.
-      {Bdf2::name, true, bdf2_error, [](double, double p) { return 0.8e-6 * std::pow(p, 1.5); }},
+      {Bdf2::name, true, bdf2_error, [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},
   };
   return all;
 }

@@ -11,7 +11,6 @@
 #include "clothsim/model/errors.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/target_clones.h"
-#include "clothsim/simulation/energy_watch.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -88,7 +87,7 @@ void check_feasible(const SimulationSpec& spec, const Cloth& cloth,
 Simulator::Impl::Impl(const Scene& s) : scene(s) {
   validate(scene);
   workers = Workers(scene.simulation.threads);
-  cloth = make_grid(scene.cloth);
+  cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
   build_strain_limit();
   self_contacts = make_self_contacts(cloth);
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
@@ -106,6 +105,7 @@ StepReport Simulator::Impl::step() {
     state = last_good;
     colliders = last_colliders;
     forget_constraints();
+    energy_watch.restart();
     if (!recover()) {
       forget();
       throw Diverged("the state left the finite numbers or gained energy in the frame after t = " +
@@ -173,15 +173,21 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
                      " substeps";
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
-  // Where pins ask for more than the strain limit grants, it pulls without end; that shows in the
-  // stretch, and is no fault of the method.
   const bool is_overpulled =
       cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
   if (ran_out || is_overpulled) {
     report.reason += "; passes ran out before every spring was within its strain limit";
   }
-  return disturbed || is_overpulled ||
-         energy_is_plausible(cloth, scene.simulation.gravity, dt, before, state, colliders);
+  // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
+  // shows in the stretch, and is no fault of the method.
+  const bool is_asked_too_much =
+      is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
+                        are_pulled_taut(cloth, state.positions));
+  if (disturbed || is_asked_too_much) {
+    energy_watch.restart();
+    return true;
+  }
+  return energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders);
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -331,7 +337,7 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
   ClothSpec spec = impl_->scene.cloth;
   const bool springs_changed = material.springs != spec.material.springs;
   spec.material = material;
-  Cloth cloth = make_grid(spec);
+  Cloth cloth = make_grid(spec, simulation.gravity.norm());
   impl_->grips.hold(cloth);
   check_feasible(simulation, cloth, impl_->scene.colliders, impl_->state.positions, {"ks"});
 

@@ -12,6 +12,7 @@
 #include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
+#include "clothsim/simulation/energy_watch.h"
 #include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/simulator.h"
@@ -76,6 +77,7 @@ struct Simulator::Impl {
   void forget() {
     method.emplace(scene.simulation, cloth, scene.colliders);
     forget_constraints();
+    energy_watch.restart();
   }
 
   /// Takes the method that the scene asks for now. Goes on with the present one where it is the
@@ -154,6 +156,7 @@ struct Simulator::Impl {
   Workers workers;
   std::vector<Vector3> pin_targets;
   Grips grips;
+  EnergyWatch energy_watch;
   unsigned topology_seq = 0;
 
   bool disturbed = false;   // by a jump since the last frame

@@ -115,6 +115,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   collider_contacts = std::move(read_contacts);
   self_contacts = std::move(read_self_contacts);
   disturbed = read_disturbed;
+  energy_watch.restart();
 }
 
 void Simulator::Impl::set_state(const State& given, const std::vector<double>& memory) {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <iterator>
+#include <set>
 
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
@@ -93,13 +94,15 @@ int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt)
 }
 
 bool are_pulled_taut(const Cloth& cloth, const Points& positions) {
-  std::vector<int> held;
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] == 0) held.push_back(i);
-  }
+  // Any way through free cloth begins and ends at held points beside free ones.
+  std::set<int> held;
+  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+    if (cloth.inv_mass[a] == 0 && cloth.inv_mass[b] > 0) held.insert(a);
+    if (cloth.inv_mass[b] == 0 && cloth.inv_mass[a] > 0) held.insert(b);
+  });
   const double reach = taut * (1 + cloth.strain_limit.value());
   for (auto first = held.begin(); first != held.end(); ++first) {
-    for (auto second = first + 1; second != held.end(); ++second) {
+    for (auto second = std::next(first); second != held.end(); ++second) {
       const int a = *first, b = *second;
       const double apart = (positions.row(b) - positions.row(a)).norm();
       const double at_rest = (cloth.rest_positions.row(b) - cloth.rest_positions.row(a)).norm();

@@ -18,7 +18,7 @@ State resting(const Cloth& cloth) {
 
 bool plausible(const Cloth& cloth, const State& before, const State& after,
                const std::vector<MovingCollider>& colliders = {}) {
-  return energy_is_plausible(cloth, gravity, dt, before, after, colliders);
+  return EnergyWatch().accepts(cloth, gravity, dt, before, after, colliders);
 }
 
 TEST(EnergyWatch, FallingIsPlausible) {
@@ -70,6 +70,29 @@ TEST(EnergyWatch, PinsAndCollidersPutWorkIn) {
   EXPECT_FALSE(plausible(cloth, before, after, {ball}));
   ball.aim({Vector3(0.1, 0, 0), Eigen::Quaterniond::Identity()}, dt);
   EXPECT_TRUE(plausible(cloth, before, after, {ball}));
+}
+
+TEST(EnergyWatch, GrowthByLittleIsSeenInTheEnd) {
+  const Cloth cloth = make_grid(square_spec(10));
+  const State start{cloth.rest_positions, random_points(100, 0.1, 1), 0};
+  EnergyWatch steady;
+  EnergyWatch growing;
+  State before = start;
+  double grown = 1;  // speeds
+  bool refused = false;
+  for (int frame = 0; frame < 1000 && !refused; ++frame) {
+    EXPECT_TRUE(steady.accepts(cloth, Vector3::Zero(), dt, start, start, {}));
+    State after = before;
+    after.velocities *= 1.01;
+    refused = !growing.accepts(cloth, Vector3::Zero(), dt, before, after, {});
+    if (!refused) grown *= 1.01;
+    before = after;
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_LT(grown, 10.2);  // a hundred times the energy
+
+  growing.restart();
+  EXPECT_TRUE(growing.accepts(cloth, Vector3::Zero(), dt, before, before, {}));
 }
 
 TEST(EnergyWatch, WhatIsNotFiniteIsNotPlausible) {

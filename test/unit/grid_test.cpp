@@ -164,6 +164,7 @@ TEST(Grid, ChoosesHowItIsKeptOffItself) {
   EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::off);
   spec.self_collision = SelfCollision::automatic;
   EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::points);
+  EXPECT_EQ(make_grid(spec, 20).self_collision, SelfCollision::surface) << "twice as heavy";
   spec.material.ks = 1000;  // pressed together by its weight
   EXPECT_EQ(make_grid(spec).self_collision, SelfCollision::surface);
   spec.material.ks = 5000;

@@ -41,17 +41,17 @@ TEST(MethodChoice, RealFabricIsExplicitToo) {
 }
 
 TEST(MethodChoice, TakesAnotherWhereExplicitDoesNotFit) {
-  const MethodChoice c = choice(swinging(5e7));
+  const MethodChoice c = choice(swinging(5e8));
   EXPECT_EQ(c.method, "xpbd");
   EXPECT_LE(c.predicted_cost, 0.9);
   EXPECT_NE(c.reason.find("the most accurate in real time"), std::string::npos) << c.reason;
 
   // Verlet's substeps would not fit, whatever the tolerance.
-  Scene scene = swinging(5e7);
+  Scene scene = swinging(5e8);
   scene.simulation.method = "verlet";
   const Cloth cloth = make_grid(scene.cloth);
   EXPECT_GT(count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90),
-            500);
+            1500);
 }
 
 TEST(MethodChoice, ATighterToleranceTakesMoreSubstepsThenAHigherOrder) {
@@ -266,7 +266,8 @@ TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
   };
   for (const Case& c : {Case{5000, 150, 50, 1e-3},
                         {5e5, 150, 50, 1e-3},
-                        {5e7, 150, 50, 1e-3},
+                        {2e7, 150, 50, 1e-3},
+                        {5e8, 150, 50, 1e-3},
                         {5000, 0.15, 30, 1e-3},
                         {5000, 150, 25, 1e-6},
                         {5000, 150, 50, 1e-7}}) {

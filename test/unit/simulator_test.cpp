@@ -96,6 +96,19 @@ TEST(Simulator, ADivergingFrameRollsBackCollidersToo) {
   EXPECT_TRUE(diverged);
 }
 
+TEST(Simulator, AutomaticSelfCollisionFollowsGravity) {
+  Scene scene;
+  scene.cloth.self_collision = SelfCollision::automatic;
+  Simulator simulator(scene);
+  EXPECT_EQ(simulator.cloth().self_collision, SelfCollision::points);
+  SimulationSpec heavier = scene.simulation;
+  heavier.gravity = {0, 0, -20};
+  simulator.set_simulation(heavier);
+  EXPECT_EQ(simulator.cloth().self_collision, SelfCollision::surface);
+  scene.simulation.gravity = heavier.gravity;
+  EXPECT_EQ(Simulator(scene).cloth().self_collision, SelfCollision::surface);
+}
+
 TEST(Simulator, ResetGoesBackToTheStart) {
   Simulator simulator(with_ball());
   simulator.move_collider(0, {Vector3(0, 0, 2), Eigen::Quaterniond::Identity()});

@@ -75,6 +75,8 @@ TEST(StabilityLimit, BlowsUpJustAboveAndKeepsTheLastGoodFrame) {
     }
   }
   ASSERT_TRUE(diverged);
+  // Before it shows: it started 1 mm uneven, which stretches springs by a hundredth of that.
+  EXPECT_LT(worst_stretch(simulator.cloth(), last.positions), 0.02);
   EXPECT_EQ(simulator.state().positions, last.positions);
   EXPECT_EQ(simulator.state().velocities, last.velocities);
   EXPECT_EQ(simulator.state().time, last.time);
@@ -87,6 +89,19 @@ TEST(StabilityLimit, BlowsUpJustAboveAndKeepsTheLastGoodFrame) {
   simulator.set_simulation(simulation);
   run(simulator, 2);
   EXPECT_LT(farthest(simulator.state().positions, simulator.cloth().rest_positions), 5e-3);
+}
+
+TEST(StabilityLimit, AStrainLimitHidesNoBlowUp) {
+  Scene scene = shipped_scene("pinned2");
+  scene.simulation.method = VelocityVerlet::name;
+  scene.simulation.substeps = 1;
+  Simulator simulator(scene);
+  double worst = 0;
+  EXPECT_THROW(
+      for (int frame = 0; frame < 90;
+           ++frame) { worst = std::max(worst, simulator.step().worst_stretch); },
+      Diverged);
+  EXPECT_LT(worst, 0.5);
 }
 
 TEST(StabilityLimit, AutomaticSubstepsAreStableWhereverTheMaterialIs) {

@@ -9,8 +9,9 @@
 namespace clothsim {
 
 /// The grid cloth of `spec`: point (column, row) has index row * columns + column. Each point has
-/// the mass width * height * density / (columns * rows). Throws InvalidValue.
-Cloth make_grid(const ClothSpec& spec);
+/// the mass width * height * density / (columns * rows). `gravity` [m/s^2], its size, tells whether
+/// points are enough for automatic self collision. Throws InvalidValue.
+Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 
 /// The cloth at rest in its start position. A vertical cloth stands off its plane by up to 1 mm a
 /// point, drawn from `seed`, so that it folds; its rest lengths stay those of the flat grid.

@@ -8,13 +8,26 @@
 
 namespace clothsim {
 
-/// Whether a frame of `dt` [s] from `before` to `after` may have gained the energy it did: no more
-/// than moving pins and colliders can have put in as work, besides a margin for what is small. A
-/// method that blows up multiplies its energy within a frame, long before numbers overflow.
-///
-/// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
-/// False for energies that are not finite.
-bool energy_is_plausible(const Cloth&, const Vector3& gravity, double dt, const State& before,
-                         const State& after, const std::vector<MovingCollider>& colliders);
+/// Judges after each frame whether the cloth may have the energy it has. A method that blows up
+/// multiplies its energy within a frame, or little by little, long before numbers overflow.
+class EnergyWatch {
+ public:
+  /// Counts anew from the next frame on: after a change that no work explains.
+  void restart() { begun_ = false; }
+
+  /// Whether a frame of `dt` [s] from `before` to `after` may have gained the energy it did: no
+  /// more than moving pins and colliders can have put in as work, besides a margin for what is
+  /// small; and whether all frames since the last restart() may have, by a far wider margin.
+  ///
+  /// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
+  /// False for energies that are not finite.
+  bool accepts(const Cloth&, const Vector3& gravity, double dt, const State& before,
+               const State& after, const std::vector<MovingCollider>& colliders);
+
+ private:
+  bool begun_ = false;
+  double given_ = 0;      // kinetic and elastic energy at the start, and all work since [J]
+  double potential_ = 0;  // in gravity, at the start [J]
+};
 
 }  // namespace clothsim
