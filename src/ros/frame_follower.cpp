@@ -1,5 +1,9 @@
 #include "clothsim/ros/frame_follower.h"
 
+#include <algorithm>
+
+#include "clothsim/collision/shape.h"
+
 namespace clothsim_ros {
 namespace {
 
@@ -7,12 +11,25 @@ bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
+/// How far a change of pose moves the shape's points at most that are no farther out than the cloth
+/// [m].
+double way_between(const clothsim::Pose& a, const clothsim::Pose& b, const clothsim::Shape& shape,
+                   const clothsim::Points& cloth) {
+  const double straight = (b.position - a.position).norm();
+  const double angle = a.orientation.angularDistance(b.orientation);
+  if (angle == 0) return straight;
+  const double reach = (cloth.rowwise() - a.position.transpose()).rowwise().norm().maxCoeff();
+  return straight + angle * std::min(reach, clothsim::bounding_radius(shape));
+}
+
 }  // namespace
 
-FrameFollower::FrameFollower(const clothsim::Scene& scene, TfListener& tf) {
+FrameFollower::FrameFollower(const clothsim::Scene& scene, TfListener& tf, double jump_speed)
+    : fresh_watch_(jump_speed) {
   const auto add = [&](const std::string& frame, bool is_pin, size_t index) {
     if (frame.empty()) return;
-    followers_.push_back({TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {}});
+    followers_.push_back(
+        {TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {{}, fresh_watch_}});
   };
   for (size_t i = 0; i < scene.colliders.size(); ++i) add(scene.colliders[i].frame, false, i);
   for (size_t i = 0; i < scene.cloth.pinned.size(); ++i) add(scene.cloth.pinned[i].frame, true, i);
@@ -25,25 +42,45 @@ void FrameFollower::look_up() {
 void FrameFollower::move(clothsim::Simulator& simulator) {
   for (Follower& follower : followers_) {
     if (!follower.frame.pose()) continue;
-    const clothsim::Pose& pose = *follower.frame.pose();
-    const bool is_first = !follower.applied;
-    if (!is_first && same(pose, *follower.applied)) continue;
-
     if (follower.is_pin) {
-      if (!follower.pin_offset) {
-        const auto& pin = simulator.scene().cloth.pinned[static_cast<size_t>(follower.index)];
-        const int point = pin.row * simulator.cloth().columns + pin.column;
-        const clothsim::Vector3 position = simulator.state().positions.row(point);
-        follower.pin_offset = pose.orientation.conjugate() * (position - pose.position);
-      } else {
-        simulator.move_pin(follower.index, pose.position + pose.orientation * *follower.pin_offset);
-      }
-    } else if (is_first) {
-      simulator.place_collider(follower.index, pose);
+      move_pin(follower, simulator);
     } else {
-      simulator.move_collider(follower.index, pose);
+      move_collider(follower, simulator);
     }
-    follower.applied = pose;
+    follower.applied = follower.frame.pose();
+  }
+}
+
+void FrameFollower::move_pin(Follower& follower, clothsim::Simulator& simulator) {
+  const clothsim::Pose& pose = *follower.frame.pose();
+  if (follower.applied && same(pose, *follower.applied)) return;
+  std::optional<clothsim::Vector3>& offset = follower.memory.pin_offset;
+  if (!offset) {
+    const auto& pin = simulator.scene().cloth.pinned[static_cast<size_t>(follower.index)];
+    const int point = pin.row * simulator.cloth().columns + pin.column;
+    const clothsim::Vector3 position = simulator.state().positions.row(point);
+    offset = pose.orientation.conjugate() * (position - pose.position);
+  } else {
+    simulator.move_pin(follower.index, pose.position + pose.orientation * *offset);
+  }
+}
+
+void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simulator) {
+  const clothsim::Pose& pose = *follower.frame.pose();
+  if (!follower.applied) {
+    simulator.place_collider(follower.index, pose);
+    return;
+  }
+  double way = 0;
+  const bool moves = !same(pose, *follower.applied);
+  if (moves) {
+    const auto& collider = simulator.scene().colliders[static_cast<size_t>(follower.index)];
+    way = way_between(*follower.applied, pose, collider.shape, simulator.state().positions);
+  }
+  if (follower.memory.watch.jumps(way, simulator.frame_duration())) {
+    simulator.place_collider(follower.index, pose);
+  } else if (moves) {
+    simulator.move_collider(follower.index, pose);
   }
 }
 
@@ -53,18 +90,18 @@ void FrameFollower::tell(Changes& changes) const {
 
 void FrameFollower::reset() {
   forget_applied();
-  for (Follower& follower : followers_) follower.pin_offset.reset();
+  for (Follower& follower : followers_) follower.memory = {{}, fresh_watch_};
 }
 
 FrameFollower::Saved FrameFollower::save() const {
   Saved saved;
-  for (const Follower& follower : followers_) saved.push_back(follower.pin_offset);
+  for (const Follower& follower : followers_) saved.push_back(follower.memory);
   return saved;
 }
 
 void FrameFollower::restore(const Saved& saved, clothsim::Simulator& simulator) {
   forget_applied();
-  for (size_t i = 0; i < followers_.size(); ++i) followers_[i].pin_offset = saved.at(i);
+  for (size_t i = 0; i < followers_.size(); ++i) followers_[i].memory = saved.at(i);
   move(simulator);
 }
 

@@ -50,7 +50,7 @@ Node::Node()
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
       changes_(node_, pacer_, frame_number_),
       tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
-      follower_(parameters_.scene, tf_),
+      follower_(parameters_.scene, tf_, parameters_.jump_speed),
       grasper_(node_, simulator_, tf_, changes_),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       photographer_(with_full_name(
@@ -227,7 +227,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
     return true;
   }
   changes_.publish("load_scene");
-  follower_ = FrameFollower(simulator_.scene(), tf_);
+  follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);
   state_services_.clear();
   serve_live_values();
   frame_number_ = 0;

@@ -24,6 +24,8 @@ using clothsim::InvalidValue;
 constexpr double slowest_factor = 0.001;
 constexpr double fastest_factor = 1000;
 
+constexpr clothsim::Range jump_speed_range{0, 1e9, "m/s"};
+
 /// With no more digits than it takes, as messages are to show it.
 YAML::Node to_yaml_number(double value) {
   return std::isfinite(value) ? YAML::Node(clothsim::to_text(value)) : YAML::Node(value);
@@ -121,6 +123,7 @@ NodeParameters read(const ros::NodeHandle& node) {
   });
   read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
   read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));
+  read_optional(node, "jump_speed", clothsim::into(parameters.jump_speed));
   read_optional(node, "paused", clothsim::into(parameters.paused));
   read_optional(node, "publish_clock", clothsim::into(parameters.publish_clock));
 
@@ -134,6 +137,7 @@ NodeParameters read(const ros::NodeHandle& node) {
                        "0 or a number from " + clothsim::to_text(slowest_factor) + " to " +
                            clothsim::to_text(fastest_factor));
   }
+  clothsim::check_range("jump_speed", parameters.jump_speed, jump_speed_range);
   if (parameters.publish_clock) check_clock();
   return parameters;
 }
@@ -178,8 +182,8 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",           "camera", "diagnostics",  "world_frame",
-          "realtime_factor", "paused", "publish_clock"};
+  return {"scene",           "camera",     "diagnostics", "world_frame",
+          "realtime_factor", "jump_speed", "paused",      "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

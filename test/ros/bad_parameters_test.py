@@ -41,6 +41,8 @@ BAD = {
                              "simulation: {method: verlet}}", "scene/cloth/ks",
                              "got a cloth that needs"),
     "vector too short": ("scene: {cloth: {origin: [0, 1]}}", "scene/cloth/origin", "got [0, 1]"),
+    "jump speed": ("{jump_speed: -1, scene: {cloth: {width: 1}}}", "jump_speed",
+                   "got -1, expected a number of at least 0 [m/s]"),
     "real-time factor": ("{realtime_factor: -1, scene: {cloth: {width: 1}}}", "realtime_factor",
                          "got -1, expected 0 or a number"),
     "paused as a number": ("{paused: 1, scene: {cloth: {width: 1}}}", "paused", "got 1"),

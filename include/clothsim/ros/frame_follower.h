@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/jump_watch.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -13,15 +14,16 @@ namespace clothsim_ros {
 /// stay where the scene puts them; when it is lost they stay where it was last.
 class FrameFollower {
  public:
-  /// Makes tf listen only if the scene names a frame. `tf` must outlive this.
-  FrameFollower(const clothsim::Scene&, TfListener& tf);
+  /// Makes tf listen only if the scene names a frame. `tf` must outlive this. For `jump_speed` see
+  /// JumpWatch.
+  FrameFollower(const clothsim::Scene&, TfListener& tf, double jump_speed);
 
   /// Reads the latest transforms.
   void look_up();
 
   /// Hands what look_up() found to the simulator, for its next frame. A collider takes the pose of
   /// its frame, a pin keeps the offset it had at the first transform. The first transform places a
-  /// collider, later ones move it.
+  /// collider, later ones move it, but for jumps, which place it too.
   void move(clothsim::Simulator&);
 
   /// To be called when the simulator was reset: the next move is a first one again.
@@ -30,12 +32,16 @@ class FrameFollower {
   /// Tells of what move() goes by.
   void tell(Changes&) const;
 
-  /// Where pins are in their frames [m]; empty until a frame is seen. A run goes on with these.
-  using Saved = std::vector<std::optional<clothsim::Vector3>>;
+  /// What is remembered of a frame. A run goes on with it.
+  struct Memory {
+    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame, once that is seen
+    JumpWatch watch;
+  };
+  using Saved = std::vector<Memory>;
   Saved save() const;
 
-  /// As move(), with pins where they were in their frames and colliders placed at once: to be
-  /// called when the simulator went back to the state it had at save().
+  /// As move(), with what was remembered and colliders placed at once: to be called when the
+  /// simulator went back to the state it had at save().
   void restore(const Saved&, clothsim::Simulator&);
 
   /// One for each collider and pin that has a frame.
@@ -45,13 +51,16 @@ class FrameFollower {
   struct Follower {
     TfFrame frame;
     bool is_pin;
-    int index;                                    // of the scene's colliders or pins
-    std::optional<clothsim::Pose> applied;        // the one that the simulator has
-    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame
+    int index;                              // of the scene's colliders or pins
+    std::optional<clothsim::Pose> applied;  // the one that the simulator has
+    Memory memory;
   };
 
+  static void move_pin(Follower&, clothsim::Simulator&);
+  static void move_collider(Follower&, clothsim::Simulator&);
   void forget_applied();
 
+  JumpWatch fresh_watch_;
   std::vector<Follower> followers_;
 };
 
