@@ -65,12 +65,12 @@ inline void push_apart(const Cloth& cloth, const std::array<int, 4>& points,
   }
 }
 
-/// Ways of the points beyond their common one, which brings nobody closer.
-Points own_ways(const Points& from, const Points& to) {
-  Points ways = to - from;
-  const Eigen::RowVector3d common = ways.colwise().mean();
-  ways.rowwise() -= common;
-  return ways;
+/// Is a point that is held to go farther than it may?
+bool binds_a_pin(const Cloth& cloth, const Points& ways, const Scalars& bounds) {
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] == 0 && ways.row(i).norm() > bounds[i]) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -223,10 +223,14 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
   const auto bound = [floor](double distance) {
     return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
   };
+  bool together = true;  // points held back go along with the cloth
   for (int leg = 1;; ++leg) {
-    // Pairs that bind are nearer than the longest way needs; further ones than can be seen are
-    // taken to be no further.
-    Points ways = own_ways(here, positions);
+    // Ways beyond the common one, which brings nobody closer. Pairs that bind are nearer than the
+    // longest way needs; further ones than can be seen are taken to be no further.
+    Points ways = positions - here;
+    const Eigen::RowVector3d common =
+        together ? Eigen::RowVector3d(ways.colwise().mean()) : Eigen::RowVector3d::Zero();
+    ways.rowwise() -= common;
     const double needed = floor + longest_row(ways) / bound_share;
     if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
     const double seen = std::min(needed, near_.reach());
@@ -244,8 +248,12 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
         bounds[point] = std::min(bounds[point], of_pair);
       }
     }
+    // A pin goes where it is told or stays: the cloth does not take it along.
+    if (together && binds_a_pin(cloth, ways, bounds)) {
+      together = false;
+      continue;
+    }
     std::vector<int> held_back;
-    const Eigen::RowVector3d common = (positions - here).colwise().mean();
     for (int i = 0; i < here.rows(); ++i) {
       const double way = ways.row(i).norm();
       if (way > bounds[i]) {
@@ -256,7 +264,7 @@ int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& s
         here.row(i) = positions.row(i);
       }
     }
-    if (held_back.empty() || leg == most_legs) {
+    if (held_back.empty() || leg >= most_legs) {
       positions = here;
       for (const int i : held_back) {
         if (cloth.inv_mass[i] == 0) continue;

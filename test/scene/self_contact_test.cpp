@@ -174,19 +174,44 @@ TEST_P(SphereThroughPile, CrossesNothing) {
 INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
 
 TEST(SelfContact, PinsDraggedThroughTheClothAreHeldBackAndSaidSo) {
-  // One corner of a hanging cloth is drawn through its middle: it cannot go there.
+  // Four pins hold a cell of a hanging cloth, which cannot give way. A pin on its lower edge is
+  // led before the cell and then drawn through it, to the other side and back.
+  constexpr int side = 13;
+  constexpr int half = side / 2;
   Scene scene = pile();
+  scene.cloth.columns = scene.cloth.rows = side;
   scene.colliders.clear();
-  scene.cloth.pinned = {{0, 24, ""}, {24, 24, ""}, {12, 0, ""}};
+  scene.cloth.pinned = {{half, 0, ""},
+                        {half, half, ""},
+                        {half + 1, half, ""},
+                        {half, half + 1, ""},
+                        {half + 1, half + 1, ""}};
   Simulator simulator(scene);
-  run(simulator, 0.5);
-  const Vector3 from = simulator.state().positions.row(12).transpose();
-  const Vector3 middle = simulator.state().positions.row(12 * 25 + 12).transpose();
-  const Judgement judgement = judge(simulator, 90, [&](int frame) {
-    const double share = frame / 90.0;
-    simulator.move_pin(2, from + share * 1.6 * (middle - from) + Vector3(0, 0.4 * share, 0));
+  run(simulator, 0.3);
+  const auto pin = [&] { return point(simulator.cloth(), simulator.state().positions, half, 0); };
+  const auto corner = [&] {
+    return point(simulator.cloth(), simulator.state().positions, half, half);
+  };
+  const double middle = (half + 0.5) / (side - 1);  // of the cell, along x and z
+  const Vector3 below = pin();
+  const Vector3 before(middle, 0.15, middle);
+  const Vector3 held = corner();
+
+  const Judgement free = judge(simulator, 90, [&](int frame) {
+    simulator.move_pin(0, below + frame / 90.0 * (before - below));
   });
-  EXPECT_EQ(judgement.frames_that_cross, 0);
+  EXPECT_EQ(free.held_back, 0);
+  const Judgement through = judge(simulator, 45, [&](int frame) {
+    simulator.move_pin(0, before - Vector3(0, 0.3 * frame / 45.0, 0));
+  });
+  EXPECT_GT(through.held_back, 0);
+  EXPECT_GT(pin().y(), corner().y()) << "on the side from which it came";
+  EXPECT_LT(pin().y(), corner().y() + 0.05) << "as far as it can go";
+  judge(simulator, 45, [&](int frame) {
+    simulator.move_pin(0, before - Vector3(0, 0.3 * (45 - frame) / 45.0, 0));
+  });
+  EXPECT_EQ(pin(), before) << "follows when it can";
+  EXPECT_EQ(corner(), held);
 }
 
 TEST(SelfContact, PinchedBetweenTwoClosingSpheres) {
