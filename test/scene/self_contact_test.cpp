@@ -46,6 +46,23 @@ Judgement judge(Simulator& simulator, int frames) {
   return judge(simulator, frames, [](int) {});
 }
 
+/// Goes on until the cloth lies still, for `seconds` at most, counting crossings. Returns the root
+/// of the mean square velocity in its last half a second [m/s].
+double rest(Simulator& simulator, double seconds) {
+  constexpr double calm = 1e-3;  // [m/s]
+  double speed = 1;
+  for (double begin = simulator.state().time; simulator.state().time < begin + seconds;) {
+    double sum = 0;
+    const Judgement judgement = judge(
+        simulator, 45, [&](int) { sum += std::pow(rms_velocity(simulator.state()), 2) / 45; });
+    speed = std::sqrt(sum);
+    if (speed < calm || judgement.frames_that_cross > 0) break;
+  }
+  ::testing::Test::RecordProperty("at_rest_after_s", std::to_string(simulator.state().time));
+  ::testing::Test::RecordProperty("mm_s", std::to_string(1e3 * speed));
+  return speed;
+}
+
 /// A cloth with both end rows pinned, `width` x 1 m of 2 cm cells.
 Scene strip(double width) {
   Scene scene;
@@ -58,12 +75,12 @@ Scene strip(double width) {
 
 class Pile : public ::testing::TestWithParam<std::pair<double, double>> {};
 
-TEST_P(Pile, NeverCrossesItself) {
+TEST_P(Pile, NeverCrossesItselfAndComesToRest) {
   Scene scene = pile();
   scene.cloth.material.ks = GetParam().first;
   scene.cloth.material.density = GetParam().second;
   Simulator simulator(scene);
-  judge(simulator, 100);
+  EXPECT_LT(rest(simulator, 8), 1e-3);
 }
 
 // Stiffness [N/m] and density [kg/m^2].
@@ -71,12 +88,6 @@ INSTANTIATE_TEST_SUITE_P(Materials, Pile,
                          ::testing::Values(std::pair(50.0, 150.0), std::pair(5000.0, 150.0),
                                            std::pair(1e5, 150.0), std::pair(5000.0, 10.0),
                                            std::pair(5000.0, 1e4)));
-
-TEST(SelfContact, APileComesToRest) {
-  Simulator simulator(pile());
-  judge(simulator, 6 * 90);
-  EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
-}
 
 TEST(SelfContact, ThreadsGiveTheSameBits) {
   Scene scene = pile();
@@ -95,7 +106,7 @@ TEST(SelfContact, ADropOfTwoMetres) {
   Scene scene = pile();
   scene.cloth.origin.z() = 2;
   Simulator simulator(scene);
-  judge(simulator, 130);
+  EXPECT_LT(rest(simulator, 8), 1e-3);
 }
 
 class Twist : public ::testing::TestWithParam<double> {};
@@ -117,8 +128,8 @@ TEST_P(Twist, OfAStripBetweenTwoRows) {
                                           1 + r * std::sin(angle)});
     }
   };
-  judge(simulator, 4 * 90, drive);
-  EXPECT_LT(rms_velocity(simulator.state()), 0.05);
+  judge(simulator, 2 * 90, drive);
+  EXPECT_LT(rest(simulator, 4), 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Turns, Twist, ::testing::Values(0.5, 1.0));
@@ -159,16 +170,32 @@ TEST(SelfContact, FiveLayersPressedByAPlane) {
 
 class SphereThroughPile : public ::testing::TestWithParam<double> {};
 
-TEST_P(SphereThroughPile, CrossesNothing) {
+TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
+  // It goes on into the ground, pinching what is between, until all of it is below.
   Scene scene = pile();
   const auto at = [](double z) { return Pose{Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; };
   scene.colliders.push_back({"ball", Sphere{0.15}, at(1), 0.3, ""});
   Simulator simulator(scene);
   run(simulator, 1);
-  const int frames = std::max(1, static_cast<int>(std::lround(90 * 0.9 / GetParam())));
+  const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / GetParam())));
   judge(simulator, frames,
-        [&](int frame) { simulator.move_collider(1, at(1 - 0.9 * frame / frames)); });
+        [&](int frame) { simulator.move_collider(1, at(1 - 1.2 * frame / frames)); });
+  // At 100 m/s it leaves a pile that sags bit by bit for up to eight seconds.
+  EXPECT_LT(rest(simulator, 12), 1e-3);
+}
+
+TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
+  // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not
+  // cross, and trembles no faster than this; 0.07 m/s rms were measured, 0.2 after 100 m/s.
+  Scene scene = pile();
+  const auto at = [](double z) { return Pose{Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; };
+  scene.colliders.push_back({"ball", Sphere{0.15}, at(1), 0.3, ""});
+  Simulator simulator(scene);
+  run(simulator, 1);
+  judge(simulator, 81, [&](int frame) { simulator.move_collider(1, at(1 - 0.9 * frame / 81)); });
   judge(simulator, 30);
+  EXPECT_GT(simulator.step().pinched, 10);
+  EXPECT_LT(rms_velocity(simulator.state()), 0.2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
@@ -240,7 +267,7 @@ TEST(SelfContact, PinchedBetweenTwoClosingSpheres) {
 
 class TableClothPull : public ::testing::TestWithParam<double> {};
 
-TEST_P(TableClothPull, CrossesNothing) {
+TEST_P(TableClothPull, CrossesNothingAndLeavesItAtRest) {
   // The cloth hangs over the edge of a table that is drawn away from under it.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 25;
@@ -260,7 +287,7 @@ TEST_P(TableClothPull, CrossesNothing) {
     x += std::min(1.0, frame / 9.0) * speed / 90;  // at full speed after 0.1 s
     judge(simulator, 1, [&](int) { simulator.move_collider(0, at(x)); });
   }
-  judge(simulator, 90);
+  EXPECT_LT(rest(simulator, 6), 1e-3);
   EXPECT_EQ(deepest_penetration(simulator), 0);
 }
 
