@@ -92,6 +92,7 @@ void Node::run() {
     // Serve callbacks until the next frame is due.
     const ros::WallDuration wait =
         paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
+    choice_log_.update(simulator_.scene().simulation, simulator_.choice());
     serve(std::min(wait, longest_wait));
     refresh();
     const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();

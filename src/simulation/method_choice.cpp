@@ -275,7 +275,8 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
 }
 
 MethodChoice choice_of(const Offer& offer, std::string reason) {
-  return {offer.candidate->method, offer.substeps, offer.error, offer.cost, std::move(reason)};
+  return {
+      offer.candidate->method, offer.substeps, offer.error, offer.cost, std::move(reason), true};
 }
 
 }  // namespace
@@ -295,7 +296,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
-    return {VelocityVerlet::name, 1, 0, 0, "no method is stable with so few substeps"};
+    return {VelocityVerlet::name, 1, 0, 0, "no method is stable with so few substeps", false};
   }
 
   const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };
@@ -314,8 +315,10 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   if (auto o = best_of([](const Offer& a) { return a.real_time; }, finer)) {
     return choice_of(*o, "none is within tolerance in real time: the most accurate in real time");
   }
-  return choice_of(*best_of([](const Offer&) { return true; }, cheaper),
-                   "none is in real time: the cheapest");
+  MethodChoice slow = choice_of(*best_of([](const Offer&) { return true; }, cheaper),
+                                "none is in real time: the cheapest");
+  slow.is_feasible = false;
+  return slow;
 }
 
 }  // namespace clothsim

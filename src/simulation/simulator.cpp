@@ -393,6 +393,7 @@ const Pose& Simulator::collider_pose(int index) const {
   return impl_->colliders.at(static_cast<std::size_t>(index)).pose();
 }
 double Simulator::frame_duration() const { return 1 / impl_->scene.simulation.frames_per_second; }
+const MethodChoice& Simulator::choice() const { return impl_->method->choice; }
 unsigned Simulator::topology_seq() const { return impl_->topology_seq; }
 
 }  // namespace clothsim

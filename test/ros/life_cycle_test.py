@@ -2,6 +2,7 @@
 """Ends of the node and of its master: SIGINT and SIGTERM end it cleanly, a lost master does not."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -12,7 +13,7 @@ import unittest
 import roslib.packages
 import rosunit
 
-from cloth_client import KEPT, PATIENCE, Cloth, Recorder, complaints, rate, wait_for
+from cloth_client import KEPT, PATIENCE, Cloth, Recorder, call, complaints, rate, wait_for
 
 FRAMES_PER_SECOND = 90
 
@@ -57,7 +58,7 @@ class LifeCycle(unittest.TestCase):
         rospy.set_param("/%s/scene" % name, {"cloth": {"columns": 20, "rows": 20}})
         for key, value in parameters.items():
             rospy.set_param("/%s/%s" % (name, key), value)
-        node = subprocess.Popen([self.program, "__name:=" + name], stdout=subprocess.DEVNULL,
+        node = subprocess.Popen([self.program, "__name:=" + name], stdout=subprocess.PIPE,
                                 stderr=subprocess.PIPE, text=True)
         cloth = Cloth("/" + name)
         cloth.states.wait("the first state")
@@ -78,7 +79,7 @@ class LifeCycle(unittest.TestCase):
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
         unknown = ("got an unknown parameter, expected one of scene, camera, diagnostics, world_frame, "
-                   "realtime_factor, paused, publish_clock")
+                   "realtime_factor, jump_speed, paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
         for message in ("/mistaken/kss: %s; did you mean ks?" % unknown,
                         "/mistaken/ks: got 123 " + holds % 5000,
@@ -87,6 +88,28 @@ class LifeCycle(unittest.TestCase):
             self.assertIn(message, errors)
         self.assertEqual(errors.count("/mistaken"), 4, errors)
         self.assertEqual(rospy.get_param("/mistaken/ks"), 5000)
+
+    def test_tells_what_auto_takes(self):
+        """At the start, and when it changes; as a warning where none keeps up."""
+        node, _ = self.start_node("choosing", paused=True)
+        call("/choosing/set_parameters", Reconfigure, encode_config({"ks": 50000.0}))
+        call("/choosing/set_parameters", Reconfigure, encode_config({"gravity_x": 0.0}))  # as before
+        call("/choosing/set_parameters", Reconfigure, encode_config({"method": "verlet"}))
+        call("/choosing/set_parameters", Reconfigure, encode_config({"method": "auto"}))
+        time.sleep(0.2)
+        node.send_signal(signal.SIGINT)
+        said, errors = node.communicate(timeout=PATIENCE)
+        self.assertEqual(errors, "")
+        found = re.findall(r"Method auto takes (\w+), substeps a frame (\d+) or more, predicted error "
+                           r"\S+ of the cloth's size: the cheapest within tolerance", said)
+        self.assertEqual(len(found), 3, said)
+        self.assertLess(int(found[0][1]), int(found[1][1]))
+        self.assertEqual(found[1], found[2])
+
+        node, _ = self.start_node("slow", paused=True, scene={
+            "cloth": {"columns": 200, "rows": 200, "ks": 50000}})
+        errors = self.assert_ends_cleanly(node)
+        self.assertRegex(errors, "Method auto takes .*: none is in real time: the cheapest")
 
     def test_terminate(self):
         node, _ = self.start_node("terminated")

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/choice_log.h"
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
@@ -83,6 +84,7 @@ class Node {
   TimeShares time_;
   StateServices state_services_;
   Diagnostics diagnostics_;
+  ChoiceLog choice_log_;
   ros::SteadyTime next_diagnostics_;
 
   ros::Publisher clock_publisher_;  // where the node owns the clock

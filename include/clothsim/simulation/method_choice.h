@@ -15,6 +15,7 @@ struct MethodChoice {
   double predicted_error = 0;  // of positions after half a second of falling, of the cloth's size
   double predicted_cost = 0;   // CPU seconds a simulated second on a core of today
   std::string reason;          // a sentence
+  bool is_feasible = true;     // stable and, as far as can be foretold, in real time
 };
 
 /// What `simulation.method` stands for. A name: that method. `auto`: the cheapest method that stays

@@ -10,6 +10,7 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 #include "clothsim/simulation/grips.h"
+#include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
@@ -107,6 +108,9 @@ class Simulator {
   const State& state() const;
   const Pose& collider_pose(int index) const;
   double frame_duration() const;  // [s]
+
+  /// What the next frame is integrated by, as it was chosen or as a failed frame has left it.
+  const MethodChoice& choice() const;
 
   /// Counts up whenever the springs or the points of cloth() change.
   unsigned topology_seq() const;

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "clothsim/simulation/method_choice.h"
+#include "clothsim/simulation/scene.h"
+
+namespace clothsim_ros {
+
+/// Logs what `method: auto` has chosen, and when that changes.
+class ChoiceLog {
+ public:
+  /// To be called often.
+  void update(const clothsim::SimulationSpec&, const clothsim::MethodChoice&);
+
+ private:
+  clothsim::MethodChoice told_;
+};
+
+}  // namespace clothsim_ros
