@@ -23,8 +23,9 @@ Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
   return box;
 }
 
-/// False where no point in `box` can be within `margin` [m] of the collider.
+/// False where no point in `box` can be within `margin` [m] of the collider, or it is off.
 bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, double margin) {
+  if (!collider.enabled()) return false;
   const double radius = bounding_radius(collider.shape());
   if (std::isfinite(radius)) {
     const Eigen::AlignedBox3d path =

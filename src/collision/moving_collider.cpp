@@ -15,7 +15,7 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& 
 }  // namespace
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
-    : shape_(spec.shape), friction_(spec.friction) {
+    : shape_(spec.shape), friction_(spec.friction), enabled_(spec.enabled) {
   place(spec.pose);
 }
 

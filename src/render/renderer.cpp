@@ -136,6 +136,7 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
   colliders.resize(snapshot.colliders.size());
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const ColliderView& view = snapshot.colliders[i];
+    if (!view.visible) continue;
     colliders[i].update(view);
     items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
     DrawItem& item = items.back();

@@ -135,10 +135,12 @@ void add_collider(const clothsim::Simulator& simulator, int index, const std_msg
   const clothsim::Pose& pose = simulator.collider_pose(index);
   const clothsim::Shape& shape = colliders[static_cast<size_t>(index)].shape;
   int id = index;
+  const bool shown = simulator.collider_enabled(index);
   for (const Part& part : std::visit([](const auto& s) { return parts_of(s); }, shape)) {
     Marker marker = make_marker(header, "colliders", id, part.type, color(0.60f, 0.67f, 0.74f));
     set_scale(marker, part.size.x(), part.size.y(), part.size.z());
     marker.pose = to_pose_msg({pose.position + pose.orientation * part.center, pose.orientation});
+    if (!shown) marker.action = Marker::DELETE;
     markers.push_back(std::move(marker));
     id += static_cast<int>(colliders.size());
   }

@@ -68,6 +68,7 @@ Node::Node()
   }
   services_ = {node_.advertiseService("pause", &Node::pause, this),
                node_.advertiseService("reset", &Node::reset, this),
+               node_.advertiseService("enable_collider", &Node::enable_collider, this),
                node_.advertiseService("load_scene", &Node::load_scene, this),
                node_.advertiseService("step", &Node::step, this)};
 }
@@ -216,6 +217,30 @@ bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respo
   jump();
   response.success = true;
   response.message = "at the scene's start";
+  return true;
+}
+
+bool Node::enable_collider(clothsim::EnableCollider::Request& request,
+                           clothsim::EnableCollider::Response& response) {
+  const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
+  const auto collider =
+      std::find_if(colliders.begin(), colliders.end(),
+                   [&](const clothsim::ColliderSpec& c) { return c.name == request.name; });
+  if (collider == colliders.end()) {
+    std::string names;
+    for (const clothsim::ColliderSpec& c : colliders) names += (names.empty() ? "" : ", ") + c.name;
+    response.message = "name: got \"" + request.name + "\", expected " +
+                       (names.empty() ? "none, as the scene has no colliders" : "one of " + names);
+    return true;
+  }
+  clothsim::Change change;
+  change.collider = request.name;
+  change.enabled = request.enabled;
+  changes_.publish("enable_collider", change);
+  simulator_.enable_collider(static_cast<int>(collider - colliders.begin()), request.enabled);
+  outputs_.redraw();
+  photographer_.redraw();
+  response.success = true;
   return true;
 }
 

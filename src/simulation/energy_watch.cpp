@@ -39,7 +39,7 @@ double fastest_boundary(const Cloth& cloth, const State& before, const State& af
     box.extend(points->colwise().maxCoeff().transpose());
   }
   for (const MovingCollider& collider : colliders) {
-    fastest = std::max(fastest, collider.fastest_in(box));
+    if (collider.enabled()) fastest = std::max(fastest, collider.fastest_in(box));
   }
   return fastest;
 }

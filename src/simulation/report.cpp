@@ -17,6 +17,7 @@ double deepest_penetration(const Simulator& simulator) {
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   double deepest = 0;
   for (size_t c = 0; c < colliders.size(); ++c) {
+    if (!simulator.collider_enabled(static_cast<int>(c))) continue;
     const Shape& shape = colliders[c].shape;
     const Pose& pose = simulator.collider_pose(static_cast<int>(c));
     const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();

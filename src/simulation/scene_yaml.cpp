@@ -145,7 +145,8 @@ ColliderSpec read_collider(const YAML::Node& node) {
   std::vector<Field> fields = {{"name", into(collider.name)},
                                {"shape", [](const YAML::Node&) {}},
                                {"friction", into(collider.friction)},
-                               {"frame", into(collider.frame)}};
+                               {"frame", into(collider.frame)},
+                               {"enabled", into(collider.enabled)}};
   collider.shape = kinds[static_cast<size_t>(shape)];
   std::visit(
       [&](auto& kind) {

@@ -100,6 +100,7 @@ StepReport Simulator::Impl::step() {
   const State last_good = state;
   const std::vector<MovingCollider> last_colliders = colliders;
 
+  if (!touches()) collider_contacts.reset();  // of colliders that are off now
   StepReport report;
   while (!frame(dt, last_good, report)) {
     state = last_good;
@@ -236,12 +237,13 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 }
 
 double Simulator::Impl::contact_speed(double dt) const {
-  if (colliders.empty()) return 0;
+  if (!touches()) return 0;
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
   double fastest = 0;
   for (const MovingCollider& collider : colliders) {
+    if (!collider.enabled()) continue;
     const double speed = own + collider.fastest_in(box);
     const double distance = box.exteriorDistance(collider.pose().position);
     if (distance > bounding_radius(collider.shape()) + speed * dt) continue;
@@ -382,6 +384,13 @@ void Simulator::place_collider(int index, const Pose& pose) {
   impl_->disturbed = true;
 }
 
+void Simulator::enable_collider(int index, bool enabled) {
+  MovingCollider& collider = impl_->colliders.at(static_cast<std::size_t>(index));
+  if (collider.enabled() == enabled) return;
+  collider.enable(enabled);
+  impl_->disturbed = true;
+}
+
 void Simulator::move_pin(int index, const Vector3& target) {
   impl_->pin_targets.at(static_cast<std::size_t>(index)) = target;
 }
@@ -391,6 +400,9 @@ const Cloth& Simulator::cloth() const { return impl_->cloth; }
 const State& Simulator::state() const { return impl_->state; }
 const Pose& Simulator::collider_pose(int index) const {
   return impl_->colliders.at(static_cast<std::size_t>(index)).pose();
+}
+bool Simulator::collider_enabled(int index) const {
+  return impl_->colliders.at(static_cast<std::size_t>(index)).enabled();
 }
 double Simulator::frame_duration() const { return 1 / impl_->scene.simulation.frames_per_second; }
 const MethodChoice& Simulator::choice() const { return impl_->method->choice; }

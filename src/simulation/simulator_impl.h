@@ -69,7 +69,10 @@ struct Simulator::Impl {
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();
     }
-    for (std::size_t i = 0; i < colliders.size(); ++i) colliders[i].place(scene.colliders[i].pose);
+    for (std::size_t i = 0; i < colliders.size(); ++i) {
+      colliders[i].place(scene.colliders[i].pose);
+      colliders[i].enable(scene.colliders[i].enabled);
+    }
     forget();
   }
 
@@ -139,7 +142,10 @@ struct Simulator::Impl {
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything?
-  bool touches() const { return self_contacts || !colliders.empty(); }
+  bool touches() const {
+    return self_contacts || std::any_of(colliders.begin(), colliders.end(),
+                                        [](const MovingCollider& c) { return c.enabled(); });
+  }
   /// Where substeps follow it.
   std::optional<Tension> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].

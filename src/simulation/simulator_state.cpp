@@ -141,7 +141,8 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
   } else {
     read(memory);
   }
-  const State last = std::exchange(state, given);
+  const State last = state;
+  state = given;  // which may be the same one
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (cloth.inv_mass[i] > 0) continue;
     state.positions.row(i) = last.positions.row(i);

@@ -25,6 +25,7 @@ Snapshot SnapshotMaker::make(const Simulator& simulator, const PreparedView& vie
     ColliderView collider = named == view.colliders.end() ? view.collider : named->second;
     collider.shape = colliders[i].shape;
     collider.pose = simulator.collider_pose(static_cast<int>(i));
+    collider.visible = simulator.collider_enabled(static_cast<int>(i));
     snapshot.colliders.push_back(collider);
   }
   return snapshot;

@@ -17,7 +17,8 @@ from dynamic_reconfigure.client import Client
 from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import Change
-from clothsim.srv import (Attach, Detach, GetState, LoadScene, RestoreState, SaveState, SetState)
+from clothsim.srv import (Attach, Detach, EnableCollider, GetState, LoadScene, RestoreState,
+                          SaveState, SetState)
 from cloth_client import (PATIENCE, Cloth, Recorder, call, content, is_connected, make_transform,
                           positions, publisher_at_once, wait_for)
 
@@ -72,7 +73,7 @@ class Bag(unittest.TestCase):
 
     def run_with_calls(self):
         """Live values change, a hand takes the cloth at a corner, carries it and lets go; another
-        one is torn off."""
+        one is torn off; the sphere is turned off."""
         self.put_sphere(0.5, 0.25)
         self.put_hand(0, 1)
         self.cloth.reset()
@@ -91,7 +92,9 @@ class Bag(unittest.TestCase):
         self.cloth.step(10)
         self.assertFalse(call("/clothsim/detach", Detach, "sphere", []).success)  # it is torn off
         self.live.update_configuration({"gravity_x": 2.0})
-        self.cloth.step(FRAMES - 46)
+        self.cloth.step(9)
+        self.assertTrue(call("/clothsim/enable_collider", EnableCollider, "sphere", False).success)
+        self.cloth.step(FRAMES - 55)
 
     def replay(self, path):
         return subprocess.run([self.replay_bag, path], capture_output=True, text=True,
@@ -136,7 +139,7 @@ class Bag(unittest.TestCase):
         with rosbag.Bag(path) as bag:
             calls = [m.what for _, m, _ in bag.read_messages(CHANGES) if m.what != "tf"]
         self.assertEqual(calls, ["reset", "set_parameters", "attach", "detach", "attach",
-                                 "set_parameters"])
+                                 "set_parameters", "enable_collider"])
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
 
@@ -153,7 +156,8 @@ class Bag(unittest.TestCase):
         self.live.update_configuration(LIVE)
 
         # Without one of the changes it is not the same, and said so.
-        for what, frame in (("set_parameters", 11), ("attach", 22), ("detach", 37), ("tf", 22)):
+        for what, frame in (("set_parameters", 11), ("attach", 22), ("detach", 37), ("tf", 22),
+                            ("enable_collider", 56)):
             answer = self.replay(self.without(path, what))
             self.assertEqual(answer.returncode, 1, what)
             self.assertRegex(answer.stderr, "^frame %d: " % frame, what)

@@ -41,10 +41,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.1.link: got an unknown key, expected one of point, frame"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got an unknown key, expected one of name, shape, friction, "
-                "frame, point, normal, two_sided"},
+                "frame, enabled, point, normal, two_sided"},
         Mistake{"colliders.0.normal=[0, 0, 1]",
                 "colliders.0.normal: got an unknown key, expected one of name, shape, friction, "
-                "frame, center, radius"},
+                "frame, enabled, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
                 "substeps, strain_tolerance, tolerance, method, method_parameters, seed, threads"},
@@ -57,10 +57,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"colliders.0={shape: capsule, size: 1}",
                 "colliders.0.size: got an unknown key, expected one of name, shape, friction, "
-                "frame, center, axis, length, radius"},
+                "frame, enabled, center, axis, length, radius"},
         Mistake{"colliders.0={shape: box, radius: 1}",
                 "colliders.0.radius: got an unknown key, expected one of name, shape, friction, "
-                "frame, center, size, rpy"},
+                "frame, enabled, center, size, rpy"},
         Mistake{"colliders.0={shape: capsule, radius: 0}",
                 "colliders.0.radius: got 0, expected a number of at least 1e-06 [m]"},
         Mistake{"colliders.0={shape: capsule, length: -1}",

@@ -28,13 +28,14 @@ TEST(SceneYaml, ReadsEveryKey) {
        "cloth.damping=3", "cloth.strain_limit=off", "cloth.thickness=4",
        "cloth.self_collision=true", "cloth.friction=0.7",
        "colliders=[{shape: plane, name: wall, point: [1, 2, 3], normal: [5, 0, 0], friction: 6, "
-       "two_sided: true, frame: arm}]",
+       "two_sided: true, frame: arm, enabled: false}]",
        "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
        "tolerance: 0.25, method: verlet, seed: 9223372036854775807, threads: 3}"});
   EXPECT_EQ(print(other),
             "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] "
             "[1 0 0] 1 "
             "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807 3");
+  EXPECT_FALSE(other.colliders[0].enabled);
 }
 
 TEST(SceneYaml, ReadsHowAClothIsKeptOffItself) {

@@ -134,6 +134,29 @@ TEST(SavedStates, KeepThatAColliderPushesTheClothOut) {
   expect_same(simulator.state(), state);
 }
 
+TEST(SavedStates, KeepWhichCollidersAreOn) {
+  Simulator simulator(busy("auto"));
+  run(simulator, once);
+  const auto on = simulator.save();
+  run(simulator, more);
+  const State expected = simulator.state();
+  simulator.restore(*on);
+  simulator.enable_collider(0, false);
+  const auto off = simulator.save();
+  run(simulator, more);
+  const State without = simulator.state();
+  EXPECT_NE(without.positions, expected.positions);
+
+  simulator.restore(*on);
+  EXPECT_TRUE(simulator.collider_enabled(0));
+  run(simulator, more);
+  expect_same(simulator.state(), expected);
+  simulator.restore(*off);
+  EXPECT_FALSE(simulator.collider_enabled(0));
+  run(simulator, more);
+  expect_same(simulator.state(), without);
+}
+
 TEST(SavedStates, SurviveAChangeOfMaterial) {
   Simulator simulator(busy("auto"));
   run(simulator, once);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "clothsim/model/errors.h"
+#include "clothsim/simulation/report.h"
 #include "clothsim/simulation/substeps.h"
 #include "verification/testing.h"
 
@@ -266,8 +267,66 @@ TEST(Simulator, CollidersArriveExactlyAndStay) {
   EXPECT_EQ(simulator.collider_pose(0).position, Vector3(5, 5, 5));
 }
 
+TEST(Simulator, AColliderThatIsOffIsNotThere) {
+  Scene scene = with_ball();
+  scene.simulation.method = VelocityVerlet::name;
+  scene.simulation.substeps = 20;
+  scene.colliders[0].friction = 0.5;
+  Simulator on(scene);
+  scene.colliders[0].enabled = false;
+  Simulator off(scene);
+  EXPECT_FALSE(off.collider_enabled(0));
+  scene.colliders.clear();
+  Simulator without(scene);
+  ASSERT_GT(run(on, 0.5).contacts, 0) << "it meets the ball";
+  EXPECT_EQ(run(off, 0.5).contacts, 0);
+  run(without, 0.5);
+  EXPECT_EQ(off.state().positions, without.state().positions);
+
+  // Turned off, the cloth lets go of it, and falls as from there with nothing below.
+  on.enable_collider(0, false);
+  EXPECT_EQ(on.step().contacts, 0);
+  without.set_state(on.state());
+  on.set_state(on.state());
+  run(on, 0.5);
+  run(without, 0.5);
+  EXPECT_EQ(on.state().positions, without.state().positions);
+
+  on.reset();
+  EXPECT_TRUE(on.collider_enabled(0));
+  off.enable_collider(0, true);
+  off.reset();
+  EXPECT_FALSE(off.collider_enabled(0));
+}
+
+TEST(Simulator, AColliderTurnedOnWithinTheClothPushesItOutGently) {
+  for (const double height : {1.0, 1.15}) {  // of its middle: in the cloth, and just above it
+    Scene scene = with_ball();
+    scene.cloth.columns = scene.cloth.rows = 15;
+    scene.cloth.pinned.clear();
+    scene.simulation.gravity.setZero();
+    scene.colliders[0].pose.position.z() = height;
+    scene.colliders[0].enabled = false;
+    Simulator simulator(scene);
+    run(simulator, 0.1);
+    ASSERT_LT(fastest(simulator.state()), 1e-9);
+    ASSERT_EQ(deepest_penetration(simulator), 0) << "nothing is in what is off";
+
+    simulator.enable_collider(0, true);
+    ASSERT_GT(deepest_penetration(simulator), 0.04);
+    double speed = 0;
+    for (int frame = 0; frame < 90; ++frame) {
+      EXPECT_EQ(simulator.step().recoveries, 0);
+      speed = std::max(speed, fastest(simulator.state()));
+    }
+    EXPECT_LT(speed, 3) << height;  // it pushes at 2 m/s
+    EXPECT_EQ(deepest_penetration(simulator), 0) << height;
+  }
+}
+
 TEST(Simulator, UnknownIndicesThrow) {
   Simulator simulator(with_ball());
+  EXPECT_THROW(simulator.enable_collider(1, false), std::out_of_range);
   EXPECT_THROW(simulator.move_collider(1, Pose{}), std::out_of_range);
   EXPECT_THROW(simulator.place_collider(-1, Pose{}), std::out_of_range);
   EXPECT_THROW(simulator.move_pin(2, Vector3::Zero()), std::out_of_range);

@@ -25,6 +25,7 @@ struct ColliderSpec {
   Pose pose;            // of the shape's own frame in the world
   double friction = 0;  // Coulomb's coefficient, static and dynamic
   std::string frame;    // tf frame that carries the shape; empty: fixed
+  bool enabled = true;  // off: it touches nothing
 };
 
 /// Gap kept between a collider and the points on it [m], so that RViz shows the cloth on top.

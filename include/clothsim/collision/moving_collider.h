@@ -24,6 +24,10 @@ class MovingCollider {
   /// Ends the motion exactly at the pose last aimed at.
   void arrive();
 
+  /// Off, it moves on and touches nothing.
+  void enable(bool enabled) { enabled_ = enabled; }
+  bool enabled() const { return enabled_; }
+
   const Shape& shape() const { return shape_; }
   double friction() const { return friction_; }
   const Pose& pose() const { return pose_; }
@@ -47,6 +51,7 @@ class MovingCollider {
  private:
   Shape shape_;
   double friction_;
+  bool enabled_;
   Pose pose_;
   Pose previous_;
   Pose target_;

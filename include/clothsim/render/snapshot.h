@@ -30,6 +30,7 @@ struct ColliderView {
   Shading shading = BlinnPhong{};
   int segments = 64;   // of its mesh, around and along
   double extent = 10;  // [m] side of the square of a plane
+  bool visible = true;
 };
 
 /// All that is seen at one instant. What is shared is never written to again: a renderer uploads it

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clothsim/EnableCollider.h>
 #include <clothsim/LoadScene.h>
 #include <clothsim/Step.h>
 #include <ros/node_handle.h>
@@ -60,6 +61,7 @@ class Node {
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
+  bool enable_collider(clothsim::EnableCollider::Request&, clothsim::EnableCollider::Response&);
   bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
 

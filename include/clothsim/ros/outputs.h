@@ -29,6 +29,9 @@ class Outputs {
   /// To be called often. Publishes what changed between frames and what publish() left for later.
   void refresh();
 
+  /// What is shown beside the state has changed.
+  void redraw() { markers_due_ = true; }
+
   /// The state as it was last published.
   clothsim::ClothState state() const;
 

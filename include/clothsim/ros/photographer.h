@@ -53,6 +53,9 @@ class Photographer {
   /// that moves get a picture.
   void refresh();
 
+  /// What is seen beside the state has changed: refresh() takes another picture.
+  void redraw() { taken_ = false; }
+
   /// Logs why there are no pictures where that is new.
   CameraStatus status();
 

@@ -83,6 +83,10 @@ class Simulator {
   /// Puts collider `index` at `pose` at once; it has no velocity from it.
   void place_collider(int index, const Pose& pose);
 
+  /// Turns collider `index` on or off, until reset(). Off, it follows where it is moved and touches
+  /// nothing. Cloth that it is turned on in is pushed out as by place_collider().
+  void enable_collider(int index, bool enabled);
+
   /// Moves pin `index` (of scene().cloth.pinned) to `target` [m] during the next frame.
   void move_pin(int index, const Vector3& target);
 
@@ -107,6 +111,7 @@ class Simulator {
   const Cloth& cloth() const;
   const State& state() const;
   const Pose& collider_pose(int index) const;
+  bool collider_enabled(int index) const;
   double frame_duration() const;  // [s]
 
   /// What the next frame is integrated by, as it was chosen or as a failed frame has left it.
