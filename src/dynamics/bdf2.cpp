@@ -1,6 +1,7 @@
 #include "clothsim/dynamics/bdf2.h"
 
 #include "clothsim/dynamics/drag.h"
+#include "clothsim/model/checks.h"
 
 namespace clothsim {
 
@@ -64,6 +65,18 @@ void Bdf2::read(MemoryReader& memory, const Cloth& cloth) {
     state->positions = memory.points(cloth.num_points());
     state->velocities = memory.points(cloth.num_points());
   }
+  check_history();
+}
+
+void Bdf2::check_history() const {
+  const auto check = [](const Points& velocities, const char* of) {
+    const double fastest = velocities.cwiseAbs().maxCoeff();
+    if (fastest < fastest_given) return;
+    throw InvalidValue({"memory"}, to_text(fastest) + " m/s in " + of,
+                       "numbers below " + to_text(fastest_given));
+  };
+  check(last_.velocities, "the velocities before the last step");
+  check((returned_.positions - last_.positions) / h_, "the way of the last step");
 }
 
 }  // namespace clothsim

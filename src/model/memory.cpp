@@ -7,8 +7,8 @@
 namespace clothsim {
 namespace {
 
-/// Numbers beyond are none of a state's; their sums and squares stay finite.
-constexpr double largest = 1e30;
+/// Numbers beyond are none of a simulation's.
+constexpr double largest = 1e12;
 
 [[noreturn]] void refuse(const std::string& got, const std::string& expected) {
   throw InvalidValue({"memory"}, got, expected);

@@ -261,7 +261,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
 
-  if (touches() && !std::isfinite(state.positions.sum())) return false;  // numbers to sort by
+  if (touches() && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return true;

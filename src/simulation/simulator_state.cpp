@@ -34,15 +34,17 @@ std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
           static_cast<double>(place)};
 }
 
-void check_points(const std::string& key, const Points& points, int count) {
+/// Throws InvalidValue unless there are `count`, each below `limit`.
+void check_points(const std::string& key, const Points& points, int count, double limit,
+                  const char* unit) {
   if (points.rows() != count) {
     throw InvalidValue({key}, std::to_string(points.rows()) + " points", std::to_string(count));
   }
   for (int i = 0; i < count; ++i) {
     const Vector3 p = points.row(i).transpose();
-    if (!(p.cwiseAbs().array() < farthest).all()) {  // true for NaN
+    if (!(p.cwiseAbs().array() < limit).all()) {  // true for NaN
       throw InvalidValue({key, std::to_string(i)}, vector_text(p),
-                         "finite numbers below " + to_text(farthest));
+                         "finite numbers below " + to_text(limit) + unit);
     }
   }
 }
@@ -119,8 +121,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
 }
 
 void Simulator::Impl::set_state(const State& given, const std::vector<double>& memory) {
-  check_points("positions", given.positions, cloth.num_points());
-  check_points("velocities", given.velocities, cloth.num_points());
+  check_points("positions", given.positions, cloth.num_points(), farthest, " [m]");
+  check_points("velocities", given.velocities, cloth.num_points(), fastest_given, " [m/s]");
   if (!(given.time >= 0 && given.time < farthest)) {
     throw InvalidValue({"time"}, to_text(given.time),
                        "a number from 0 to below " + to_text(farthest) + " [s]");

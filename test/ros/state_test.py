@@ -110,7 +110,7 @@ class State(unittest.TestCase):
                 (cut("velocities", 0), "state/velocities: got 0 points, expected 144"),
                 (changed("positions", 31, nan), "state/positions/10: got ["),
                 (changed("velocities", 5, float("inf")), "state/velocities/1: got ["),
-                (changed("velocities", 5, 1e13), "expected finite numbers below 1e+12"),
+                (changed("velocities", 5, -1000), "expected finite numbers below 1000 [m/s]"),
                 (changed("positions", 2, 1.1), "state/positions/0: got [0, 0, 1.1], expected "
                                                "[0, 0, 1], where the point is held"),
                 (late, "state/time: got inf"),

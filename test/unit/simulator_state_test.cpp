@@ -237,8 +237,12 @@ TEST_F(Refused, StatesThatCannotBe) {
   bad.velocities(99, 2) = -std::numeric_limits<double>::infinity();
   expect_refused(bad, memory_, "velocities.99: got [");
   bad = state_;
-  bad.velocities(3, 0) = 1e12;
-  expect_refused(bad, memory_, "expected finite numbers below 1e+12");
+  bad.velocities(3, 0) = 1000;
+  expect_refused(bad, memory_, "velocities.3: got [1000, ");
+  expect_refused(bad, memory_, "], expected finite numbers below 1000 [m/s]");
+  bad = state_;
+  bad.positions(3, 0) = -1e12;
+  expect_refused(bad, memory_, "expected finite numbers below 1e+12 [m]");
   bad = state_;
   bad.time = -1;
   expect_refused(bad, memory_, "time: got -1");
@@ -256,6 +260,34 @@ TEST_F(Refused, MemoriesOfSomethingElse) {
   expect_refused(state_, bad, "memory: got");
   expect_refused(state_, {1}, "memory: got that of another cloth, scene or method");
   expect_refused(state_, Simulator(busy("xpbd")).memory(), "another cloth, scene or method");
+}
+
+TEST(SavedStates, GoOnSoonOrNotAtAll) {
+  // A history of numbers far off, where nothing has touched the cloth: points thrown far would take
+  // contact minutes to follow.
+  Scene scene = shipped_scene("self_collision");
+  scene.cloth.columns = scene.cloth.rows = 12;
+  scene.cloth.self_collision = SelfCollision::surface;
+  scene.simulation.method = "bdf2";
+  Simulator simulator(scene);
+  run(simulator, 0.1);
+  const State state = simulator.state();
+  const std::vector<double> memory = simulator.memory();
+  int refused = 0;
+  for (std::size_t place = 12; place < 12 + 2 * 432; place += 97) {  // before the last step
+    for (const double value : {1e4, 1e6, 1e9}) {
+      std::vector<double> bad = memory;
+      bad[place] = value;
+      try {
+        simulator.set_state(state, bad);
+      } catch (const InvalidValue& error) {
+        EXPECT_NE(std::string(error.what()).find("m/s in the "), std::string::npos) << error.what();
+        ++refused;
+      }
+    }
+  }
+  EXPECT_EQ(refused, 27);
+  simulator.set_state(state, memory);
 }
 
 TEST_F(Refused, GarbageInAMemory) {

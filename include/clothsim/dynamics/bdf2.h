@@ -45,6 +45,9 @@ class Bdf2 {
   void read(MemoryReader&, const Cloth&);
 
  private:
+  /// Throws InvalidValue for a history that would throw points farther than any cloth is thrown.
+  void check_history() const;
+
   NewtonSolver solver_;
   ClothWatch watch_;
   double h_ = 0;         // [s] of the last step; 0: there is none

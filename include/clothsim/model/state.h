@@ -4,6 +4,10 @@
 
 namespace clothsim {
 
+/// Velocities from outside are below that in each component [m/s]: three times the speed of sound,
+/// at which contact takes seconds a frame, and the time grows with the speed.
+inline constexpr double fastest_given = 1e3;
+
 /// Everything about a cloth that changes while it moves.
 struct State {
   Points positions;   // [m], N x 3, row-major over the grid: point (column, row) is row * columns +

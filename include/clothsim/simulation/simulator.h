@@ -59,8 +59,9 @@ class Simulator {
 
   /// Goes on from `state`; colliders and pins stay where they are. With the memory that came with
   /// the state, to the same bits as then; without, as after a reset. Throws InvalidValue and
-  /// changes nothing for another number of points, numbers that are not finite or beyond 1e12, a
-  /// pin farther than 1 um from where it is, and the memory of another cloth or method.
+  /// changes nothing for another number of points, numbers that are not finite, positions beyond
+  /// 1e12 m, velocities of 1000 m/s or more, a pin farther than 1 um from where it is, and the
+  /// memory of another cloth or method.
   void set_state(const State& state, const std::vector<double>& memory = {});
 
   /// A copy of all that moves, colliders, pins and attached points too, to come back to and go on
