@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <thread>
 
@@ -23,6 +25,19 @@ long resident_pages() {
   long total = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> total >> resident;
   return resident;
+}
+
+/// Pages by which `cycle` makes this process grow each time: the least of three times, as the
+/// driver's and allocator's caches grow in one of them or another, and a leak in each.
+template <typename Cycle>
+long growth(const Cycle& cycle) {
+  long least = std::numeric_limits<long>::max();
+  for (int i = 0; i < 3; ++i) {
+    const long before = resident_pages();
+    cycle();
+    least = std::min(least, resident_pages() - before);
+  }
+  return least;
 }
 
 TEST(Context, SaysWhereItCameFrom) {
@@ -84,11 +99,10 @@ TEST(Context, MakingAndDroppingRenderersKeepsMemoryFlat) {
     }).join();
   };
   cycle(5);
-  const long before = resident_pages();
-  cycle(30);
+  const long grown = growth([&] { cycle(15); });
   // One leaked colour target of this size and its program are some 20 pages each.
   if (memory_tells) {
-    EXPECT_LT(resident_pages() - before, 30 * 20);
+    EXPECT_LT(grown, 15 * 20 / 2);
   }
 }
 
@@ -105,11 +119,10 @@ TEST(Context, ManyFramesAndSizesKeepMemoryFlat) {
     }
   };
   cycle(50);
-  const long before = resident_pages();
-  cycle(300);
-  // A leak of one vertex buffer a frame would be 300 times 4 pages.
+  const long grown = growth([&] { cycle(100); });
+  // A leak of one vertex buffer a frame would be 100 times 4 pages.
   if (memory_tells) {
-    EXPECT_LT(resident_pages() - before, 600);
+    EXPECT_LT(grown, 100 * 4 / 2);
   }
 }
 
