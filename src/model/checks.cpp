@@ -46,4 +46,10 @@ void check_frame(const std::string& frame) {
   }
 }
 
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 }  // namespace clothsim

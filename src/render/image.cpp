@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim {
@@ -146,12 +147,9 @@ void check_image_ending(const std::string& path, const std::string& key) {
   std::string ending = fs::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  std::string known;
-  for (const char* one : known_endings) {
-    if (ending == one) return;
-    known += (known.empty() ? "" : ", ") + std::string(one);
-  }
-  refuse(key, path, "a file name that ends in one of " + known);
+  const std::vector<std::string> known(std::begin(known_endings), std::end(known_endings));
+  if (std::find(known.begin(), known.end(), ending) != known.end()) return;
+  refuse(key, path, "a file name that ends in one of " + join(known));
 }
 
 void save_image(const std::string& path, const Image& image) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "clothsim/model/checks.h"
+
 namespace clothsim_ros {
 namespace {
 
@@ -130,14 +132,14 @@ void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out
 }
 
 std::string names(const clothsim::Outputs& outputs) {
-  std::string text;
-  const auto add = [&text](bool is_there, const char* name) {
-    if (is_there) text += (text.empty() ? "" : ", ") + std::string(name);
+  std::vector<std::string> names;
+  const auto add = [&names](bool is_there, const char* name) {
+    if (is_there) names.emplace_back(name);
   };
   add(outputs.color, "color");
   add(outputs.depth, "depth");
   add(outputs.mask, "mask");
-  return text.empty() ? "none" : text;
+  return names.empty() ? "none" : clothsim::join(names);
 }
 
 void fill_camera(const CameraStatus& camera, const DiagnosticLimits& limits, Wrapper& out) {

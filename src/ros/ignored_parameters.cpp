@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/ros/parameters.h"
 #include "clothsim/simulation/yaml_values.h"
@@ -33,12 +34,6 @@ void add_texts(const std::string& name, XmlRpc::XmlRpcValue& value, ParameterTex
 
 bool has(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::string join(const Names& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 /// The namespaces of names: "a" and "a/b" of "a/b/c".
@@ -120,7 +115,7 @@ std::vector<std::string> ignored_parameters(const std::string& prefix, const Kno
       const std::string shown = telling_part(name, live_spaces);
       if (!told.insert(shown).second) continue;
       messages.push_back(prefix + shown + ": got an unknown parameter, expected one of " +
-                         join(known.read) + suggestion(shown, known));
+                         clothsim::join(known.read) + suggestion(shown, known));
     } else if (now.count(name) > 0 && now.at(name) != text) {
       messages.push_back(prefix + name + ": got " + text +
                          " before the start, expected it in ~scene or ~camera, whose " +

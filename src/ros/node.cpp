@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "clothsim/collision/intersections.h"
+#include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim_ros {
@@ -227,10 +228,11 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
       std::find_if(colliders.begin(), colliders.end(),
                    [&](const clothsim::ColliderSpec& c) { return c.name == request.name; });
   if (collider == colliders.end()) {
-    std::string names;
-    for (const clothsim::ColliderSpec& c : colliders) names += (names.empty() ? "" : ", ") + c.name;
-    response.message = "name: got \"" + request.name + "\", expected " +
-                       (names.empty() ? "none, as the scene has no colliders" : "one of " + names);
+    std::vector<std::string> names;
+    for (const clothsim::ColliderSpec& c : colliders) names.push_back(c.name);
+    response.message =
+        "name: got \"" + request.name + "\", expected " +
+        (names.empty() ? "none, as the scene has no colliders" : "one of " + clothsim::join(names));
     return true;
   }
   clothsim::Change change;

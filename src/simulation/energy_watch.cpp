@@ -33,6 +33,7 @@ double fastest_boundary(const Cloth& cloth, const State& before, const State& af
   for (Eigen::Index i = 0; i < cloth.inv_mass.size(); ++i) {
     if (cloth.inv_mass[i] == 0) fastest = std::max(fastest, after.velocities.row(i).norm());
   }
+  if (colliders.empty()) return fastest;
   Eigen::AlignedBox3d box;
   for (const Points* points : {&before.positions, &after.positions}) {
     box.extend(points->colwise().minCoeff().transpose());

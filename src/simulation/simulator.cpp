@@ -116,7 +116,7 @@ StepReport Simulator::Impl::step() {
     ++report.recoveries;
   }
 
-  // Pins and colliders arrive, to the last bit. Pins that the cloth itself is in the way of do not.
+  // Pins and colliders arrive, to the last bit. Pins that the cloth itself blocks stop short.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
     arrive_at(pin_targets[i], pin_point(i), state);
     state.velocities.row(pin_point(i)).setZero();

@@ -72,12 +72,6 @@ std::string describe_scalar(const YAML::Node& node) {
   throw InvalidValue({}, describe(node), expected);
 }
 
-std::string join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 }  // namespace
 
 std::string describe(const YAML::Node& node) {

@@ -19,15 +19,14 @@ ColliderView prepare(const ColliderLook& look, ImageStore& images) {
 }  // namespace
 
 void check_colliders(const View& view, const Scene& scene) {
-  std::string names;
-  for (const ColliderSpec& collider : scene.colliders)
-    names += (names.empty() ? "" : ", ") + collider.name;
+  std::vector<std::string> names;
+  for (const ColliderSpec& collider : scene.colliders) names.push_back(collider.name);
   for (const auto& entry : view.colliders) {
     const bool known = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                    [&](const ColliderSpec& c) { return c.name == entry.first; });
     if (!known) {
       throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
-                         names.empty() ? "none, as the scene has none" : "one of " + names);
+                         names.empty() ? "none, as the scene has none" : "one of " + join(names));
     }
   }
 }

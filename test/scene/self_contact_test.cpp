@@ -63,7 +63,7 @@ double rest(Simulator& simulator, double seconds) {
   return speed;
 }
 
-/// A cloth with both end rows pinned, `width` x 1 m of 2 cm cells.
+/// A cloth with both end rows pinned, `width` x 1 m of 4 cm cells.
 Scene strip(double width) {
   Scene scene;
   scene.cloth.width = width;
@@ -168,37 +168,41 @@ TEST(SelfContact, FiveLayersPressedByAPlane) {
   EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
 }
 
+/// A sphere that comes down on the middle of the pile.
+Pose ball_at(double z) { return {Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; }
+
+Scene pile_below_a_ball() {
+  Scene scene = pile();
+  scene.colliders.push_back({"ball", Sphere{0.15}, ball_at(1), 0.3, ""});
+  return scene;
+}
+
 class SphereThroughPile : public ::testing::TestWithParam<double> {};
 
 TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
   // It goes on into the ground, pinching what is between, until all of it is below.
-  Scene scene = pile();
-  const auto at = [](double z) { return Pose{Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; };
-  scene.colliders.push_back({"ball", Sphere{0.15}, at(1), 0.3, ""});
-  Simulator simulator(scene);
+  Simulator simulator(pile_below_a_ball());
   run(simulator, 1);
   const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / GetParam())));
   judge(simulator, frames,
-        [&](int frame) { simulator.move_collider(1, at(1 - 1.2 * frame / frames)); });
+        [&](int frame) { simulator.move_collider(1, ball_at(1 - 1.2 * frame / frames)); });
   // At 100 m/s it leaves a pile that sags bit by bit for up to eight seconds.
   EXPECT_LT(rest(simulator, 12), 1e-3);
 }
 
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
+
 TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
   // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not
   // cross, and trembles no faster than this; 0.07 m/s rms were measured, 0.2 after 100 m/s.
-  Scene scene = pile();
-  const auto at = [](double z) { return Pose{Vector3(0.5, 0, z), Eigen::Quaterniond::Identity()}; };
-  scene.colliders.push_back({"ball", Sphere{0.15}, at(1), 0.3, ""});
-  Simulator simulator(scene);
+  Simulator simulator(pile_below_a_ball());
   run(simulator, 1);
-  judge(simulator, 81, [&](int frame) { simulator.move_collider(1, at(1 - 0.9 * frame / 81)); });
+  judge(simulator, 81,
+        [&](int frame) { simulator.move_collider(1, ball_at(1 - 0.9 * frame / 81)); });
   judge(simulator, 30);
   EXPECT_GT(simulator.step().pinched, 10);
   EXPECT_LT(rms_velocity(simulator.state()), 0.2);
 }
-
-INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
 
 TEST(SelfContact, PinsDraggedThroughTheClothAreHeldBackAndSaidSo) {
   // Four pins hold a cell of a hanging cloth, which cannot give way. A pin on its lower edge is

@@ -27,7 +27,7 @@ struct CaughtFace {
 /// its point has of them. What a corner touches is left to the contact of that point.
 class FaceContacts {
  public:
-  /// Makes the contacts of the last step, of `h` times `scale` ago, those to resume.
+  /// Keeps the contacts of the last step as those to resume.
   void start_over();
 
   /// Adds the contacts of the next collider, number `index`. `margin`: how far away one may be that

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "clothsim/model/errors.h"
 #include "clothsim/model/types.h"
@@ -29,6 +30,9 @@ void check_frame(const std::string& frame);
 
 /// The shortest text that reads back as `value`.
 std::string to_text(double value);
+
+/// The words one after the other, with commas, as messages list them.
+std::string join(const std::vector<std::string>& words);
 
 /// Runs `action`; an InvalidValue it throws gets `parent` before its key.
 template <class Action>
