@@ -55,7 +55,6 @@ Scene at(Scene scene, const Dial& dial) {
   simulation.method_parameters = default_parameters(dial.method);
   if (dial.iterations) {
     set_parameter(simulation.method_parameters, "iterations", *dial.iterations);
-    set_parameter(simulation.method_parameters, "tolerance", 0.0);
   }
   if (dial.is_single) {
     using Parameters = VelocityVerlet::Parameters;
