@@ -90,7 +90,7 @@ void PointContacts::begin(const Cloth& cloth, const ContactStep& step, State& st
   }
 }
 
-double PointContacts::sweep(const Cloth& cloth, double, Points& velocities) {
+double PointContacts::sweep(const Cloth& cloth, double, Points& velocities, const Workers&) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
     const Vector3 v = row(velocities, c.pair.b) - row(velocities, c.pair.a);

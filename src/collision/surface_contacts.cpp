@@ -7,26 +7,14 @@
 #include <map>
 #include <mutex>
 
+#include "clothsim/collision/box_tree.h"
+#include "clothsim/collision/crossing_guard.h"
 #include "clothsim/collision/pinches.h"
 
 namespace clothsim {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Way of a point between two measurements, of its distance to the nearest feature: below a half,
-/// or two could meet.
-constexpr double bound_share = 0.45;
-
-/// The same for what parts while it is as near as features may come, over half of that distance.
-constexpr double parting_share = 0.1;
-
-/// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
-/// which would let them cross.
-constexpr double least_share = 1e-5;
-
-/// Measurements in a step: points that must wait for others to move get as many chances.
-constexpr int most_legs = 6;
 
 /// Share of an overlap that the impulses work off each step. Kept impulses integrate it, so a large
 /// share shakes piles.
@@ -46,6 +34,9 @@ constexpr double parting_push = 0.1;
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
 
+/// Contacts from which on they have sides: below, a pass is over before another thread is there.
+constexpr std::size_t least_split = 200;
+
 /// Sum of the points, by weight.
 inline Vector3 sum(const std::array<int, 4>& p, const std::array<double, 4>& weights,
                    const Points& x) {
@@ -63,14 +54,6 @@ inline void push_apart(const Cloth& cloth, const std::array<int, 4>& points,
     const double weight = weights[k] * cloth.inv_mass[points[k]];
     for (int axis = 0; axis < 3; ++axis) x(points[k], axis) += weight * d[axis];
   }
-}
-
-/// Is a point that is held to go farther than it may?
-bool binds_a_pin(const Cloth& cloth, const Points& ways, const Scalars& bounds) {
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] == 0 && ways.row(i).norm() > bounds[i]) return true;
-  }
-  return false;
 }
 
 }  // namespace
@@ -187,8 +170,7 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   for (const auto& [begin, contacts] : found) {
     contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
   }
-  points_.clear();
-  for (const Contact& c : contacts_) points_.push_back(c.points);
+  group(middle);
   changed_.mark_all(cloth.num_points());
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
@@ -196,13 +178,57 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   }
 }
 
-double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velocities) {
+/// By the plane that has half of the contacts on either side, across the longest way they reach.
+void SurfaceContacts::group(const Points& positions) {
+  for (std::vector<Place>& places : groups_) places.clear();
+  const std::size_t count = contacts_.size();
+  int axis = 0;
+  double split = -infinity;
+  if (count >= least_split) {
+    Box box;
+    for (const Contact& c : contacts_) box.extend(row(positions, c.points[0]));
+    box.sizes().maxCoeff(&axis);
+    std::vector<double> along;
+    for (const Contact& c : contacts_) along.push_back(positions(c.points[0], axis));
+    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(along.begin(), middle, along.end());
+    split = *middle;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::array<int, 4>& points = contacts_[k].points;
+    const auto before = std::count_if(points.begin(), points.end(),
+                                      [&](int i) { return positions(i, axis) < split; });
+    const Group group = before == 4 ? one_side : before == 0 ? other_side : across;
+    groups_[group].push_back({points, static_cast<int>(k)});
+  }
+}
+
+double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velocities,
+                              const Workers& workers) {
   const double least = unseen_share * precision;  // [m]
   changed_.look(velocities, least / h_);
+  std::array<double, num_groups> changes{};
+  const auto sweep_groups = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto group = static_cast<Group>(k);
+      changes[group] = sweep_group(group, cloth, least, velocities);
+    }
+  };
+  if (groups_[one_side].empty()) {
+    sweep_groups(one_side, across);
+  } else {
+    workers.share(2, sweep_groups, 1);
+  }
+  sweep_groups(across, num_groups);
+  return *std::max_element(changes.begin(), changes.end());
+}
+
+double SurfaceContacts::sweep_group(Group group, const Cloth& cloth, double least,
+                                    Points& velocities) {
   double residual2 = 0;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (!changed_.any(points_[k])) continue;
-    Contact& c = contacts_[k];
+  for (const Place& place : groups_[group]) {
+    if (!changed_.any(place.points)) continue;
+    Contact& c = contacts_[static_cast<std::size_t>(place.contact)];
     const Vector3 v = sum(c.points, c.weights, velocities);
     if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
     const Vector3 change = c.impulse.update(v, c.mass);
@@ -215,67 +241,9 @@ double SurfaceContacts::sweep(const Cloth& cloth, double precision, Points& velo
   return std::sqrt(residual2);
 }
 
-int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, State& state) {
-  Points& positions = state.positions;
-  Points here = step.start;
-  // Features that start nearer than they may ever come have no side to be kept on.
-  const double floor = least_share * near_.least_nearest();
-  const auto bound = [floor](double distance) {
-    return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
-  };
-  bool together = true;  // points held back go along with the cloth
-  for (int leg = 1;; ++leg) {
-    // Ways beyond the common one, which brings nobody closer. Pairs that bind are nearer than the
-    // longest way needs; further ones than can be seen are taken to be no further.
-    Points ways = positions - here;
-    const Eigen::RowVector3d common =
-        together ? Eigen::RowVector3d(ways.colwise().mean()) : Eigen::RowVector3d::Zero();
-    ways.rowwise() -= common;
-    const double needed = floor + longest_row(ways) / bound_share;
-    if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
-    const double seen = std::min(needed, near_.reach());
-    const std::vector<NearPair>& near_pairs = near_.within(cloth, here, seen, step.workers);
-    if (near_pairs.empty() && seen == needed) return 0;
-
-    const double unseen = seen == needed ? infinity : bound(seen);
-    Scalars bounds = Scalars::Constant(here.rows(), unseen);
-    for (const NearPair& near : near_pairs) {
-      const double distance = near.separation.distance;
-      double of_pair = bound(distance);
-      const bool parts = gap_along(near.separation.normal, near.pair, positions) > distance;
-      if (parts) of_pair = std::max(of_pair, parting_share * (distance - 0.75 * floor));
-      for (const int point : near.pair.points) {
-        bounds[point] = std::min(bounds[point], of_pair);
-      }
-    }
-    // A pin goes where it is told or stays: the cloth does not take it along.
-    if (together && binds_a_pin(cloth, ways, bounds)) {
-      together = false;
-      continue;
-    }
-    std::vector<int> held_back;
-    for (int i = 0; i < here.rows(); ++i) {
-      const double way = ways.row(i).norm();
-      if (way > bounds[i]) {
-        ways.row(i) *= bounds[i] / way;
-        here.row(i) += common + ways.row(i);
-        held_back.push_back(i);
-      } else {
-        here.row(i) = positions.row(i);
-      }
-    }
-    if (held_back.empty() || leg >= most_legs) {
-      positions = here;
-      for (const int i : held_back) {
-        if (cloth.inv_mass[i] == 0) continue;
-        // Repairs and push-outs have moved it, too: what they did is no velocity.
-        const Eigen::RowVector3d made = (here.row(i) - step.start.row(i)) / h_;
-        const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
-        state.velocities.row(i) = std::min(1.0, share) * made;
-      }
-      return static_cast<int>(held_back.size());
-    }
-  }
+int SurfaceContacts::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                           State& state) {
+  return keep_from_crossing(cloth, step, by_impulses, near_, state);
 }
 
 void SurfaceContacts::add_impulses(double scale, Points& total) const {
@@ -294,7 +262,7 @@ int SurfaceContacts::count() const {
 
 void SurfaceContacts::reset() {
   contacts_.clear();
-  points_.clear();
+  for (std::vector<Place>& places : groups_) places.clear();
   h_ = 0;
 }
 

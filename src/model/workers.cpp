@@ -19,7 +19,8 @@ constexpr std::chrono::microseconds awake{600};
 /// Looks at what others still do before the caller gives way to them.
 constexpr int patience = 4000;
 
-/// Bands begin at multiples of this: a line of the caches, which two threads should not both write.
+/// Bands begin at multiples of this, unless they may be shorter: a line of the caches, which two
+/// threads should not both write.
 constexpr int line = 8;
 
 void relax() {
@@ -104,9 +105,11 @@ struct Workers::Pool {
   }
 
   void take_bands() {
+    const int multiple = loop.least < line ? 1 : line;
     const auto begin_of = [&](int band) {
       if (band == bands) return loop.count;
-      return static_cast<int>(static_cast<long long>(loop.count) * band / bands) / line * line;
+      const auto begin = static_cast<int>(static_cast<long long>(loop.count) * band / bands);
+      return begin / multiple * multiple;
     };
     for (int band = next++; band < bands; band = next++) {
       loop.call(loop.body, begin_of(band), begin_of(band + 1));

@@ -300,14 +300,16 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
     double stretching = 0;
     double folding = 0;
     if (strain_limit) stretching = strain_limit->sweep(state.velocities, workers);
-    visit_self_contacts(
-        [&](auto& contacts) { folding = contacts.sweep(cloth, unseen_fold, state.velocities); });
+    visit_self_contacts([&](auto& contacts) {
+      folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
+    });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;
     const bool solved = stretching <= small && touching <= small_touch && folding <= small_fold;
     if (solved && sweep >= min_sweeps) break;
   }
   state.positions += reach * h * (state.velocities - predicted);
+  if (self_contacts) by_impulses = state.positions;
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) repair(report);
@@ -315,8 +317,9 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
   // Whatever has moved the points, the cloth does not pass through itself.
-  visit_self_contacts(
-      [&](auto& contacts) { report.held_back += contacts.guard(cloth, contact_step, state); });
+  visit_self_contacts([&](auto& contacts) {
+    report.held_back += contacts.guard(cloth, contact_step, by_impulses, state);
+  });
 }
 
 void Simulator::Impl::repair(StepReport& report) {

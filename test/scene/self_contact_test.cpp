@@ -89,19 +89,6 @@ INSTANTIATE_TEST_SUITE_P(Materials, Pile,
                                            std::pair(1e5, 150.0), std::pair(5000.0, 10.0),
                                            std::pair(5000.0, 1e4)));
 
-TEST(SelfContact, ThreadsGiveTheSameBits) {
-  Scene scene = pile();
-  Simulator one(scene);
-  scene.simulation.threads = 3;
-  Simulator three(scene);
-  for (int frame = 0; frame < 90; ++frame) {
-    one.step();
-    three.step();
-  }
-  EXPECT_EQ(one.state().positions, three.state().positions);
-  EXPECT_EQ(one.state().velocities, three.state().velocities);
-}
-
 TEST(SelfContact, ADropOfTwoMetres) {
   Scene scene = pile();
   scene.cloth.origin.z() = 2;
@@ -177,20 +164,26 @@ Scene pile_below_a_ball() {
   return scene;
 }
 
-class SphereThroughPile : public ::testing::TestWithParam<double> {};
+/// Its speed [m/s] and the pile's seed.
+class SphereThroughPile : public ::testing::TestWithParam<std::pair<double, std::uint64_t>> {};
 
 TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
   // It goes on into the ground, pinching what is between, until all of it is below.
-  Simulator simulator(pile_below_a_ball());
+  const auto [speed, seed] = GetParam();
+  Scene scene = pile_below_a_ball();
+  scene.simulation.seed = seed;
+  Simulator simulator(scene);
   run(simulator, 1);
-  const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / GetParam())));
+  const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / speed)));
   judge(simulator, frames,
         [&](int frame) { simulator.move_collider(1, ball_at(1 - 1.2 * frame / frames)); });
-  // At 100 m/s it leaves a pile that sags bit by bit for up to eight seconds.
-  EXPECT_LT(rest(simulator, 12), 1e-3);
+  // What it has pressed together comes apart: held back for ever, piles shook at 50 mm/s.
+  EXPECT_LT(rest(simulator, 8), 1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0, 100.0));
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile,
+                         ::testing::Values(std::pair(1.0, 1), std::pair(10.0, 1),
+                                           std::pair(100.0, 1), std::pair(100.0, 2)));
 
 TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
   // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not

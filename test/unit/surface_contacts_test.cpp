@@ -64,7 +64,7 @@ void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
   for (int i = 0; i < 2000 && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
-  contacts.guard(cloth, contact_step, state);
+  contacts.guard(cloth, contact_step, Points(state.positions), state);
 }
 
 Eigen::RowVector3d momentum(const Cloth& cloth, const State& state) {
@@ -229,7 +229,8 @@ TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {
       state.positions += random_points(81, 0.02, 1000 * seed + k);
       const ContactStep contact_step{h, reach, start, state.velocities, alone};
       contacts.begin(cloth, contact_step, state);
-      held += contacts.guard(cloth, contact_step, state);
+      const Points by_impulses = start + random_points(81, 0.05, 2000 * seed + k);
+      held += contacts.guard(cloth, contact_step, by_impulses, state);
       ASSERT_EQ(count_intersections(cloth, state.positions), 0) << seed << ' ' << k;
     }
   }
@@ -245,13 +246,35 @@ TEST(SurfaceContacts, GuardLetsPartWhatIsAsNearAsItMayCome) {
     for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
     const ContactStep contact_step{h, reach, start, state.velocities, alone};
     contacts.begin(cloth, contact_step, state);
-    contacts.guard(cloth, contact_step, state);
+    contacts.guard(cloth, contact_step, Points(state.positions), state);
     ASSERT_EQ(count_intersections(cloth, state.positions), 0);
   };
   for (int i = 0; i < 60; ++i) move_end(-thickness);
   EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
-  for (int i = 0; i < 30; ++i) move_end(thickness);
+  move_end(thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness) << "at once";
+  for (int i = 0; i < 5; ++i) move_end(thickness);
   EXPECT_GT(least_distance(cloth, state.positions), thickness);
+}
+
+TEST(SurfaceContacts, GuardLeavesOutRepairsThatHoldTogetherWhatTouches) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto move_corner = [&](double by_impulses, double by_repairs) {
+    const Points start = state.positions;
+    state.positions(7, 2) += by_impulses;
+    const Points before_repairs = state.positions;
+    state.positions(7, 2) += by_repairs;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    contacts.guard(cloth, contact_step, before_repairs, state);
+    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
+  };
+  for (int i = 0; i < 60; ++i) move_corner(0, -thickness);
+  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  move_corner(thickness, -2 * thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness);
 }
 
 TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) {
@@ -287,7 +310,7 @@ TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {
   SurfaceContacts contacts(cloth);
   const ContactStep contact_step{h, reach, start, state.velocities, alone};
   contacts.begin(cloth, contact_step, state);
-  EXPECT_EQ(contacts.guard(cloth, contact_step, state), 0);
+  EXPECT_EQ(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
   EXPECT_EQ(state.positions, target);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <fstream>
@@ -53,6 +54,15 @@ TEST(Workers, ShareEveryElementOnce) {
       }
     }
   }
+}
+
+TEST(Workers, ShareBandsShorterThanALineOfTheCaches) {
+  const Workers workers(2);
+  std::array<std::atomic<int>, 2> lengths{};
+  workers.share(
+      2, [&](int begin, int end) { lengths[static_cast<std::size_t>(begin)] = end - begin; }, 1);
+  EXPECT_EQ(lengths[0], 1);
+  EXPECT_EQ(lengths[1], 1);
 }
 
 TEST(Workers, EndWhateverTheirThreadsDo) {
@@ -186,6 +196,29 @@ TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
       EXPECT_EQ(state.positions, expected.positions) << threads;
       EXPECT_EQ(state.velocities, expected.velocities) << threads;
     }
+  }
+}
+
+/// A pile whose contacts are found and solved by all threads.
+TEST(ThreadBits, AreTheSameFromSurfaceContact) {
+  Scene scene = shipped_scene("self_collision");
+  scene.cloth.columns = scene.cloth.rows = 25;
+  scene.cloth.self_collision = SelfCollision::surface;
+  Simulator one(scene);
+  scene.simulation.threads = 2;
+  Simulator two(scene);
+  scene.simulation.threads = 3;
+  Simulator three(scene);
+  int contacts = 0;
+  for (int frame = 0; frame < 80; ++frame) {
+    contacts = one.step().contacts;
+    two.step();
+    three.step();
+  }
+  EXPECT_GT(contacts, 200);
+  for (const Simulator* other : {&two, &three}) {
+    EXPECT_EQ(one.state().positions, other->state().positions);
+    EXPECT_EQ(one.state().velocities, other->state().velocities);
   }
 }
 

@@ -23,13 +23,13 @@ class PointContacts {
 
   /// One pass over the pairs, whatever the `precision` [m]. Returns the largest change as a
   /// displacement in h [m].
-  double sweep(const Cloth&, double precision, Points& velocities);
+  double sweep(const Cloth&, double precision, Points& velocities, const Workers& = {});
 
   /// Moves pairs that are closer than they may be apart, in one pass.
   void correct(const Cloth&, Points& positions) const;
 
   /// Nothing holds points back.
-  int guard(const Cloth&, const ContactStep&, State&) const { return 0; }
+  int guard(const Cloth&, const ContactStep&, const Points&, State&) const { return 0; }
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;

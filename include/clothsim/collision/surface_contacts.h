@@ -18,10 +18,8 @@ namespace clothsim {
 /// triangles and edges against edges, no restitution, Coulomb friction, impulses kept from step to
 /// step, equal and opposite, weighted by inverse mass.
 ///
-/// Impulses keep layers apart; what they leave over cannot cross either: no point moves further
-/// than a share, below a half, of its distance to the nearest feature before distances are
-/// measured again (Chen et al. 2025, "Offset Geometric Contact"; Lan et al. 2024, Gaia). So a cloth
-/// that does not cross itself never does.
+/// Impulses keep layers apart; what they leave over cannot cross either, see keep_from_crossing().
+/// So a cloth that does not cross itself never does.
 class SurfaceContacts {
  public:
   explicit SurfaceContacts(const Cloth&);
@@ -31,14 +29,13 @@ class SurfaceContacts {
 
   /// One pass over the contacts, but for those where nothing has changed that matters to a
   /// `precision` [m]. Returns the largest change as a displacement in h [m].
-  double sweep(const Cloth&, double precision, Points& velocities);
+  double sweep(const Cloth&, double precision, Points& velocities, const Workers& = {});
 
   /// Impulses alone part what is closer than it may be: moving it at once would shake piles.
   void correct(const Cloth&, Points&) const {}
 
-  /// Lets points move from the step's start to `state` as far as they cannot cross, whatever moves
-  /// them. Those held back have the velocity of the way they made. Returns how many.
-  int guard(const Cloth&, const ContactStep&, State&);
+  /// As keep_from_crossing().
+  int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -66,17 +63,29 @@ class SurfaceContacts {
     ContactImpulse impulse;         // of b on a [N s]
   };
 
+  /// Contacts on either side of a plane, which have no point in common, and those across it: passes
+  /// go over both sides at once, then over the rest.
+  enum Group { one_side, other_side, across, num_groups };
+
+  /// A contact, by number, and its points: most passes look at no more of it.
+  struct Place {
+    std::array<int, 4> points;
+    int contact;
+  };
+
+  void group(const Points& positions);
+  double sweep_group(Group, const Cloth&, double least, Points& velocities);
   bool is_nearest_on_surface(const SurfacePair&, const Separation&) const;
   std::optional<Contact> find(const Cloth&, const NearPair&, bool held, const Points& middle,
                               const ContactStep&, const Points& velocities) const;
 
   NearPairs near_;
   double h_ = 0;
-  double strongest_push_ = 0;               // between two features, but for what stops them [N s]
-  double most_to_part_ = 0;                 // of what works off an overlap [N s]
-  std::vector<Contact> contacts_;           // by key
-  std::vector<std::array<int, 4>> points_;  // of contacts_: most passes look at no more of them
+  double strongest_push_ = 0;      // between two features, but for what stops them [N s]
+  double most_to_part_ = 0;        // of what works off an overlap [N s]
+  std::vector<Contact> contacts_;  // by key
   std::vector<Contact> last_;
+  std::array<std::vector<Place>, num_groups> groups_;
   ChangedPoints changed_;
 };
 
