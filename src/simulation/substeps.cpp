@@ -16,24 +16,22 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.85;
 
-/// Least of the substeps that the whole weight asks for.
-constexpr double least_share = 0.45;
-
 /// How tension sets the step.
 struct Limits {
-  double h_omega;     // largest across springs under tension
-  double most_share;  // of the substeps that the whole weight asks for
+  double h_omega;      // largest across springs under tension
+  double least_share;  // of the substeps that the whole weight asks for
+  double most_share;
 };
 
 /// Here the limit's sweeps, not stability, set the step: at less than two thirds of Verlet's limit
 /// the directions of the springs hold through a step and a few sweeps do; nearer to it they turn so
 /// far that hundreds do not.
-constexpr Limits free_limits{1.2, 1};
+constexpr Limits free_limits{1.2, 0.45, 1};
 
 /// Contact passes impacts on to the springs within a step. On the tip of a box a cloth trembles for
-/// ever at h omega = 0.7 and rests at 0.5. Where the limit cannot be met, between two colliders,
-/// tension grows without end: twice the substeps must do.
-constexpr Limits contact_limits{0.5, 2};
+/// ever at 0.7 and rests at 0.5. Where the limit cannot be met, between two colliders, tension
+/// grows without end: twice the substeps must do.
+constexpr Limits contact_limits{0.5, 0.7, 2};
 
 /// h omega for the springs of a point that carry the whole cloth's weight.
 constexpr double weight_limit = 1;
@@ -65,7 +63,7 @@ double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
 int substeps_under_tension(double weight, const Tension& tension, double dt) {
   const Limits& limits = tension.touches ? contact_limits : free_limits;
   const double usual = weight / weight_limit;
-  return whole_steps(dt * std::clamp(tension.frequency / limits.h_omega, least_share * usual,
+  return whole_steps(dt * std::clamp(tension.frequency / limits.h_omega, limits.least_share * usual,
                                      limits.most_share * usual));
 }
 

@@ -360,7 +360,7 @@ TEST(CountSubsteps, FollowsTheTensionUpToAllOfTheWeight) {
   EXPECT_EQ(under(1000, 840), 8);  // h omega <= 1.2
   EXPECT_EQ(under(1000, 1e300), 11);
   EXPECT_EQ(under(0, 1000), 1);
-  EXPECT_EQ(under(1000, 0, true), 5);
+  EXPECT_EQ(under(1000, 0, true), 8);
   EXPECT_EQ(under(1000, 700, true), 15);  // h omega <= 0.5
   EXPECT_EQ(under(1000, 1e300, true), 21);
 
@@ -375,7 +375,7 @@ TEST(CountSubsteps, FollowsTheTensionUpToAllOfTheWeight) {
   };
   EXPECT_EQ(count({}), 13);
   EXPECT_EQ(count(Tension{0, false}), 6);
-  EXPECT_EQ(count(Tension{0, true}), 6);
+  EXPECT_EQ(count(Tension{0, true}), 9);
 }
 
 TEST(CountSubsteps, OneWithoutAStabilityLimitUnlessTensionAsksForMore) {
