@@ -18,7 +18,7 @@ constexpr double bound_share = 0.45;
 /// which would let them cross.
 constexpr double floor_share = 1e-5;
 
-/// More than coordinates round, of the floor.
+/// More than the motion of two features alike rounds, of the floor.
 constexpr double rounding = 1e-6;
 
 /// Measurements in a step: points that must wait for others to move get as many chances.
@@ -34,26 +34,29 @@ struct Room {
     return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
   }
 
-  /// Gap that a plane between them must leave [m]. What is already nearer comes no nearer, but for
-  /// what rounding adds where both move alike.
-  double gap(double distance) const {
-    return std::min(floor, distance > 0.75 * floor ? distance - rounding * floor : distance);
-  }
-
-  /// Will the plane that is between them now be so at `ends`?
-  bool stays_between(const NearPair& near, const Points& ends) const {
-    const Separation& now = near.separation;
-    return gap_along(now.normal, near.pair, ends) >= gap(now.distance);
+  /// Gap that must be left at the ends of ways along the direction of a pair at `here`, for a plane
+  /// to be between its features all the way [m]. Where none is between them now, as their direction
+  /// is lost in rounding, no gap will do. What is nearer than the floor comes no nearer.
+  double gap(const NearPair& near, const Points& here) const {
+    const double distance = near.separation.distance;
+    const double now = gap_along(near.separation.normal, near.pair, here);
+    if (now < floor / 4) return infinity;
+    return distance > 0.75 * floor ? std::min(floor, now - rounding * floor) : distance;
   }
 };
 
+/// Do the ends of ways leave that gap?
+bool leave(const NearPair& near, double gap, const Points& ends) {
+  return gap_along(near.separation.normal, near.pair, ends) >= gap;
+}
+
 /// Brings what touches, and is held together by repairs alone, to where impulses bring it.
 void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room,
-                       const Points& by_impulses, Points& positions) {
+                       const Points& here, const Points& by_impulses, Points& positions) {
   for (const NearPair& near : near_pairs) {
-    const bool touches = near.separation.distance < 2 * room.floor;
-    if (!touches || room.stays_between(near, positions)) continue;
-    if (!room.stays_between(near, by_impulses)) continue;
+    if (near.separation.distance >= 2 * room.floor) continue;
+    const double gap = room.gap(near, here);
+    if (leave(near, gap, positions) || !leave(near, gap, by_impulses)) continue;
     for (const int i : near.pair.points) positions.row(i) = by_impulses.row(i);
   }
 }
@@ -73,13 +76,15 @@ Points shorten(const Points& ways, const Scalars& bounds) {
 Scalars bounds_of(const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
                   const Points& ways, double unseen) {
   Scalars bounds = Scalars::Constant(here.rows(), unseen);
+  std::vector<double> gaps;
+  for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
   for (bool shortened = true; shortened;) {
     shortened = false;
     const Points ends = here + shorten(ways, bounds);
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
-      if (binds[k] || room.stays_between(near, ends)) continue;
+      if (binds[k] || leave(near, gaps[k], ends)) continue;
       binds[k] = true;
       const double most = room.way(near.separation.distance);
       for (const int i : near.pair.points) {
@@ -97,6 +102,23 @@ bool binds_a_pin(const Cloth& cloth, const Points& ways, const Scalars& bounds) 
     if (cloth.inv_mass[i] == 0 && ways.row(i).norm() > bounds[i]) return true;
   }
   return false;
+}
+
+/// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
+/// and push-outs have moved it, too, and what they did is no velocity. So it is with the points
+/// that they moved beside it: from what is knotted, impulses would part them and repairs bring them
+/// back.
+void slow_down(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+               const std::vector<int>& held_back, State& state) {
+  std::vector<bool> slows(static_cast<std::size_t>(cloth.num_points()), false);
+  for (const int i : held_back) slows[static_cast<std::size_t>(i)] = true;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const bool is_moved = state.positions.row(i) != by_impulses.row(i);
+    if (cloth.inv_mass[i] == 0 || !(is_moved || slows[static_cast<std::size_t>(i)])) continue;
+    const Eigen::RowVector3d made = (state.positions.row(i) - step.start.row(i)) / step.h;
+    const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
+    state.velocities.row(i) = std::min(1.0, share) * made;
+  }
 }
 
 }  // namespace
@@ -124,7 +146,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     const std::vector<NearPair>& near_pairs = finder.within(cloth, here, seen, step.workers);
     if (near_pairs.empty() && seen == needed) return 0;
 
-    if (leg == 1) leave_out_repairs(near_pairs, room, by_impulses, positions);
+    if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
     const Points ways = (positions - here).rowwise() - common;
     const Scalars bounds =
         bounds_of(near_pairs, room, here, ways, seen == needed ? infinity : room.way(seen));
@@ -145,13 +167,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     }
     if (held_back.empty() || leg >= most_legs) {
       positions = here;
-      for (const int i : held_back) {
-        if (cloth.inv_mass[i] == 0) continue;
-        // Repairs and push-outs have moved it, too: what they did is no velocity.
-        const Eigen::RowVector3d made = (here.row(i) - step.start.row(i)) / step.h;
-        const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
-        state.velocities.row(i) = std::min(1.0, share) * made;
-      }
+      if (!held_back.empty()) slow_down(cloth, step, by_impulses, held_back, state);
       return static_cast<int>(held_back.size());
     }
   }

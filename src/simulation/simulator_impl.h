@@ -170,7 +170,7 @@ struct Simulator::Impl {
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // where the strain limit meets contact
   Points predicted;         // velocities with the last substep's impulses
-  Points by_impulses;       // positions before repairs, where the cloth is kept off itself
+  Points by_impulses;       // positions before repairs and push-outs, with self contact
   Points impulses;          // that points had from others in this frame, with grips [N s]
 };
 

@@ -177,24 +177,25 @@ TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
   const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / speed)));
   judge(simulator, frames,
         [&](int frame) { simulator.move_collider(1, ball_at(1 - 1.2 * frame / frames)); });
-  // What it has pressed together comes apart: held back for ever, piles shook at 50 mm/s.
+  // What it has pressed together comes apart, or stays so and is still.
   EXPECT_LT(rest(simulator, 8), 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile,
                          ::testing::Values(std::pair(1.0, 1), std::pair(10.0, 1),
-                                           std::pair(100.0, 1), std::pair(100.0, 2)));
+                                           std::pair(100.0, 1), std::pair(100.0, 2),
+                                           std::pair(100.0, 5), std::pair(100.0, 6)));
 
 TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
   // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not
-  // cross, and trembles no faster than this; 0.07 m/s rms were measured, 0.2 after 100 m/s.
+  // cross, and trembles no faster than this; 0.01 m/s rms were measured.
   Simulator simulator(pile_below_a_ball());
   run(simulator, 1);
   judge(simulator, 81,
         [&](int frame) { simulator.move_collider(1, ball_at(1 - 0.9 * frame / 81)); });
-  judge(simulator, 30);
+  judge(simulator, 180);
   EXPECT_GT(simulator.step().pinched, 10);
-  EXPECT_LT(rms_velocity(simulator.state()), 0.2);
+  EXPECT_LT(rms_velocity(simulator.state()), 0.05);
 }
 
 TEST(SelfContact, PinsDraggedThroughTheClothAreHeldBackAndSaidSo) {

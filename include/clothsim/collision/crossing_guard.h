@@ -12,12 +12,14 @@ namespace clothsim {
 /// of the way they made, and no more than they had.
 ///
 /// Between two measurements of distances, points move on straight ways. Two features between which
-/// there is a plane at both ends have one all the way. Where the plane that is between them now
-/// will not be, no point of them goes farther than a share, below a half, of their distance (Chen
-/// et al. 2025, "Offset Geometric Contact"; Lan et al. 2024, Gaia).
+/// there are planes of one direction at both ends have one all the way. Where none of the direction
+/// in which they are closest now will be between them, no point of them goes farther than a share,
+/// below a half, of their distance (Chen et al. 2025, "Offset Geometric Contact"; Lan et al. 2024,
+/// Gaia).
 ///
-/// `by_impulses`: where the points would be without repairs [m]. Repairs know nothing of contact,
-/// so what touches, and is held together by them alone, goes without.
+/// `by_impulses`: where the points would be before repairs of springs and push-outs of colliders
+/// [m]. These know nothing of the cloth's contact with itself, so what touches, and is held
+/// together by them alone, goes without.
 int keep_from_crossing(const Cloth&, const ContactStep&, const Points& by_impulses, NearPairs&,
                        State&);
 
