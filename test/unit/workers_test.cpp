@@ -116,6 +116,22 @@ TEST(Workers, OneThreadStartsNoneAndManyEnd) {
   EXPECT_EQ(threads_of_this_process(), before);
 }
 
+/// So many frames of a scene are the same with one, two and three threads.
+void expect_same_bits(Scene scene, int frames) {
+  const auto run_with = [&](int threads) {
+    scene.simulation.threads = threads;
+    Simulator simulator(scene);
+    for (int frame = 0; frame < frames; ++frame) simulator.step();
+    return simulator.state();
+  };
+  const State one = run_with(1);
+  for (const int threads : {2, 3}) {
+    const State state = run_with(threads);
+    EXPECT_EQ(state.positions, one.positions) << threads;
+    EXPECT_EQ(state.velocities, one.velocities) << threads;
+  }
+}
+
 /// Every method, with all that a scene may have, takes the same steps with any number of threads.
 class MethodThreadBits : public ::testing::TestWithParam<std::string> {};
 
@@ -128,20 +144,8 @@ TEST_P(MethodThreadBits, AreTheSame) {
     scene.cloth.columns = scene.cloth.rows = side;
     for (Pin& pin : scene.cloth.pinned) pin.column = pin.column == 0 ? 0 : side - 1;
     scene.simulation.method = GetParam();
-    Simulator one(scene);
-    scene.simulation.threads = 2;
-    Simulator two(scene);
-    scene.simulation.threads = 3;
-    Simulator three(scene);
-    for (int frame = 0; frame < 5; ++frame) {
-      one.step();
-      two.step();
-      three.step();
-    }
-    for (const Simulator* other : {&two, &three}) {
-      EXPECT_EQ(one.state().positions, other->state().positions) << name;
-      EXPECT_EQ(one.state().velocities, other->state().velocities) << name;
-    }
+    SCOPED_TRACE(name);
+    expect_same_bits(scene, 5);
   }
 }
 
@@ -205,20 +209,7 @@ TEST(ThreadBits, AreTheSameFromSurfaceContact) {
   Scene scene = shipped_scene("self_collision");
   scene.cloth.columns = scene.cloth.rows = 25;
   scene.cloth.self_collision = SelfCollision::surface;
-  Simulator one(scene);
-  scene.simulation.threads = 2;
-  Simulator two(scene);
-  scene.simulation.threads = 3;
-  Simulator three(scene);
-  for (int frame = 0; frame < 80; ++frame) {
-    one.step();
-    two.step();
-    three.step();
-  }
-  for (const Simulator* other : {&two, &three}) {
-    EXPECT_EQ(one.state().positions, other->state().positions);
-    EXPECT_EQ(one.state().velocities, other->state().velocities);
-  }
+  expect_same_bits(scene, 80);
 }
 
 /// Passes over contacts enough for either side of a cloth that lies folded in two.

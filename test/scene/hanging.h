@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/stretch.h"
+#include "verification/testing.h"
+
+namespace clothsim::testing {
+
+/// A cloth held by two corners.
+inline Scene hanging(int side = 20) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
+  return scene;
+}
+
+/// Runs and checks every frame; returns the times that a frame was taken back. Records when the
+/// cloth came to rest: from when on it moves by less than 10 mm/s rms.
+inline int run_checked(Simulator& simulator, double seconds, double speed_limit) {
+  int recoveries = 0;
+  int moving = 0;
+  const int frames = static_cast<int>(std::lround(seconds * 90));
+  for (int frame = 0; frame < frames; ++frame) {
+    recoveries += simulator.step().recoveries;
+    const State& s = simulator.state();
+    EXPECT_TRUE(s.positions.allFinite()) << frame;
+    EXPECT_LT(fastest(s), speed_limit) << frame;
+    if (::testing::Test::HasFailure()) return recoveries;
+    if (rms_velocity(s) > 0.01) moving = frame + 1;
+  }
+  ::testing::Test::RecordProperty("rest_after_s", std::to_string(moving / 90.0));
+  return recoveries;
+}
+
+inline void expect_rest(const Simulator& simulator, double rms) {
+  EXPECT_LT(rms_velocity(simulator.state()), rms);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+}  // namespace clothsim::testing

@@ -1,0 +1,65 @@
+// Starts that no cloth can have, by `auto`: it must find back into its shape.
+
+#include "hanging.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// The hanging cloth at rest, then with its free points put where `put` says, at rest there; 6 s
+/// later.
+template <typename Put>
+State after_start_from(Put&& put) {
+  Simulator simulator(hanging());
+  run(simulator, 4);
+  const State rest = simulator.state();
+  State start = rest;
+  start.velocities.setZero();
+  for (int i = 0; i < start.positions.rows(); ++i) {
+    if (simulator.cloth().inv_mass[i] > 0) start.positions.row(i) = put(rest, i).transpose();
+  }
+  simulator.set_state(start);
+  run_checked(simulator, 8, 1000);
+  expect_rest(simulator, 0.02);
+  return simulator.state();
+}
+
+Vector3 point(const State& state, int i) { return state.positions.row(i).transpose(); }
+
+TEST(WildStart, ScrambledInABall) {
+  const Points random = random_points(400, 0.2, 7);
+  after_start_from([&](const State&, int i) {
+    return Vector3(Vector3(0.5, 0, 0.6) + random.row(i).transpose());
+  });
+}
+
+TEST(WildStart, FlattenedToAPlane) {
+  after_start_from(
+      [](const State& rest, int i) { return Vector3(point(rest, i).x(), 0, point(rest, i).z()); });
+}
+
+TEST(WildStart, FlattenedToALine) {
+  after_start_from([](const State& rest, int i) { return Vector3(point(rest, i).x(), 0, 0.9); });
+}
+
+TEST(WildStart, AllInOnePoint) {
+  // Nothing has a direction but the springs at the pins: they pull out what they can.
+  Simulator simulator(hanging());
+  State start = simulator.state();
+  for (int i = 0; i < start.positions.rows(); ++i) {
+    if (simulator.cloth().inv_mass[i] > 0) start.positions.row(i) << 0.5, 0, 0.8;
+  }
+  simulator.set_state(start);
+  run_checked(simulator, 8, 1000);
+  EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
+}
+
+TEST(WildStart, PairsInOnePlace) {
+  // Every second point where its neighbour is.
+  after_start_from(
+      [](const State& rest, int i) { return point(rest, i % 20 == 0 ? i : i - i % 2); });
+}
+
+}  // namespace
+}  // namespace clothsim
