@@ -172,13 +172,37 @@ TEST_F(WorkPrecision, StrainLimitBeatsTheClassicOne) {
   EXPECT_LT(number(ours, "rest_error_max"), number(rows.at("classic"), "rest_error_max"));
 }
 
+TEST_F(WorkPrecision, TwoThreadsAreTimedBesideOne) {
+  const std::vector<Row> rows = read(folder_ / "threads.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    EXPECT_EQ(number(row, "threads"), i + 1);
+    EXPECT_GT(number(row, "wall_ms_per_s"), 0);
+    EXPECT_GT(number(row, "cpu_ms_per_s"), 0);
+  }
+}
+
+TEST_F(WorkPrecision, StretchOfEveryMethodAddsUpToAllSprings) {
+  std::map<std::string, double> sum, mean;
+  for (const Row& row : read(folder_ / "stretch.csv")) {
+    EXPECT_EQ(row.at("status"), "done");
+    sum[row.at("method")] += number(row, "share");
+    mean[row.at("method")] += number(row, "share") * number(row, "stretch");
+  }
+  for (const std::string& method : method_names()) EXPECT_EQ(sum.count(method), 1u) << method;
+  for (const auto& [method, all] : sum) EXPECT_NEAR(all, 1, 1e-9) << method;
+  EXPECT_NEAR(mean.at("twin"), mean.at("reference"), 1e-3);
+  EXPECT_NE(mean.at("xpbd"), mean.at("reference"));
+}
+
 TEST_F(WorkPrecision, ScriptDrawsEveryChart) {
   const std::string command = std::string("MPLCONFIGDIR=") + folder_.string() + ' ' +
                               CLOTHSIM_PLOT_WORK_PRECISION + ' ' + folder_.string() + " > " +
                               (folder_ / "out").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const char* name :
-       {"work_precision", "solver_error", "winners", "stability", "strain_limit"}) {
+  for (const char* name : {"work_precision", "solver_error", "winners", "stability", "strain_limit",
+                           "contact", "threads", "stretch"}) {
     const fs::path png = folder_ / (std::string(name) + ".png");
     ASSERT_TRUE(fs::exists(png)) << name;
     EXPECT_GT(fs::file_size(png), 10'000u) << name;

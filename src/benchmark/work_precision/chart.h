@@ -38,4 +38,11 @@ std::vector<Job> strain_limit_jobs(const Options&);
 /// What self contact by points and by surfaces costs and misses: contact.csv.
 std::vector<Job> contact_jobs(const Options&);
 
+/// What one thread and two take: threads.csv.
+std::vector<Job> threads_jobs(const Options&);
+
+/// How stretched the springs of each method are where points can no longer be compared:
+/// stretch.csv.
+std::vector<Job> stretch_jobs(const Options&);
+
 }  // namespace clothsim::work_precision

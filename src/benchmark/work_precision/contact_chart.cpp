@@ -47,12 +47,10 @@ std::vector<Series> series(bool quick) {
 }
 
 Scene scene_of(const Pile& pile, SelfCollision kind) {
-  Scene scene = shipped_scene("self_collision", pile.side);
+  Scene scene = fold(pile.side);
   scene.cloth.material.ks = pile.ks;
   scene.cloth.material.density = pile.density;
-  const int shipped = 50;
-  scene.cloth.thickness =
-      pile.thickness > 0 ? pile.thickness : scene.cloth.thickness * (shipped - 1) / (pile.side - 1);
+  if (pile.thickness > 0) scene.cloth.thickness = pile.thickness;
   scene.cloth.self_collision = kind;
   return scene;
 }

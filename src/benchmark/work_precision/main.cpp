@@ -13,11 +13,10 @@ struct Chart {
   const char* name;
   std::vector<Job> (*jobs)(const Options&);
 };
-constexpr Chart charts[] = {{"methods", methods_jobs},
-                            {"winners", winners_jobs},
-                            {"stability", stability_jobs},
-                            {"strain_limit", strain_limit_jobs},
-                            {"contact", contact_jobs}};
+constexpr Chart charts[] = {{"methods", methods_jobs},     {"winners", winners_jobs},
+                            {"stability", stability_jobs}, {"strain_limit", strain_limit_jobs},
+                            {"contact", contact_jobs},     {"threads", threads_jobs},
+                            {"stretch", stretch_jobs}};
 
 std::vector<std::string> chart_names() {
   std::vector<std::string> names;

@@ -34,15 +34,14 @@ Trajectory follow(Scene scene, const std::string& method, int substeps, int fram
   return std::move(result.trajectory);
 }
 
-/// The same scene, a little larger and pulled a little sideways.
+}  // namespace
+
 Scene twin_of(Scene scene) {
   scene.cloth.width *= 1 + nudge;
   scene.cloth.height *= 1 - nudge;
   scene.simulation.gravity += nudge * scene.simulation.gravity.norm() * Vector3(1, 0.7, 0.3);
   return scene;
 }
-
-}  // namespace
 
 double size_of(const Scene& scene) { return std::max(scene.cloth.width, scene.cloth.height); }
 

@@ -37,6 +37,10 @@ Reference make_reference(const Trial&);
 /// which are smooth.
 Reference make_cheap_reference(const Trial&);
 
+/// The same scene, larger by 1e-10 and pulled as much sideways: where motion is chaotic its points
+/// go their own ways.
+Scene twin_of(Scene);
+
 /// Larger side of the cloth [m].
 double size_of(const Scene&);
 

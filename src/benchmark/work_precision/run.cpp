@@ -1,21 +1,14 @@
 #include "run.h"
 
 #include <algorithm>
-#include <ctime>
 
+#include "../cpu_time.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim::work_precision {
 namespace {
 
 constexpr int most_repeats = 3;
-
-/// CPU time of all threads of this process [s]: other work on the machine does not count.
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 class SimulatorStepper : public Stepper {
  public:
@@ -40,9 +33,9 @@ Run run_once(Stepper& stepper, int frames, double stop, double& spent) {
         run.outcome = Outcome::stopped;
         break;
       }
-      const double start = cpu_seconds();
+      const double start = process_cpu_seconds();
       const StepReport report = stepper.step();
-      seconds += cpu_seconds() - start;
+      seconds += process_cpu_seconds() - start;
       run.trajectory.push_back(stepper.state());
       run.method = report.method;
       run.substeps = report.substeps;

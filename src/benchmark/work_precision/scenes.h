@@ -32,6 +32,12 @@ Scene shipped_scene(const std::string& name, int side);
 /// A cloth hung from two corners, without strain limit.
 Scene corner_drop(int side);
 
+/// A cloth dropped on the sphere, without strain limit.
+Scene sphere_drop(int side);
+
+/// self_collision, as much thinner as its points are closer, its surface kept from crossing.
+Scene fold(int side);
+
 /// The scenes of the chart of methods. Quick: the first alone, small and short.
 std::vector<Trial> trials(bool quick);
 
