@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/console.h>
+#include <ros/single_subscriber_publisher.h>
 #include <ros/time.h>
 
 #include <algorithm>
@@ -19,11 +20,31 @@ using clothsim::InvalidValue;
 /// As many wrenches wait for a slow subscriber, about a second's.
 constexpr std::uint32_t wrench_queue = 100;
 
+/// How long the topic of a frame that has let go stays: for the last wrench to be sent, and so that
+/// subscribers need not connect again where the frame soon takes hold again.
+const ros::WallDuration linger(1);
+
 constexpr clothsim::Range radius_range{0, 1e6, "m"};
 
 /// Below the node's name; letters that a frame may have and a topic may not become underscores.
 std::string wrench_topic(const std::string& frame) {
   return "wrench/" + to_ros_name(frame, "frame_");
+}
+
+geometry_msgs::WrenchStamped to_wrench_msg(const std::string& frame, const ros::Time& stamp) {
+  geometry_msgs::WrenchStamped msg;
+  msg.header.stamp = stamp;
+  msg.header.frame_id = frame;
+  return msg;
+}
+
+geometry_msgs::WrenchStamped to_wrench_msg(const std::string& frame, const clothsim::Grip& grip,
+                                           const ros::Time& stamp) {
+  geometry_msgs::WrenchStamped msg = to_wrench_msg(frame, stamp);
+  const Eigen::Quaterniond to_frame = grip.pose.orientation.conjugate();
+  msg.wrench.force = to_vector_msg(to_frame * grip.wrench.force);
+  msg.wrench.torque = to_vector_msg(to_frame * grip.wrench.torque);
+  return msg;
 }
 
 std::vector<int> sorted(std::vector<int> points) {
@@ -34,14 +55,15 @@ std::vector<int> sorted(std::vector<int> points) {
 }  // namespace
 
 Grasper::Grasper(const ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf,
-                 Changes& changes)
-    : node_(node), simulator_(simulator), tf_(tf), changes_(changes) {
+                 Changes& changes, const Pacer& pacer)
+    : node_(node), simulator_(simulator), tf_(tf), changes_(changes), pacer_(pacer) {
   services_ = {node_.advertiseService("attach", &Grasper::attach, this),
                node_.advertiseService("detach", &Grasper::detach, this)};
 }
 
 void Grasper::look_up() {
   for (auto& [name, frame] : frames_) frame.look_up();
+  end_old_topics();
 }
 
 void Grasper::move() {
@@ -56,14 +78,12 @@ void Grasper::update(const ros::Time& stamp) {
     if (simulator_.grips().count(name) == 0) ROS_WARN("The cloth tore off frame %s", name.c_str());
   }
   follow_grips();
-  for (const auto& [name, grip] : simulator_.grips()) {
-    geometry_msgs::WrenchStamped msg;
-    msg.header.stamp = stamp;
-    msg.header.frame_id = name;
-    const Eigen::Quaterniond to_frame = grip.pose.orientation.conjugate();
-    msg.wrench.force = to_vector_msg(to_frame * grip.wrench.force);
-    msg.wrench.torque = to_vector_msg(to_frame * grip.wrench.torque);
-    publisher_of(name).publish(msg);
+  for (auto& [name, topic] : topics_) {
+    if (topic.let_go) continue;
+    topic.stamp = stamp;
+    if (topic.publisher.getNumSubscribers() == 0) continue;
+    const clothsim::Grip& grip = simulator_.grips().at(topic.frame);
+    topic.publisher.publish(to_wrench_msg(topic.frame, grip, stamp));
   }
 }
 
@@ -72,16 +92,50 @@ void Grasper::follow_grips() {
   for (auto frame = frames_.begin(); frame != frames_.end();) {
     frame = grips.count(frame->first) == 0 ? frames_.erase(frame) : std::next(frame);
   }
-  for (const auto& [name, grip] : grips) frames_.try_emplace(name, name, tf_);
+  for (auto& [name, topic] : topics_) {
+    if (!topic.let_go && grips.count(topic.frame) == 0) let_go(topic);
+  }
+  for (const auto& [name, grip] : grips) {
+    frames_.try_emplace(name, name, tf_);
+    take_hold(name);
+  }
 }
 
-const ros::Publisher& Grasper::publisher_of(const std::string& frame) {
-  const std::string topic = wrench_topic(frame);
-  const auto known = publishers_.find(topic);
-  if (known != publishers_.end()) return known->second;
-  return publishers_
-      .emplace(topic, node_.advertise<geometry_msgs::WrenchStamped>(topic, wrench_queue, true))
-      .first->second;
+void Grasper::take_hold(const std::string& frame) {
+  const std::string name = wrench_topic(frame);
+  WrenchTopic& topic = topics_[name];
+  if (!topic.publisher) {
+    topic.publisher = node_.advertise<geometry_msgs::WrenchStamped>(
+        name, wrench_queue, [this, name](const ros::SingleSubscriberPublisher& subscriber) {
+          greet(topics_.at(name), subscriber);
+        });
+  } else if (!topic.let_go) {
+    return;
+  }
+  topic.frame = frame;
+  topic.stamp.reset();
+  topic.let_go.reset();
+}
+
+void Grasper::let_go(WrenchTopic& topic) {
+  topic.let_go = ros::SteadyTime::now();
+  if (topic.publisher.getNumSubscribers() == 0) return;
+  topic.publisher.publish(to_wrench_msg(topic.frame, pacer_.now()));
+}
+
+void Grasper::greet(const WrenchTopic& topic,
+                    const ros::SingleSubscriberPublisher& subscriber) const {
+  const auto grip = simulator_.grips().find(topic.frame);
+  if (!topic.stamp || grip == simulator_.grips().end()) return;
+  subscriber.publish(to_wrench_msg(topic.frame, grip->second, *topic.stamp));
+}
+
+void Grasper::end_old_topics() {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  for (auto topic = topics_.begin(); topic != topics_.end();) {
+    const std::optional<ros::SteadyTime>& let_go = topic->second.let_go;
+    topic = let_go && now - *let_go > linger ? topics_.erase(topic) : std::next(topic);
+  }
 }
 
 void Grasper::check_topic(const std::string& frame) const {
@@ -145,7 +199,6 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     simulator_.attach(request.frame, *frame.pose(), points, tear_force);
     follow_grips();
     look_up();
-    publisher_of(request.frame);
     changes_.follow(frame);
     clothsim::Change change;
     change.frame = request.frame;

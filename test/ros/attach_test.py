@@ -172,6 +172,33 @@ class Grasp(unittest.TestCase):
         self.cloth.reset()
         self.assertFalse(self.detach().success)
 
+    def wrench_after(self, frame, let_go):
+        """The last force [N] on a frame that carried a point, once let_go() has let it go. Its topic
+        ends then, so that there is none for a late subscriber."""
+        answer = self.attach(frame, points=[0])
+        self.assertTrue(answer.success, answer.message)
+        stamp = self.cloth.step(30).header.stamp
+        topic = "/clothsim/wrench/" + frame
+        wrenches = Recorder(topic, WrenchStamped)
+        carried = wrenches.wait("the present wrench for a new subscriber")
+        self.assertEqual(carried.header.stamp, stamp)
+        self.assertLess(carried.wrench.force.z, -1)
+        let_go()
+        last = wrenches.wait("another wrench", lambda w: w.header.stamp > stamp)
+        wait_for(lambda: topic not in (name for name, _ in rospy.get_published_topics()),
+                 "the end of the topic")
+        self.assertEqual(wrenches.all(), [carried, last])
+        self.assertEqual(last.header.frame_id, frame)
+        wrenches.close()
+        return point(last.wrench.force)
+
+    def test_no_wrench_without_points(self):
+        self.hands.put("passing", (0, 0, 1))
+        self.hands.send()
+        time.sleep(0.1)
+        for let_go in (self.detach, self.cloth.reset):
+            self.assertEqual(list(self.wrench_after("passing", let_go)), [0, 0, 0])
+
     def test_save_and_restore(self):
         self.take_corners()
         self.cloth.step(30)

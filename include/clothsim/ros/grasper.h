@@ -6,23 +6,27 @@
 #include <ros/publisher.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/pacer.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
 
 /// The services ~attach and ~detach and the topics ~wrench/FRAME. The simulator's grips are named
-/// after their tf frames. A frame that is lost holds its points where they are.
+/// after their tf frames. A frame that is lost holds its points where they are. Wrenches are made
+/// for subscribers alone: one a frame, the present one for a new subscriber, and a last one of zero
+/// when the frame has let go.
 class Grasper {
  public:
-  /// Simulator, `tf` and Changes must outlive this.
-  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&);
+  /// Simulator, `tf`, Changes and Pacer must outlive this.
+  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&, const Pacer&);
 
-  /// Reads the latest transforms.
+  /// Reads the latest transforms. To be called at least once a second.
   void look_up();
 
   /// Hands what look_up() found to the simulator, for its next frame, and tells of it.
@@ -40,7 +44,21 @@ class Grasper {
  private:
   bool attach(clothsim::Attach::Request&, clothsim::Attach::Response&);
   bool detach(clothsim::Detach::Request&, clothsim::Detach::Response&);
-  const ros::Publisher& publisher_of(const std::string& frame);
+
+  struct WrenchTopic {
+    ros::Publisher publisher;
+    std::string frame;
+    std::optional<ros::Time> stamp;         // of the frame's last wrench; empty: there is none yet
+    std::optional<ros::SteadyTime> let_go;  // when the frame did; empty: it holds points
+  };
+
+  /// Serves the topic of a frame that holds points.
+  void take_hold(const std::string& frame);
+  void let_go(WrenchTopic&);
+  void greet(const WrenchTopic&, const ros::SingleSubscriberPublisher&) const;
+  /// Takes topics back whose frames let go a while ago.
+  void end_old_topics();
+
   /// Throws InvalidValue where another frame that carries points has the topic of `frame`.
   void check_topic(const std::string& frame) const;
   /// Those that nothing holds yet. Throws InvalidValue where there is none.
@@ -50,9 +68,9 @@ class Grasper {
   clothsim::Simulator& simulator_;
   TfListener& tf_;
   Changes& changes_;
-  std::map<std::string, TfFrame> frames_;  // of the simulator's grips
-  // By topic, kept: a subscriber may miss that a topic goes and comes again.
-  std::map<std::string, ros::Publisher> publishers_;
+  const Pacer& pacer_;
+  std::map<std::string, TfFrame> frames_;      // of the simulator's grips
+  std::map<std::string, WrenchTopic> topics_;  // by name
   std::vector<ros::ServiceServer> services_;
 };
 
