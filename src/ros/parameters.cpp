@@ -89,10 +89,16 @@ void check_clock() {
   }
 }
 
-/// image_transport's parameters stand beside the view's, below the names of the image topics.
+bool holds_image_topic(const YAML::Node& node) {
+  return node.IsMap() && node.size() == 1 && node["image_raw"].IsDefined();
+}
+
+/// image_transport keeps its parameters beside the view's, below the names of the image topics.
 YAML::Node without_topics(YAML::Node camera) {
-  if (camera.IsMap())
-    for (const char* topic : {"color", "depth", "mask"}) camera.remove(topic);
+  if (!camera.IsMap()) return camera;
+  for (const char* topic : {"color", "depth", "mask"}) {
+    if (holds_image_topic(camera[topic])) camera.remove(topic);
+  }
   return camera;
 }
 

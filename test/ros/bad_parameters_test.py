@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A node with a bad parameter says the parameter's full name and ends with an error."""
 
+import re
 import subprocess
 import unittest
 
@@ -64,6 +65,14 @@ BAD = {
     "camera of the wrong type": ("{camera: 3, scene: {cloth: {width: 1}}}", "camera", "got 3"),
     "unknown key of the camera": ("{camera: {widht: 3}, scene: {cloth: {width: 1}}}",
                                   "camera/widht", "got an unknown key"),
+    "look outside of cloth": ("{camera: {color: [1, 0, 0]}, scene: {cloth: {width: 1}}}",
+                              "camera/color", "got an unknown key"),
+    "key beside image_transport's": ("{camera: {depth: {image_raw: {compressed: {format: png}}, "
+                                     "near: 1}}, scene: {cloth: {width: 1}}}",
+                                     "camera/depth", "got an unknown key"),
+    "key after image_transport's": ("{camera: {mask: {image_raw: {compressed: {format: png}}}, "
+                                    "near: -1}, scene: {cloth: {width: 1}}}",
+                                    "camera/near", "got -1"),
     "unknown shader": ("{camera: {cloth: {shader: shiny}}, scene: {cloth: {width: 1}}}",
                        "camera/cloth/shader", 'got "shiny" (text), expected one of'),
     "missing texture": ("{camera: {cloth: {texture: no.png}}, scene: {cloth: {width: 1}}}",
@@ -104,7 +113,7 @@ def add_tests():
     for number, (mistake, case) in enumerate(BAD.items()):
         def test(self, number=number, case=case):
             self.check(number, *case)
-        setattr(BadParameters, "test_" + mistake.replace(" ", "_").replace("-", "_"), test)
+        setattr(BadParameters, "test_" + re.sub(r"\W", "_", mistake), test)
 
 
 add_tests()
