@@ -246,10 +246,22 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
   return true;
 }
 
+void Node::start_with(const clothsim::Scene& scene) {
+  const clothsim::View live_view = photographer_.view();
+  clothsim::inside("camera", [&] {
+    photographer_.set_view(clothsim::without_missing_colliders(parameters_.view, scene));
+  });
+  try {
+    clothsim::inside("scene", [&] { simulator_.load(scene); });
+  } catch (const clothsim::InvalidValue&) {
+    photographer_.set_view(live_view);
+    throw;
+  }
+}
+
 bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response& response) {
   try {
-    const clothsim::Scene scene = read_scene_parameter(node_);
-    clothsim::inside("scene", [&] { simulator_.load(scene); });
+    start_with(read_scene_parameter(node_));
   } catch (const clothsim::InvalidValue& error) {
     response.message = error.message(node_.getNamespace() + "/", "/");
     return true;

@@ -7,6 +7,12 @@
 namespace clothsim {
 namespace {
 
+std::vector<std::string> collider_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ColliderSpec& collider : scene.colliders) names.push_back(collider.name);
+  return names;
+}
+
 ColliderView prepare(const ColliderLook& look, ImageStore& images) {
   ColliderView view;
   view.shading = make_shading(look.look, images);
@@ -19,16 +25,21 @@ ColliderView prepare(const ColliderLook& look, ImageStore& images) {
 }  // namespace
 
 void check_colliders(const View& view, const Scene& scene) {
-  std::vector<std::string> names;
-  for (const ColliderSpec& collider : scene.colliders) names.push_back(collider.name);
+  const std::vector<std::string> names = collider_names(scene);
   for (const auto& entry : view.colliders) {
-    const bool known = std::any_of(scene.colliders.begin(), scene.colliders.end(),
-                                   [&](const ColliderSpec& c) { return c.name == entry.first; });
-    if (!known) {
-      throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
-                         names.empty() ? "none, as the scene has none" : "one of " + join(names));
-    }
+    if (std::count(names.begin(), names.end(), entry.first) > 0) continue;
+    throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
+                       names.empty() ? "none, as the scene has none" : "one of " + join(names));
   }
+}
+
+View without_missing_colliders(View view, const Scene& scene) {
+  const std::vector<std::string> names = collider_names(scene);
+  for (auto entry = view.colliders.begin(); entry != view.colliders.end();) {
+    const bool known = std::count(names.begin(), names.end(), entry->first) > 0;
+    entry = known ? std::next(entry) : view.colliders.erase(entry);
+  }
+  return view;
 }
 
 PreparedView prepare(const View& view, ImageStore& images) {

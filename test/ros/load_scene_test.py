@@ -76,6 +76,29 @@ class Load(unittest.TestCase):
         self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
         self.assertEqual(rospy.get_param("/clothsim/density"), 150.0)
 
+    def start_values(self, part):
+        """The live values of a part of the view, of a node that goes on."""
+        client = Client("/clothsim/" + part, timeout=PATIENCE)
+        values = client.get_configuration(timeout=PATIENCE)
+        client.close()
+        return values
+
+    def test_looks_are_those_of_the_start(self):
+        changes = {"shading/cloth": {"shader": "mirror"}, "light": {"intensity": 3.0},
+                   "viewpoint": {"eye_z": 7.0}, "shading/ball": {"levels": 9}}
+        self.load(SMALL)
+        before = {part: self.start_values(part) for part in changes}
+        for part, values in changes.items():
+            client = Client("/clothsim/" + part, timeout=PATIENCE)
+            self.assertEqual({k: client.update_configuration(values)[k] for k in values}, values)
+            client.close()
+        # A scene that is refused leaves them.
+        self.assertFalse(self.load({"cloth": {"ks": -5}}).success)
+        self.assertEqual(self.start_values("shading/cloth")["shader"], "mirror")
+        self.load(START)  # without the ball
+        self.load(SMALL)
+        self.assertEqual({part: self.start_values(part) for part in changes}, before)
+
     def test_same_bits_as_a_node_that_started_with_it(self):
         expected = content(self.cloth.step(20))
         self.load(SMALL)

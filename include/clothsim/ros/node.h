@@ -55,6 +55,9 @@ class Node {
   void jump();
   void publish_clock();
   void serve_live_values();
+  /// Loads another scene, seen as ~camera had it at the node's start. Throws InvalidValue and
+  /// changes nothing where one of the two is refused.
+  void start_with(const clothsim::Scene&);
   /// Warns of private parameters that were `given` for nothing, once live values are served.
   void warn_of_ignored(const ParameterTexts& given) const;
   void publish_diagnostics();

@@ -40,6 +40,9 @@ struct View {
 /// Throws InvalidValue for the look of a collider that the scene does not have.
 void check_colliders(const View&, const Scene&);
 
+/// A view without the looks of colliders that the scene does not have.
+View without_missing_colliders(View, const Scene&);
+
 /// A view ready for drawing: images read, values checked.
 struct PreparedView {
   Camera camera;
