@@ -37,8 +37,9 @@ dynamic_reconfigure::Config to_message(const Config& config) {
   return msg;
 }
 
-/// `scene` with the values of `config`.
-clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
+/// `scene` with the values of `config`. The method of `start` has its parameters from there.
+clothsim::Scene to_scene(const Config& config, const clothsim::SimulationSpec& start,
+                         clothsim::Scene scene) {
   clothsim::Material& material = scene.cloth.material;
   material.ks = config.ks;
   material.density = config.density;
@@ -55,8 +56,9 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
                                  "0, for auto, or a whole number of at least 1");
   }
   if (config.substeps != 0) simulation.substeps = config.substeps;
-  if (config.method != simulation.method) simulation.method_parameters = {};  // of another one
   simulation.method = config.method;
+  simulation.method_parameters = {};
+  if (config.method == start.method) simulation.method_parameters = start.method_parameters;
 
   // A strain limit is checked even while it is off, so that it can be switched on.
   clothsim::validate(scene);
@@ -69,8 +71,9 @@ clothsim::Scene to_scene(const Config& config, clothsim::Scene scene) {
 struct Reconfigure::Impl {
   Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator, Changes& changes)
       : values(node, from_scene(simulator.scene(), Config::__getDefault__()),
-               [this, &simulator, &changes](const Config& config) {
-                 const clothsim::Scene scene = to_scene(config, simulator.scene());
+               [this, &simulator, &changes,
+                start = simulator.scene().simulation](const Config& config) {
+                 const clothsim::Scene scene = to_scene(config, start, simulator.scene());
                  simulator.set(scene.cloth.material, scene.simulation);
                  if (!serving) return;
                  clothsim::Change change;

@@ -76,6 +76,20 @@ class Load(unittest.TestCase):
         self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
         self.assertEqual(rospy.get_param("/clothsim/density"), 150.0)
 
+    def test_parameters_of_the_scenes_method(self):
+        """They come back with it, after another method."""
+        self.load({**SMALL, "simulation": {"method": "xpbd", "method_parameters": {"iterations": 20}}})
+        expected = content(self.cloth.step(10))
+        client = Client("/clothsim", timeout=PATIENCE)
+        states = []
+        for method in ("verlet", "xpbd"):
+            self.assertEqual(client.update_configuration({"method": method})["method"], method)
+            self.cloth.reset()
+            states.append(content(self.cloth.step(10)))
+        client.close()
+        self.assertNotEqual(states[0], expected)
+        self.assertEqual(states[1], expected)
+
     def start_values(self, part):
         """The live values of a part of the view, of a node that goes on."""
         client = Client("/clothsim/" + part, timeout=PATIENCE)

@@ -17,7 +17,8 @@ namespace clothsim_ros {
 class Reconfigure {
  public:
   /// Starts from the simulator's values, whatever an earlier node left on the parameter server.
-  /// Simulator and Changes must outlive this. A request with a value that the simulator refuses
+  /// Simulator and Changes must outlive this. Another method has its defaults for parameters; that
+  /// of the start has those of the start again. A request with a value that the simulator refuses
   /// changes nothing, is logged, and is answered with the values that hold.
   Reconfigure(const ros::NodeHandle&, clothsim::Simulator&, Changes&);
   ~Reconfigure();
