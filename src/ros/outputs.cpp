@@ -43,7 +43,7 @@ Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
   publish_topology();
   state_publisher_ = advertise(node, "state", state_queue, &Outputs::state);
   points_publisher_ = advertise(node, "points", points_queue, &Outputs::points);
-  markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers);
+  markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers_anew);
 }
 
 template <class Message>
@@ -67,6 +67,12 @@ visualization_msgs::MarkerArray Outputs::markers() const {
   return make_markers(simulator_, header_);
 }
 
+visualization_msgs::MarkerArray Outputs::markers_anew() const {
+  visualization_msgs::MarkerArray array = markers();
+  array.markers.insert(array.markers.begin(), delete_all(header_));
+  return array;
+}
+
 void Outputs::publish_topology() {
   topology_seq_ = simulator_.topology_seq();
   topology_publisher_.publish(to_topology_msg(simulator_.cloth(), header_, topology_seq_));
@@ -85,17 +91,15 @@ void Outputs::refresh() {
   if (topology_seq_ != simulator_.topology_seq()) {
     publish_topology();
     markers_due_ = true;
-    markers_anew_ = true;
+    others_shown_ = true;
   }
 
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!markers_due_ || now + markers_jitter < next_markers_) return;
   markers_due_ = false;
   if (markers_publisher_.getNumSubscribers() == 0) return;
-  visualization_msgs::MarkerArray array = markers();
-  if (markers_anew_) array.markers.insert(array.markers.begin(), delete_all(header_));
-  markers_anew_ = false;
-  markers_publisher_.publish(array);
+  markers_publisher_.publish(others_shown_ ? markers_anew() : markers());
+  others_shown_ = false;
   next_markers_ = std::max(next_markers_ + markers_period, now);
 }
 

@@ -116,6 +116,14 @@ class Messages(unittest.TestCase):
                                 ("pins", 0)} |
                          {("colliders", id) for id in (0, 1, 2, 3, 3 + 5, 3 + 2 * 5, 4)})
 
+    def test_a_new_subscriber_drops_what_it_had(self):
+        """RViz keeps the markers of a node that has ended; its successor may have fewer."""
+        first, *others = self.markers.all()
+        self.assertEqual([m.action for m in first.markers[:2]], [Marker.DELETEALL, Marker.ADD])
+        self.assertTrue(others)
+        for array in others:
+            self.assertNotIn(Marker.DELETEALL, [m.action for m in array.markers])
+
     def test_markers_show_the_state(self):
         where = positions(self.state)
 

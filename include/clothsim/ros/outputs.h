@@ -44,13 +44,15 @@ class Outputs {
 
   sensor_msgs::PointCloud2 points() const;
   visualization_msgs::MarkerArray markers() const;
+  /// With an order before them to delete all others, such as those of a node before this one.
+  visualization_msgs::MarkerArray markers_anew() const;
 
   const clothsim::Simulator& simulator_;
   std_msgs::Header header_;
   std::uint64_t step_ = 0;
   unsigned topology_seq_ = 0;     // of the topology published last
   bool markers_due_ = false;      // the state has moved on since the last ones
-  bool markers_anew_ = false;     // those of another scene may still be shown
+  bool others_shown_ = false;     // markers of another scene, maybe
   ros::SteadyTime next_markers_;  // not before
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
