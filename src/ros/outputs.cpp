@@ -41,8 +41,10 @@ Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
   header_.stamp = now;
   topology_publisher_ = node.advertise<clothsim::ClothTopology>("topology", topology_queue, true);
   publish_topology();
-  state_publisher_ = advertise(node, "state", state_queue, &Outputs::state);
-  points_publisher_ = advertise(node, "points", points_queue, &Outputs::points);
+  ros::NodeHandle greeted(node);
+  greeted.setCallbackQueue(&newcomers_);
+  state_publisher_ = advertise(greeted, "state", state_queue, &Outputs::state);
+  points_publisher_ = advertise(greeted, "points", points_queue, &Outputs::points);
   markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers_anew);
 }
 
@@ -81,6 +83,7 @@ void Outputs::publish_topology() {
 void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
   header_.stamp = stamp;
   step_ = step;
+  newcomers_.clear();  // what all get now is all they need
   if (state_publisher_.getNumSubscribers() > 0) state_publisher_.publish(state());
   if (points_publisher_.getNumSubscribers() > 0) points_publisher_.publish(points());
   markers_due_ = true;
@@ -88,6 +91,7 @@ void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
 }
 
 void Outputs::refresh() {
+  newcomers_.callAvailable();
   if (topology_seq_ != simulator_.topology_seq()) {
     publish_topology();
     markers_due_ = true;

@@ -120,6 +120,10 @@ class Bag(unittest.TestCase):
         self.assertEqual(answers[0].stdout, "%d frames, the same bits\n" % FRAMES)
         self.assertEqual(self.contents(again), recorded)
 
+        # A state that came twice is one.
+        answer = self.replay(self.with_each_state_twice(path))
+        self.assertEqual((answer.stdout, answer.stderr), ("%d frames, the same bits\n" % FRAMES, ""))
+
         # Another scene: it is found.
         for height, code, message in ((1.001, 1, "^frame 1: "), (1, 0, "^$")):
             rospy.set_param("/clothsim/scene/cloth/origin", [0, 0, height])
@@ -161,6 +165,14 @@ class Bag(unittest.TestCase):
             answer = self.replay(self.without(path, what))
             self.assertEqual(answer.returncode, 1, what)
             self.assertRegex(answer.stderr, "^frame %d: " % frame, what)
+
+    def with_each_state_twice(self, path):
+        copy = os.path.join(self.folder, "more.bag")
+        with rosbag.Bag(path) as whole, rosbag.Bag(copy, "w") as more:
+            for topic, message, stamp in whole.read_messages():
+                for _ in range(2 if topic == STATES else 1):
+                    more.write(topic, message, stamp)
+        return copy
 
     def without(self, path, what):
         copy = os.path.join(self.folder, "less.bag")

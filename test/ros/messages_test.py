@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the messages hold: consistent with each other, finite, and as RViz wants them."""
 
+import threading
 import unittest
 
 import numpy as np
@@ -55,7 +56,9 @@ class Messages(unittest.TestCase):
         Recorder("/diagnostics", DiagnosticArray).wait("a count of crossings", says_none_cross)
 
     def test_points(self):
-        cloud = Recorder("/clothsim/points", PointCloud2).wait("points")
+        clouds = Recorder("/clothsim/points", PointCloud2)
+        cloud = clouds.wait("points")
+        clouds.close()
         state = self.cloth.states.all()[-1]
         self.assertEqual(cloud.header.stamp, state.header.stamp)
         self.assertEqual(cloud.header.frame_id, "table")
@@ -63,6 +66,23 @@ class Messages(unittest.TestCase):
         self.assertEqual(len(cloud.data), cloud.row_step * cloud.height)
         read = np.array(list(sensor_msgs.point_cloud2.read_points(cloud, ("x", "y", "z"))))
         self.assertTrue(np.array_equal(read.astype(np.float32), positions(state)))
+
+    def test_who_comes_during_a_frame_gets_it_once(self):
+        """Frames that take long, so that the subscriber comes during one of them."""
+        client = Client("/clothsim", timeout=PATIENCE)
+        client.update_configuration({"substeps": 10000})
+        self.cloth.states.clear()
+        stepping = threading.Thread(target=lambda: self.cloth.step(20))
+        stepping.start()
+        self.cloth.states.wait("a frame")
+        clouds = Recorder("/clothsim/points", PointCloud2)
+        stepping.join()
+        client.update_configuration({"substeps": 0})
+        last = self.cloth.step(1).header.stamp
+        clouds.wait("the points of one frame more", lambda c: c.header.stamp == last)
+        stamps = [c.header.stamp for c in clouds.all()]
+        self.assertEqual(stamps, sorted(set(stamps)))
+        clouds.close()
 
     def test_topology(self):
         topology = self.topology

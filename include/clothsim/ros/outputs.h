@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clothsim/ClothState.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -15,8 +16,8 @@
 namespace clothsim_ros {
 
 /// The topics ~state, ~points, ~markers and ~topology. No message is built without a subscriber
-/// for it, but for the latched topology. A new subscriber gets the present state at once, so that
-/// it sees a simulation that is paused, too.
+/// for it, but for the latched topology. A new subscriber gets the present state, so that it sees
+/// a simulation that is paused, too: from refresh(), or from publish() where that comes first.
 class Outputs {
  public:
   /// The simulator must outlive this. `now` is the stamp of the scene's start.
@@ -54,6 +55,7 @@ class Outputs {
   bool markers_due_ = false;      // the state has moved on since the last ones
   bool others_shown_ = false;     // markers of another scene, maybe
   ros::SteadyTime next_markers_;  // not before
+  ros::CallbackQueue newcomers_;  // subscribers of states and points that have got none yet
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
   ros::Publisher markers_publisher_;
