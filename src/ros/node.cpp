@@ -198,8 +198,9 @@ void Node::publish_diagnostics() {
 }
 
 bool Node::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+  const bool resumes = paused_ && !request.data;
   paused_ = request.data;
-  if (!paused_) {
+  if (resumes) {
     pacer_.restart();
     rate_.restart(pacer_.seconds());
   }

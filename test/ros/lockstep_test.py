@@ -6,9 +6,10 @@ import unittest
 
 import rospy
 import rostest
+from std_srvs.srv import SetBool
 
 from clothsim.srv import GetState
-from cloth_client import Cloth, call, content, real_time, wait_for
+from cloth_client import PATIENCE, Cloth, call, content, real_time, wait_for
 
 # The cloth is on the sphere by then, so contact and friction are part of what is compared.
 FRAMES = 60
@@ -88,6 +89,18 @@ class Lockstep(unittest.TestCase):
         self.assertEqual(self.cloth.step(1).step, stopped_at + 1)
         self.cloth.pause(False)
         self.cloth.states.wait("more frames", lambda s: s.step > stopped_at + 10)
+
+    def test_resume_while_it_runs_changes_nothing(self):
+        """Called far more often than frames come: they come all the same."""
+        resume = rospy.ServiceProxy("/clothsim/pause", SetBool, persistent=True)
+
+        def runs_on():
+            self.assertTrue(resume(False).success)
+            return self.cloth.states.all() and self.cloth.states.all()[-1].step >= 20
+        end = time.monotonic() + PATIENCE
+        while not runs_on():
+            self.assertLess(time.monotonic(), end, "no frames")
+        resume.close()
 
     @real_time
     def test_stamps_rise_evenly(self):
