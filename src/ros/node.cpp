@@ -24,6 +24,9 @@ const ros::WallDuration diagnostics_period(1);
 /// A second of it, so that the frames of a ~step get through.
 constexpr std::uint32_t clock_queue = 100;
 
+/// Of a call of ~step, while which nothing else is served.
+constexpr std::uint32_t most_frames = 1000000;
+
 /// How long a call waits for a master that is away, before it gives up. Frames wait with it.
 const ros::WallDuration master_patience(0.001);
 
@@ -283,8 +286,9 @@ bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& resp
     response.message = "the simulation is running: pause it first";
     return true;
   }
-  if (request.frames == 0) {
-    response.message = "frames: got 0, expected at least 1";
+  if (request.frames < 1 || request.frames > most_frames) {
+    response.message = "frames: got " + std::to_string(request.frames) +
+                       ", expected a whole number from 1 to " + std::to_string(most_frames);
     return true;
   }
   for (std::uint32_t i = 0; i < request.frames; ++i) {

@@ -126,7 +126,7 @@ class LifeCycle(unittest.TestCase):
 
         def step():
             try:
-                answers.append(cloth.try_step(1000000000))
+                answers.append(cloth.try_step(1000000))
             except rospy.ServiceException as error:
                 answers.append(error)
         caller = threading.Thread(target=step)

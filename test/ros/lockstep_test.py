@@ -117,9 +117,11 @@ class Lockstep(unittest.TestCase):
     def test_refused(self):
         self.cloth.step(3)
         before = call("/clothsim/get_state", GetState).state
-        answer = self.cloth.try_step(0)
-        self.assertFalse(answer.success)
-        self.assertIn("frames: got 0", answer.message)
+        for frames in (0, 1000001, 2**32 - 1):
+            answer = self.cloth.try_step(frames)
+            self.assertFalse(answer.success)
+            self.assertEqual(answer.message, "frames: got %d, expected a whole number from 1 to 1000000"
+                             % frames)
         self.assertEqual(call("/clothsim/get_state", GetState).state, before)
 
         # While it runs: the frames go on one by one.
