@@ -156,7 +156,7 @@ void Node::publish_frame(const ros::Time& stamp) {
 void Node::refresh() {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   outputs_.refresh();
-  if (paused_) photographer_.refresh();
+  photographer_.refresh(paused_);
 }
 
 void Node::jump() {

@@ -40,7 +40,7 @@ Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulato
       shaders_(clothsim::shaders_folder()),
       own_frame_(own_frame_name()),
       stamp_(now),
-      topics_(node, [this] { taken_ = false; }) {
+      topics_(node, [this] { redraw(); }) {
   set_view(view);
 }
 
@@ -53,7 +53,7 @@ void Photographer::set_view(const clothsim::View& view) {
   }
   view_ = view;
   move_camera();
-  taken_ = false;
+  redraw();
 }
 
 bool Photographer::move_camera() {
@@ -64,9 +64,15 @@ bool Photographer::move_camera() {
   return true;
 }
 
+void Photographer::redraw() {
+  taken_ = false;
+  anew_ = true;
+}
+
 void Photographer::update(const ros::Time& stamp) {
   stamp_ = stamp;
   taken_ = false;
+  stands_ = after_a_period();
   if (!topics_.subscribed()) return;
 
   // Also due: the first one after a reset, and after a change of the rate.
@@ -78,9 +84,15 @@ void Photographer::update(const ros::Time& stamp) {
   take();
 }
 
+ros::SteadyTime Photographer::after_a_period() const {
+  return ros::SteadyTime::now() + ros::WallDuration(1 / view_.rate);
+}
+
 void Photographer::take() {
   taken_ = true;
-  next_refresh_ = ros::SteadyTime::now() + ros::WallDuration(1 / view_.rate);
+  anew_ = false;
+  topology_seq_ = simulator_.topology_seq();
+  next_refresh_ = after_a_period();
   move_camera();
   broadcast_own_frame();
 
@@ -110,10 +122,11 @@ void Photographer::finish() {
   wait();
 }
 
-void Photographer::refresh() {
-  if (!topics_.subscribed() || ros::SteadyTime::now() < next_refresh_) return;
-  if (move_camera()) taken_ = false;
-  if (!taken_) take();
+void Photographer::refresh(bool paused) {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!topics_.subscribed() || now < next_refresh_ || (!paused && now < stands_)) return;
+  if (move_camera() || topology_seq_ != simulator_.topology_seq()) redraw();
+  if (anew_ || (paused && !taken_)) take();
 }
 
 std_msgs::Header Photographer::header() const {

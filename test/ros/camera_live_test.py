@@ -7,6 +7,7 @@ import tempfile
 import numpy as np
 import rospy
 import rostest
+from dynamic_reconfigure.client import Client
 
 from camera_client import CameraTestCase
 from cloth_client import PATIENCE, wait_for
@@ -27,6 +28,17 @@ class CameraLiveTest(CameraTestCase):
         self.camera.color("a green cloth", lambda image: np.mean(
             (image[..., 1] > 30) & (image[..., 0] == 0) & (image[..., 2] == 0)) > 0.1)
         self.assertFalse(self.has_blue_normal())
+
+    def test_a_spring_family_changes_while_paused(self):
+        self.subscribe()
+        self.shading.update_configuration({"shader": "wireframe"})
+        whole = self.step(1)[1].color
+        client = Client("/clothsim", timeout=PATIENCE)
+        for shear in (False, True):
+            client.update_configuration({"shear": shear})
+            self.camera.color("the cloth %s shear springs" % ("with" if shear else "without"),
+                              lambda image, shear=shear: np.array_equal(image, whole) == shear)
+        client.close()
 
     def has_blue_normal(self):
         self.camera.clear()

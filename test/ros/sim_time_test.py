@@ -75,6 +75,7 @@ class SimTime(unittest.TestCase):
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
         diagnostics.wait("diagnostics while the clock stands")
         self.assertEqual(self.settled().step, stopped.step)
+        self.images_while_the_clock_stands(stopped.header.stamp)
         self.cloth.pause(False)
 
         # It goes on.
@@ -94,6 +95,17 @@ class SimTime(unittest.TestCase):
         frames = self.settled().step - before
         self.assertGreater(frames, 80)
         self.assertLess(frames, 95)
+
+    def images_while_the_clock_stands(self, stamp):
+        """A new subscriber gets one, and so does another look. They show the last frame."""
+        images = Recorder("/clothsim/camera/color/image_raw", Image)
+        before = images.wait("the image for a new subscriber")
+        look = Client("/clothsim/shading/cloth", timeout=PATIENCE)
+        look.update_configuration({"shader": "normal"})
+        after = images.wait("the image of another look", lambda i: i.data != before.data)
+        self.assertEqual((before.header.stamp, after.header.stamp), (stamp, stamp))
+        look.close()
+        images.close()
 
     def frames_and_live_values_without_time(self):
         """Paused, and no time: tf frames are followed, timers run and live values change."""

@@ -49,18 +49,20 @@ class Photographer {
   /// Takes a picture of the present state unless there is one, and waits for it.
   void finish();
 
-  /// To be called often while the simulation is paused: new subscribers, another look and a camera
-  /// that moves get a picture.
-  void refresh();
+  /// To be called often. Where no picture is due because no frame comes, as while the simulation is
+  /// paused or the clock stands: new subscribers, another look and a camera that moves get a
+  /// picture.
+  void refresh(bool paused);
 
   /// What is seen beside the state has changed: refresh() takes another picture.
-  void redraw() { taken_ = false; }
+  void redraw();
 
   /// Logs why there are no pictures where that is new.
   CameraStatus status();
 
  private:
   void take();
+  ros::SteadyTime after_a_period() const;
   bool move_camera();
   std_msgs::Header header() const;
   void broadcast_own_frame();
@@ -79,8 +81,11 @@ class Photographer {
 
   ros::Time stamp_;               // of the simulator's state
   bool taken_ = false;            // there is a picture of it, or one on its way
+  bool anew_ = false;             // what is seen beside the state has changed since the last one
+  unsigned topology_seq_ = 0;     // of the last one
   double next_ = 0;               // [s] of simulated time: when a picture is due
   ros::SteadyTime next_refresh_;  // not before
+  ros::SteadyTime stands_;        // from then on, if no frame comes until then: none is due soon
   RateMeter rate_;
   int drawn_ = 0;       // pictures that the last status knew of
   int dropped_ = 0;     // likewise
