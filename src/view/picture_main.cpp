@@ -76,6 +76,18 @@ class Photographer {
   Images drawn_;
 };
 
+/// Pictures of several sizes make no sheet.
+void check_sizes(const std::vector<View>& views, const std::vector<std::string>& choices) {
+  const auto size = [](const View& view) {
+    return std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height);
+  };
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    if (size(views[i]) == size(views[0])) continue;
+    throw InvalidValue({"--vary-look"}, choices[i] + ", a picture of " + size(views[i]),
+                       "pictures of one size, as that of " + choices[0] + ", " + size(views[0]));
+  }
+}
+
 ExitCode take_pictures(const Options& options) {
   // Read everything first, so that a mistake is found before the work.
   YAML::Node scene = load_scene_file(options.scene);
@@ -89,7 +101,7 @@ ExitCode take_pictures(const Options& options) {
   std::vector<View> views;
   for (const std::string& choice : or_none(options.view_choices))
     views.push_back(read_view(with(view, choice)));
-
+  check_sizes(views, options.view_choices);
   for (const View& each : views) check_colliders(each, scenes[0]);
 
   Photographer photographer(views[0]);

@@ -222,6 +222,16 @@ int picture(const std::string& arguments) {
   return WEXITSTATUS(status);
 }
 
+/// What `picture` says on its first line when it refuses its arguments.
+std::string refusal(const std::string& arguments) {
+  const fs::path errors = fs::path(testing::TempDir()) / "clothsim_picture_errors";
+  EXPECT_EQ(picture(arguments + " 2>" + errors.string()), 1);
+  std::string message;
+  std::getline(std::ifstream(errors), message);
+  fs::remove(errors);
+  return message;
+}
+
 TEST(Picture, TakesOneOfAScene) {
   const fs::path path = fs::path(testing::TempDir()) / "clothsim_pictures" / "sphere.png";
   fs::remove_all(path.parent_path());
@@ -247,14 +257,13 @@ TEST(Picture, RefusesMistakes) {
   EXPECT_EQ(picture(scene + " --output /dev/null/x.png 2>/dev/null"), 1);
   EXPECT_FALSE(fs::exists("x.png"));
 
-  const fs::path errors = fs::path(testing::TempDir()) / "clothsim_picture_errors";
-  EXPECT_EQ(picture(scene + " --output x.xyz 2>" + errors.string()), 1);
-  std::string message;
-  std::getline(std::ifstream(errors), message);
-  EXPECT_EQ(message,
+  EXPECT_EQ(refusal(scene + " --output x.xyz"),
             "picture: --output: got \"x.xyz\", expected a file name that ends in one of .png, "
             ".jpg, .jpeg, .bmp, .tif, .tiff");
-  fs::remove(errors);
+  EXPECT_EQ(refusal(scene + " --output x.png --vary-look width=320 --vary-look width=640"),
+            "picture: --vary-look: got width=640, a picture of 640 x 480, expected pictures of one "
+            "size, as that of width=320, 320 x 480");
+  EXPECT_FALSE(fs::exists("x.png"));
 }
 
 }  // namespace
