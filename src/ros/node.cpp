@@ -33,6 +33,13 @@ const ros::WallDuration master_patience(0.001);
 /// The first is false when all is closed, the second true when closing begins.
 bool is_running() { return ros::ok() && !ros::isShuttingDown(); }
 
+/// The private node handle whose callbacks go to `queue`.
+ros::NodeHandle private_node(ros::CallbackQueueInterface& queue) {
+  ros::NodeHandle node("~");
+  node.setCallbackQueue(&queue);
+  return node;
+}
+
 /// Calls `make`; an InvalidValue it throws gets the full name of the parameter.
 template <class Make>
 auto with_full_name(const ros::NodeHandle& node, const std::string& parameter, Make make) {
@@ -46,7 +53,8 @@ auto with_full_name(const ros::NodeHandle& node, const std::string& parameter, M
 }  // namespace
 
 Node::Node()
-    : node_("~"),
+    : callbacks_(*ros::getGlobalCallbackQueue(), time_),
+      node_(private_node(callbacks_)),
       parameters_(read_parameters(node_)),
       simulator_(with_full_name(node_, "scene",
                                 [this] { return clothsim::Simulator(parameters_.scene); })),
@@ -108,11 +116,9 @@ void Node::run() {
 
 void Node::serve(ros::WallDuration wait) {
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
-  const ros::SteadyTime begin = ros::SteadyTime::now();
-  const bool came = queue.callOne(wait) == ros::CallbackQueue::Called;
-  const ros::WallDuration passed = ros::SteadyTime::now() - begin;
-  time_.idle((came ? std::min(wait, passed) : passed).toSec());
+  queue.callOne(wait);
   queue.callAvailable();
+  const TimeShares::Scope scope(time_, TimeShares::Use::serving);
   tf_.receive();
 }
 
@@ -179,6 +185,7 @@ void Node::publish_diagnostics() {
   if (now < next_diagnostics_) return;
   next_diagnostics_ = now + diagnostics_period;
 
+  const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   follower_.look_up();  // a paused simulation does not
   grasper_.look_up();
   NodeStatus status;

@@ -42,7 +42,7 @@ TimeShares::Shares TimeShares::take() {
   const auto kept = [](const Seconds& spent) { return std::max(0.0, spent.wall - spent.cpu); };
 
   Shares shares;
-  shares.serving = std::max(0.0, at(Use::serving).wall) / passed;
+  shares.serving = at(Use::serving).wall / passed;
   shares.simulating = at(Use::simulating).cpu / passed;
   shares.publishing = at(Use::publishing).cpu / passed;
   shares.kept = (kept(at(Use::simulating)) + kept(at(Use::publishing))) / passed;

@@ -25,6 +25,7 @@
 #include "clothsim/ros/reconfigure.h"
 #include "clothsim/ros/state_services.h"
 #include "clothsim/ros/time_shares.h"
+#include "clothsim/ros/timed_callbacks.h"
 #include "clothsim/ros/view_reconfigure.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -68,6 +69,8 @@ class Node {
   bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
 
+  TimeShares time_;
+  TimedCallbacks callbacks_;
   ros::NodeHandle node_;
   NodeParameters parameters_;
   clothsim::Simulator simulator_;
@@ -86,7 +89,6 @@ class Node {
   std::optional<Reconfigure> reconfigure_;           // of the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
-  TimeShares time_;
   StateServices state_services_;
   Diagnostics diagnostics_;
   ChoiceLog choice_log_;

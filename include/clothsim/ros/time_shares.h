@@ -9,7 +9,7 @@ namespace clothsim_ros {
 /// What a node's time goes into, as shares of the time that passes. For one thread.
 class TimeShares {
  public:
-  enum class Use { serving, simulating, publishing };
+  enum class Use { nothing, serving, simulating, publishing };
 
   struct Shares {
     double serving = 0;     // calls and other callbacks, with what they wait for
@@ -31,9 +31,6 @@ class TimeShares {
     Use outer_;
   };
 
-  /// So much of the time for serving was spent idle [s].
-  void idle(double seconds) { at(Use::serving).wall -= seconds; }
-
   /// Since the last call.
   Shares take();
 
@@ -47,10 +44,10 @@ class TimeShares {
   void charge();
   Seconds& at(Use use) { return spent_[static_cast<size_t>(use)]; }
 
-  Use use_ = Use::serving;
+  Use use_ = Use::nothing;
   Seconds charged_ = now();         // up to here time is counted
   double start_ = charged_.wall;    // of the shares [s]
-  std::array<Seconds, 3> spent_{};  // by Use, since start_
+  std::array<Seconds, 4> spent_{};  // by Use, since start_
 };
 
 }  // namespace clothsim_ros
