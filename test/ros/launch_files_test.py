@@ -1,0 +1,53 @@
+#!/usr/bin/python3
+"""Each scene's launch file has every argument of scene.launch and passes it on."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+
+import roslib.packages
+import rosunit
+import yaml
+
+FOLDER = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "launch")
+ARGUMENTS = {"rviz": "false", "interactive": "false", "paused": "true", "realtime_factor": "0.25",
+             "view": os.path.join(FOLDER, "../config/views/drape.yaml"), "world_frame": "odom",
+             "publish_clock": "true"}
+PARAMETERS = {"paused": True, "realtime_factor": 0.25, "world_frame": "odom", "publish_clock": True}
+
+
+class LaunchFiles(unittest.TestCase):
+    def parameters(self, *command):
+        """What a command of roslaunch sets."""
+        done = subprocess.run(["roslaunch", *command, "--dump-params"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return yaml.safe_load(done.stdout)
+
+    def expect_passed_on(self, given):
+        for name, value in PARAMETERS.items():
+            self.assertEqual(given["/clothsim/" + name], value, name)
+        self.assertTrue([name for name in given if name.startswith("/clothsim/camera/")])
+
+    def test_each_can_be_included_with_all(self):
+        files = sorted(os.listdir(FOLDER))
+        self.assertGreater(len(files), 6)
+        arguments = "".join('<arg name="%s" value="%s"/>' % item for item in ARGUMENTS.items())
+        for file in files:
+            with tempfile.NamedTemporaryFile("w", suffix=".launch") as including:
+                including.write('<launch><include file="%s">%s</include></launch>'
+                                % (os.path.join(FOLDER, file), arguments))
+                including.flush()
+                with self.subTest(file):
+                    self.expect_passed_on(self.parameters(including.name))
+
+    def test_a_scene_of_ones_own(self):
+        scene = os.path.join(os.path.dirname(__file__), "attach_scene.yaml")
+        given = self.parameters("clothsim", "scene.launch", "scene:=" + scene,
+                                *["%s:=%s" % item for item in ARGUMENTS.items()])
+        self.expect_passed_on(given)
+        self.assertEqual(given["/clothsim/scene/cloth/columns"], 10)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("clothsim", "launch_files", LaunchFiles)
