@@ -7,17 +7,19 @@ A hand is nothing but a tf frame. Made for config/scenes/grasp.yaml:
 """
 
 import math
+import threading
 
 import rospy
 import tf2_ros
 from geometry_msgs.msg import TransformStamped, WrenchStamped
 
+from clothsim.msg import ClothState
 from clothsim.srv import Attach, Detach
 
 HANDS = {"left_hand": 0.0, "right_hand": 1.0}  # tf frame: x of its corner [m]
 GRASP = 0.02  # the hands take what is this near [m]
-SPEED = 0.5  # [m/s]
-RATE = 90  # [Hz], as the simulation
+SPEED = 0.5  # [m/s] in simulated time
+RATE = 90  # [Hz] of the broadcasts at least
 
 # Where both hands go, y and z [m]: up, over the middle, down beside the far edge.
 TAKE = (0.0, 0.0)
@@ -25,31 +27,64 @@ PATH = [(0.0, 0.1), (0.15, 0.4), (0.5, 0.55), (0.85, 0.4), (1.01, 0.1), (1.03, 0
 
 
 class Hands:
-    """Both at the same y and z. Broadcasts all the time, as a robot does, also while a call waits."""
+    """Both at the same y and z. They move with the simulation, by its time, and are broadcast all the
+    time, as by a robot, also while a call waits."""
 
     def __init__(self):
+        self.world = rospy.get_param("clothsim/world_frame", "map")
         self.place = TAKE
+        self.stamp = rospy.Time()
+        self.lock = threading.Lock()
+        self.time = 0.0  # simulated [s]
+        self.frame_came = threading.Condition()
         self.broadcaster = tf2_ros.TransformBroadcaster()
         self.timer = rospy.Timer(rospy.Duration(1 / RATE), self.send)
+        self.states = rospy.Subscriber("clothsim/state", ClothState, self.tell, queue_size=1)
 
-    def send(self, _event):
-        transforms = []
-        for frame, x in HANDS.items():
-            t = TransformStamped()
-            t.header.stamp, t.header.frame_id, t.child_frame_id = rospy.Time.now(), "map", frame
-            t.transform.translation.x = x
-            t.transform.translation.y, t.transform.translation.z = self.place
-            t.transform.rotation.w = 1
-            transforms.append(t)
-        self.broadcaster.sendTransform(transforms)
+    def tell(self, state):
+        with self.frame_came:
+            self.time = state.time
+            self.frame_came.notify()
+
+    def send(self, _event=None):
+        with self.lock:
+            # Listeners drop a second transform of one time.
+            self.stamp = max(rospy.Time.now(), self.stamp + rospy.Duration(0, 1000))
+            transforms = []
+            for frame, x in HANDS.items():
+                t = TransformStamped()
+                t.header.stamp, t.header.frame_id, t.child_frame_id = self.stamp, self.world, frame
+                t.transform.translation.x = x
+                t.transform.translation.y, t.transform.translation.z = self.place
+                t.transform.rotation.w = 1
+                transforms.append(t)
+            self.broadcaster.sendTransform(transforms)
+
+    def next_time(self):
+        """Simulated [s], after another frame."""
+        with self.frame_came:
+            while not self.frame_came.wait(0.1):
+                if rospy.is_shutdown():
+                    raise rospy.ROSInterruptException
+            return self.time
+
+    def passed(self, duration):
+        """The simulated time since the call [s], frame by frame, until it is `duration`."""
+        begin, passed = self.next_time(), 0.0
+        while passed < duration:
+            passed = min(self.next_time() - begin, duration)
+            yield passed
+
+    def wait(self, duration):
+        for _ in self.passed(duration):
+            pass
 
     def go(self, target):
         """In a straight line at SPEED."""
-        start, rate = self.place, rospy.Rate(RATE)
-        steps = max(1, int(math.dist(start, target) / SPEED * RATE))
-        for i in range(1, steps + 1):
-            self.place = tuple(a + (b - a) * i / steps for a, b in zip(start, target))
-            rate.sleep()
+        start, duration = self.place, math.dist(self.place, target) / SPEED
+        for passed in self.passed(duration):
+            self.place = tuple(a + (b - a) * passed / duration for a, b in zip(start, target))
+            self.send()
 
 
 def main():
@@ -59,7 +94,7 @@ def main():
     detach = rospy.ServiceProxy("clothsim/detach", Detach)
 
     hands = Hands()
-    rospy.sleep(1)  # the cloth comes to rest
+    hands.wait(1)  # the cloth comes to rest
     for frame in HANDS:
         answer = attach(frame=frame, radius=GRASP)
         if not answer.success:
@@ -68,14 +103,14 @@ def main():
 
     for place in PATH[:3]:
         hands.go(place)
-    rospy.sleep(2)  # it hangs still
+    hands.wait(2)  # it hangs still
     for frame in HANDS:
         wrench = rospy.wait_for_message("clothsim/wrench/" + frame, WrenchStamped)
         rospy.loginfo("%s carries %.1f N", frame, -wrench.wrench.force.z)
     for place in PATH[3:]:
         hands.go(place)
 
-    rospy.sleep(1)  # the fold settles
+    hands.wait(1)  # the fold settles
     detach()
     rospy.loginfo("the cloth is folded")
     hands.timer.shutdown()
