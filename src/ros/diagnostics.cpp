@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -122,13 +123,21 @@ void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
   }
 }
 
+/// Tells each frame once, whatever number of colliders, pins and points follow it.
+void fill_frames(const std::vector<FrameStatus>& frames, const Limit& limit, Wrapper& out) {
+  std::set<std::string> told;
+  for (const FrameStatus& frame : frames) {
+    if (told.insert(frame.frame).second) fill_frame(frame, limit, out);
+  }
+}
+
 void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out) {
   out.summary(DiagnosticStatus::OK, status.paused ? "paused" : "running");
   if (status.waits_for_clock) out.summary(DiagnosticStatus::WARN, no_clock);
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, limits.speed, out);
   fill_step(status, limits, out);
-  for (const FrameStatus& frame : status.frames) fill_frame(frame, limits.tf_age, out);
+  fill_frames(status.frames, limits.tf_age, out);
 }
 
 std::string names(const clothsim::Outputs& outputs) {

@@ -200,6 +200,17 @@ class Diagnostics(unittest.TestCase):
                 values = node.wait(level, "lost tf frame " + frame)
                 self.assertGreater(float(values["tf age of %s [s]" % frame]), 1)
 
+    def test_each_frame_once(self):
+        """However many colliders and pins follow it."""
+        finger = {"shape": "sphere", "center": [0, 0, -1], "frame": "shared"}
+        scene = {"cloth": dict(SMALL["cloth"], pinned=[{"point": [0, 0], "frame": "shared"}]),
+                 "colliders": [dict(finger, name="a"), dict(finger, name="b")]}
+        with self.node(scene, OFF, paused=True) as node:
+            node.wait(OK, "paused")
+            keys = [v.key for v in node.statuses("simulation")[0].values]
+        self.assertEqual(keys.count("tf age of shared [s]"), 1)
+        self.assertEqual(len(keys), len(set(keys)))
+
     def test_frame_below_another_root(self):
         broadcaster = tf2_ros.StaticTransformBroadcaster()
         scene = copy.deepcopy(HELD)
