@@ -7,10 +7,6 @@
 namespace clothsim_ros {
 namespace {
 
-bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
-  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-}
-
 /// How far a change of pose moves the shape's points at most that are no farther out than the cloth
 /// [m].
 double way_between(const clothsim::Pose& a, const clothsim::Pose& b, const clothsim::Shape& shape,

@@ -137,7 +137,7 @@ void Handles::drag(const InteractiveMarkerFeedback& feedback) {
   } else {
     ROS_WARN(
         "Ignored where the handle of frame %s was dragged: not finite, beyond %g m or not in %s",
-        frame.c_str(), farthest, world_frame_.c_str());
+        frame.c_str(), largest_coordinate, world_frame_.c_str());
     server_.setPose(frame, to_pose_msg(handle.pose));
   }
   server_.applyChanges();

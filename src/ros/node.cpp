@@ -7,7 +7,6 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "clothsim/collision/intersections.h"
 #include "clothsim/model/checks.h"
@@ -40,23 +39,13 @@ ros::NodeHandle private_node(ros::CallbackQueueInterface& queue) {
   return node;
 }
 
-/// Calls `make`; an InvalidValue it throws gets the full name of the parameter.
-template <class Make>
-auto with_full_name(const ros::NodeHandle& node, const std::string& parameter, Make make) {
-  try {
-    return make();
-  } catch (const clothsim::InvalidValue& error) {
-    throw std::runtime_error(error.message(node.getNamespace() + "/" + parameter + "/", "/"));
-  }
-}
-
 }  // namespace
 
 Node::Node()
     : callbacks_(*ros::getGlobalCallbackQueue(), time_),
       node_(private_node(callbacks_)),
       parameters_(read_parameters(node_)),
-      simulator_(with_full_name(node_, "scene",
+      simulator_(with_full_name(node_, "scene/",
                                 [this] { return clothsim::Simulator(parameters_.scene); })),
       paused_(parameters_.paused),
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
@@ -66,7 +55,7 @@ Node::Node()
       grasper_(node_, simulator_, tf_, changes_, pacer_),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       photographer_(with_full_name(
-          node_, "camera",
+          node_, "camera/",
           [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
       diagnostics_(parameters_.limits) {

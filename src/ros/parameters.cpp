@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/render/egl_context.h"
@@ -102,16 +101,6 @@ YAML::Node without_topics(YAML::Node camera) {
   return camera;
 }
 
-/// Calls `read`; an InvalidValue it throws gets the full name of the parameter.
-template <class Read>
-auto with_full_name(const ros::NodeHandle& node, Read read) {
-  try {
-    return read();
-  } catch (const InvalidValue& error) {
-    throw std::runtime_error(error.message(node.getNamespace() + "/", "/"));
-  }
-}
-
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
   parameters.scene = read_scene_parameter(node);
@@ -184,7 +173,7 @@ YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
 }
 
 NodeParameters read_parameters(const ros::NodeHandle& node) {
-  return with_full_name(node, [&] { return read(node); });
+  return with_full_name(node, "", [&] { return read(node); });
 }
 
 std::vector<std::string> parameter_names() {
@@ -194,7 +183,7 @@ std::vector<std::string> parameter_names() {
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {
   std::string name = "clothsim";
-  with_full_name(node, [&] {
+  with_full_name(node, "", [&] {
     read_optional(node, "cloth", clothsim::into(name));
     std::string mistake;
     if (!ros::names::validate(name, mistake)) {

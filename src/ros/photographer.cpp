@@ -22,10 +22,6 @@ std::string own_frame_name() {
   return name + "_camera_optical";
 }
 
-bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
-  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-}
-
 bool any(const clothsim::Outputs& outputs) {
   return outputs.color || outputs.depth || outputs.mask;
 }

@@ -20,7 +20,11 @@ const ros::WallDuration settling(0.5);
 
 bool is_usable(const clothsim::Pose& pose) {
   return pose.orientation.coeffs().allFinite() &&
-         (pose.position.array().abs() <= farthest).all();  // false for NaN
+         (pose.position.array().abs() <= largest_coordinate).all();  // false for NaN
+}
+
+bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
 void TfListener::listen() {
@@ -101,7 +105,7 @@ bool TfFrame::read() {
       status_.seen = true;
     } else if (warnings_.passes()) {
       ROS_WARN("Ignored a transform of tf frame %s: not finite or beyond %g m",
-               status_.frame.c_str(), farthest);
+               status_.frame.c_str(), largest_coordinate);
     }
     status_.apart_from.clear();
     return true;

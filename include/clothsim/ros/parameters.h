@@ -3,9 +3,11 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "clothsim/model/errors.h"
 #include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/simulation/scene.h"
 #include "clothsim/view/view.h"
@@ -23,6 +25,18 @@ struct NodeParameters {
   bool paused = false;
   bool publish_clock = false;  // the node is the source of /clock
 };
+
+/// Calls `make`. An InvalidValue that it throws becomes a std::runtime_error with the full name of
+/// the parameter of `node`, whose keys are below `parent` (such as "scene/"; empty: below the
+/// node).
+template <class Make>
+auto with_full_name(const ros::NodeHandle& node, const std::string& parent, Make make) {
+  try {
+    return make();
+  } catch (const clothsim::InvalidValue& error) {
+    throw std::runtime_error(error.message(node.getNamespace() + "/" + parent, "/"));
+  }
+}
 
 /// Reads the private parameters of `node`. Throws std::runtime_error with the full name of the
 /// parameter, what it is and what is expected.

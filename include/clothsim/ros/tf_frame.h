@@ -13,14 +13,17 @@
 
 namespace clothsim_ros {
 
-/// Positions farther out are no place for a cloth [m]; the scene has the same limit.
-inline constexpr double farthest = 1e6;
+/// Coordinates beyond these are no place for a cloth [m]; the scene has the same limit.
+inline constexpr double largest_coordinate = 1e6;
 
 /// At most one warning of transforms that are ignored in so long a time.
 inline const ros::WallDuration warning_period(5);
 
 /// Whether a pose is finite and no farther out than that.
 bool is_usable(const clothsim::Pose&);
+
+/// Whether two poses are equal to the last bit.
+bool same(const clothsim::Pose&, const clothsim::Pose&);
 
 /// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what
 /// has come in the thread that asks: in lockstep, what came before a call counts in the call.
