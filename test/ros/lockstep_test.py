@@ -4,6 +4,7 @@
 import time
 import unittest
 
+import numpy as np
 import rospy
 import rostest
 from std_srvs.srv import SetBool
@@ -109,10 +110,11 @@ class Lockstep(unittest.TestCase):
         self.cloth.states.clear()
         self.cloth.states.wait("frame 60", lambda s: s.step >= 60)
         states = self.cloth.states.all()
-        gaps = [(b.header.stamp - a.header.stamp).to_sec() for a, b in zip(states, states[1:])]
-        self.assertGreater(min(gaps), 0)
-        gaps.sort()
-        self.assertAlmostEqual(gaps[len(gaps) // 2], 1 / 90, delta=1e-8)
+        gaps = np.array([(b.header.stamp - a.header.stamp).to_sec() for a, b in zip(states, states[1:])])
+        even = np.abs(gaps - 1 / 90) < 1e-8
+        self.assertGreater(np.count_nonzero(even), len(gaps) / 2)
+        # Where the computer was too busy to catch up, the stamps begin again from now.
+        self.assertGreater(gaps[~even].min(initial=1), 5 / 90)
 
     def test_refused(self):
         self.cloth.step(3)

@@ -47,12 +47,11 @@ class PublishClock(unittest.TestCase):
         ticks = [message.clock for message in clock.all()]
         self.assertEqual(ticks, sorted(ticks))
 
-        # Each state is stamped with its own tick of it.
-        begin = clock.all()[0].clock
-        for before, after in zip(cloth.states.all()[1:], cloth.states.all()[2:]):
-            self.assertLess(before.header.stamp, after.header.stamp)
-            frames = (after.header.stamp - begin).to_nsec() / NANOSECONDS_A_FRAME
-            self.assertAlmostEqual(frames, round(frames), delta=1e-6)
+        # From each state to the next it is one frame, running, by steps and over a reset.
+        stamps = [s.header.stamp.to_nsec() for s in cloth.states.all()[1:]]
+        self.assertGreater(len(stamps), 100)
+        for before, after in zip(stamps, stamps[1:]):
+            self.assertLessEqual(abs(after - before - NANOSECONDS_A_FRAME), 1)
 
     def test_attach_to_a_frame_that_goes_by_its_clock(self):
         """While a call waits the clock stands, and with it who sends the frame."""
