@@ -9,14 +9,6 @@
 namespace clothsim {
 namespace {
 
-void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
-  std::vector<Field> fields;
-  for (size_t i = 0; i < springs.size(); ++i) {
-    fields.push_back({spring_family_names[i], into(springs[i])});
-  }
-  read_map(node, fields);
-}
-
 /// true, false, or the name of a method.
 void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
   if (is_word(node, "points")) {
@@ -224,6 +216,14 @@ SimulationSpec read_simulation(const YAML::Node& node) {
 }
 
 }  // namespace
+
+void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
+  std::vector<Field> fields;
+  for (size_t i = 0; i < springs.size(); ++i) {
+    fields.push_back({spring_family_names[i], into(springs[i])});
+  }
+  read_map(node, fields);
+}
 
 Scene read_scene(const YAML::Node& root) {
   Scene scene;

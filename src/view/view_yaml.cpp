@@ -1,6 +1,7 @@
 #include "clothsim/view/view_yaml.h"
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene_yaml.h"
 #include "clothsim/simulation/yaml_values.h"
 
 namespace clothsim {
@@ -10,13 +11,6 @@ constexpr double default_field_of_view = 0.8;  // [rad], 46 degrees
 
 ReadValue into_optional(std::optional<double>& target) {
   return [&target](const YAML::Node& node) { target = read_number(node); };
-}
-
-void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
-  std::vector<Field> fields;
-  for (std::size_t i = 0; i < springs.size(); ++i)
-    fields.push_back({spring_family_names[i], into(springs[i])});
-  read_map(node, fields);
 }
 
 std::vector<Field> look_fields(Look& look) {

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <string>
 
 #include "clothsim/simulation/scene.h"
@@ -12,6 +13,10 @@ namespace clothsim {
 /// default. Throws InvalidValue for an unknown key, a wrong type, a non-finite number, a value out
 /// of range.
 Scene read_scene(const YAML::Node& root);
+
+/// Reads a map of switches, one for each spring family; what is left out keeps its value. Throws
+/// InvalidValue.
+void read_springs(const YAML::Node&, std::array<bool, 3>& springs);
 
 /// Reads a YAML file. Throws InvalidValue, also for a file that is missing or not YAML.
 YAML::Node load_scene_file(const std::string& path);
