@@ -14,14 +14,16 @@ bool same(const Scalars& a, const Scalars& b) { return a.size() == b.size() && a
 
 }  // namespace
 
-bool ClothWatch::changed(const Cloth& cloth, double h) {
+bool ClothWatch::differs(const Cloth& cloth, double h) const {
   const bool same_springs =
       std::equal(springs_.begin(), springs_.end(), cloth.springs.begin(), cloth.springs.end(),
                  [](const SpringRun& a, const SpringRun& b) { return same(a, b); });
-  if (same_springs && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
-      same(cloth.inv_mass, inv_mass_)) {
-    return false;
-  }
+  return !(same_springs && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
+           same(cloth.inv_mass, inv_mass_));
+}
+
+bool ClothWatch::changed(const Cloth& cloth, double h) {
+  if (!differs(cloth, h)) return false;
   h_ = h;
   damping_ = cloth.damping;
   mass_ = cloth.mass;

@@ -63,6 +63,18 @@ double work_on_springs(const Cloth& cloth, double dt, const State& before, const
 
 }  // namespace
 
+void EnergyWatch::write(MemoryWriter& memory) const {
+  memory.add(begun_);
+  memory.add(begun_ ? given_ : 0);
+  memory.add(begun_ ? potential_ : 0);
+}
+
+void EnergyWatch::read(MemoryReader& memory) {
+  begun_ = memory.index(2) == 1;
+  given_ = memory.number();
+  potential_ = memory.number();
+}
+
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
                           const std::vector<MovingCollider>& colliders) {

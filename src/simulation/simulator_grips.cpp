@@ -7,10 +7,13 @@
 
 namespace clothsim {
 
-void Simulator::Impl::hold_points() {
-  // As the scene has them, then without those held.
+void Simulator::Impl::hold_pins(Cloth& cloth) {
   for (int i = 0; i < cloth.num_points(); ++i) cloth.inv_mass[i] = 1 / cloth.mass[i];
   for (const int pin : cloth.pinned) cloth.inv_mass[pin] = 0;
+}
+
+void Simulator::Impl::hold_points() {
+  hold_pins(cloth);
   grips.hold(cloth);
 
   // Constraints weigh by inverse mass, and leave out pairs that are held on both sides.

@@ -76,9 +76,17 @@ struct Simulator::Impl {
     forget();
   }
 
+  /// The cloth as the scene has it, without what is attached: the method is chosen for that, so
+  /// that the choice does not depend on when it was made.
+  Cloth without_grips() const {
+    Cloth free = cloth;
+    hold_pins(free);
+    return free;
+  }
+
   /// Drops what methods and constraints remember of earlier steps.
   void forget() {
-    method.emplace(scene.simulation, cloth, scene.colliders);
+    method.emplace(scene.simulation, without_grips(), scene.colliders);
     forget_constraints();
     energy_watch.restart();
   }
@@ -86,9 +94,10 @@ struct Simulator::Impl {
   /// Takes the method that the scene asks for now. Goes on with the present one where it is the
   /// same, unless it is to be `anew`.
   void choose(bool anew) {
-    const MethodChoice choice = choose_method(scene.simulation, cloth, scene.colliders);
+    const Cloth free = without_grips();
+    const MethodChoice choice = choose_method(scene.simulation, free, scene.colliders);
     if (anew || choice.method != method->choice.method) {
-      method.emplace(scene.simulation, cloth, scene.colliders);
+      method.emplace(scene.simulation, free, scene.colliders);
     } else {
       method->choice = choice;
       method->halvings = 0;
@@ -111,11 +120,20 @@ struct Simulator::Impl {
     return p.row * scene.cloth.columns + p.column;
   }
 
+  /// Drops what the method remembers of another material.
+  void forget_history() {
+    if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->forget();
+  }
+
   void write(MemoryWriter&) const;
+  /// Whether the numbers are a memory of such a cloth, scene and method.
+  bool fits(const std::vector<double>& memory) const;
   /// Throws InvalidValue and changes nothing where the numbers are not those of such a scene.
   void read(const std::vector<double>&);
   void set_state(const State&, const std::vector<double>& memory);
 
+  /// Holds the pins alone.
+  static void hold_pins(Cloth&);
   /// To be called when other points are attached.
   void hold_points();
   /// Adds to `impulses` what a substep of h [s] gave.

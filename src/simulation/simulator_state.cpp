@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/model/checks.h"
 #include "simulator_impl.h"
 
@@ -10,7 +11,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-constexpr int memory_version = 4;
+constexpr int memory_version = 5;
 
 /// How far from where it is held a point may be in a state that is given [m].
 constexpr double held_tolerance = 1e-6;
@@ -31,7 +32,15 @@ std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
           static_cast<double>(cloth.strain_limit.has_value()),
           static_cast<double>(cloth.self_collision),
           static_cast<double>(scene.colliders.size()),
+          static_cast<double>(scene.simulation.method == "auto"),
           static_cast<double>(place)};
+}
+
+bool has_other_material(const Cloth& a, const Cloth& b) {
+  ClothWatch watch;
+  constexpr double any_step = 0;
+  watch.changed(a, any_step);
+  return watch.differs(b, any_step);
 }
 
 /// Throws InvalidValue unless there are `count`, each below `limit`.
@@ -51,8 +60,9 @@ void check_points(const std::string& key, const Points& points, int count, doubl
 
 }  // namespace
 
-/// All that moves.
+/// All that moves, and the cloth that did.
 struct Simulator::Saved {
+  Cloth cloth;
   State state;
   std::vector<double> memory;
   std::vector<MovingCollider> colliders;
@@ -61,13 +71,14 @@ struct Simulator::Saved {
 };
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
-  for (const double number : shape_of(scene, cloth)) memory.add(number);
+  for (const double number : shape_of(scene, without_grips())) memory.add(number);
   const std::vector<std::string> names = method_names();
   const auto place = std::find(names.begin(), names.end(), method->choice.method);
   memory.add(static_cast<double>(place - names.begin()));
   memory.add(method->halvings);
   memory.add(disturbed);
-  if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory);
+  energy_watch.write(memory);
+  if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
   if (self_contacts) {
@@ -75,17 +86,22 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   }
 }
 
+bool Simulator::Impl::fits(const std::vector<double>& memory) const {
+  const std::vector<double> shape = shape_of(scene, without_grips());
+  return memory.size() >= shape.size() && std::equal(shape.begin(), shape.end(), memory.begin());
+}
+
 void Simulator::Impl::read(const std::vector<double>& numbers) {
-  const std::vector<double> shape = shape_of(scene, cloth);
-  if (numbers.size() < shape.size() || !std::equal(shape.begin(), shape.end(), numbers.begin())) {
+  if (!fits(numbers)) {
     throw InvalidValue({"memory"}, "that of another cloth, scene or method",
                        "one that this simulation gave as it is now, or none");
   }
   MemoryReader memory(numbers);
-  for (std::size_t i = 0; i < shape.size(); ++i) memory.number();
+  const Cloth free = without_grips();
+  for (std::size_t i = 0; i < shape_of(scene, free).size(); ++i) memory.number();
 
   // The method, which may be another one since a frame failed.
-  Method read_method(scene.simulation, cloth, scene.colliders);
+  Method read_method(scene.simulation, free, scene.colliders);
   const std::vector<std::string> names = method_names();
   const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
   if (name != read_method.choice.method) {
@@ -94,11 +110,13 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     }
     SimulationSpec last_resort = scene.simulation;
     last_resort.method = refuge;
-    read_method = Method(last_resort, cloth, scene.colliders);
+    read_method = Method(last_resort, free, scene.colliders);
     read_method.choice.reason = "a frame failed before the state that was set";
   }
   read_method.halvings = memory.index(max_halvings + 1);
   const bool read_disturbed = memory.index(2) == 1;
+  EnergyWatch read_energy_watch;
+  read_energy_watch.read(memory);
   if (auto* bdf2 = std::get_if<Bdf2>(&read_method.integrator)) bdf2->read(memory, cloth);
 
   // The constraints.
@@ -117,7 +135,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   collider_contacts = std::move(read_contacts);
   self_contacts = std::move(read_self_contacts);
   disturbed = read_disturbed;
-  energy_watch.restart();
+  energy_watch = read_energy_watch;
 }
 
 void Simulator::Impl::set_state(const State& given, const std::vector<double>& memory) {
@@ -169,22 +187,27 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 }
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
-  return std::make_shared<const Saved>(
-      Saved{impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips});
+  return std::make_shared<const Saved>(Saved{impl_->cloth, impl_->state, memory(), impl_->colliders,
+                                             impl_->pin_targets, impl_->grips});
 }
 
 void Simulator::restore(const Saved& saved) {
-  const auto points = static_cast<std::size_t>(impl_->cloth.num_points());
-  const auto saved_points = static_cast<std::size_t>(saved.state.positions.rows());
-  if (saved_points != points || saved.colliders.size() != impl_->colliders.size() ||
-      saved.pin_targets.size() != impl_->pin_targets.size()) {
+  const Cloth& cloth = impl_->cloth;
+  const auto same_shape = [](const MovingCollider& a, const MovingCollider& b) {
+    return a.shape().index() == b.shape().index();
+  };
+  if (saved.cloth.columns != cloth.columns || saved.cloth.rows != cloth.rows ||
+      saved.cloth.pinned != cloth.pinned ||
+      !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
+                  impl_->colliders.end(), same_shape)) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
   impl_->grips = saved.grips;
   impl_->hold_points();
-  try {
+  if (impl_->fits(saved.memory)) {
     impl_->read(saved.memory);
-  } catch (const InvalidValue&) {
+    if (has_other_material(saved.cloth, cloth)) impl_->forget_history();
+  } else {
     impl_->forget();  // springs or the method have changed since
     impl_->disturbed = true;
   }

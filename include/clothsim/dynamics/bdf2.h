@@ -38,15 +38,20 @@ class Bdf2 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  /// Takes the next step as the first.
+  void forget() { watch_ = {}; }
+
   bool ran_out() const { return solver_.ran_out(); }  // see Integrator
 
-  /// The history. `read` throws InvalidValue for what was not written.
-  void write(MemoryWriter&) const;
+  /// The history, where it still holds for the cloth. `read` throws InvalidValue for what was not
+  /// written.
+  void write(MemoryWriter&, const Cloth&) const;
   void read(MemoryReader&, const Cloth&);
 
  private:
-  /// Throws InvalidValue for a history that would throw points farther than any cloth is thrown.
-  void check_history() const;
+  /// Throws InvalidValue for a history that would throw free points farther than any cloth is
+  /// thrown.
+  void check_history(const Cloth&) const;
 
   NewtonSolver solver_;
   ClothWatch watch_;

@@ -14,6 +14,9 @@ class ClothWatch {
   /// the first call.
   bool changed(const Cloth&, double h);
 
+  /// The same question, which leaves the last call as it is.
+  bool differs(const Cloth&, double h) const;
+
  private:
   double h_ = 0;
   double damping_ = 0;

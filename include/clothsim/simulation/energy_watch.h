@@ -4,6 +4,7 @@
 
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -14,6 +15,10 @@ class EnergyWatch {
  public:
   /// Counts anew from the next frame on: after a change that no work explains.
   void restart() { begun_ = false; }
+
+  /// What it has counted. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&);
 
   /// Whether a frame of `dt` [s] from `before` to `after` may have gained the energy it did: no
   /// more than moving pins and colliders can have put in as work, besides a margin for what is
