@@ -33,12 +33,12 @@ struct Kick {
   Kick(double damping, double step)
       : h(step),
         half(damping, h / 2),
-        velocity(Drag(damping, h).distance / half.decay),
+        velocity(Drag(damping, h).distance),
         position(Drag(damping, h).fall) {}
 
   double h;
   Drag half;
-  double velocity;  // that a constant acceleration gives, before the second half's drag [s]
+  double velocity;  // that a constant acceleration gives [s]
   double position;  // likewise [s^2]
 };
 
@@ -55,7 +55,7 @@ template <typename Real>
     const double slowed = loss * v[i];
     const double a = inv_mass[i] * f[i];
     x[i] = middle[i] + (free ? half.distance : h / 2) * slowed + position * a;
-    v[i] = loss * (slowed + velocity * a);
+    v[i] = loss * slowed + velocity * a;
   }
 }
 
