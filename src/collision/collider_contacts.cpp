@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace clothsim {
@@ -32,13 +33,19 @@ bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, do
         Eigen::AlignedBox3d(collider.previous().position).extend(collider.pose().position);
     return std::sqrt(box.squaredExteriorDistance(path)) <= radius + margin;
   }
-  // A plane: the corner of the box that lies deepest.
-  const Vector3 normal = collider.pose().orientation * Vector3::UnitZ();
-  const Vector3 half = box.sizes() / 2;
-  const double middle = normal.dot(box.center() - collider.pose().position);
-  const double spread = normal.cwiseAbs().dot(half);
-  const Plane* plane = std::get_if<Plane>(&collider.shape());
-  return (plane && plane->two_sided ? std::abs(middle) : middle) - spread <= margin;
+  // A plane, as it was and as it is: the corner of the box that lies deepest.
+  const bool two_sided = std::get<Plane>(collider.shape()).two_sided;
+  double height[2];  // of the box's middle
+  double least = std::numeric_limits<double>::infinity();
+  for (const int end : {0, 1}) {
+    const Pose& pose = end == 0 ? collider.previous() : collider.pose();
+    const Vector3 normal = pose.orientation * Vector3::UnitZ();
+    height[end] = normal.dot(box.center() - pose.position);
+    const double spread = normal.cwiseAbs().dot(box.sizes() / 2);
+    least = std::min(least, (two_sided ? std::abs(height[end]) : height[end]) - spread);
+  }
+  const bool has_passed = two_sided && (height[0] < 0) != (height[1] < 0);
+  return has_passed || least <= margin;
 }
 
 /// Where a point that may have passed through the shape in one step came in, in the collider's own
@@ -99,7 +106,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   next_last_ = 0;
   faces_.start_over();
   escapes_.clear();
-  pinches_.start_over(h_);
+  pinches_.start_over(h_, step.gravity);
   recovers_ = false;
   if (colliders.empty()) return;
 

@@ -10,10 +10,10 @@ namespace {
 /// impulses push sideways.
 constexpr double facing = -0.5;
 
-/// Force that holds all points between two colliders along them, of the mass of the whole cloth
-/// [m/s^2]: three of its weights, as friction of a gripper that may lift it by one point and shake
-/// it. With as much for each, a cloth held by its pins too shook at up to 0.3 m/s.
-constexpr double strongest_grip = 3 * 9.81;
+/// Force that holds all points between two colliders along them, of the weight of the whole cloth:
+/// as friction of a gripper that may lift it by one point and shake it. With as much for each, a
+/// cloth held by its pins too shook at up to 0.3 m/s.
+constexpr double strongest_grip = 3;
 
 /// Points that would go to the middle no faster than this stay where they are [m/s]: layers that
 /// all had to go there would have to pass through each other.
@@ -39,8 +39,9 @@ bool jams(const ContactImpulse& a, const ContactImpulse& b) {
 
 }  // namespace
 
-void Pinches::start_over(double h) {
+void Pinches::start_over(double h, double gravity) {
   h_ = h;
+  gravity_ = gravity;
   pinches_.clear();
   jaws_.clear();
   held_.clear();
@@ -76,7 +77,8 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
   const bool sticks = jams(a.contact, b.contact);
   const double share = sticks ? a.contact.friction / (a.contact.friction + b.contact.friction) : 0;
   const Vector3 along = share * of_a + (1 - share) * of_b;
-  const double grip = sticks ? strongest_grip * cloth.mass.sum() * cloth.inv_mass[point] * h_ : 0;
+  const double weight = cloth.mass.sum() * gravity_;
+  const double grip = sticks ? strongest_grip * weight * cloth.inv_mass[point] * h_ : 0;
   const std::size_t jaws = jaws_of(a.collider, b.collider);
   if (sticks) ++jaws_[jaws].points;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, grip, jaws,

@@ -20,10 +20,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// share shakes piles.
 constexpr double overlap_share = 0.01;
 
-/// Force between two features, of the mass of the whole cloth [m/s^2]: its weight. What presses
-/// layers with more, as fingers that leave them no room, gets them closer; it would shake them.
-constexpr double strongest_push = 9.81;
-
 /// Changes that a pass leaves out, of the precision to which it solves.
 constexpr double unseen_share = 0.0125;
 
@@ -135,7 +131,7 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
 void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
-  strongest_push_ = strongest_push * cloth.mass.sum() * h_;
+  strongest_push_ = cloth.mass.sum() * step.gravity * h_;
   most_to_part_ = parting_push * strongest_push_;
 
   last_.swap(contacts_);

@@ -70,6 +70,12 @@ double speed_within(const Points& velocities) {
   return std::sqrt((velocities.rowwise() - mean).rowwise().squaredNorm().mean());
 }
 
+/// Of the shortest spring, without springs of two neighbours [m]: what precision is a share of.
+double least_spacing(const Cloth& cloth) {
+  if (!cloth.springs.empty() || cloth.num_points() < 2) return shortest_rest_length(cloth);
+  return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
+}
+
 /// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
 void check_feasible(const SimulationSpec& spec, const Cloth& cloth,
                     const std::vector<ColliderSpec>& colliders, const Points& positions,
@@ -99,12 +105,14 @@ StepReport Simulator::Impl::step() {
   const double dt = 1 / scene.simulation.frames_per_second;
   const State last_good = state;
   const std::vector<MovingCollider> last_colliders = colliders;
+  const bool was_disturbed = disturbed;
 
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   StepReport report;
   while (!frame(dt, last_good, report)) {
     state = last_good;
     colliders = last_colliders;
+    disturbed = was_disturbed;
     forget_constraints();
     energy_watch.restart();
     if (!recover()) {
@@ -132,6 +140,9 @@ StepReport Simulator::Impl::step() {
 }
 
 bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) {
+  const int recoveries = report.recoveries;  // all else is of this attempt
+  report = {};
+  report.recoveries = recoveries;
   report.method = method->choice.method;
   const std::optional<Tension> tension_now = tension();
   int at_speed = substeps_at_speed(cloth, contact_speed(dt), dt);
@@ -144,10 +155,6 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     report.reason += "; so few substeps are beyond the method's stability limit";
   }
   ran_out = false;
-  report.substeps = 0;
-  report.ran_out = 0;
-  report.pinched = 0;
-  report.pinched_point = -1;
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -272,7 +279,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
 
   // Impulses that keep springs within their limit and points off colliders.
-  const double length = scene.simulation.strain_tolerance * shortest_rest_length(cloth);  // [m]
+  const double length = scene.simulation.strain_tolerance * least_spacing(cloth);  // [m]
   if (strain_limit) strain_limit->predict(h, reach, state);
   if (!touches()) {  // the limit alone
     report.sweeps += strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
@@ -282,7 +289,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
-  const ContactStep contact_step{h, reach, start, predicted, workers, &collider_contacts.pinches()};
+  const ContactStep contact_step{h, reach, start, predicted, workers, &collider_contacts.pinches(),
+                                 std::max(scene.simulation.gravity.norm(), least_gravity)};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();
@@ -357,6 +365,7 @@ void Simulator::set(const Material& material, const SimulationSpec& simulation) 
                               !same(simulation.method_parameters, last.method_parameters);
   impl_->scene.cloth = std::move(spec);
   impl_->scene.simulation = simulation;
+  for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
   if (impl_->workers.threads() != simulation.threads) {
     impl_->workers = Workers(simulation.threads);
   }

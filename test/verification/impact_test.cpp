@@ -91,6 +91,79 @@ TEST_P(FastPlane, TakesTheWholeSheetAlong) {
   EXPECT_NEAR(simulator.state().velocities.col(2).mean(), speed, 0.01 * speed);
 }
 
+TEST(Impact, APlaneLiftsWhatIsTiedDown) {
+  // Springs at their limit pull the free row back through the plane, which goes on without it.
+  for (const bool two_sided : {false, true}) {
+    Scene scene;
+    scene.cloth.columns = scene.cloth.rows = 2;
+    scene.cloth.width = scene.cloth.height = 0.1;
+    scene.cloth.orientation = Orientation::vertical;
+    scene.cloth.origin = Vector3::Zero();
+    scene.cloth.pinned = {{0, 0, ""}, {1, 0, ""}};
+    ColliderSpec plane;
+    plane.name = "plane";
+    plane.shape = Plane{two_sided};
+    plane.pose.position = Vector3(0, 0, 0.05);
+    scene.colliders = {plane};
+    Simulator simulator(scene);
+    Pose pose = plane.pose;
+    for (int frame = 0; frame < 30; ++frame) {
+      pose.position.z() += 1 * simulator.frame_duration();  // at 1 m/s
+      simulator.move_collider(0, pose);
+      simulator.step();
+      for (const int free : {2, 3}) {
+        ASSERT_GE(simulator.state().positions(free, 2), pose.position.z()) << frame;
+      }
+    }
+  }
+}
+
+TEST(Impact, AColliderGoesNoFartherThanItsTargetWhereTheFrameHasGotLonger) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 4;
+  scene.simulation.gravity = Vector3::Zero();
+  scene.colliders.resize(1);
+  scene.colliders[0].name = "ball";
+  scene.colliders[0].pose.position = Vector3(0.5, 0.5, 0.2);
+  Simulator simulator(scene);
+  const double height = simulator.state().positions(0, 2);
+  ASSERT_GT(height, 0.9);
+  const Pose target{Vector3(0.5, 0.5, 0.3), Eigen::Quaterniond::Identity()};  // 0.5 m below it
+  simulator.move_collider(0, target);
+  SimulationSpec slower = scene.simulation;
+  slower.frames_per_second /= 10;
+  simulator.set_simulation(slower);
+  simulator.step();
+  EXPECT_EQ(simulator.collider_pose(0).position, target.position);
+  EXPECT_EQ(simulator.state().positions.col(2).maxCoeff(), height);
+}
+
+TEST(Impact, PointsWithoutSpringsAreSolvedToo) {
+  // Ten points in a row, the first of which runs into the next but one, and that into its next: next
+  // neighbours do not touch. They go on together.
+  Scene scene;
+  scene.cloth.columns = 10;
+  scene.cloth.rows = 1;
+  scene.cloth.width = 0.19;  // 21 mm apart
+  scene.cloth.height = 0.02;
+  scene.cloth.thickness = 0.01;
+  scene.cloth.self_collision = SelfCollision::points;
+  scene.cloth.material.springs = {false, false, false};
+  scene.cloth.material.strain_limit.reset();
+  scene.cloth.material.damping = 0;
+  scene.simulation.gravity = Vector3::Zero();
+  Simulator simulator(scene);
+  State state = simulator.state();
+  state.velocities(0, 0) = 1;
+  simulator.set_state(state);
+  run(simulator, 0.5);
+  EXPECT_NEAR(simulator.state().velocities.col(0).sum(), 1, 1e-12);
+  const auto apart = [&](int a, int b) {
+    return std::abs(simulator.state().velocities(a, 0) - simulator.state().velocities(b, 0));
+  };
+  for (int i = 0; i + 2 < 10; i += 2) EXPECT_LT(apart(i, i + 2), 1e-3) << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(Speeds, FastPlane,
                          ::testing::Combine(::testing::Values(1.0, 10.0, 100.0),
                                             ::testing::Bool()));

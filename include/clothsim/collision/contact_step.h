@@ -7,6 +7,10 @@ namespace clothsim {
 
 class Pinches;
 
+/// Contact takes a cloth to weigh as much as on Earth at least: where there is no gravity it is
+/// pressed and pulled all the same [m/s^2].
+inline constexpr double least_gravity = 9.81;
+
 /// The step after which contacts are sought.
 struct ContactStep {
   double h;               // [s]
@@ -15,6 +19,7 @@ struct ContactStep {
   const Points& drifted;  // the velocities that brought the points where they are [m/s]
   const Workers& workers;
   const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
+  double gravity = least_gravity;    // [m/s^2], no less
 };
 
 }  // namespace clothsim

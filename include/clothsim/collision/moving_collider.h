@@ -32,6 +32,7 @@ class MovingCollider {
   double friction() const { return friction_; }
   const Pose& pose() const { return pose_; }
   const Pose& previous() const { return previous_; }  // before the last advance()
+  const Pose& target() const { return target_; }      // last aimed at
 
   /// Where it was at a share from 0 to 1 of the last advance().
   Pose pose_at(double share) const;

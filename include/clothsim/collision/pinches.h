@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clothsim/collision/contact_impulse.h"
+#include "clothsim/collision/contact_step.h"
 #include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -28,8 +29,9 @@ class Pinches {
     const MovingCollider& collider;
   };
 
-  /// Forgets all points, for a step of h [s].
-  void start_over(double h);
+  /// Forgets all points, for a step of h [s]. The weight of the cloth is that under `gravity`
+  /// [m/s^2].
+  void start_over(double h, double gravity = least_gravity);
 
   /// Can no velocity of what is between them meet both?
   static bool leave_no_room(const ContactImpulse& a, const ContactImpulse& b);
@@ -82,6 +84,7 @@ class Pinches {
   std::size_t jaws_of(const MovingCollider&, const MovingCollider&);
 
   double h_ = 0;
+  double gravity_ = least_gravity;  // [m/s^2]
   std::vector<Pinch> pinches_;
   std::vector<Jaws> jaws_;
   std::vector<char> held_;

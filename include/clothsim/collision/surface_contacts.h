@@ -81,7 +81,10 @@ class SurfaceContacts {
 
   NearPairs near_;
   double h_ = 0;
-  double strongest_push_ = 0;      // between two features, but for what stops them [N s]
+  /// Between two features, but for what stops them: the cloth's weight in a step [N s]. What
+  /// presses layers with more, as fingers that leave them no room, gets them closer; it would shake
+  /// them.
+  double strongest_push_ = 0;
   double most_to_part_ = 0;        // of what works off an overlap [N s]
   std::vector<Contact> contacts_;  // by key
   std::vector<Contact> last_;
