@@ -105,7 +105,8 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
                  const double* longest, std::size_t fours, FourSprings* springs) {
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
-  const double share = std::min(violation_rate * step.h, most_of_violation) / (1 + 3 * step.active);
+  const double share = step.insistence * std::min(violation_rate * step.h, most_of_violation) /
+                       (1 + 3 * step.active);
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.
@@ -164,7 +165,8 @@ void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities
 }
 
 CLOTHSIM_TARGET_CLONES
-double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities) {
+double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad* velocities) {
+  const Vector highest = {most, most, most, most};
   Vector largest = {};
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
@@ -174,8 +176,10 @@ double sweep_springs(FourSprings* springs, std::size_t fours, Quad* velocities) 
     Vector rate;
     set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
     const Vector least = -vector(s.kick);
+    const Vector room = highest + least;
     const Vector wanted = rate - vector(s.fastest);
-    const Vector change = least < wanted ? wanted : least;
+    const Vector free = least < wanted ? wanted : least;
+    const Vector change = free < room ? free : room;
     vector(s.kick) += change;
     const Vector size = change < 0 ? -change : change;
     largest = largest < size ? size : largest;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "clothsim/dynamics/springs.h"
@@ -14,6 +15,21 @@ namespace {
 
 /// Fours of springs of a colour that a thread takes at least: half a microsecond of work.
 constexpr int least_shared = 128;
+
+/// Time beyond patience in which what is worked off falls to a half, and the most of it [s].
+constexpr double half_time = 3e-3;
+constexpr double most_doubt = 20 * half_time;
+
+/// How much of a step's doubt one that can be met takes back once the limit yields. It settles
+/// where most can.
+constexpr double relief = 0.1;
+
+/// Largest h^2 omega^2 of a spring's impulses where the limit yields, of those kept and of all that
+/// a step gives. Of neighbours that stay, T swings a point across its spring at omega^2 = T / (m l),
+/// so that this is the kick T h / m over the speed l / h. With much more, steps swing: a point has
+/// up to twelve springs. With no bound on a step's own, collider and limit outdo each other.
+constexpr double most_kept_swing = 0.08;
+constexpr double most_swing = 4 * most_kept_swing;
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
@@ -73,10 +89,23 @@ double StrainLimit::tension_frequency() {
   return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
+void StrainLimit::learn(bool is_unmet) {
+  if (is_unmet) {
+    doubt_ = std::min(doubt_ + step_.h, patience + most_doubt);
+  } else {
+    doubt_ = std::max(doubt_ - (yields() ? relief : 1) * step_.h, 0.0);
+  }
+}
+
+double StrainLimit::insistence() const {
+  return yields() ? std::exp2((patience - doubt_) / half_time) : 1;
+}
+
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
   const StrainLimit kept = std::move(last);
   reset();
+  doubt_ = kept.doubt_;
   step_ = kept.step_;
   kept.for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const double mass = constraints_[index(id)].mass;  // perhaps another one
@@ -91,10 +120,12 @@ void StrainLimit::reset() {
   clear_active();
   close_active();
   step_ = {};
+  doubt_ = 0;
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
+  memory.add(doubt_);
   std::size_t pulling = 0;
   for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
   memory.add(static_cast<double>(pulling));
@@ -109,6 +140,7 @@ void StrainLimit::write(MemoryWriter& memory) const {
 void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
+  doubt_ = std::clamp(memory.number(), 0.0, patience + most_doubt);
   std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
   for (std::size_t left = memory.count(); left > 0; --left) {
     const int id = memory.index(constraints_.size());
@@ -125,9 +157,11 @@ void StrainLimit::read(MemoryReader& memory) {
 
 void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
-  step_ = {h, reach, 0};
+  step_ = {h, reach, 0, insistence()};
+  const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
+  most_kick_ = most_swing * speed;
   for (FourSprings& s : active_) {
-    for (double& kick : s.kick) kick *= scale;
+    for (double& kick : s.kick) kick = std::min(scale * kick, most_kept_swing * speed);
   }
 
   std::fill(given_.begin(), given_.end(), Quad{});
@@ -298,14 +332,15 @@ void StrainLimit::store(Points& velocities) const {
 double StrainLimit::sweep_active(const Workers& workers) {
   const bool are_few = active_.size() < 2 * index(least_shared) * colour_ends_.size();
   if (workers.threads() == 1 || are_few) {
-    return sweep_springs(active_.data(), active_.size(), velocities_.data());
+    return sweep_springs(active_.data(), active_.size(), most_kick_, velocities_.data());
   }
   std::atomic<double> largest{0};
   int first = 0;
   for (const int end : colour_ends_) {
     const auto sweep_band = [&](int from, int to) {
       const double change =
-          sweep_springs(&active_[index(first + from)], index(to - from), velocities_.data());
+          sweep_springs(&active_[index(first + from)], index(to - from), most_kick_,
+                        velocities_.data());
       double seen = largest;
       while (change > seen && !largest.compare_exchange_weak(seen, change)) {
       }

@@ -45,7 +45,7 @@ bool StrainLimit::holds(double tolerance) const {
 
 int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
                          const Workers& workers) {
-  if (holds(tolerance)) return 0;
+  if (yields() || holds(tolerance)) return 0;
   flag_longer_than(cloth, longest_ + tolerance, positions, workers);
   bool any = false;
   for_each_flagged([&](int id) { any = add_over(id, tolerance, positions) || any; });
@@ -64,6 +64,14 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
   }
   for (std::vector<int>& ids : over_) ids.clear();
   return sweeps;
+}
+
+bool StrainLimit::is_violated(const Cloth& cloth, double tolerance, const Points& positions,
+                              const Workers& workers) {
+  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  bool any = false;
+  for_each_flagged([&](int id) { any = any || constraints_[index(id)].mass > 0; });
+  return any;
 }
 
 /// Puts a spring on its list if it is to be repaired. Is it?

@@ -24,6 +24,9 @@ constexpr int min_sweeps_alone = 7;
 constexpr int max_sweeps = 200;
 constexpr int max_corrections = 600;
 
+/// The most over a strain limit that yields: more would only pull harder at what cannot be met.
+constexpr int max_yielding_sweeps = 50;
+
 /// How much closer than the strain tolerance a substep's rates are solved: what is left of them
 /// adds up, from step to step.
 constexpr double precision = 20;
@@ -43,6 +46,10 @@ constexpr double folding_precision = 0.04;
 
 /// The same for contact with colliders meanwhile.
 constexpr double touching_precision = 0.01;
+
+/// Stretch over the strain limit by which a step has not met it: passes to a close tolerance run
+/// out where nothing is asked that cannot be.
+constexpr double least_violation = 0.004;
 
 /// Stretch over the strain limit that pins must be asking for.
 constexpr double overpulled = 0.05;
@@ -154,7 +161,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
     report.reason += "; so few substeps are beyond the method's stability limit";
   }
-  ran_out = false;
+  repairs_ran_out = false;
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -183,14 +190,18 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report.worst_stretch = worst_stretch(cloth, state.positions);
   const bool is_overpulled =
       cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
-  if (ran_out || is_overpulled) {
+  const bool yields = strain_limit && strain_limit->yields();
+  if (yields) {
+    report.reason += "; the strain limit yields: passes ran out step after step, as where pins or colliders ask "
+                     "for more than it grants";
+  } else if (repairs_ran_out || is_overpulled) {
     report.reason += "; passes ran out before every spring was within its strain limit";
   }
   // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
   // shows in the stretch, and is no fault of the method.
   const bool is_asked_too_much =
-      is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
-                        are_pulled_taut(cloth, state.positions));
+      yields || (is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
+                                   are_pulled_taut(cloth, state.positions)));
   if (disturbed || is_asked_too_much) {
     energy_watch.restart();
     return true;
@@ -279,12 +290,17 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
 
   // Impulses that keep springs within their limit and points off colliders.
-  const double length = scene.simulation.strain_tolerance * least_spacing(cloth);  // [m]
+  const bool yields = strain_limit && strain_limit->yields();
+  const double tolerance =
+      std::max(scene.simulation.strain_tolerance, yields ? least_violation : 0.0);
+  const double length = tolerance * least_spacing(cloth);  // [m]
   if (strain_limit) strain_limit->predict(h, reach, state);
   if (!touches()) {  // the limit alone
-    report.sweeps += strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
-                                         max_sweeps, state, workers);
-    repair(report);
+    const int most = yields ? max_yielding_sweeps : max_sweeps;
+    const int passes = strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
+                                           most, state, workers);
+    report.sweeps += passes;
+    repair(passes < most, report);
     return;
   }
   predicted = state.velocities;
@@ -304,23 +320,25 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
       std::max(std::min(small / contact_precision, calm * h), touching_precision * move);
   const double small_fold = std::max(small / contact_precision, folding_precision * move);
   const double unseen_fold = small_fold - small / contact_precision;  // at rest all is seen
+  const int limit_sweeps = !strain_limit ? 0 : yields ? max_yielding_sweeps : max_sweeps;
+  double stretching = 0;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
-    double stretching = 0;
     double folding = 0;
-    if (strain_limit) stretching = strain_limit->sweep(state.velocities, workers);
+    if (sweep <= limit_sweeps) stretching = strain_limit->sweep(state.velocities, workers);
     visit_self_contacts([&](auto& contacts) {
       folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
     });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
     ++report.sweeps;
-    const bool solved = stretching <= small && touching <= small_touch && folding <= small_fold;
+    const bool limited = stretching <= small || sweep >= limit_sweeps;
+    const bool solved = limited && touching <= small_touch && folding <= small_fold;
     if (solved && sweep >= min_sweeps) break;
   }
   state.positions += reach * h * (state.velocities - predicted);
   if (self_contacts) by_impulses = state.positions;
 
   // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(report);
+  if (strain_limit) repair(stretching <= small, report);
   visit_self_contacts([&](const auto& contacts) { contacts.correct(cloth, state.positions); });
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
@@ -330,12 +348,16 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   });
 }
 
-void Simulator::Impl::repair(StepReport& report) {
+void Simulator::Impl::repair(bool solved, StepReport& report) {
   const double tolerance = scene.simulation.strain_tolerance;
   const int passes =
       strain_limit->correct(cloth, tolerance, max_corrections, state.positions, workers);
   report.corrections += passes;
-  ran_out = ran_out || passes == max_corrections;
+  const bool ran_out = passes == max_corrections;
+  repairs_ran_out = repairs_ran_out || ran_out;
+  const double violation = std::max(tolerance, least_violation);
+  strain_limit->learn((ran_out || !solved) &&
+                      strain_limit->is_violated(cloth, violation, state.positions, workers));
 }
 
 Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}

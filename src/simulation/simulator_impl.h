@@ -153,8 +153,9 @@ struct Simulator::Impl {
   void visit_self_contacts(Visitor&& visit) {
     if (self_contacts) std::visit(visit, *self_contacts);
   }
-  /// Shortens the springs that are left over their limit.
-  void repair(StepReport&);
+  /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
+  /// found.
+  void repair(bool solved, StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
@@ -184,7 +185,7 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   bool disturbed = false;   // by a jump since the last frame
-  bool ran_out = false;     // repairs of springs in this frame, before all were within their limit
+  bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // where the strain limit meets contact
   Points predicted;         // velocities with the last substep's impulses

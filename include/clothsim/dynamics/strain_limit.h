@@ -28,6 +28,11 @@ namespace clothsim {
 /// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
 /// velocities have been solved already, and following this too would shake a soft cloth for ever.
 ///
+/// Pins, fingers and colliders can ask for more than the limit grants. Passes run out then, step
+/// after step, and kept impulses grow without end. After some such steps the limit yields, until
+/// passes do again: it works off less and less of what springs are over it, repairs none, and gives
+/// impulses from which a step does not swing. Springs then stretch by their own stiffness.
+///
 /// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
 class StrainLimit {
@@ -61,6 +66,16 @@ class StrainLimit {
   int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
               const Workers& = {});
 
+  /// Is a spring over its limit by more than `tolerance` times its rest length?
+  bool is_violated(const Cloth& cloth, double tolerance, const Points& positions,
+                   const Workers& = {});
+
+  /// Learns from a step whether passes ran out and left a violation: to be called once after each.
+  void learn(bool is_unmet);
+
+  /// Is more asked of it than it can grant?
+  bool yields() const { return doubt_ > patience; }
+
   /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
   double tension_frequency();
@@ -83,6 +98,9 @@ class StrainLimit {
 
   static constexpr int num_colours = 12;
 
+  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long.
+  static constexpr double patience = 0.1;
+
   struct Constraint {
     int a;
     int b;
@@ -100,6 +118,7 @@ class StrainLimit {
   void for_each_active(Visitor&& visit) const;
   void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
                      const Points* before);
+  double insistence() const;
   bool find_active(const Cloth& cloth, const Points& positions, const Workers&);
   void clear_active();
   void add_active(int id, double kick, const Vector3& direction);
@@ -117,6 +136,8 @@ class StrainLimit {
   double longest_;                       // 1 + limit
   double shortest_;                      // rest length [m]
   LimitStep step_{};                     // that the impulses belong to
+  double doubt_ = 0;                     // time of steps that could not meet it, less others [s]
+  double most_kick_ = 0;                 // of this step, see FourSprings [m/s]
   std::vector<Constraint> constraints_;  // in the order of cloth.springs
 
   // The springs at their limit, in fours of one colour. Between add_active() and close_active()

@@ -1,0 +1,109 @@
+// Cloths that are asked for more than their strain limit grants: they stretch by their own
+// stiffness and are still, instead of shaking at metres a second, and hang as ever when let go.
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/simulation/report.h"
+#include "hanging.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+bool yields(const StepReport& report) {
+  return report.reason.find("the strain limit yields") != std::string::npos;
+}
+
+/// Runs for `duration` [s]; no frame is taken back.
+StepReport run_on(Simulator& simulator, double duration) {
+  StepReport last;
+  for (int frame = 0; frame < duration / simulator.frame_duration(); ++frame) {
+    last = simulator.step();
+    EXPECT_EQ(last.recoveries, 0) << simulator.state().time;
+    EXPECT_TRUE(simulator.state().positions.allFinite());
+  }
+  return last;
+}
+
+void expect_as_ever(Simulator& simulator) {
+  const StepReport report = run_on(simulator, 6);
+  EXPECT_FALSE(yields(report)) << report.reason;
+  EXPECT_LT(report.worst_stretch, 0.105);
+  EXPECT_LT(rms_velocity(simulator.state()), 0.01);
+}
+
+class PinsApart : public ::testing::TestWithParam<double> {};
+
+TEST_P(PinsApart, StretchTheClothWhichIsStill) {
+  Simulator simulator(hanging());
+  const auto pull = [&](double from, double to) {  // within a second
+    constexpr int frames = 90;
+    for (int i = 1; i <= frames; ++i) {
+      simulator.move_pin(1, {1 + from + (to - from) * i / frames, 0, 1});
+      simulator.step();
+    }
+  };
+  run_on(simulator, 1);
+  pull(0, GetParam());
+  const StepReport report = run_on(simulator, 4);
+  EXPECT_TRUE(yields(report)) << report.reason;
+  EXPECT_GT(report.worst_stretch, GetParam());
+  const double still = GetParam() < 1 ? 0.01 : 0.05;
+  EXPECT_LT(rms_velocity(simulator.state()), still);
+  EXPECT_LT(fastest(simulator.state()), 5 * still);
+
+  pull(GetParam(), 0);
+  expect_as_ever(simulator);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shares, PinsApart, ::testing::Values(0.11, 0.2, 0.5, 2.0));
+
+/// A ball at a speed [m/s] against a cloth held by its corners, or all along its border.
+class BallAgainst : public ::testing::TestWithParam<std::tuple<double, bool>> {};
+
+TEST_P(BallAgainst, AHeldClothStretchesItWhichIsStill) {
+  const auto& [speed, border] = GetParam();
+  constexpr int side = 20;
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const int on_edges = (row % (side - 1) == 0) + (column % (side - 1) == 0);
+      if (on_edges >= (border ? 1 : 2)) scene.cloth.pinned.push_back({column, row, ""});
+    }
+  }
+  ColliderSpec ball;
+  ball.name = "ball";
+  ball.pose.position = Vector3(0.5, 0.5, 0.7);
+  ball.friction = 0.5;
+  scene.colliders = {ball};
+  Simulator simulator(scene);
+  Pose pose = ball.pose;
+  const auto lift_to = [&](double height, double at) {
+    const double way = at * simulator.frame_duration();
+    while (std::abs(height - pose.position.z()) > way / 2) {
+      pose.position.z() += height > pose.position.z() ? way : -way;
+      simulator.move_collider(0, pose);
+      EXPECT_EQ(simulator.step().recoveries, 0) << pose.position.z();
+    }
+  };
+  lift_to(1.25, speed);
+  const StepReport report = run_on(simulator, 4);
+  EXPECT_TRUE(yields(report)) << report.reason;
+  EXPECT_LT(rms_velocity(simulator.state()), 0.02);
+  EXPECT_LT(fastest(simulator.state()), 0.1);
+  EXPECT_LT(deepest_penetration(simulator), 1e-3);
+
+  lift_to(0.2, 0.5);
+  expect_as_ever(simulator);
+}
+
+// At 10 m/s a ball is through a cloth that is held all around before the limit yields.
+INSTANTIATE_TEST_SUITE_P(Speeds, BallAgainst,
+                         ::testing::Values(std::tuple{0.1, false}, std::tuple{0.1, true},
+                                           std::tuple{1.0, false}, std::tuple{1.0, true},
+                                           std::tuple{10.0, false}));
+
+}  // namespace
+}  // namespace clothsim
