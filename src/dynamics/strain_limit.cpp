@@ -25,9 +25,9 @@ constexpr double most_doubt = 20 * half_time;
 constexpr double relief = 0.1;
 
 /// Largest h^2 omega^2 of a spring's impulses where the limit yields, of those kept and of all that
-/// a step gives. Of neighbours that stay, T swings a point across its spring at omega^2 = T / (m l),
-/// so that this is the kick T h / m over the speed l / h. With much more, steps swing: a point has
-/// up to twelve springs. With no bound on a step's own, collider and limit outdo each other.
+/// a step gives. Of neighbours that stay, T swings a point across its spring at omega^2 = T / (m
+/// l), so that this is the kick T h / m over the speed l / h. With much more, steps swing: a point
+/// has up to twelve springs. With no bound on a step's own, collider and limit outdo each other.
 constexpr double most_kept_swing = 0.08;
 constexpr double most_swing = 4 * most_kept_swing;
 
@@ -338,9 +338,8 @@ double StrainLimit::sweep_active(const Workers& workers) {
   int first = 0;
   for (const int end : colour_ends_) {
     const auto sweep_band = [&](int from, int to) {
-      const double change =
-          sweep_springs(&active_[index(first + from)], index(to - from), most_kick_,
-                        velocities_.data());
+      const double change = sweep_springs(&active_[index(first + from)], index(to - from),
+                                          most_kick_, velocities_.data());
       double seen = largest;
       while (change > seen && !largest.compare_exchange_weak(seen, change)) {
       }

@@ -192,8 +192,9 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
       cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
   const bool yields = strain_limit && strain_limit->yields();
   if (yields) {
-    report.reason += "; the strain limit yields: passes ran out step after step, as where pins or colliders ask "
-                     "for more than it grants";
+    report.reason +=
+        "; the strain limit yields: passes ran out step after step, as where pins or colliders ask "
+        "for more than it grants";
   } else if (repairs_ran_out || is_overpulled) {
     report.reason += "; passes ran out before every spring was within its strain limit";
   }
@@ -305,7 +306,12 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
-  const ContactStep contact_step{h, reach, start, predicted, workers, &collider_contacts.pinches(),
+  const ContactStep contact_step{h,
+                                 reach,
+                                 start,
+                                 predicted,
+                                 workers,
+                                 &collider_contacts.pinches(),
                                  std::max(scene.simulation.gravity.norm(), least_gravity)};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);

@@ -184,13 +184,13 @@ struct Simulator::Impl {
   EnergyWatch energy_watch;
   unsigned topology_seq = 0;
 
-  bool disturbed = false;   // by a jump since the last frame
+  bool disturbed = false;        // by a jump since the last frame
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
-  Points start;             // positions at the substep's start, where contact needs them
-  Points start_velocities;  // where the strain limit meets contact
-  Points predicted;         // velocities with the last substep's impulses
-  Points by_impulses;       // positions before repairs and push-outs, with self contact
-  Points impulses;          // that points had from others in this frame, with grips [N s]
+  Points start;                  // positions at the substep's start, where contact needs them
+  Points start_velocities;       // where the strain limit meets contact
+  Points predicted;              // velocities with the last substep's impulses
+  Points by_impulses;            // positions before repairs and push-outs, with self contact
+  Points impulses;               // that points had from others in this frame, with grips [N s]
 };
 
 }  // namespace clothsim

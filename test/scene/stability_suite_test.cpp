@@ -134,8 +134,8 @@ TEST(Recovery, AnUnstableMethodIsTakenBackAndChanged) {
 }
 
 TEST(Recovery, ReportsWhatTheLastAttemptDid) {
-  // On a floor, so that there are passes over contacts: those of the attempt that was taken back are
-  // none of the report's.
+  // On a floor, so that there are passes over contacts: those of the attempt that was taken back
+  // are none of the report's.
   Scene scene = taut("auto");
   ColliderSpec floor;
   floor.name = "floor";

@@ -139,8 +139,8 @@ TEST(Impact, AColliderGoesNoFartherThanItsTargetWhereTheFrameHasGotLonger) {
 }
 
 TEST(Impact, PointsWithoutSpringsAreSolvedToo) {
-  // Ten points in a row, the first of which runs into the next but one, and that into its next: next
-  // neighbours do not touch. They go on together.
+  // Ten points in a row, the first of which runs into the next but one, and that into its next:
+  // next neighbours do not touch. They go on together.
   Scene scene;
   scene.cloth.columns = 10;
   scene.cloth.rows = 1;

@@ -32,7 +32,7 @@ struct alignas(32) FourSprings {
 struct LimitStep {
   double h;
   double reach;
-  double active;  // share of all springs that are at their limit
+  double active;      // share of all springs that are at their limit
   double insistence;  // share of what is worked off a violation where the limit can be met
 };
 
@@ -45,8 +45,8 @@ void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const
 /// Gives the points their impulses.
 void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);
 
-/// One pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s]. Returns
-/// the largest change of a rate of elongation [m/s].
+/// One pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s].
+/// Returns the largest change of a rate of elongation [m/s].
 double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad* velocities);
 
 /// Is any longer than `share` of its limit?
