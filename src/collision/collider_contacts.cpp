@@ -101,6 +101,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
                              const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
+  stretch_ = step.stretch;
   last_.swap(contacts_);
   contacts_.clear();
   next_last_ = 0;
@@ -136,9 +137,10 @@ std::vector<ColliderContacts::Caught> ColliderContacts::find(
   const Eigen::AlignedBox3d box = bounds(step.start, state.positions);
   const double fastest = longest_row(state.velocities);
   const double fastest_drift = longest_row(step.drifted);
+  local_.edge = longest_edge_within_limit(cloth, step.stretch);
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
-    const Clearance keeps = clearance(collider.shape(), cloth);
+    const Clearance keeps = clearance(collider.shape(), cloth, step.stretch);
     const double of_surface = collider.fastest_in(box);
     const double margin = step.h * (fastest + of_surface) + keeps.points;
     if (!in_reach(collider, box, margin)) continue;
@@ -316,7 +318,7 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
   const Eigen::AlignedBox3d box = bounds(start, positions);
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
-    const Clearance keeps = clearance(collider.shape(), cloth);
+    const Clearance keeps = clearance(collider.shape(), cloth, stretch_);
     if (!in_reach(collider, box, keeps.points)) continue;
 
     const auto escape = std::find_if(escapes_.begin(), escapes_.end(),

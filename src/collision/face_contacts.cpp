@@ -74,8 +74,7 @@ bool is_fast(const Shape& shape, const Vector3& way) {
 template <class Visit>
 void for_each_near(const Shape& shape, const Cloth& cloth, const LocalCloth& local, double margin,
                    Visit visit) {
-  double edge = longest_edge_within_limit(cloth);
-  if (std::isinf(edge)) edge = longest_edge(local.to, cloth.triangles);
+  const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
   const double far = margin + edge / std::sqrt(3);  // of the nearest corner
   const double way = longest_row(local.to - local.from);
   const bool fast = way > safe_depth(shape);

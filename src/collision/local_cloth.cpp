@@ -40,7 +40,7 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
   middle = to - step.reach * step.h * middle * turn;
 }
 
-double longest_edge_within_limit(const Cloth& cloth) {
+double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   if (!cloth.strain_limit || cloth.triangles.empty()) {
     return std::numeric_limits<double>::infinity();
   }
@@ -54,15 +54,15 @@ double longest_edge_within_limit(const Cloth& cloth) {
   });
   const double edge =
       sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
-  return overstretch * (1 + *cloth.strain_limit) * edge;
+  return std::max(overstretch * (1 + *cloth.strain_limit), 1 + stretch) * edge;
 }
 
-Clearance clearance(const Shape& shape, const Cloth& cloth) {
+Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
   const double radius = std::visit([](const auto& s) { return curvature(s); }, shape);
   if (cloth.triangles.empty() || std::isinf(radius)) return {surface_offset, false};
   // A triangle lies within edge / sqrt(3) of its circumcentre.
   const double kept = radius + surface_offset;
-  const double edge = longest_edge_within_limit(cloth);
+  const double edge = longest_edge_within_limit(cloth, stretch);
   const double lifted = std::sqrt(kept * kept + edge * edge / 3) - radius;
   if (radius > 0 && lifted - surface_offset <= highest_lift * cloth.thickness) {
     return {lifted, false};

@@ -23,6 +23,7 @@ Vector3 pull(const SpringRun& run, const Vector3& at, const Vector3& to) {
 void Grips::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
                    std::optional<double> tear_force, const Cloth& cloth, const Points& positions) {
   if (tear_force) check_range("tear_force", *tear_force, tear_force_range);
+  if (points.empty()) throw InvalidValue({"points"}, "none", "one or more");
   std::set<int> given;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int point = points[i];

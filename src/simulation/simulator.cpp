@@ -305,6 +305,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
     return;
   }
   predicted = state.velocities;
+  const double stretch =
+      strain_limit && !colliders.empty() ? worst_stretch(cloth, state.positions) : 0;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   const ContactStep contact_step{h,
                                  reach,
@@ -312,7 +314,8 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
                                  predicted,
                                  workers,
                                  &collider_contacts.pinches(),
-                                 std::max(scene.simulation.gravity.norm(), least_gravity)};
+                                 std::max(scene.simulation.gravity.norm(), least_gravity),
+                                 stretch};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   disturbed = disturbed || collider_contacts.recovers();

@@ -105,5 +105,41 @@ INSTANTIATE_TEST_SUITE_P(Speeds, BallAgainst,
                                            std::tuple{1.0, false}, std::tuple{1.0, true},
                                            std::tuple{10.0, false}));
 
+TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
+  // Cells four times as long as at rest, of which a rod a quarter as thick comes in the middle.
+  Scene scene = hanging(10);
+  scene.cloth.pinned.clear();
+  for (const int row : {0, 9}) {
+    for (int column = 0; column < 10; ++column) scene.cloth.pinned.push_back({column, row, ""});
+  }
+  ColliderSpec rod;
+  rod.name = "rod";
+  rod.shape = Capsule{3, 0.03};
+  rod.friction = 0;
+  rod.pose.orientation = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY());  // along x
+  rod.pose.position = Vector3(0.5, 0.61, 1.5);
+  scene.colliders = {rod};
+  Simulator simulator(scene);
+  const auto pull = [&](double share) {
+    for (int i = 0; i < 20; ++i) {
+      const double y = i < 10 ? -3 * share : 1 + 3 * share;
+      simulator.move_pin(i, {(i % 10) / 9.0, y, 1});
+    }
+  };
+  for (int frame = 1; frame <= 180; ++frame) {
+    pull(frame / 180.0);
+    simulator.step();
+  }
+  Pose pose = rod.pose;
+  for (int frame = 0; frame < 150; ++frame) {
+    pose.position.z() -= 0.006;
+    simulator.move_collider(0, pose);
+    simulator.step();
+    ASSERT_LT(deepest_penetration(simulator), 2e-3) << frame;
+  }
+  // It has taken the cloth along.
+  EXPECT_LT(simulator.state().positions.col(2).minCoeff(), 0.7);
+}
+
 }  // namespace
 }  // namespace clothsim

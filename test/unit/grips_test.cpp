@@ -243,6 +243,7 @@ TEST(Grips, RefuseAndChangeNothing) {
     }
     EXPECT_EQ(simulator.grips().size(), 1u);
   };
+  refused({}, {}, "points: got none, expected one or more");
   refused({100}, {}, "points.0: got 100, expected a number from 0 to 99");
   refused({3, -1}, {}, "points.1: got -1, expected a number from 0 to 99");
   refused({3, 4, 3}, {}, "points.2: got 3 again, expected each point once");

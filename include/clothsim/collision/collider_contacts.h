@@ -111,6 +111,7 @@ class ColliderContacts {
   /// Gives the contacts the impulses of the last step, `scale` times as large.
   void resume(const Cloth&, double scale, Points& velocities);
 
+  double stretch_ = 0;             // of the step, see ContactStep
   double h_ = 0;                   // step of the impulses [s]
   std::vector<Contact> contacts_;  // by collider, then point
   std::vector<Contact> last_;

@@ -16,6 +16,7 @@ struct LocalCloth {
   Points middle;       // where impulses act, as if it followed the collider from there on [m]
   Scalars distance;    // of `to` from the surface [m]
   double longest = 0;  // of the ways from `from` to `to`, however they bend as the frame turns [m]
+  double edge = 0;     // no triangle's is longer [m]
 
   void place(const MovingCollider&, const Points& start, const Points& end);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
@@ -29,11 +30,12 @@ struct Clearance {
 
 /// A plane needs its points alone. So does a round shape so large against the triangles that points
 /// held a little higher keep their chords off it, by no more than a tenth of the cloth's thickness.
-Clearance clearance(const Shape&, const Cloth&);
+/// `stretch`: of the most stretched spring, which counts where it is well over the strain limit.
+Clearance clearance(const Shape&, const Cloth&, double stretch = 0);
 
-/// Longest edge of a triangle that is not stretched beyond the strain limit, infinite without one
-/// [m].
-double longest_edge_within_limit(const Cloth&);
+/// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length
+/// beyond the strain limit, or by more than `stretch`; infinite without a limit [m].
+double longest_edge_within_limit(const Cloth&, double stretch);
 
 /// Speed at which what a collider was put upon comes out of it [m/s].
 inline constexpr double recovery_speed = 2;
