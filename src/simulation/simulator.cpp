@@ -199,10 +199,12 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     report.reason += "; passes ran out before every spring was within its strain limit";
   }
   // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
-  // shows in the stretch, and is no fault of the method.
+  // shows in the stretch, and is no fault of the method. A limit that yields stands for it, too,
+  // but for speeds that no pull explains.
   const bool is_asked_too_much =
-      yields || (is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
-                                   are_pulled_taut(cloth, state.positions)));
+      (yields && longest_row(state.velocities) < fastest_given) ||
+      (is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
+                         are_pulled_taut(cloth, state.positions)));
   if (disturbed || is_asked_too_much) {
     energy_watch.restart();
     return true;
