@@ -94,8 +94,8 @@ class Simulator {
   /// From the next frame on, `points` follow a frame of that name, now at `pose`, with the offsets
   /// that they have in it. Beyond `tear_force` [N] on the frame, the mean of one step(), it lets go
   /// of all its points. Until reset(). Throws InvalidValue with the keys {"points", "3"} or
-  /// {"tear_force"} and changes nothing: without points, for points that are none, given twice, pinned
-  /// or attached.
+  /// {"tear_force"} and changes nothing: without points, for points that are none, given twice,
+  /// pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
               std::optional<double> tear_force = {});
 
