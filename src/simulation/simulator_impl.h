@@ -186,6 +186,7 @@ struct Simulator::Impl {
 
   bool disturbed = false;        // by a jump since the last frame
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
+  double stretch = 0;            // worst as this frame began, where colliders ask for it
   Points start;                  // positions at the substep's start, where contact needs them
   Points start_velocities;       // where the strain limit meets contact
   Points predicted;              // velocities with the last substep's impulses

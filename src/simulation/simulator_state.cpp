@@ -1,5 +1,7 @@
 // States out of a simulator and into it.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,7 +23,9 @@ std::string vector_text(const Vector3& v) {
 }
 
 /// What of a scene decides which numbers a memory has.
-std::vector<double> shape_of(const Scene& scene, const Cloth& cloth) {
+using MemoryShape = std::array<double, 9>;
+
+MemoryShape shape_of(const Scene& scene, const Cloth& cloth) {
   const std::vector<std::string> names = method_names();
   const std::string method = choose_method(scene.simulation, cloth, scene.colliders).method;
   const auto place = std::find(names.begin(), names.end(), method) - names.begin();
@@ -87,7 +91,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
 }
 
 bool Simulator::Impl::fits(const std::vector<double>& memory) const {
-  const std::vector<double> shape = shape_of(scene, without_grips());
+  const MemoryShape shape = shape_of(scene, without_grips());
   return memory.size() >= shape.size() && std::equal(shape.begin(), shape.end(), memory.begin());
 }
 
@@ -97,10 +101,10 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
                        "one that this simulation gave as it is now, or none");
   }
   MemoryReader memory(numbers);
-  const Cloth free = without_grips();
-  for (std::size_t i = 0; i < shape_of(scene, free).size(); ++i) memory.number();
+  for (std::size_t i = 0; i < MemoryShape().size(); ++i) memory.number();
 
   // The method, which may be another one since a frame failed.
+  const Cloth free = without_grips();
   Method read_method(scene.simulation, free, scene.colliders);
   const std::vector<std::string> names = method_names();
   const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];

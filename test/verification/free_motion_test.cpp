@@ -95,12 +95,18 @@ TYPED_TEST(FreeMotion, FallWithDragNearsItsEndSpeed) {
   EXPECT_NEAR(state.positions(4, 2), z, share * end_speed * t + start_up<TypeParam> * g * h * h);
 }
 
+/// Points that only drag of c [1/s] acts on.
+ClothSpec drag_alone(double c) {
+  ClothSpec spec = square_spec(4);
+  spec.material.damping = c;
+  spec.material.ks = 0;
+  return spec;
+}
+
 TYPED_TEST(FreeMotion, DragAloneIsExactWhateverTheStep) {
   // v = v0 exp(-c t); nothing is left at 1e6 / s, where exp(-c h) is below the least number.
   for (const double c : {5.4, 1e6}) {
-    ClothSpec spec = square_spec(4);
-    spec.material.damping = c;
-    spec.material.ks = 0;
+    const ClothSpec spec = drag_alone(c);
     const Cloth cloth = make_grid(spec);
     for (const double h : {1e-4, 1e-2, 0.5}) {
       State state = start_state(spec, cloth, 1);
@@ -119,9 +125,7 @@ TYPED_TEST(FreeMotion, DragAloneIsExactWhateverTheStep) {
 TEST(FreeMotionVerlet, DragAloneMovesPointsExactly) {
   // x = x0 + v0 (1 - exp(-c t)) / c, whatever the step.
   const double c = 5.4;
-  ClothSpec spec = square_spec(4);
-  spec.material.damping = c;
-  spec.material.ks = 0;
+  const ClothSpec spec = drag_alone(c);
   const Cloth cloth = make_grid(spec);
   for (const double h : {1e-4, 1e-2, 0.5}) {
     State state = start_state(spec, cloth, 1);

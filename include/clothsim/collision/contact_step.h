@@ -20,7 +20,7 @@ struct ContactStep {
   const Workers& workers;
   const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
   double gravity = least_gravity;    // [m/s^2], no less
-  double stretch = 0;                // l / L0 - 1 of the most stretched spring, at its end
+  double stretch = 0;                // l / L0 - 1 of the most stretched spring, as the frame began
 };
 
 }  // namespace clothsim

@@ -1,0 +1,143 @@
+// What holds at a substep's end: springs within their limit, points off colliders, the cloth off
+// itself.
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/dynamics/springs.h"
+#include "simulator_impl.h"
+
+namespace clothsim {
+namespace {
+
+/// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
+/// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
+/// seconds; without contact passes are cheap and steps long. The most is met only in a shock.
+constexpr int min_sweeps = 4;
+constexpr int min_sweeps_alone = 7;
+constexpr int max_sweeps = 200;
+constexpr int max_corrections = 600;
+
+/// The most over a strain limit that yields: more would only pull harder at what cannot be met.
+constexpr int max_yielding_sweeps = 50;
+
+/// How much closer than the strain tolerance a substep's rates are solved: what is left of them
+/// adds up, from step to step.
+constexpr double precision = 20;
+constexpr double precision_alone = 14;
+
+/// How much closer contact is solved than that: what friction leaves over, creeps.
+constexpr double contact_precision = 2.5;
+
+/// And to this speed at least [m/s], however short the steps: what is left of each step's solution
+/// shakes a cloth that lies.
+constexpr double calm = 5e-4;
+
+/// While a cloth folds onto itself, contact is solved to this share of the speed at which it moves
+/// within itself. What overlaps then is what a step's own curvature leaves over: at 0.1 % it is as
+/// much, for seven to nine times the passes.
+constexpr double folding_precision = 0.04;
+
+/// The same for contact with colliders meanwhile.
+constexpr double touching_precision = 0.01;
+
+/// Stretch over the strain limit by which a step has not met it: passes to a close tolerance run
+/// out where nothing is asked that cannot be.
+constexpr double least_violation = 0.004;
+
+/// Root mean square of the velocities beyond their mean [m/s].
+double speed_within(const Points& velocities) {
+  const Eigen::RowVector3d mean = velocities.colwise().mean();
+  return std::sqrt((velocities.rowwise() - mean).rowwise().squaredNorm().mean());
+}
+
+/// Of the shortest spring, without springs of two neighbours [m]: what precision is a share of.
+double least_spacing(const Cloth& cloth) {
+  if (!cloth.springs.empty() || cloth.num_points() < 2) return shortest_rest_length(cloth);
+  return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
+}
+
+}  // namespace
+
+void Simulator::Impl::constrain(double h, StepReport& report) {
+  const double reach =
+      std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
+
+  // Impulses that keep springs within their limit and points off colliders.
+  const bool yields = strain_limit && strain_limit->yields();
+  const double tolerance =
+      std::max(scene.simulation.strain_tolerance, yields ? least_violation : 0.0);
+  const double length = tolerance * least_spacing(cloth);  // [m]
+  const int limit_sweeps = yields ? max_yielding_sweeps : max_sweeps;
+  if (strain_limit) strain_limit->predict(h, reach, state);
+  if (!touches()) {  // the limit alone
+    const int passes = strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
+                                           limit_sweeps, state, workers);
+    report.sweeps += passes;
+    repair(passes < limit_sweeps, report);
+    return;
+  }
+  predicted = state.velocities;
+  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
+  const ContactStep contact_step{h,
+                                 reach,
+                                 start,
+                                 predicted,
+                                 workers,
+                                 &collider_contacts.pinches(),
+                                 std::max(scene.simulation.gravity.norm(), least_gravity),
+                                 stretch};
+  visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
+  collider_contacts.begin(colliders, cloth, contact_step, state);
+  disturbed = disturbed || collider_contacts.recovers();
+  if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
+    report.pinched = pinches.count();
+    report.pinched_point = pinches.first();
+  }
+  const double small = length / precision;
+  const double move = self_contacts ? h * speed_within(state.velocities) : 0;
+  const double small_touch =
+      std::max(std::min(small / contact_precision, calm * h), touching_precision * move);
+  const double small_fold = std::max(small / contact_precision, folding_precision * move);
+  const double unseen_fold = small_fold - small / contact_precision;  // at rest all is seen
+  double stretching = 0;
+  for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
+    double folding = 0;
+    if (strain_limit && sweep <= limit_sweeps)
+      stretching = strain_limit->sweep(state.velocities, workers);
+    visit_self_contacts([&](auto& contacts) {
+      folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
+    });
+    const double touching = collider_contacts.sweep(cloth, state.velocities);
+    ++report.sweeps;
+    const bool limited = stretching <= small || sweep >= limit_sweeps;
+    const bool solved = limited && touching <= small_touch && folding <= small_fold;
+    if (solved && sweep >= min_sweeps) break;
+  }
+  state.positions += reach * h * (state.velocities - predicted);
+  if (self_contacts) by_impulses = state.positions;
+
+  // What curvature and early stops have left in the positions.
+  if (strain_limit) repair(stretching <= small, report);
+  visit_self_contacts([&](const auto& contacts) { contacts.correct(cloth, state.positions); });
+  if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
+
+  // Whatever has moved the points, the cloth does not pass through itself.
+  visit_self_contacts([&](auto& contacts) {
+    report.held_back += contacts.guard(cloth, contact_step, by_impulses, state);
+  });
+}
+
+void Simulator::Impl::repair(bool solved, StepReport& report) {
+  const double tolerance = scene.simulation.strain_tolerance;
+  const int passes =
+      strain_limit->correct(cloth, tolerance, max_corrections, state.positions, workers);
+  report.corrections += passes;
+  const bool ran_out = passes == max_corrections;
+  repairs_ran_out = repairs_ran_out || ran_out;
+  const double violation = std::max(tolerance, least_violation);
+  strain_limit->learn((ran_out || !solved) &&
+                      strain_limit->is_violated(cloth, violation, state.positions, workers));
+}
+
+}  // namespace clothsim
