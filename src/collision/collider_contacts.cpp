@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 namespace clothsim {
@@ -22,30 +21,6 @@ Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
   box.extend(Vector3(end.colwise().minCoeff().transpose()));
   box.extend(Vector3(end.colwise().maxCoeff().transpose()));
   return box;
-}
-
-/// False where no point in `box` can be within `margin` [m] of the collider, or it is off.
-bool in_reach(const MovingCollider& collider, const Eigen::AlignedBox3d& box, double margin) {
-  if (!collider.enabled()) return false;
-  const double radius = bounding_radius(collider.shape());
-  if (std::isfinite(radius)) {
-    const Eigen::AlignedBox3d path =
-        Eigen::AlignedBox3d(collider.previous().position).extend(collider.pose().position);
-    return std::sqrt(box.squaredExteriorDistance(path)) <= radius + margin;
-  }
-  // A plane, as it was and as it is: the corner of the box that lies deepest.
-  const bool two_sided = std::get<Plane>(collider.shape()).two_sided;
-  double height[2];  // of the box's middle
-  double least = std::numeric_limits<double>::infinity();
-  for (const int end : {0, 1}) {
-    const Pose& pose = end == 0 ? collider.previous() : collider.pose();
-    const Vector3 normal = pose.orientation * Vector3::UnitZ();
-    height[end] = normal.dot(box.center() - pose.position);
-    const double spread = normal.cwiseAbs().dot(box.sizes() / 2);
-    least = std::min(least, (two_sided ? std::abs(height[end]) : height[end]) - spread);
-  }
-  const bool has_passed = two_sided && (height[0] < 0) != (height[1] < 0);
-  return has_passed || least <= margin;
 }
 
 /// Where a point that may have passed through the shape in one step came in, in the collider's own
@@ -143,7 +118,7 @@ std::vector<ColliderContacts::Caught> ColliderContacts::find(
     const Clearance keeps = clearance(collider.shape(), cloth, step.stretch);
     const double of_surface = collider.fastest_in(box);
     const double margin = step.h * (fastest + of_surface) + keeps.points;
-    if (!in_reach(collider, box, margin)) continue;
+    if (!collider.reaches(box, margin)) continue;
 
     Caught caught{k, {}, {}};
     local_.place(collider, step.start, state.positions);
@@ -319,7 +294,7 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     const Clearance keeps = clearance(collider.shape(), cloth, stretch_);
-    if (!in_reach(collider, box, keeps.points)) continue;
+    if (!collider.reaches(box, keeps.points)) continue;
 
     const auto escape = std::find_if(escapes_.begin(), escapes_.end(),
                                      [&](const Escape& e) { return e.collider == k; });

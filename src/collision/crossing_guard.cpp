@@ -61,27 +61,22 @@ void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room
   }
 }
 
-/// The ways, none of them longer than its bound.
-Points shorten(const Points& ways, const Scalars& bounds) {
-  Points result = ways;
-  for (int i = 0; i < ways.rows(); ++i) {
-    const double way = ways.row(i).norm();
-    if (way > bounds[i]) result.row(i) *= bounds[i] / way;
-  }
-  return result;
-}
-
-/// Bounds of the ways from `here`: where a plane between two features does not stay, on the ways
-/// that the bounds leave, these bind their points. What is not among the pairs grants `unseen`.
-Scalars bounds_of(const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
+/// Shares that may be gone of the ways from `here`, 1 of most: where a plane between two features
+/// does not stay, on the ways so shortened, both are bound to their room. What is not among the
+/// pairs has the room `unseen` [m].
+Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
                   const Points& ways, double unseen) {
+  const Scalars lengths = ways.rowwise().norm();
   Scalars bounds = Scalars::Constant(here.rows(), unseen);
+  const auto shares = [&]() -> Scalars {
+    return (lengths.array() > bounds.array()).select(bounds.array() / lengths.array(), 1.0);
+  };
   std::vector<double> gaps;
   for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
   for (bool shortened = true; shortened;) {
     shortened = false;
-    const Points ends = here + shorten(ways, bounds);
+    const Points ends = here + shares().asDiagonal() * ways;
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
       if (binds[k] || leave(near, gaps[k], ends)) continue;
@@ -89,19 +84,11 @@ Scalars bounds_of(const std::vector<NearPair>& near_pairs, const Room& room, con
       const double most = room.way(near.separation.distance);
       for (const int i : near.pair.points) {
         bounds[i] = std::min(bounds[i], most);
-        shortened = shortened || ways.row(i).norm() > bounds[i];
+        shortened = shortened || lengths[i] > bounds[i];
       }
     }
   }
-  return bounds;
-}
-
-/// Is a point that is held to go farther than it may?
-bool binds_a_pin(const Cloth& cloth, const Points& ways, const Scalars& bounds) {
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] == 0 && ways.row(i).norm() > bounds[i]) return true;
-  }
-  return false;
+  return shares();
 }
 
 /// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
@@ -109,12 +96,10 @@ bool binds_a_pin(const Cloth& cloth, const Points& ways, const Scalars& bounds) 
 /// that they moved beside it: from what is knotted, impulses would part them and repairs bring them
 /// back.
 void slow_down(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
-               const std::vector<int>& held_back, State& state) {
-  std::vector<bool> slows(static_cast<std::size_t>(cloth.num_points()), false);
-  for (const int i : held_back) slows[static_cast<std::size_t>(i)] = true;
+               const Scalars& shares, State& state) {
   for (int i = 0; i < cloth.num_points(); ++i) {
     const bool is_moved = state.positions.row(i) != by_impulses.row(i);
-    if (cloth.inv_mass[i] == 0 || !(is_moved || slows[static_cast<std::size_t>(i)])) continue;
+    if (cloth.inv_mass[i] == 0 || !(is_moved || shares[i] < 1)) continue;
     const Eigen::RowVector3d made = (state.positions.row(i) - step.start.row(i)) / step.h;
     const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
     state.velocities.row(i) = std::min(1.0, share) * made;
@@ -148,27 +133,25 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
 
     if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
     const Points ways = (positions - here).rowwise() - common;
-    const Scalars bounds =
-        bounds_of(near_pairs, room, here, ways, seen == needed ? infinity : room.way(seen));
+    const Scalars shares =
+        shares_of(near_pairs, room, here, ways, seen == needed ? infinity : room.way(seen));
     // A pin goes where it is told or stays: the cloth does not take it along.
-    if (together && binds_a_pin(cloth, ways, bounds)) {
+    if (together && (cloth.inv_mass.array() == 0 && shares.array() < 1).any()) {
       together = false;
       continue;
     }
-    std::vector<int> held_back;
+    const auto held_back = (shares.array() < 1).count();
     for (int i = 0; i < here.rows(); ++i) {
-      const double way = ways.row(i).norm();
-      if (way > bounds[i]) {
-        here.row(i) += common + bounds[i] / way * ways.row(i);
-        held_back.push_back(i);
+      if (shares[i] < 1) {
+        here.row(i) += common + shares[i] * ways.row(i);
       } else {
         here.row(i) = positions.row(i);
       }
     }
-    if (held_back.empty() || leg >= most_legs) {
+    if (held_back == 0 || leg >= most_legs) {
       positions = here;
-      if (!held_back.empty()) slow_down(cloth, step, by_impulses, held_back, state);
-      return static_cast<int>(held_back.size());
+      if (held_back > 0) slow_down(cloth, step, by_impulses, shares, state);
+      return static_cast<int>(held_back);
     }
   }
 }

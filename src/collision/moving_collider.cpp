@@ -1,6 +1,8 @@
 #include "clothsim/collision/moving_collider.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace clothsim {
 namespace {
@@ -61,6 +63,27 @@ Points MovingCollider::velocities_at(const Points& points) const {
         angular_velocity_[last] * (points.col(next).array() - pose_.position[next]);
   }
   return velocities;
+}
+
+bool MovingCollider::reaches(const Eigen::AlignedBox3d& box, double margin) const {
+  if (!enabled_) return false;
+  const auto* plane = std::get_if<Plane>(&shape_);
+  if (!plane) {
+    const Eigen::AlignedBox3d path = Eigen::AlignedBox3d(previous_.position).extend(pose_.position);
+    return std::sqrt(box.squaredExteriorDistance(path)) <= bounding_radius(shape_) + margin;
+  }
+  // A plane, as it was and as it is: the corner of the box that lies deepest.
+  double height[2];  // of the box's middle
+  double least = std::numeric_limits<double>::infinity();
+  for (const int end : {0, 1}) {
+    const Pose& pose = end == 0 ? previous_ : pose_;
+    const Vector3 normal = pose.orientation * Vector3::UnitZ();
+    height[end] = normal.dot(box.center() - pose.position);
+    const double spread = normal.cwiseAbs().dot(box.sizes() / 2);
+    least = std::min(least, (plane->two_sided ? std::abs(height[end]) : height[end]) - spread);
+  }
+  const bool has_passed = plane->two_sided && (height[0] < 0) != (height[1] < 0);
+  return has_passed || least <= margin;
 }
 
 double MovingCollider::fastest_in(const Eigen::AlignedBox3d& box) const {

@@ -2,6 +2,9 @@
 
 #include <ros/console.h>
 
+#include <iomanip>
+#include <sstream>
+
 namespace clothsim_ros {
 namespace {
 
@@ -18,11 +21,15 @@ void ChoiceLog::update(const clothsim::SimulationSpec& simulation,
   told_ = simulation.method == "auto" ? choice : clothsim::MethodChoice{};
   if (!is_news) return;
   const auto level = choice.is_feasible ? ros::console::levels::Info : ros::console::levels::Warn;
-  ROS_LOG(level, ROSCONSOLE_DEFAULT_NAME,
-          "Method auto takes %s, substeps a frame %d or more, predicted error %.1e of the cloth's "
-          "size: %s",
-          choice.method.c_str(), choice.least_substeps, choice.predicted_error,
-          choice.reason.c_str());
+  std::ostringstream error;
+  if (choice.predicted_error) {
+    error << ", predicted error " << std::scientific << std::setprecision(1)
+          << *choice.predicted_error << " of the cloth's size";
+  }
+  ROS_LOG_STREAM(level, ROSCONSOLE_DEFAULT_NAME,
+                 "Method auto takes " << choice.method << ", substeps a frame "
+                                      << choice.least_substeps << " or more" << error.str() << ": "
+                                      << choice.reason);
 }
 
 }  // namespace clothsim_ros

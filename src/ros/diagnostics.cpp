@@ -65,7 +65,7 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   out.add("method", report.method);
   out.add("substeps", report.substeps);
   out.add("reason", report.reason);
-  out.addf("predicted error", "%.1e", report.predicted_error);
+  if (report.predicted_error) out.addf("predicted error", "%.1e", *report.predicted_error);
   if (report.ran_out > 0) {
     out.mergeSummaryf(DiagnosticStatus::WARN,
                       "Newton's method ran out of iterations in %d of %d substeps", report.ran_out,

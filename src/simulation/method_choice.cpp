@@ -228,6 +228,20 @@ double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& collide
   return cost * cloth.num_points();
 }
 
+/// Substeps of a frame of a method with this limit that the cloth needs as the scene has it,
+/// whatever comes.
+int usual_substeps(double stability_limit, const SimulationSpec& spec, const Cloth& cloth,
+                   const std::vector<ColliderSpec>& colliders) {
+  const double dt = 1 / spec.frames_per_second;
+  // Explicit methods follow the strain limit's tension, from none on.
+  std::optional<Tension> tension;
+  if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
+  const int needed =
+      count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
+  const bool is_free = cloth.springs.empty() || !has_impulses(cloth, colliders);
+  return is_free ? needed : std::max(needed, static_cast<int>(std::ceil(dt / longest_step)));
+}
+
 /// A candidate with the substeps it would take.
 struct Offer {
   const Candidate* candidate;
@@ -247,14 +261,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
                const std::vector<ColliderSpec>& colliders, const Motion& motion) {
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
-  // Explicit methods follow the strain limit's tension, from none on.
-  std::optional<Tension> tension;
-  if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
-  int needed =
-      count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
-  if (has_impulses(cloth, colliders)) {
-    needed = std::max(needed, static_cast<int>(std::ceil(dt / longest_step)));
-  }
+  const int needed = usual_substeps(stability_limit, spec, cloth, colliders);
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
   const double step_cost =  // contact aside
       c.cost(cloth.num_springs(), cloth.num_points()) + limit_cost(spec, cloth);
@@ -276,16 +283,19 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
 
 MethodChoice choice_of(const Offer& offer, std::string reason) {
   return {
-      offer.candidate->method, offer.substeps, offer.error, offer.cost, std::move(reason), true};
+      offer.candidate->method, offer.substeps, std::move(reason), true, offer.error, offer.cost};
 }
 
 }  // namespace
 
 MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
-  if (spec.method != "auto") return {spec.method, 1, 0, 0, "named by the scene"};
+  if (spec.method != "auto") {
+    const double limit = stability_limit_of(spec.method);
+    return {spec.method, usual_substeps(limit, spec, cloth, colliders), "named by the scene"};
+  }
   if (cloth.springs.empty()) {
-    return {VelocityVerlet::name, 1, 0, 0, "no springs to integrate"};
+    return {VelocityVerlet::name, 1, "no springs to integrate", true, 0.0, 0.0};
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
@@ -296,7 +306,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
-    return {VelocityVerlet::name, 1, 0, 0, "no method is stable with so few substeps", false};
+    return {VelocityVerlet::name, 1, "no method is stable with so few substeps", false};
   }
 
   const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };

@@ -50,7 +50,7 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   yaml << YAML::Key << "overrides" << YAML::Value << YAML::Flow << run.overrides;
   put("method", run.last_frame.method);
   put("substeps", run.last_frame.substeps);
-  put("predicted_error", run.last_frame.predicted_error);
+  if (run.last_frame.predicted_error) put("predicted_error", *run.last_frame.predicted_error);
   put("reason", run.last_frame.reason);
   put("recoveries", run.recoveries);
   put("self_collision", self_collision_names[static_cast<std::size_t>(cloth.self_collision)]);

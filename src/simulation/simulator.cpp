@@ -218,11 +218,8 @@ double Simulator::Impl::contact_speed(double dt) const {
                           state.positions.colwise().maxCoeff().transpose());
   double fastest = 0;
   for (const MovingCollider& collider : colliders) {
-    if (!collider.enabled()) continue;
     const double speed = own + collider.fastest_in(box);
-    const double distance = box.exteriorDistance(collider.pose().position);
-    if (distance > bounding_radius(collider.shape()) + speed * dt) continue;
-    fastest = std::max(fastest, speed);
+    if (collider.reaches(box, speed * dt)) fastest = std::max(fastest, speed);
   }
   return fastest;
 }

@@ -95,6 +95,16 @@ TEST(EnergyWatch, GrowthByLittleIsSeenInTheEnd) {
   EXPECT_TRUE(growing.accepts(cloth, Vector3::Zero(), dt, before, before, {}));
 }
 
+TEST(EnergyWatch, RoundingsOfAClothWithoutWeightArePlausible) {
+  const Cloth cloth = make_grid(square_spec(10));
+  const State start{cloth.rest_positions, Points::Zero(100, 3), 0};
+  State after = start;
+  after.velocities = random_points(100, 1e-13, 1);
+  EXPECT_TRUE(EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}));
+  after.velocities *= 1e11;
+  EXPECT_FALSE(EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}));
+}
+
 TEST(EnergyWatch, WhatIsNotFiniteIsNotPlausible) {
   const Cloth cloth = make_grid(square_spec(10));
   const State before = resting(cloth);

@@ -97,5 +97,34 @@ TEST(MovingCollider, TurnsTheShortWay) {
   EXPECT_NEAR(collider.velocity_at(Vector3::UnitX()).norm(), 0, 1e-7);
 }
 
+TEST(MovingCollider, ReachesWhatItsShapeMayHaveTouchedOnItsWay) {
+  const Eigen::AlignedBox3d box(Vector3(-0.1, -0.1, 0.9), Vector3(0.1, 0.1, 1.1));
+  const auto at = [](double z) { return pose(Vector3(0, 0, z), 0, Vector3::UnitX()); };
+  const auto reaches = [&](const Shape& shape, double from, double to, double margin) {
+    ColliderSpec spec = spec_at(at(from));
+    spec.shape = shape;
+    MovingCollider collider(spec);
+    collider.aim(at(to), 1);
+    collider.advance(1);
+    return collider.reaches(box, margin);
+  };
+  // At rest, below the box by 0.4.
+  EXPECT_FALSE(reaches(Plane{}, 0.5, 0.5, 0.39));
+  EXPECT_TRUE(reaches(Plane{}, 0.5, 0.5, 0.41));
+  EXPECT_FALSE(reaches(Sphere{0.2}, 0.5, 0.5, 0.19));
+  EXPECT_TRUE(reaches(Sphere{0.2}, 0.5, 0.5, 0.21));
+  EXPECT_TRUE(reaches(Plane{}, 5, 5, 0)) << "all below a plane is solid";
+  EXPECT_FALSE(reaches(Plane{true}, 5, 5, 3.89));
+  EXPECT_TRUE(reaches(Plane{true}, 5, 5, 3.91));
+  // Past it in one step.
+  EXPECT_TRUE(reaches(Plane{true}, 0, 5, 0));
+  EXPECT_TRUE(reaches(Sphere{0.2}, 0, 5, 0));
+
+  MovingCollider off(spec_at(at(1)));
+  EXPECT_TRUE(off.reaches(box, 0));
+  off.enable(false);
+  EXPECT_FALSE(off.reaches(box, 0));
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -46,6 +46,10 @@ class MovingCollider {
   /// The same at `points`, N x 3 both.
   Points velocities_at(const Points& points) const;
 
+  /// False where no point in `box` of the world can have been within `margin` [m] of the solid
+  /// during the last advance(), or it is off.
+  bool reaches(const Eigen::AlignedBox3d& box, double margin) const;
+
   /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
   double fastest_in(const Eigen::AlignedBox3d& box) const;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,12 +11,14 @@ namespace clothsim {
 
 /// How a scene is going to be integrated.
 struct MethodChoice {
-  std::string method;          // a name of method_names()
-  int least_substeps = 1;      // a frame, whatever the state
-  double predicted_error = 0;  // of positions after half a second of falling, of the cloth's size
-  double predicted_cost = 0;   // CPU seconds a simulated second on a core of today
-  std::string reason;          // a sentence
-  bool is_feasible = true;     // stable and, as far as can be foretold, in real time
+  std::string method;       // a name of method_names()
+  int least_substeps = 1;   // a frame, whatever the state
+  std::string reason;       // a sentence
+  bool is_feasible = true;  // stable and, as far as can be foretold, in real time
+  // Foretold by `auto` alone.
+  std::optional<double> predicted_error = {};  // of positions after half a second of falling, of
+                                               // the cloth's size
+  std::optional<double> predicted_cost = {};   // CPU seconds a simulated second on a core of today
 };
 
 /// What `simulation.method` stands for. A name: that method. `auto`: the cheapest method that stays

@@ -19,17 +19,17 @@ namespace clothsim {
 struct StepReport {
   std::string method;
   int substeps = 0;
-  double predicted_error = 0;  // see MethodChoice
-  std::string reason;          // for the method and its substeps, a sentence
-  int recoveries = 0;          // times the frame was taken back and tried again
-  int sweeps = 0;              // passes over strain limit and contacts, summed over the substeps
-  int corrections = 0;         // passes that shortened springs still over the limit, likewise
-  double worst_stretch = 0;    // largest l / L0 - 1 over the springs, at the frame's end
-  int contacts = 0;            // points on colliders plus those of self contact, last substep
-  int ran_out = 0;             // substeps whose method stopped iterating before its tolerance
-  int held_back = 0;           // moves of points cut short lest the cloth cross itself
-  int pinched = 0;             // points that two colliders leave no room, most in a substep
-  int pinched_point = -1;      // one of them
+  std::optional<double> predicted_error;  // see MethodChoice
+  std::string reason;                     // for the method and its substeps, a sentence
+  int recoveries = 0;                     // times the frame was taken back and tried again
+  int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
+  int corrections = 0;       // passes that shortened springs still over the limit, likewise
+  double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
+  int contacts = 0;          // points on colliders plus those of self contact, last substep
+  int ran_out = 0;           // substeps whose method stopped iterating before its tolerance
+  int held_back = 0;         // moves of points cut short lest the cloth cross itself
+  int pinched = 0;           // points that two colliders leave no room, most in a substep
+  int pinched_point = -1;    // one of them
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.
