@@ -51,6 +51,28 @@ double yield_of(const Cloth& cloth, const Corners& corners, const std::array<dou
   return yield;
 }
 
+/// Velocity at a contact over that of the corner which moves fastest for it: next to a corner that
+/// is held the free ones have long ways to go.
+double lever_of(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights) {
+  double largest = 0;
+  bool is_held = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (cloth.inv_mass[corners[i]] > 0) {
+      largest = std::max(largest, weights[i]);
+    } else {
+      is_held = true;
+    }
+  }
+  return is_held ? largest : 1;
+}
+
+/// Is a corner held in the solid, or on its surface? Then so is the triangle.
+bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth& local) {
+  return std::any_of(corners.begin(), corners.end(), [&](int i) {
+    return cloth.inv_mass[i] == 0 && local.distance[i] < 2 * surface_offset;
+  });
+}
+
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
 constexpr std::size_t features = 4;
 constexpr std::size_t face = 3;
@@ -84,6 +106,7 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const LocalCloth& loc
         std::min({local.distance[c[0]], local.distance[c[1]], local.distance[c[2]]});
     if (nearest > far + (fast ? way : 0)) continue;
     if (!fast && !touches_between_corners(shape, triangle_of(local.to, c), margin)) continue;
+    if (is_held_inside(cloth, c, local)) continue;
     visit(static_cast<int>(t), c);
   }
 }
@@ -176,6 +199,7 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   const std::array<double, 3>& weights = distance.weights;
   const double yield = yield_of(cloth, corners, weights);
   if (yield == 0) return;
+  const double lever = lever_of(cloth, corners, weights);
 
   const Vector3 normal = collider.pose().orientation * distance.normal;
   const Vector3 surface_velocity =
@@ -200,7 +224,8 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
       {id,
        weights,
        yield,
-       {normal, surface_velocity, slowest + way_out_speed(depth), collider.friction()}});
+       lever,
+       {normal, surface_velocity, slowest + lever * way_out_speed(depth), collider.friction()}});
   if (last) contacts_.back().impulse.resume(last->impulse, 1);
 }
 
@@ -301,13 +326,15 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       const Approach found = approach(collider, corners, local, surface_offset);
       if (!found.distance) return;
       const double now = found.distance->value;
-      const double wanted = found.before < 0 ? required_distance(found.before, surface_offset, h)
-                                             : raised(now, surface_offset);
-      const bool must = now < wanted - grace * surface_offset;
-      if (!must && (pass > 1 || now >= surface_offset)) return;
       const std::array<double, 3>& weights = found.distance->weights;
       const double yield = yield_of(cloth, corners, weights);
       if (yield == 0) return;
+      const double in_reach = lever_of(cloth, corners, weights) * h;
+      const double wanted = found.before < 0
+                                ? required_distance(found.before, surface_offset, in_reach)
+                                : raised(now, surface_offset);
+      const bool must = now < wanted - grace * surface_offset;
+      if (!must && (pass > 1 || now >= surface_offset)) return;
       spread(cloth, corners, weights, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;

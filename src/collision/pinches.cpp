@@ -30,10 +30,11 @@ Vector3 direction_across(const ContactImpulse& a, const ContactImpulse& b) {
 
 /// Is the wedge between them so narrow that friction keeps what it presses on from slipping out? It
 /// is where its angle is below the sum of both angles of friction, the arctangents of both
-/// coefficients.
+/// coefficients. Without friction nothing sticks, whatever roundings make of the normals.
 bool jams(const ContactImpulse& a, const ContactImpulse& b) {
   const double cos_wedge = -a.normal.dot(b.normal);
   const double m = a.friction, n = b.friction;
+  if (m + n == 0) return false;
   return cos_wedge * std::sqrt((1 + m * m) * (1 + n * n)) > 1 - m * n;
 }
 

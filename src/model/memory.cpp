@@ -1,13 +1,14 @@
 #include "clothsim/model/memory.h"
 
 #include <cmath>
+#include <limits>
 
 #include "clothsim/model/checks.h"
 
 namespace clothsim {
 namespace {
 
-/// Numbers beyond are none of a simulation's.
+/// Numbers beyond are none of a simulation's, but for energies.
 constexpr double largest = 1e12;
 
 [[noreturn]] void refuse(const std::string& got, const std::string& expected) {
@@ -30,12 +31,15 @@ void MemoryReader::need(std::size_t count) const {
   }
 }
 
-double MemoryReader::number() {
+double MemoryReader::number() { return number_up_to(largest); }
+
+double MemoryReader::energy() { return number_up_to(std::numeric_limits<double>::max()); }
+
+double MemoryReader::number_up_to(double most) {
   need(1);
   const double value = numbers_[next_];
-  if (!(std::abs(value) <= largest)) {  // true for NaN
-    refuse(to_text(value) + " at " + std::to_string(next_),
-           "a number of at most " + to_text(largest));
+  if (!(std::abs(value) <= most)) {  // true for NaN
+    refuse(to_text(value) + " at " + std::to_string(next_), "a number of at most " + to_text(most));
   }
   ++next_;
   return value;

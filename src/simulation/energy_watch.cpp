@@ -70,13 +70,13 @@ void EnergyWatch::write(MemoryWriter& memory) const {
 
 void EnergyWatch::read(MemoryReader& memory) {
   begun_ = memory.index(2) == 1;
-  given_ = memory.number();
-  potential_ = memory.number();
+  given_ = memory.energy();
+  potential_ = memory.energy();
 }
 
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
-                          const std::vector<MovingCollider>& colliders) {
+                          const std::vector<MovingCollider>& colliders, double push_out) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
   const Eigen::RowVector3d extent =
@@ -89,13 +89,15 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   }
 
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
-  const double speed = fastest_boundary(cloth, before, after, colliders);
+  const double speed = fastest_boundary(cloth, before, after, colliders) + push_out;
   const double work = mass * (2 * speed * speed + g * speed * dt);
   given_ += work;
   const double kinetic_before = kinetic_energy(cloth, before);
   const double kinetic_after = kinetic_energy(cloth, after);
   const double fallen = potential_ - gravitational_energy(cloth, gravity, after.positions);
   if (!(kinetic_after <= margin_in_all * (given_ + std::max(fallen, 0.0)))) return false;
+
+  if (push_out > 0) return true;
 
   const double fall = 2 * g * dt;
   if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;

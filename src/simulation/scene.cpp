@@ -38,14 +38,6 @@ void validate(const Cuboid& box, const Pose& pose) {
   check_range("size", box.size, size_range);
 }
 
-void check_orientation(const Eigen::Quaterniond& orientation) {
-  constexpr double tolerance = 1e-6;
-  const double norm = orientation.norm();
-  if (!(std::abs(norm - 1) < tolerance)) {
-    throw InvalidValue({"orientation"}, "a quaternion of norm " + to_text(norm), "norm 1");
-  }
-}
-
 void validate(const ColliderSpec& collider) {
   if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
   std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);
@@ -69,6 +61,14 @@ void validate(const std::vector<ColliderSpec>& colliders) {
 }
 
 }  // namespace
+
+void check_orientation(const Eigen::Quaterniond& orientation) {
+  constexpr double tolerance = 1e-6;
+  const double norm = orientation.norm();
+  if (!(std::abs(norm - 1) < tolerance)) {
+    throw InvalidValue({"orientation"}, "a quaternion of norm " + to_text(norm), "norm 1");
+  }
+}
 
 void check_method(const std::string& method) {
   const std::vector<std::string> names = method_names();

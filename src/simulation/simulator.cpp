@@ -77,9 +77,12 @@ StepReport Simulator::Impl::step() {
     energy_watch.restart();
     if (!recover()) {
       forget();
+      const std::string retried =
+          report.recoveries == 0 ? ""
+                                 : " after " + std::to_string(report.recoveries) + " other tries";
       throw Diverged("the state left the finite numbers or gained energy in the frame after t = " +
                      std::to_string(state.time) + " s, with method " + report.method + " and " +
-                     std::to_string(report.substeps) + " substeps a frame");
+                     std::to_string(report.substeps) + " substeps a frame" + retried);
     }
     ++report.recoveries;
   }
@@ -114,7 +117,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
     report.reason += "; so few substeps are beyond the method's stability limit";
   }
-  repairs_ran_out = false;
+  recovers = repairs_ran_out = false;
   stretch = strain_limit && !colliders.empty() ? worst_stretch(cloth, state.positions) : 0;
 
   // Pins and colliders set out for where they must be at the frame's end.
@@ -163,7 +166,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     energy_watch.restart();
     return true;
   }
-  return energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders);
+  return energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders,
+                              recovers ? recovery_speed : 0);
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -182,10 +186,7 @@ bool Simulator::Impl::recover() {
   }
   if (spec.method == "auto" && method->choice.method != refuge) {
     const std::string failed = method->choice.method;
-    SimulationSpec last_resort = spec;
-    last_resort.method = refuge;
-    method.emplace(last_resort, cloth, scene.colliders);
-    method->choice.reason = "a frame of " + failed + " failed";
+    method = last_resort(spec, cloth, scene.colliders, "a frame of " + failed + " failed");
     return true;
   }
   return false;
@@ -241,6 +242,8 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
 Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 StepReport Simulator::step() { return impl_->step(); }
 void Simulator::reset() { impl_->reset(); }
@@ -289,10 +292,12 @@ void Simulator::set_simulation(const SimulationSpec& simulation) {
 }
 
 void Simulator::move_collider(int index, const Pose& target) {
+  check_place(target);
   impl_->colliders.at(static_cast<std::size_t>(index)).aim(target, frame_duration());
 }
 
 void Simulator::place_collider(int index, const Pose& pose) {
+  check_place(pose);
   impl_->colliders.at(static_cast<std::size_t>(index)).place(pose);
   impl_->disturbed = true;
 }
@@ -305,6 +310,7 @@ void Simulator::enable_collider(int index, bool enabled) {
 }
 
 void Simulator::move_pin(int index, const Vector3& target) {
+  check_place(target);
   impl_->pin_targets.at(static_cast<std::size_t>(index)) = target;
 }
 

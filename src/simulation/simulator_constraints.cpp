@@ -89,7 +89,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
                                  stretch};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
-  disturbed = disturbed || collider_contacts.recovers();
+  recovers = recovers || collider_contacts.recovers();
   if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
     report.pinched = pinches.count();
     report.pinched_point = pinches.first();

@@ -44,6 +44,7 @@ void Simulator::Impl::finish_grips(double dt, const State& before) {
 
 void Simulator::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
                        std::optional<double> tear_force) {
+  check_place(pose);
   impl_->grips.attach(frame, pose, points, tear_force, impl_->cloth, impl_->state.positions);
   impl_->hold_points();
 }
@@ -54,6 +55,7 @@ void Simulator::detach(const std::vector<int>& points) {
 }
 
 void Simulator::move_grip(const std::string& frame, const Pose& target) {
+  check_place(target);
   impl_->grips.move(frame, target);
 }
 

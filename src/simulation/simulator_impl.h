@@ -10,6 +10,7 @@
 #include "clothsim/collision/self_contacts.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/simulation/energy_watch.h"
@@ -29,6 +30,16 @@ inline constexpr const char* refuge = ImplicitEuler::name;
 /// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
 /// whatever shows a good state can.
 inline constexpr double farthest = 1e12;
+
+/// Throw InvalidValue for what is beyond that, or not finite; for orientations that are no unit
+/// quaternion.
+inline void check_place(const Vector3& position) {
+  check_range("position", position, Range{-farthest, farthest, "m"});
+}
+inline void check_place(const Pose& pose) {
+  check_place(pose.position);
+  check_orientation(pose.orientation);
+}
 
 /// How a scene with `cloth` is integrated, and by what.
 struct Method {
@@ -56,6 +67,17 @@ struct Method {
   int halvings = 0;
 };
 
+/// The method to go on with after a frame failed, in as few steps as it can: what constraints ask
+/// for may be what failed.
+inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
+                          const std::vector<ColliderSpec>& colliders, const std::string& reason) {
+  spec.method = refuge;
+  Method method(spec, cloth, colliders);
+  method.choice.reason = reason;
+  method.choice.least_substeps = 1;
+  return method;
+}
+
 struct Simulator::Impl {
   explicit Impl(const Scene&);
 
@@ -74,6 +96,7 @@ struct Simulator::Impl {
       colliders[i].enable(scene.colliders[i].enabled);
     }
     forget();
+    disturbed = false;
   }
 
   /// The cloth as the scene has it, without what is attached: the method is chosen for that, so
@@ -185,6 +208,7 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   bool disturbed = false;        // by a jump since the last frame
+  bool recovers = false;         // in this frame: colliders have pushed out what was in them
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
   double stretch = 0;            // worst as this frame began, where colliders ask for it
   Points start;                  // positions at the substep's start, where contact needs them

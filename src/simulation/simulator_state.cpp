@@ -72,6 +72,7 @@ struct Simulator::Saved {
   std::vector<MovingCollider> colliders;
   std::vector<Vector3> pin_targets;
   Grips grips;
+  double frame_duration;  // [s]
 };
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
@@ -112,10 +113,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     if (scene.simulation.method != "auto" || name != refuge) {
       throw InvalidValue({"memory"}, "method " + name, read_method.choice.method);
     }
-    SimulationSpec last_resort = scene.simulation;
-    last_resort.method = refuge;
-    read_method = Method(last_resort, free, scene.colliders);
-    read_method.choice.reason = "a frame failed before the state that was set";
+    read_method = last_resort(scene.simulation, free, scene.colliders,
+                              "a frame failed before the state that was set");
   }
   read_method.halvings = memory.index(max_halvings + 1);
   const bool read_disturbed = memory.index(2) == 1;
@@ -192,18 +191,18 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(Saved{impl_->cloth, impl_->state, memory(), impl_->colliders,
-                                             impl_->pin_targets, impl_->grips});
+                                             impl_->pin_targets, impl_->grips, frame_duration()});
 }
 
 void Simulator::restore(const Saved& saved) {
   const Cloth& cloth = impl_->cloth;
-  const auto same_shape = [](const MovingCollider& a, const MovingCollider& b) {
-    return a.shape().index() == b.shape().index();
+  const auto same = [](const MovingCollider& a, const MovingCollider& b) {
+    return a.shape() == b.shape() && a.friction() == b.friction();
   };
-  if (saved.cloth.columns != cloth.columns || saved.cloth.rows != cloth.rows ||
-      saved.cloth.pinned != cloth.pinned ||
+  if (saved.cloth.columns != cloth.columns || saved.cloth.rest_positions != cloth.rest_positions ||
+      saved.cloth.thickness != cloth.thickness || saved.cloth.pinned != cloth.pinned ||
       !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
-                  impl_->colliders.end(), same_shape)) {
+                  impl_->colliders.end(), same)) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
   impl_->grips = saved.grips;
@@ -211,6 +210,9 @@ void Simulator::restore(const Saved& saved) {
   if (impl_->fits(saved.memory)) {
     impl_->read(saved.memory);
     if (has_other_material(saved.cloth, cloth)) impl_->forget_history();
+    if (saved.cloth.mass != cloth.mass) {  // an impulse of pairs belongs to their masses
+      impl_->visit_self_contacts([](auto& contacts) { contacts.reset(); });
+    }
   } else {
     impl_->forget();  // springs or the method have changed since
     impl_->disturbed = true;
@@ -218,6 +220,8 @@ void Simulator::restore(const Saved& saved) {
   impl_->state = saved.state;
   impl_->colliders = saved.colliders;
   impl_->pin_targets = saved.pin_targets;
+  if (saved.frame_duration == frame_duration()) return;
+  for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }
 
 }  // namespace clothsim

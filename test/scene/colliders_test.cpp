@@ -140,6 +140,39 @@ TEST(Colliders, GoOnToTheSameBitsFromAStateAndItsMemory) {
   }
 }
 
+// ---- Where pins are in a collider, or just outside
+
+void expect_calm(const Scene& scene, double seconds, double calm) {
+  Simulator simulator(scene);
+  double fast = 0;
+  for (int frame = 0; frame < 90 * seconds; ++frame) {
+    const StepReport report = simulator.step();
+    ASSERT_EQ(report.recoveries, 0) << simulator.state().time;
+    fast = std::max(fast, fastest(simulator.state()));
+  }
+  EXPECT_LT(fast, 10) << "nothing is flung about";
+  EXPECT_LT(rms_velocity(simulator.state()), calm);
+}
+
+TEST(PinnedInACollider, ACurtainOnItsRodHangs) {
+  // Above the middle of the rod, in it, below, and just on its skin, on either side.
+  for (const double below : {-0.02, 0.0, 0.005, 0.02, 0.03, 0.0301, -0.0301, 0.0303, 0.031}) {
+    SCOPED_TRACE(below);
+    Scene scene = with_colliders(
+        {{"rod", Capsule{1.2, 0.03}, pose_at({0.5, 0, 1 - below}, {0, M_PI / 2, 0}), 1, ""}}, 16);
+    for (int column = 0; column < 16; ++column) scene.cloth.pinned.push_back({column, 0, ""});
+    expect_calm(scene, 4, 2e-3);
+  }
+}
+
+TEST(PinnedInACollider, ACornerInABallHangs) {
+  for (const double radius : {0.154, 0.158, 0.17}) {
+    SCOPED_TRACE(radius);
+    expect_calm(hanging_with({{"ball", Sphere{radius}, pose_at({0.14, 0.02, 1.07}), 0.3, ""}}, 16),
+                6, 2e-3);
+  }
+}
+
 // ---- Driven through a hanging cloth
 
 class Driven : public ::testing::TestWithParam<double> {};

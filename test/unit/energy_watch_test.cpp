@@ -105,6 +105,19 @@ TEST(EnergyWatch, RoundingsOfAClothWithoutWeightArePlausible) {
   EXPECT_FALSE(EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}));
 }
 
+TEST(EnergyWatch, WhatPushesOutDoesNotFlingAbout) {
+  const Cloth cloth = make_grid(square_spec(10));
+  const State start{cloth.rest_positions, Points::Zero(100, 3), 0};
+  State after = start;
+  const auto accepts = [&](double speed, double push_out) {
+    after.velocities.setConstant(speed / std::sqrt(3));
+    return EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}, push_out);
+  };
+  EXPECT_FALSE(accepts(10, 0));
+  EXPECT_TRUE(accepts(10, 2));
+  EXPECT_FALSE(accepts(100, 2));
+}
+
 TEST(EnergyWatch, WhatIsNotFiniteIsNotPlausible) {
   const Cloth cloth = make_grid(square_spec(10));
   const State before = resting(cloth);

@@ -100,6 +100,23 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
   }
 }
 
+TEST(Pinches, WithoutFrictionNothingSticksWhateverTheRoundings) {
+  // Normals whose product is beyond 1 by a rounding.
+  const Cloth cloth = make_grid(chain_spec(2, 1, 0));
+  const Points directions = random_points(200, 1, 1);
+  for (int k = 0; k < directions.rows(); ++k) {
+    const Vector3 normal = row(directions, k).normalized();
+    const ContactImpulse a = contact(normal, still, 0, 0), b = contact(-normal, still, 0, 0);
+    Pinches pinches;
+    pinches.start_over(h);
+    pinches.add(0, still, {a, moving(still)}, {b, moving(still)}, cloth);
+    Points velocities = Points::Ones(2, 3);
+    pinches.sweep(velocities);
+    const Vector3 along = Vector3::Ones() - normal.sum() * normal;
+    EXPECT_LT((row(velocities, 0) - along).norm(), 1e-12) << k;
+  }
+}
+
 TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
   const Cloth cloth = make_grid(chain_spec(4, 1, 0));
   const double all = 3 * 9.81 * h * cloth.mass.sum() * cloth.inv_mass[1];  // [m/s]

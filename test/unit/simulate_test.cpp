@@ -116,6 +116,18 @@ TEST_F(Simulate, WritesWhatItPromises) {
   EXPECT_FALSE(report["diverged"].as<bool>());
 }
 
+TEST_F(Simulate, FramesAreThoseOfTheLastRun) {
+  const auto frames_of = [&](const char* seconds) {
+    const Result result =
+        run(scene_ + " --every 0.01 --seconds " + seconds + " --output " + folder_.string());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const std::filesystem::directory_iterator frames(folder_ / "frames");
+    return std::distance(begin(frames), end(frames));
+  };
+  EXPECT_EQ(frames_of("0.1"), 10);
+  EXPECT_EQ(frames_of("0.02"), 3);
+}
+
 TEST_F(Simulate, FramesArePlyOfTheGrid) {
   const Result result = run(scene_ + " --seconds 0.02 --every 0.01 --output " + folder_.string());
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -232,6 +244,8 @@ TEST_F(Simulate, DivergedEndsWithTwoAndTheLastGoodFrame) {
 
   const YAML::Node report = YAML::LoadFile(folder_ / "report.yaml");
   EXPECT_TRUE(report["diverged"].as<bool>());
+  EXPECT_NE(report["error"].as<std::string>().find("with method verlet and 1 substeps a frame"),
+            std::string::npos);
   EXPECT_LT(report["frames"].as<int>(), 450);
   EXPECT_NEAR(report["simulated_seconds"].as<double>(), report["frames"].as<int>() / 90.0, 1e-9);
   const std::string csv = read(folder_ / "final.csv");

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "clothsim/model/errors.h"
 #include "clothsim/simulation/report.h"
@@ -322,6 +324,48 @@ TEST(Simulator, AColliderTurnedOnWithinTheClothPushesItOutGently) {
     EXPECT_LT(speed, 3) << height;  // it pushes at 2 m/s
     EXPECT_EQ(deepest_penetration(simulator), 0) << height;
   }
+}
+
+TEST(Simulator, PlacesThatCannotBeAreRefused) {
+  Simulator simulator(with_ball());
+  simulator.attach("hand", Pose{}, {40});
+  const std::vector<double> memory = simulator.memory();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Pose turned;
+  turned.orientation.coeffs() *= 2;
+  for (const Pose& bad : {Pose{Vector3(0, nan, 0), Eigen::Quaterniond::Identity()},
+                          Pose{Vector3(0, 0, 2e12), Eigen::Quaterniond::Identity()},
+                          Pose{Vector3::Zero(), Eigen::Quaterniond(nan, 0, 0, 0)}, turned}) {
+    EXPECT_THROW(simulator.move_collider(0, bad), InvalidValue);
+    EXPECT_THROW(simulator.place_collider(0, bad), InvalidValue);
+    EXPECT_THROW(simulator.move_grip("hand", bad), InvalidValue);
+    EXPECT_THROW(simulator.attach("other", bad, {41}), InvalidValue);
+  }
+  EXPECT_THROW(simulator.move_pin(0, Vector3(nan, 0, 0)), InvalidValue);
+  EXPECT_EQ(simulator.memory(), memory);
+  EXPECT_EQ(simulator.collider_pose(0).position, with_ball().colliders[0].pose.position);
+  EXPECT_EQ(simulator.grips().size(), 1u);
+  simulator.step();
+}
+
+TEST(Simulator, AResetForgetsWhatHasDisturbedIt) {
+  const std::vector<double> fresh = Simulator(with_ball()).memory();
+  Simulator simulator(with_ball());
+  simulator.place_collider(0, Pose{});
+  simulator.attach("hand", Pose{}, {40});
+  simulator.set_material(with_ball().cloth.material);
+  EXPECT_NE(simulator.memory(), fresh);
+  simulator.reset();
+  EXPECT_EQ(simulator.memory(), fresh);
+}
+
+TEST(Simulator, IsMovedWithAllItHas) {
+  std::vector<Simulator> simulators;
+  for (int k = 0; k < 3; ++k) simulators.emplace_back(with_ball());
+  simulators.front().step();
+  simulators.back() = std::move(simulators.front());
+  EXPECT_GT(simulators.back().state().time, 0);
+  simulators.back().step();
 }
 
 TEST(Simulator, UnknownIndicesThrow) {

@@ -24,7 +24,8 @@ struct CaughtFace {
 
 /// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
 /// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
-/// its point has of them. What a corner touches is left to the contact of that point.
+/// its point has of them. What a corner touches is left to the contact of that point. So is all of
+/// a triangle with a corner that is held in the solid, or on it, which nothing could bring out.
 class FaceContacts {
  public:
   /// Keeps the contacts of the last step as those to resume.
@@ -60,7 +61,7 @@ class FaceContacts {
   /// Turns a contact to another direction out of the solid.
   void redirect(std::size_t contact, const Vector3& normal) {
     contacts_[contact].impulse.normal = normal;
-    contacts_[contact].impulse.slowest = recovery_speed;
+    contacts_[contact].impulse.slowest = contacts_[contact].lever * recovery_speed;
   }
 
   int count() const;  // that carry an impulse
@@ -84,6 +85,7 @@ class FaceContacts {
     Id id;
     std::array<double, 3> weights;  // of the corners
     double yield;                   // velocity there over impulse, 1 at a point alone
+    double lever;                   // velocity there over the fastest corner's
     ContactImpulse impulse;
   };
 

@@ -35,6 +35,13 @@ struct Cuboid {
   Vector3 size{0.4, 0.4, 0.4};  // [m]
 };
 
+inline bool operator==(const Sphere& a, const Sphere& b) { return a.radius == b.radius; }
+inline bool operator==(const Plane& a, const Plane& b) { return a.two_sided == b.two_sided; }
+inline bool operator==(const Capsule& a, const Capsule& b) {
+  return a.length == b.length && a.radius == b.radius;
+}
+inline bool operator==(const Cuboid& a, const Cuboid& b) { return a.size == b.size; }
+
 using Shape = std::variant<Sphere, Plane, Capsule, Cuboid>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point

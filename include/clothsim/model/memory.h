@@ -27,7 +27,8 @@ class MemoryReader {
   /// `numbers` must outlive this.
   explicit MemoryReader(const std::vector<double>& numbers) : numbers_(numbers) {}
 
-  double number();              // finite
+  double number();              // of at most 1e12
+  double energy();              // finite [J]
   int index(std::size_t size);  // from 0 to size - 1
   std::size_t count();          // of items that follow, each of at least one number
   Vector3 vector();
@@ -38,6 +39,7 @@ class MemoryReader {
 
  private:
   void need(std::size_t count) const;
+  double number_up_to(double most);
 
   const std::vector<double>& numbers_;
   std::size_t next_ = 0;

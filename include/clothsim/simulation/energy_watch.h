@@ -25,9 +25,12 @@ class EnergyWatch {
   /// small; and whether all frames since the last restart() may have, by a far wider margin.
   ///
   /// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
-  /// False for energies that are not finite.
+  /// `push_out`: speed at which these push out what is in them [m/s]; where it is not 0, springs
+  /// are stretched by that, and the frame is judged by the wide margin alone. False for energies
+  /// that are not finite.
   bool accepts(const Cloth&, const Vector3& gravity, double dt, const State& before,
-               const State& after, const std::vector<MovingCollider>& colliders);
+               const State& after, const std::vector<MovingCollider>& colliders,
+               double push_out = 0);
 
  private:
   bool begun_ = false;

@@ -24,7 +24,7 @@ struct RunReport {
   long long held_back = 0;  // moves of points cut short, summed over the steps
   int pinched = 0;          // points that two colliders left no room, most at once
   int pinched_point = -1;   // one of them
-  bool diverged = false;    // the simulator then holds the last good frame
+  std::string error;        // that ended it; the simulator then holds the last good frame
 };
 
 /// The report of a run that left `simulator` as it is, as YAML in SI units.

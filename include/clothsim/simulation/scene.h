@@ -39,6 +39,9 @@ struct Scene {
 /// Throws InvalidValue with the key {"method"} unless it is `auto` or a name of method_names().
 void check_method(const std::string& method);
 
+/// Throws InvalidValue with the key {"orientation"} unless it is a unit quaternion.
+void check_orientation(const Eigen::Quaterniond&);
+
 /// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
 void validate(const SimulationSpec&);
 

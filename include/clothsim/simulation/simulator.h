@@ -38,11 +38,13 @@ class Simulator {
   /// Throws InvalidValue.
   explicit Simulator(const Scene&);
   ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
 
   /// Advances one frame, 1 / frames_per_second. A frame that ends in numbers that are not finite,
   /// or with more energy than was put in, is taken back. What the scene leaves to `auto` is then
-  /// tried again: with half the substep, up to three times, then with implicit Euler, from here on
-  /// until the next reset() or set(). If nothing is left to try, throws Diverged and keeps the
+  /// tried again: with half the substep, up to three times, then so with implicit Euler, from here
+  /// on until the next reset() or set(). If nothing is left to try, throws Diverged and keeps the
   /// last good frame.
   StepReport step();
 
@@ -66,7 +68,8 @@ class Simulator {
 
   /// A copy of all that moves, colliders, pins and attached points too, to come back to and go on
   /// to the same bits. Material and simulation values stay as they are; where springs or the method
-  /// have changed since, goes on as after a reset. Throws InvalidValue for a copy of another scene.
+  /// have changed since, goes on as after a reset. Throws InvalidValue and changes nothing for a
+  /// copy of another cloth or of other colliders.
   struct Saved;
   std::shared_ptr<const Saved> save() const;
   void restore(const Saved&);
@@ -76,6 +79,10 @@ class Simulator {
   void set(const Material&, const SimulationSpec&);
   void set_material(const Material&);
   void set_simulation(const SimulationSpec&);
+
+  // Poses and points to move to: throw InvalidValue and change nothing beyond 1e12 m, for numbers
+  // that are not finite, and for an orientation that is no unit quaternion; std::out_of_range for
+  // an index or a frame that there is not.
 
   /// Moves collider `index` (of scene().colliders) to `target` during the next frame, in a straight
   /// line with constant angular velocity. Without a call it stays.
@@ -93,9 +100,9 @@ class Simulator {
 
   /// From the next frame on, `points` follow a frame of that name, now at `pose`, with the offsets
   /// that they have in it. Beyond `tear_force` [N] on the frame, the mean of one step(), it lets go
-  /// of all its points. Until reset(). Throws InvalidValue with the keys {"points", "3"} or
-  /// {"tear_force"} and changes nothing: without points, for points that are none, given twice,
-  /// pinned or attached.
+  /// of all its points; of calls for one frame the last one's holds. Until reset(). Throws
+  /// InvalidValue with the keys {"points", "3"} or {"tear_force"} and changes nothing: without
+  /// points, for points that are none, given twice, pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
               std::optional<double> tear_force = {});
 
@@ -103,7 +110,7 @@ class Simulator {
   void detach(const std::vector<int>& points);
 
   /// Moves the frame to `target` during the next frame of simulation, each of its points in a
-  /// straight line. Throws std::out_of_range for a frame that has no points.
+  /// straight line.
   void move_grip(const std::string& frame, const Pose& target);
 
   /// By frame, with what the cloth did to it in the last step().
