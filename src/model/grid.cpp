@@ -52,6 +52,10 @@ void append_runs(const ClothSpec& spec, const Direction& d, const Eigen::Vector2
 /// Points of a cloth that touch at less than this many edge lengths leave room for others to pass.
 constexpr double least_touch = 0.9;
 
+/// Points that touch at more than this many are left out so far along the cloth, see PointContacts,
+/// that it folds where they do not see it.
+constexpr double most_touch = 2;
+
 /// How far the lowest edge of a hanging column may be pressed together by the column's weight:
 /// beyond, neighbours slip through each other, which points that are neighbours do not see.
 constexpr double most_pressed = 0.5;
@@ -63,7 +67,8 @@ SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2
   if (spec.self_collision != SelfCollision::automatic) return spec.self_collision;
   const double edge = spacing.maxCoeff();
   const double weight = spec.material.density * spec.height * edge * gravity;
-  const bool dense = 2 * spec.thickness >= least_touch * edge;
+  const double touch = 2 * spec.thickness / edge;
+  const bool dense = touch >= least_touch && touch <= most_touch;
   const bool stiff = weight <= most_pressed * spec.material.ks * edge;
   const bool has_surface = spec.columns > 1 && spec.rows > 1;
   return (dense && stiff) || !has_surface ? SelfCollision::points : SelfCollision::surface;

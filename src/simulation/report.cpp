@@ -73,7 +73,8 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("contacts", run.last_frame.contacts);
   put("intersecting_pairs", count_intersections(cloth, state.positions));
   put("deepest_penetration", deepest_penetration(simulator));
-  put("diverged", run.diverged);
+  put("diverged", !run.error.empty());
+  if (!run.error.empty()) put("error", run.error);
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
 }

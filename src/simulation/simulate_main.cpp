@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <vector>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/output.h"
@@ -41,6 +43,16 @@ std::filesystem::path frame_path(const std::filesystem::path& directory, long lo
   return directory / name.data();
 }
 
+/// A folder without frames of an earlier run.
+void make_empty(const std::filesystem::path& directory) {
+  std::filesystem::create_directories(directory);
+  std::vector<std::filesystem::path> old;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().extension() == ".ply") old.push_back(entry.path());
+  }
+  for (const std::filesystem::path& path : old) std::filesystem::remove(path);
+}
+
 /// Adds to a run's cost from construction to destruction.
 class Stopwatch {
  public:
@@ -69,7 +81,7 @@ ExitCode simulate(const Options& options) {
   // Make the folders first: a run should not end in vain.
   const std::filesystem::path frame_directory = options.output / "frames";
   if (!options.output.empty()) std::filesystem::create_directories(options.output);
-  if (every > 0) std::filesystem::create_directories(frame_directory);
+  if (every > 0) make_empty(frame_directory);
   const auto write_frame = [&](long long frame) {
     if (every == 0 || frame % every != 0) return;
     write_file(frame_path(frame_directory, frame),
@@ -105,7 +117,7 @@ ExitCode simulate(const Options& options) {
       write_frame(run.frames);
     }
   } catch (const Diverged& error) {
-    run.diverged = true;
+    run.error = error.what();
     std::cerr << "simulate: diverged in frame " << run.frames + 1 << ": " << error.what() << '\n';
   }
 
@@ -115,7 +127,7 @@ ExitCode simulate(const Options& options) {
     write_file(options.output / "report.yaml", report);
   }
   if (!(std::cout << report << std::flush)) throw std::runtime_error("cannot write the report");
-  return run.diverged ? diverged : done;
+  return run.error.empty() ? done : diverged;
 }
 
 }  // namespace
@@ -132,8 +144,10 @@ int main(int argc, char** argv) {
       ->type_name("KEY=VALUE");
   CLI::Option* output =
       app.add_option("--output", options.output, "Folder for final.csv, report.yaml and frames/");
-  app.add_option("--every", options.every,
-                 "Also write frames/NNNNNN.ply, one each so much time [s]")
+  app.add_option(
+         "--every", options.every,
+         "Also write frames/NNNNNN.ply, one each so much time [s], rounded to whole frames; "
+         "those of an earlier run are removed")
       ->needs(output);
   app.footer("Exit status: 0 done, 1 bad input, 2 diverged (files hold the last good frame).");
 

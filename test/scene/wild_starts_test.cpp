@@ -7,7 +7,7 @@ namespace {
 
 using namespace testing;
 
-/// The hanging cloth at rest, then with its free points put where `put` says, at rest there; 6 s
+/// The hanging cloth at rest, then with its free points put where `put` says, at rest there; 8 s
 /// later.
 template <typename Put>
 State after_start_from(Put&& put) {
@@ -27,7 +27,7 @@ State after_start_from(Put&& put) {
 
 Vector3 point(const State& state, int i) { return state.positions.row(i).transpose(); }
 
-TEST(WildStart, ScrambledInABall) {
+TEST(WildStart, ScrambledInABox) {
   const Points random = random_points(400, 0.2, 7);
   after_start_from([&](const State&, int i) {
     return Vector3(Vector3(0.5, 0, 0.6) + random.row(i).transpose());

@@ -11,11 +11,6 @@ namespace {
 
 using namespace testing;
 
-double total_energy(const Cloth& cloth, const Loads& loads, const State& state) {
-  return kinetic_energy(cloth, state) + elastic_energy(cloth, state.positions) +
-         gravitational_energy(cloth, loads.gravity, state.positions);
-}
-
 TEST(Verlet, EnergyStaysBoundedAndItsErrorGoesWithTheSquareOfTheStep) {
   // A symplectic method keeps a nearby energy: the error swings, by C h^2, and does not drift. The
   // cloth swings from two corners, stiff enough that its motion stays regular.

@@ -10,11 +10,6 @@ namespace {
 
 using namespace testing;
 
-double total_energy(const Cloth& cloth, const Loads& loads, const State& state) {
-  return kinetic_energy(cloth, state) + elastic_energy(cloth, state.positions) +
-         gravitational_energy(cloth, loads.gravity, state.positions);
-}
-
 /// A cloth hung by two corners with some speed at its start.
 struct Hung {
   explicit Hung(int side, double ks) {

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/simulation/scene_yaml.h"
@@ -42,6 +43,12 @@ Method converged() {
   typename Method::Parameters parameters;
   Method::Parameters::each(parameters, Tighten());
   return Method(parameters);
+}
+
+/// Kinetic, elastic and gravitational [J].
+inline double total_energy(const Cloth& cloth, const Loads& loads, const State& state) {
+  return kinetic_energy(cloth, state) + elastic_energy(cloth, state.positions) +
+         gravitational_energy(cloth, loads.gravity, state.positions);
 }
 
 /// A default scene of config/scenes.
