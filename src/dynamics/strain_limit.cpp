@@ -20,6 +20,14 @@ constexpr int least_shared = 128;
 constexpr double half_time = 3e-3;
 constexpr double most_doubt = 20 * half_time;
 
+/// Violation [of a rest length] from which on a step counts for more time, in proportion, until the
+/// limit yields: where springs are twice their length, patience would fling the cloth about.
+constexpr double usual_violation = 0.05;
+
+/// h omega of a tension that steps cannot follow: they are chosen for 1.2 at most, and at 2 a point
+/// flies from side to side.
+constexpr double fastest_swing = 1.5;
+
 /// How much of a step's doubt one that can be met takes back once the limit yields. It settles
 /// where most can.
 constexpr double relief = 0.1;
@@ -89,9 +97,12 @@ double StrainLimit::tension_frequency() {
   return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
-void StrainLimit::learn(bool is_unmet) {
-  if (is_unmet) {
-    doubt_ = std::min(doubt_ + step_.h, patience + most_doubt);
+bool StrainLimit::outruns_steps() { return step_.h * tension_frequency() > fastest_swing; }
+
+void StrainLimit::learn(double violation) {
+  if (violation > 0) {
+    const double haste = yields() ? 1 : std::max(violation / usual_violation, 1.0);
+    doubt_ = std::min(doubt_ + haste * step_.h, patience + most_doubt);
   } else {
     doubt_ = std::max(doubt_ - (yields() ? relief : 1) * step_.h, 0.0);
   }

@@ -66,12 +66,17 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
   return sweeps;
 }
 
-bool StrainLimit::is_violated(const Cloth& cloth, double tolerance, const Points& positions,
+double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points& positions,
                               const Workers& workers) {
   flag_longer_than(cloth, longest_ + tolerance, positions, workers);
-  bool any = false;
-  for_each_flagged([&](int id) { any = any || constraints_[index(id)].mass > 0; });
-  return any;
+  double worst = 0;
+  for_each_flagged([&](int id) {
+    const Constraint& c = constraints_[index(id)];
+    if (c.mass == 0) return;
+    const double length = (row(positions, c.b) - row(positions, c.a)).norm();
+    worst = std::max(worst, length / c.rest_length - longest_);
+  });
+  return worst;
 }
 
 /// Puts a spring on its list if it is to be repaired. Is it?

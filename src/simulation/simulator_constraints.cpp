@@ -135,9 +135,13 @@ void Simulator::Impl::repair(bool solved, StepReport& report) {
   report.corrections += passes;
   const bool ran_out = passes == max_corrections;
   repairs_ran_out = repairs_ran_out || ran_out;
-  const double violation = std::max(tolerance, least_violation);
-  strain_limit->learn((ran_out || !solved) &&
-                      strain_limit->is_violated(cloth, violation, state.positions, workers));
+  double unmet = 0;
+  if (ran_out || !solved) {
+    const double least = std::max(tolerance, least_violation);
+    unmet = strain_limit->violation(cloth, least, state.positions, workers);
+    if (strain_limit->outruns_steps()) unmet = std::max(unmet, least);
+  }
+  strain_limit->learn(unmet);
 }
 
 }  // namespace clothsim

@@ -66,12 +66,18 @@ class StrainLimit {
   int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
               const Workers& = {});
 
-  /// Is a spring over its limit by more than `tolerance` times its rest length?
-  bool is_violated(const Cloth& cloth, double tolerance, const Points& positions,
+  /// How far springs are over their limit at most, of their rest length; 0 where none is by more
+  /// than `tolerance`.
+  double violation(const Cloth& cloth, double tolerance, const Points& positions,
                    const Workers& = {});
 
-  /// Learns from a step whether passes ran out and left a violation: to be called once after each.
-  void learn(bool is_unmet);
+  /// Do the impulses let points swing faster than steps can follow? They grow so where pins or
+  /// colliders ask for more than the limit grants, though repairs may hide it.
+  bool outruns_steps();
+
+  /// Learns from a step what violation passes that ran out have left, 0 where they did not: to be
+  /// called once after each.
+  void learn(double violation);
 
   /// Is more asked of it than it can grant?
   bool yields() const { return doubt_ > patience; }
@@ -98,7 +104,8 @@ class StrainLimit {
 
   static constexpr int num_colours = 12;
 
-  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long.
+  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. The
+  /// less, the more springs are over it.
   static constexpr double patience = 0.1;
 
   struct Constraint {
