@@ -51,26 +51,47 @@ double yield_of(const Cloth& cloth, const Corners& corners, const std::array<dou
   return yield;
 }
 
-/// Velocity at a contact over that of the corner which moves fastest for it: next to a corner that
-/// is held the free ones have long ways to go.
-double lever_of(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights) {
-  double largest = 0;
-  bool is_held = false;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) {
-      largest = std::max(largest, weights[i]);
-    } else {
-      is_held = true;
-    }
-  }
-  return is_held ? largest : 1;
+bool any_held(const Cloth& cloth, const Corners& corners) {
+  return std::any_of(corners.begin(), corners.end(), [&](int i) { return cloth.inv_mass[i] == 0; });
 }
 
-/// Is a corner held in the solid, or on its surface? Then so is the triangle.
+/// Velocity at a contact over that of the corner which moves fastest for it, where one is held:
+/// next to that the free ones have long ways to go. 1 where all are free.
+double lever_of(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights) {
+  if (!any_held(cloth, corners)) return 1;
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (cloth.inv_mass[corners[i]] > 0) largest = std::max(largest, weights[i]);
+  }
+  return largest > 0 ? yield_of(cloth, corners, weights) / largest : 0;
+}
+
+/// Is a corner held in the solid? Then so is the triangle.
 bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth& local) {
   return std::any_of(corners.begin(), corners.end(), [&](int i) {
-    return cloth.inv_mass[i] == 0 && local.distance[i] < 2 * surface_offset;
+    return cloth.inv_mass[i] == 0 && local.distance[i] < -surface_offset;
   });
+}
+
+/// How much further away a contact next to a held corner counts, so that it may sink in by as much:
+/// by a lever without end a triangle could not rest on what it is pinned to [m].
+double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
+              const std::array<double, 3>& weights) {
+  constexpr double least_lever = 0.25;
+  constexpr double most_share = 0.1;  // of the longest edge
+  const double lever = lever_of(cloth, corners, weights);
+  if (lever >= least_lever) return 0;
+  const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  return most_share * edge * (1 - lever / least_lever);
+}
+
+/// As face_distance(), with that leeway.
+std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
+                                                 const Corners& corners, const Triangle& t,
+                                                 double margin) {
+  std::optional<FaceDistance> distance = face_distance(shape, t, margin);
+  if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
+  return distance;
 }
 
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
@@ -118,12 +139,12 @@ struct Approach {
   bool swept = false;
 };
 
-Approach approach(const MovingCollider& collider, const Corners& corners, const LocalCloth& local,
-                  double margin) {
+Approach approach(const MovingCollider& collider, const Cloth& cloth, const Corners& corners,
+                  const LocalCloth& local, double margin) {
   const Shape& shape = collider.shape();
   const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
   Approach result;
-  result.distance = face_distance(shape, to, margin);
+  result.distance = distance_with_leeway(shape, cloth, corners, to, margin);
 
   const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
                     is_fast(shape, to[2] - from[2]);
@@ -131,12 +152,13 @@ Approach approach(const MovingCollider& collider, const Corners& corners, const 
   if (!inside && !fast) return result;
 
   // It may have been in the solid before, or have come through it.
-  const auto before = face_distance(shape, from, 0);
+  const auto before = distance_with_leeway(shape, cloth, corners, from, 0);
   if (before && before->value < 0) {
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
-    const auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                           to_world(collider.pose(), to), surface_offset);
+    auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
+                                     to_world(collider.pose(), to), surface_offset);
+    if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
       result.swept = swept->value < surface_offset;
@@ -163,12 +185,14 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
   for_each_near(collider.shape(), cloth, local, margin, [&](int triangle, const Corners& corners) {
-    Approach found = approach(collider, corners, local, margin);
+    Approach found = approach(collider, cloth, corners, local, margin);
     if (!found.distance) return;
     // As it lies where impulses act, unless it is to be stopped or led out.
     const bool alone = found.swept || found.before < 0;
     const Triangle middle = triangle_of(local.middle, corners);
-    if (!alone) found.distance = face_distance(collider.shape(), middle, margin);
+    if (!alone) {
+      found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
+    }
     if (!found.distance) return;
 
     // Corners are left to the contacts of their points, unless they are to be led out.
@@ -177,6 +201,9 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
     if (!alone) {
       const auto edges = edges_along(collider.shape(), middle, *found.distance, margin);
       std::copy(edges.begin(), edges.end(), touching.begin());
+      for (auto& edge : touching) {
+        if (edge) edge->value += leeway(cloth, corners, middle, edge->weights);
+      }
     }
     if (feature || alone) touching[feature.value_or(face)] = found.distance;
 
@@ -323,7 +350,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       // In the first pass all, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
-      const Approach found = approach(collider, corners, local, surface_offset);
+      const Approach found = approach(collider, cloth, corners, local, surface_offset);
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;

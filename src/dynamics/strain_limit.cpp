@@ -16,16 +16,12 @@ namespace {
 /// Fours of springs of a colour that a thread takes at least: half a microsecond of work.
 constexpr int least_shared = 128;
 
-/// Time beyond patience in which what is worked off falls to a half, and the most of it [s].
-constexpr double half_time = 3e-3;
-constexpr double most_doubt = 20 * half_time;
-
 /// Violation [of a rest length] from which on a step counts for more time, in proportion, until the
 /// limit yields: where springs are twice their length, patience would fling the cloth about.
 constexpr double usual_violation = 0.05;
 
-/// h omega of a tension that steps cannot follow: they are chosen for 1.2 at most, and at 2 a point
-/// flies from side to side.
+/// h omega of a tension that steps cannot follow: `auto` chooses them for 1.2 at most, and at 2 a
+/// point flies from side to side.
 constexpr double fastest_swing = 1.5;
 
 /// How much of a step's doubt one that can be met takes back once the limit yields. It settles

@@ -239,7 +239,9 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
   const int needed =
       count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
   const bool is_free = cloth.springs.empty() || !has_impulses(cloth, colliders);
-  return is_free ? needed : std::max(needed, static_cast<int>(std::ceil(dt / longest_step)));
+  if (is_free) return needed;
+  const double most = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
+  return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), most)));
 }
 
 /// A candidate with the substeps it would take.

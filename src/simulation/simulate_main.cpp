@@ -43,12 +43,16 @@ std::filesystem::path frame_path(const std::filesystem::path& directory, long lo
   return directory / name.data();
 }
 
-/// A folder without frames of an earlier run.
-void make_empty(const std::filesystem::path& directory) {
+/// A folder without frames of an earlier run; other files stay.
+void make_free_of_frames(const std::filesystem::path& directory) {
   std::filesystem::create_directories(directory);
   std::vector<std::filesystem::path> old;
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-    if (entry.path().extension() == ".ply") old.push_back(entry.path());
+    const std::string name = entry.path().stem().string();
+    const bool is_number = name.size() >= 6 && name.find_first_not_of("0123456789") == name.npos;
+    if (entry.is_regular_file() && is_number && entry.path().extension() == ".ply") {
+      old.push_back(entry.path());
+    }
   }
   for (const std::filesystem::path& path : old) std::filesystem::remove(path);
 }
@@ -81,7 +85,7 @@ ExitCode simulate(const Options& options) {
   // Make the folders first: a run should not end in vain.
   const std::filesystem::path frame_directory = options.output / "frames";
   if (!options.output.empty()) std::filesystem::create_directories(options.output);
-  if (every > 0) make_empty(frame_directory);
+  if (every > 0) make_free_of_frames(frame_directory);
   const auto write_frame = [&](long long frame) {
     if (every == 0 || frame % every != 0) return;
     write_file(frame_path(frame_directory, frame),

@@ -69,13 +69,18 @@ StepReport Simulator::Impl::step() {
 
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   StepReport report;
+  bool has_given_way = false;
   while (!frame(dt, last_good, report)) {
     state = last_good;
     colliders = last_colliders;
     disturbed = was_disturbed;
     forget_constraints();
     energy_watch.restart();
-    if (!recover()) {
+    // What is asked of the limit may be at fault, where it is not too few substeps.
+    if (strain_limit && is_overpulled && !scene.simulation.substeps && !has_given_way) {
+      has_given_way = true;
+      strain_limit->give_way();
+    } else if (!recover()) {
       forget();
       const std::string retried =
           report.recoveries == 0 ? ""
@@ -114,10 +119,12 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
       method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
   report.predicted_error = method->choice.predicted_error;
   report.reason = method->choice.reason;
-  if (scene.simulation.substeps && is_beyond_stability(dt / steps)) {
+  const bool is_unstable = scene.simulation.substeps && is_beyond_stability(dt / steps);
+  if (is_unstable) {
     report.reason += "; so few substeps are beyond the method's stability limit";
   }
-  recovers = repairs_ran_out = false;
+  const bool has_recovered = collider_contacts.recovers();
+  recovers = repairs_ran_out = is_overpulled = false;
   stretch = strain_limit && !colliders.empty() ? worst_stretch(cloth, state.positions) : 0;
 
   // Pins and colliders set out for where they must be at the frame's end.
@@ -145,8 +152,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
                      " substeps";
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
-  const bool is_overpulled =
-      cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
+  is_overpulled = cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
   const bool yields = strain_limit && strain_limit->yields();
   if (yields) {
     report.reason +=
@@ -158,10 +164,12 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
   // shows in the stretch, and is no fault of the method. A limit that yields stands for it, too,
   // but for speeds that no pull explains.
+  const bool is_pulled =
+      is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
+                        are_pulled_taut(cloth, state.positions));
   const bool is_asked_too_much =
-      (yields && longest_row(state.velocities) < fastest_given) ||
-      (is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
-                         are_pulled_taut(cloth, state.positions)));
+      !is_unstable && longest_row(state.velocities) < fastest_given && (yields || is_pulled);
+  if (has_recovered && !recovers) energy_watch.restart();  // with what the push-out gave
   if (disturbed || is_asked_too_much) {
     energy_watch.restart();
     return true;
@@ -206,9 +214,8 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
   const int needed = substeps_at_parting(cloth, state.velocities, dt);
   if (needed <= least) return 1;
   // Where the limit pulls without end, springs part the faster the shorter the steps.
-  const bool is_overpulled =
-      worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
-  if (is_overpulled || are_pulled_taut(cloth, state.positions)) return 1;
+  const bool stays_open = worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
+  if (stays_open || are_pulled_taut(cloth, state.positions)) return 1;
   return std::min(needed, most_for_parting * least);
 }
 
@@ -217,10 +224,11 @@ double Simulator::Impl::contact_speed(double dt) const {
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
+  const double fall = scene.simulation.gravity.norm() * dt / 2;  // of the frame itself
   double fastest = 0;
   for (const MovingCollider& collider : colliders) {
     const double speed = own + collider.fastest_in(box);
-    if (collider.reaches(box, speed * dt)) fastest = std::max(fastest, speed);
+    if (collider.reaches(box, (speed + fall) * dt)) fastest = std::max(fastest, speed);
   }
   return fastest;
 }

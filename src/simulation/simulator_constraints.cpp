@@ -139,7 +139,9 @@ void Simulator::Impl::repair(bool solved, StepReport& report) {
   if (ran_out || !solved) {
     const double least = std::max(tolerance, least_violation);
     unmet = strain_limit->violation(cloth, least, state.positions, workers);
-    if (strain_limit->outruns_steps()) unmet = std::max(unmet, least);
+    // A scene that names few substeps may have them.
+    const bool outruns = !scene.simulation.substeps && strain_limit->outruns_steps();
+    if (outruns) unmet = std::max(unmet, least);
   }
   strain_limit->learn(unmet);
 }

@@ -210,6 +210,7 @@ struct Simulator::Impl {
   bool disturbed = false;        // by a jump since the last frame
   bool recovers = false;         // in this frame: colliders have pushed out what was in them
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
+  bool is_overpulled = false;    // at this frame's end springs are far over their limit
   double stretch = 0;            // worst as this frame began, where colliders ask for it
   Points start;                  // positions at the substep's start, where contact needs them
   Points start_velocities;       // where the strain limit meets contact

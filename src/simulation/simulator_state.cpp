@@ -73,6 +73,7 @@ struct Simulator::Saved {
   std::vector<Vector3> pin_targets;
   Grips grips;
   double frame_duration;  // [s]
+  Vector3 gravity;        // [m/s^2]
 };
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
@@ -191,7 +192,8 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(Saved{impl_->cloth, impl_->state, memory(), impl_->colliders,
-                                             impl_->pin_targets, impl_->grips, frame_duration()});
+                                             impl_->pin_targets, impl_->grips, frame_duration(),
+                                             impl_->scene.simulation.gravity});
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -199,7 +201,8 @@ void Simulator::restore(const Saved& saved) {
   const auto same = [](const MovingCollider& a, const MovingCollider& b) {
     return a.shape() == b.shape() && a.friction() == b.friction();
   };
-  if (saved.cloth.columns != cloth.columns || saved.cloth.rest_positions != cloth.rest_positions ||
+  if (saved.cloth.columns != cloth.columns || saved.cloth.rows != cloth.rows ||
+      saved.cloth.rest_positions != cloth.rest_positions ||
       saved.cloth.thickness != cloth.thickness || saved.cloth.pinned != cloth.pinned ||
       !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
                   impl_->colliders.end(), same)) {
@@ -209,7 +212,11 @@ void Simulator::restore(const Saved& saved) {
   impl_->hold_points();
   if (impl_->fits(saved.memory)) {
     impl_->read(saved.memory);
-    if (has_other_material(saved.cloth, cloth)) impl_->forget_history();
+    const bool is_other_material = has_other_material(saved.cloth, cloth);
+    if (is_other_material) impl_->forget_history();
+    if (is_other_material || saved.gravity != impl_->scene.simulation.gravity) {
+      impl_->energy_watch.restart();
+    }
     if (saved.cloth.mass != cloth.mass) {  // an impulse of pairs belongs to their masses
       impl_->visit_self_contacts([](auto& contacts) { contacts.reset(); });
     }

@@ -130,6 +130,14 @@ TEST(SavedStates, OfAnotherSceneAreRefused) {
     other.cloth.rows = 5;
   });
   expect_refused([](Scene& other) { other.cloth.width *= 2; });
+  expect_refused([](Scene& other) {  // more rows, and fewer, of the same cells
+    other.cloth.rows = 19;
+    other.cloth.height *= 2;
+  });
+  expect_refused([](Scene& other) {
+    other.cloth.rows = 4;
+    other.cloth.height /= 3;
+  });
   expect_refused([](Scene& other) { other.cloth.thickness *= 2; });
   expect_refused([](Scene& other) { other.cloth.pinned = {{9, 0, ""}}; });
   expect_refused([](Scene& other) { other.colliders.clear(); });
@@ -154,6 +162,28 @@ TEST(SavedStates, OfAnotherDensityGoOnWithoutTheImpulsesOfItsPairs) {
   simulator.set_material(material);
   simulator.restore(*saved);
   EXPECT_LT(simulator.memory().size(), all);
+}
+
+TEST(SavedStates, OfAnotherDensityOrGravityAreJudgedAnew) {
+  for (const bool heavier : {true, false}) {
+    Scene scene;
+    scene.cloth.columns = scene.cloth.rows = 10;
+    scene.simulation.method = "verlet";
+    scene.simulation.substeps = 8;
+    Simulator simulator(scene);
+    run(simulator, 0.2);
+    const auto saved = simulator.save();
+    Material material = scene.cloth.material;
+    SimulationSpec simulation = scene.simulation;
+    if (heavier) {
+      material.density *= 20;
+    } else {
+      simulation.gravity *= 6;
+    }
+    simulator.set(material, simulation);
+    simulator.restore(*saved);
+    EXPECT_EQ(run(simulator, 0.5).recoveries, 0);
+  }
 }
 
 TEST(SavedStates, SendCollidersNoFartherThanTheirTargetInFramesOfAnotherLength) {

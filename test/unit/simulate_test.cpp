@@ -125,7 +125,9 @@ TEST_F(Simulate, FramesAreThoseOfTheLastRun) {
     return std::distance(begin(frames), end(frames));
   };
   EXPECT_EQ(frames_of("0.1"), 10);
-  EXPECT_EQ(frames_of("0.02"), 3);
+  std::ofstream(folder_ / "frames" / "mesh.ply") << "the user's own";
+  EXPECT_EQ(frames_of("0.02"), 3 + 1);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "frames" / "mesh.ply"));
 }
 
 TEST_F(Simulate, FramesArePlyOfTheGrid) {

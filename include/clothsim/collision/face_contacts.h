@@ -25,7 +25,8 @@ struct CaughtFace {
 /// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
 /// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
 /// its point has of them. What a corner touches is left to the contact of that point. So is all of
-/// a triangle with a corner that is held in the solid, or on it, which nothing could bring out.
+/// a triangle with a corner that is held in the solid, which nothing could bring out. Next to a
+/// held corner a triangle may sink in by up to a tenth of its longest edge.
 class FaceContacts {
  public:
   /// Keeps the contacts of the last step as those to resume.

@@ -79,6 +79,9 @@ class StrainLimit {
   /// called once after each.
   void learn(double violation);
 
+  /// Yields from now on, until passes do again.
+  void give_way() { doubt_ = patience + most_doubt; }
+
   /// Is more asked of it than it can grant?
   bool yields() const { return doubt_ > patience; }
 
@@ -104,9 +107,13 @@ class StrainLimit {
 
   static constexpr int num_colours = 12;
 
-  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. The
-  /// less, the more springs are over it.
+  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
+  /// the further a spring is over it.
   static constexpr double patience = 0.1;
+
+  /// Time beyond patience in which what is worked off falls to a half, and the most of it [s].
+  static constexpr double half_time = 3e-3;
+  static constexpr double most_doubt = 20 * half_time;
 
   struct Constraint {
     int a;

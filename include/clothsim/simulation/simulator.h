@@ -43,9 +43,9 @@ class Simulator {
 
   /// Advances one frame, 1 / frames_per_second. A frame that ends in numbers that are not finite,
   /// or with more energy than was put in, is taken back. What the scene leaves to `auto` is then
-  /// tried again: with half the substep, up to three times, then so with implicit Euler, from here
-  /// on until the next reset() or set(). If nothing is left to try, throws Diverged and keeps the
-  /// last good frame.
+  /// tried again: with a strain limit that yields, if springs were far over it; with half the
+  /// substep, up to three times, then so with implicit Euler, from here on until the next reset()
+  /// or set(). If nothing is left to try, throws Diverged and keeps the last good frame.
   StepReport step();
 
   /// Back to the scene's start at time 0, with the present material and simulation values.
