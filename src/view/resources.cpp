@@ -6,22 +6,30 @@
 #include <stdexcept>
 
 namespace clothsim {
-namespace {
 
 namespace fs = std::filesystem;
 
-std::string find_folder(const fs::path& name) {
-  // An installed package: lib/libclothsim_view.so beside share/clothsim.
+std::optional<std::string> find_installed(const std::string& library, const std::string& name) {
+  // Libraries are in PREFIX/lib, or in PREFIX/lib/x86_64-linux-gnu and the like.
+  const fs::path lib = fs::weakly_canonical(library).parent_path();
+  for (const fs::path& prefix : {lib.parent_path(), lib.parent_path().parent_path()}) {
+    const fs::path folder = prefix / "share" / "clothsim" / name;
+    if (fs::is_directory(folder)) return folder.string();
+  }
+  return {};
+}
+
+namespace {
+
+std::string find_folder(const std::string& name) {
   Dl_info library{};
   if (dladdr(reinterpret_cast<const void*>(&find_folder), &library) != 0) {
-    const fs::path prefix = fs::weakly_canonical(library.dli_fname).parent_path().parent_path();
-    const fs::path installed = prefix / "share" / "clothsim" / name;
-    if (fs::is_directory(installed)) return installed.string();
+    if (const auto installed = find_installed(library.dli_fname, name)) return *installed;
   }
   // A build from sources.
   const fs::path source = fs::path(CLOTHSIM_SOURCE_DIR) / name;
   if (fs::is_directory(source)) return source.string();
-  throw std::runtime_error("the package's folder " + name.string() +
+  throw std::runtime_error("the package's folder " + name +
                            " is neither installed beside the library nor at " + source.string());
 }
 

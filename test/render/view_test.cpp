@@ -15,6 +15,7 @@
 #include "clothsim/view/resources.h"
 #include "clothsim/view/snapshot_maker.h"
 #include "clothsim/view/view_yaml.h"
+#include "temporary_folder.h"
 
 namespace clothsim {
 namespace {
@@ -46,7 +47,7 @@ TEST(View, AnEmptyOneHasDefaultsThatCanBeDrawn) {
 
 // The default view stands so that a cloth of any scene we ship is in the picture from its start
 // until it rests.
-class SceneInView : public testing::TestWithParam<std::string> {};
+class SceneInView : public ::testing::TestWithParam<std::string> {};
 
 std::vector<std::string> shipped_scenes() {
   std::vector<std::string> names;
@@ -80,7 +81,7 @@ TEST_P(SceneInView, StaysInThePictureAndFillsIt) {
   EXPECT_GT(share, 0.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SceneInView, testing::ValuesIn(shipped_scenes()),
+INSTANTIATE_TEST_SUITE_P(All, SceneInView, ::testing::ValuesIn(shipped_scenes()),
                          [](const auto& scene) { return scene.param; });
 
 TEST(View, EachShaderCanBeNamedAndNeedsNoMore) {
@@ -153,8 +154,26 @@ TEST(View, CollidersMustBeThoseOfTheScene) {
   }
 }
 
+TEST(Resources, AreFoundBesideTheInstalledLibrary) {
+  // PREFIX/lib, and Debian's PREFIX/lib/x86_64-linux-gnu.
+  const testing::TemporaryFolder prefix("installed");
+  const fs::path shaders = prefix.path() / "share/clothsim/shaders";
+  const auto found_from = [&](const char* folder) {
+    const fs::path library = prefix.path() / folder / "libclothsim_view.so";
+    fs::create_directories(library.parent_path());
+    std::ofstream(library).close();
+    return find_installed(library.string(), "shaders");
+  };
+  EXPECT_FALSE(found_from("lib"));
+  fs::create_directories(shaders);
+  for (const char* folder : {"lib", "lib/x86_64-linux-gnu"})
+    EXPECT_EQ(found_from(folder), shaders.string()) << folder;
+  // Whatever else is above a build folder is not ours.
+  EXPECT_FALSE(found_from("src/clothsim/build/devel/lib"));
+}
+
 TEST(View, AnImageIsReadAgainWhenItsFileHasChanged) {
-  const fs::path path = fs::path(testing::TempDir()) / "clothsim_texture.png";
+  const fs::path path = fs::path(::testing::TempDir()) / "clothsim_texture.png";
   save_image(path.string(), {1, 1, {1, 2, 3}});
   ImageStore images(textures_folder());
   const auto first = images.image(path.string(), "texture");
@@ -224,7 +243,7 @@ int picture(const std::string& arguments) {
 
 /// What `picture` says on its first line when it refuses its arguments.
 std::string refusal(const std::string& arguments) {
-  const fs::path errors = fs::path(testing::TempDir()) / "clothsim_picture_errors";
+  const fs::path errors = fs::path(::testing::TempDir()) / "clothsim_picture_errors";
   EXPECT_EQ(picture(arguments + " 2>" + errors.string()), 1);
   std::string message;
   std::getline(std::ifstream(errors), message);
@@ -233,7 +252,7 @@ std::string refusal(const std::string& arguments) {
 }
 
 TEST(Picture, TakesOneOfAScene) {
-  const fs::path path = fs::path(testing::TempDir()) / "clothsim_pictures" / "sphere.png";
+  const fs::path path = fs::path(::testing::TempDir()) / "clothsim_pictures" / "sphere.png";
   fs::remove_all(path.parent_path());
   const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/sphere.yaml";
   EXPECT_EQ(picture(scene +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace clothsim {
@@ -8,5 +9,9 @@ namespace clothsim {
 /// Throw std::runtime_error where there are neither.
 std::string shaders_folder();
 std::string textures_folder();
+
+/// share/clothsim/`name` below the prefix that the file `library` is installed in; empty: there is
+/// none.
+std::optional<std::string> find_installed(const std::string& library, const std::string& name);
 
 }  // namespace clothsim
