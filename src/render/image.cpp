@@ -51,7 +51,8 @@ Image from_bgr(const cv::Mat& bgr) {
 std::string face_path(const std::string& folder, const char* face, const std::string& key) {
   for (const char* ending : {".png", ".jpg"}) {
     const fs::path path = fs::path(folder) / (std::string(face) + ending);
-    if (fs::is_regular_file(path)) return path.string();
+    std::error_code ignored;
+    if (fs::is_regular_file(path, ignored)) return path.string();
   }
   refuse(key, folder, "a folder with posx, negx, posy, negy, posz, negz as .png or .jpg");
 }
@@ -125,7 +126,8 @@ std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const 
 }
 
 std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key) {
-  if (!fs::is_directory(path)) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
     const cv::Mat image = read(path, cv::IMREAD_COLOR, key);
     if (image.cols != panorama_ratio * image.rows)
       refuse(key, path, "a panorama twice as wide as high, or a folder of six images");

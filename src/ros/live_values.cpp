@@ -17,4 +17,15 @@ std::string live_message(const clothsim::InvalidValue& error, const std::string&
   return ns + "/" + name + message.substr(message.find(": got"));
 }
 
+std::optional<std::string> refusal(const std::function<void()>& apply, const std::string& ns) {
+  try {
+    apply();
+  } catch (const clothsim::InvalidValue& error) {
+    return live_message(error, ns);
+  } catch (const std::exception& error) {
+    return ns + ": " + error.what();
+  }
+  return {};
+}
+
 }  // namespace clothsim_ros

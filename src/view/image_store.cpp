@@ -7,11 +7,13 @@ namespace fs = std::filesystem;
 template <class Kind, class Load>
 std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::string& path,
                                             const std::string& key, Load load) {
-  std::error_code no_such_file;
-  const bool own = !fs::exists(path, no_such_file) && fs::exists(fs::path(folder_) / path);
-  const std::string file = own ? (fs::path(folder_) / path).string() : path;
+  // A path that cannot be looked at, say since it is too long, is left to `load` to refuse.
+  std::error_code ignored;
+  const fs::path own = fs::path(folder_) / path;
+  const bool is_own = !fs::exists(path, ignored) && fs::exists(own, ignored);
+  const std::string file = is_own ? own.string() : path;
 
-  const auto time = fs::last_write_time(file, no_such_file);
+  const auto time = fs::last_write_time(file, ignored);
   const auto known = entries.find(file);
   if (known != entries.end() && known->second.time == time) return known->second.value;
   return (entries[file] = {time, load(file, key)}).value;

@@ -134,6 +134,10 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{cloth: {levels: 0}}", "cloth.levels: got 0");
   expect_refused("{cloth: {texture: no.png}}", "cloth.texture: got \"no.png\"");
   expect_refused("{cloth: {environment: no/such/sky}}", "cloth.environment: got \"no/such");
+  const std::string too_long(300, 'x');  // for the name of a file
+  for (const char* key : {"texture", "height_map", "environment"})
+    expect_refused("{cloth: {" + std::string(key) + ": " + too_long + "}}",
+                   "cloth." + std::string(key) + ": got \"" + too_long + '"');
   expect_refused("{collider: {segments: 2}}", "collider.segments: got 2");
   expect_refused("{colliders: {ball: {color: [2, 0, 0]}}}", "colliders.ball.color.0: got 2");
 }

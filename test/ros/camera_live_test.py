@@ -98,6 +98,8 @@ class CameraLiveTest(CameraTestCase):
                  (self.shading, "shading/cloth", "texture", broken.name),
                  (self.shading, "shading/cloth", "height_map", broken.name),
                  (self.shading, "shading/cloth", "environment", "/no/such/folder"),
+                 (self.shading, "shading/cloth", "texture", "x" * 300),  # no file has such a name
+                 (self.shading, "shading/cloth", "environment", "x" * 300),
                  (self.shading, "shading/cloth", "color_g", 2.0),
                  (self.shading, "shading/cloth", "alpha", float("nan")),
                  (self.shading, "shading/cloth", "levels", 0),

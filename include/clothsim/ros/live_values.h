@@ -17,6 +17,9 @@ namespace clothsim_ros {
 /// {"simulation", "gravity", "2"} is `ns`/gravity_z, {"cloth", "color", "0"} is `ns`/color_r.
 std::string live_message(const clothsim::InvalidValue&, const std::string& ns);
 
+/// Calls `apply` and tells why it refused, with the names in namespace `ns`; empty: it did not.
+std::optional<std::string> refusal(const std::function<void()>& apply, const std::string& ns);
+
 /// Values that dynamic_reconfigure changes, in the namespace of a node handle. `Generated` is the
 /// class made from a .cfg file.
 template <class Generated>
@@ -54,20 +57,19 @@ class LiveValues {
   };
 
   /// Starts from `start`, whatever an earlier node left on the parameter server, and applies it.
-  /// `apply` throws InvalidValue to refuse a request, which is logged and answered with the values
-  /// that hold.
+  /// `apply` throws to refuse a request, which is logged and answered with the values that hold.
   LiveValues(const ros::NodeHandle& node, const Generated& start,
              std::function<void(const Generated&)> apply)
       : accepted_(start), server_(mutex_, node) {
     accepted_.known = &known_;
     server_.updateConfig(accepted_);
     server_.setCallback([this, apply, ns = node.getNamespace()](Config& config, std::uint32_t) {
-      try {
-        apply(config);
-        accepted_ = config;
-      } catch (const clothsim::InvalidValue& error) {
-        ROS_ERROR("%s", live_message(error, ns).c_str());
+      // dynamic_reconfigure would keep the values of a callback that throws.
+      if (const auto why = refusal([&] { apply(config); }, ns)) {
+        ROS_ERROR("%s", why->c_str());
         config = accepted_;
+      } else {
+        accepted_ = config;
       }
     });
   }
