@@ -37,6 +37,11 @@ cv::Mat read(const std::string& path, int flags, const std::string& key) {
     image.release();
   }
   if (image.empty()) refuse(key, path, "an image file that OpenCV can read");
+  if (std::max(image.cols, image.rows) > largest_image_side) {
+    const std::string size = std::to_string(image.cols) + " x " + std::to_string(image.rows);
+    throw InvalidValue({key}, "\"" + path + "\" of " + size + " pixels",
+                       "at most " + std::to_string(largest_image_side) + " pixels a side");
+  }
   return image;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace clothsim {
 namespace {
@@ -37,14 +38,19 @@ template <class Source, class Upload>
 void TextureCache::bind(const std::shared_ptr<const Source>& source, int unit, GLenum target,
                         Upload upload) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-  const auto [place, is_new] = entries_.try_emplace(source.get());
-  Entry& entry = place->second;
-  entry.used = true;
-  glBindTexture(target, entry.texture.id());
-  if (!is_new) return;
+  const auto known = entries_.find(source.get());
+  if (known != entries_.end()) {
+    known->second.used = true;
+    glBindTexture(target, known->second.texture.id());
+    return;
+  }
+  Entry entry;
   entry.source = source;
+  glBindTexture(target, entry.texture.id());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   upload(*source);
+  check_gl("uploading an image");
+  entries_.emplace(source.get(), std::move(entry));
 }
 
 void TextureCache::bind(const std::shared_ptr<const Image>& image, int unit) {

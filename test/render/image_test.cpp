@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "clothsim/model/errors.h"
+#include "clothsim/render/gl_error.h"
 #include "render_fixture.h"
 
 namespace clothsim {
@@ -89,6 +90,39 @@ TEST(Image, MissingAndBrokenFilesAreNamed) {
   // Neither a panorama nor a folder.
   cv::imwrite(folder.file("square.png"), cv::Mat::zeros(8, 8, CV_8UC3));
   expect_refused([](auto... a) { load_cube_map(a...); }, folder.file("square.png"));
+}
+
+TEST(Image, LargerOnesThanTexturesCanBeAreRefused) {
+  const Folder folder;
+  for (const auto& [name, width, height] :
+       {std::tuple{"wide.png", largest_image_side + 2, 1},
+        std::tuple{"high.png", 1, largest_image_side + 1},
+        std::tuple{"panorama.png", 2 * (largest_image_side / 2 + 1), largest_image_side / 2 + 1}}) {
+    cv::imwrite(folder.file(name), cv::Mat::zeros(height, width, CV_8UC1));
+    expect_refused([](auto... a) { load_image(a...); }, folder.file(name));
+    expect_refused([](auto... a) { load_height_map(a...); }, folder.file(name));
+    expect_refused([](auto... a) { load_cube_map(a...); }, folder.file(name));
+  }
+  cv::imwrite(folder.file("largest.png"), cv::Mat::zeros(1, largest_image_side, CV_8UC1));
+  Snapshot snapshot = flat_cloth(3, 3);
+  snapshot.cloth_shading = Textured{load_image(folder.file("largest.png"), "key")};
+  EXPECT_NO_THROW(draw(snapshot, camera_with_fov(8, 6, 0.8)));
+}
+
+// A driver may take less than others, or have no memory left: no picture, rather than a wrong one.
+TEST(Image, OneThatTheDriverDoesNotTakeFailsEachPicture) {
+  Snapshot snapshot = flat_cloth(3, 3);
+  Camera camera = camera_with_fov(40, 30, 0.8);
+  camera.pose = look_at({0.5, 0.5, 2}, {0.5, 0.5, 0});
+  const Images before = draw(snapshot, camera);
+  const auto image = std::make_shared<Image>();
+  image->width = 1 << 20;  // more than any takes
+  image->height = 1;
+  image->rgb.resize(3 * static_cast<std::size_t>(image->width));
+  Snapshot too_large = snapshot;
+  too_large.cloth_shading = Textured{image};
+  for (int picture = 0; picture < 2; ++picture) EXPECT_THROW(draw(too_large, camera), GlError);
+  EXPECT_EQ(draw(snapshot, camera).color, before.color);
 }
 
 TEST(Image, APanoramaStandsAroundTheScene) {

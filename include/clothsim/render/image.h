@@ -28,8 +28,11 @@ struct CubeMap {
   std::array<Image, 6> faces;
 };
 
+/// Of an image that is read [pixel]: what OpenGL drivers take at least, beside very old ones.
+constexpr int largest_image_side = 8192;
+
 /// Read any image file that OpenCV knows. Throw InvalidValue with `key` for a file that is missing
-/// or broken. A height map is the red channel, of 8 or 16 bits.
+/// or broken, or an image that is too large. A height map is the red channel, of 8 or 16 bits.
 std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key);
 std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key);
 

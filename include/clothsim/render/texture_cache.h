@@ -13,6 +13,7 @@ namespace clothsim {
 class TextureCache {
  public:
   /// Binds the image's texture to a unit. Colours become linear when read, heights are linear.
+  /// Throw GlError where the driver does not take the image.
   void bind(const std::shared_ptr<const Image>&, int unit);
   void bind(const std::shared_ptr<const HeightMap>&, int unit);
   void bind(const std::shared_ptr<const CubeMap>&, int unit);
