@@ -51,6 +51,16 @@ FrameBlock frame_block(const Snapshot& snapshot, const Camera& camera,
   return block;
 }
 
+/// What draws change and set back at their end, which a draw that throws does not reach.
+void set_state() {
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -209,7 +219,6 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
   color_target->bind();
   glViewport(0, 0, camera.width, camera.height);
   glEnable(GL_FRAMEBUFFER_SRGB);
-  glEnable(GL_DEPTH_TEST);
   const float farthest = 1;
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   draw_background(snapshot, camera);
@@ -267,7 +276,6 @@ void Renderer::Impl::draw_truth(const Camera& camera) {
   truth_target->bind();
   glViewport(0, 0, camera.width, camera.height);
   glDisable(GL_FRAMEBUFFER_SRGB);
-  glEnable(GL_DEPTH_TEST);
   const float nothing[] = {std::numeric_limits<float>::infinity(), 0, 0, 0};
   const float no_id[] = {0, 0, 0, 0};
   const float farthest = 1;
@@ -304,6 +312,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outp
   assert(snapshot.colliders.size() <= 254);
   const auto start = Clock::now();
   impl_->context.make_current();
+  set_state();
   impl_->upload(snapshot, camera);
   impl_->end_stage();
   const auto uploaded = Clock::now();

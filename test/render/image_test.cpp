@@ -119,10 +119,15 @@ TEST(Image, OneThatTheDriverDoesNotTakeFailsEachPicture) {
   image->width = 1 << 20;  // more than any takes
   image->height = 1;
   image->rgb.resize(3 * static_cast<std::size_t>(image->width));
-  Snapshot too_large = snapshot;
-  too_large.cloth_shading = Textured{image};
-  for (int picture = 0; picture < 2; ++picture) EXPECT_THROW(draw(too_large, camera), GlError);
-  EXPECT_EQ(draw(snapshot, camera).color, before.color);
+  for (const Shading& shading : {Shading(Textured{image}), Shading(Translucent{image, {}, 0.5})}) {
+    Snapshot too_large = snapshot;
+    too_large.cloth_shading = shading;
+    for (int picture = 0; picture < 2; ++picture)
+      EXPECT_THROW(draw(too_large, camera), GlError) << shading_name(shading);
+    const Images after = draw(snapshot, camera);
+    EXPECT_EQ(after.color, before.color) << shading_name(shading);
+    EXPECT_EQ(after.depth, before.depth) << shading_name(shading);
+  }
 }
 
 TEST(Image, APanoramaStandsAroundTheScene) {
