@@ -42,6 +42,7 @@ Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulato
 
 void Photographer::set_view(const clothsim::View& view) {
   prepared_ = clothsim::prepare(view, images_);
+  images_.sweep();
   if (view.frame.empty()) {
     frame_.reset();
   } else if (!frame_ || frame_->status().frame != view.frame) {

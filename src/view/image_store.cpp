@@ -1,8 +1,31 @@
 #include "clothsim/view/image_store.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 namespace clothsim {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// When a file changed last; a folder, when one of its files did.
+fs::file_time_type last_change(const fs::path& path) {
+  std::error_code ignored;
+  fs::file_time_type last = fs::last_write_time(path, ignored);
+  for (const fs::directory_entry& file : fs::directory_iterator(path, ignored))
+    last = std::max(last, file.last_write_time(ignored));
+  return last;
+}
+
+template <class Entries>
+void drop_unused(Entries& entries) {
+  for (auto entry = entries.begin(); entry != entries.end();)
+    entry = std::exchange(entry->second.used, false) ? std::next(entry) : entries.erase(entry);
+}
+
+}  // namespace
 
 template <class Kind, class Load>
 std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::string& path,
@@ -13,9 +36,12 @@ std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::s
   const bool is_own = !fs::exists(path, ignored) && fs::exists(own, ignored);
   const std::string file = is_own ? own.string() : path;
 
-  const auto time = fs::last_write_time(file, ignored);
+  const fs::file_time_type time = last_change(file);
   const auto known = entries.find(file);
-  if (known != entries.end() && known->second.time == time) return known->second.value;
+  if (known != entries.end() && known->second.time == time) {
+    known->second.used = true;
+    return known->second.value;
+  }
   return (entries[file] = {time, load(file, key)}).value;
 }
 
@@ -31,6 +57,12 @@ std::shared_ptr<const HeightMap> ImageStore::height_map(const std::string& path,
 std::shared_ptr<const CubeMap> ImageStore::cube_map(const std::string& path,
                                                     const std::string& key) {
   return get(cube_maps_, path, key, load_cube_map);
+}
+
+void ImageStore::sweep() {
+  drop_unused(images_);
+  drop_unused(height_maps_);
+  drop_unused(cube_maps_);
 }
 
 }  // namespace clothsim

@@ -189,6 +189,39 @@ TEST(View, AnImageIsReadAgainWhenItsFileHasChanged) {
   fs::remove(path);
 }
 
+TEST(View, ACubeMapIsReadAgainWhenOneOfItsFacesHasChanged) {
+  const testing::TemporaryFolder folder("cube");
+  const auto save = [&](const char* face, std::uint8_t level) {
+    save_image((folder.path() / (std::string(face) + ".png")).string(),
+               {1, 1, {level, level, level}});
+  };
+  for (const char* face : {"posx", "negx", "posy", "negy", "posz", "negz"}) save(face, 1);
+  ImageStore images(textures_folder());
+  const auto first = images.cube_map(folder.path().string(), "sky");
+  EXPECT_EQ(images.cube_map(folder.path().string(), "sky"), first);
+  save("posx", 4);  // in place: the folder itself does not change
+  const fs::path posx = folder.path() / "posx.png";
+  fs::last_write_time(posx, fs::last_write_time(posx) + std::chrono::seconds(2));
+  EXPECT_EQ(images.cube_map(folder.path().string(), "sky")->faces[0].rgb[0], 4);
+}
+
+TEST(View, ImagesAreKeptAsLongAsTheyAreUsed) {
+  const testing::TemporaryFolder folder("used");
+  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  save_image(path("a.png"), {1, 1, {1, 1, 1}});
+  save_image(path("b.png"), {1, 1, {2, 2, 2}});
+  ImageStore images(textures_folder());
+  const std::weak_ptr<const Image> a = images.image(path("a.png"), "texture");
+  const std::weak_ptr<const Image> b = images.image(path("b.png"), "texture");
+  const std::weak_ptr<const HeightMap> h = images.height_map(path("a.png"), "height_map");
+  images.sweep();
+  EXPECT_EQ(images.image(path("b.png"), "texture"), b.lock());
+  images.sweep();
+  EXPECT_TRUE(a.expired());
+  EXPECT_TRUE(h.expired());
+  EXPECT_FALSE(b.expired());
+}
+
 TEST(SnapshotMaker, SharesWhatDidNotChange) {
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 5;

@@ -10,7 +10,8 @@
 namespace clothsim {
 
 /// The images of a view, each read from its file once, and again when the file has changed. A path
-/// is taken as it is, or else as the name of one of the package's own textures.
+/// is taken as it is, or else as the name of one of the package's own textures. sweep() drops those
+/// that were not asked for since the last sweep().
 class ImageStore {
  public:
   explicit ImageStore(std::string textures_folder) : folder_(std::move(textures_folder)) {}
@@ -20,11 +21,14 @@ class ImageStore {
   std::shared_ptr<const HeightMap> height_map(const std::string& path, const std::string& key);
   std::shared_ptr<const CubeMap> cube_map(const std::string& path, const std::string& key);
 
+  void sweep();
+
  private:
   template <class Kind>
   struct Entry {
     std::filesystem::file_time_type time;
     std::shared_ptr<const Kind> value;
+    bool used = true;
   };
   template <class Kind>
   using Entries = std::map<std::string, Entry<Kind>>;
