@@ -13,8 +13,10 @@ import yaml
 FOLDER = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "launch")
 ARGUMENTS = {"rviz": "false", "interactive": "false", "paused": "true", "realtime_factor": "0.25",
              "view": os.path.join(FOLDER, "../config/views/drape.yaml"), "world_frame": "odom",
-             "publish_clock": "true"}
-PARAMETERS = {"paused": True, "realtime_factor": 0.25, "world_frame": "odom", "publish_clock": True}
+             "publish_clock": "true", "jump_speed": "60",
+             "params": os.path.join(os.path.dirname(os.path.abspath(__file__)), "params.yaml")}
+PARAMETERS = {"paused": True, "realtime_factor": 0.25, "world_frame": "odom", "publish_clock": True,
+              "jump_speed": 60, "diagnostics/tf_age/warning": 3}
 
 
 class LaunchFiles(unittest.TestCase):
