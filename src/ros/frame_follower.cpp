@@ -21,11 +21,11 @@ double way_between(const clothsim::Pose& a, const clothsim::Pose& b, const cloth
 }  // namespace
 
 FrameFollower::FrameFollower(const clothsim::Scene& scene, TfListener& tf, double jump_speed)
-    : fresh_watch_(jump_speed) {
+    : fresh_watch_(jump_speed), speed_limit_(jump_speed) {
   const auto add = [&](const std::string& frame, bool is_pin, size_t index) {
     if (frame.empty()) return;
     followers_.push_back(
-        {TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, {{}, fresh_watch_}});
+        {TfFrame(frame, tf), is_pin, static_cast<int>(index), {}, false, {{}, fresh_watch_}});
   };
   for (size_t i = 0; i < scene.colliders.size(); ++i) add(scene.colliders[i].frame, false, i);
   for (size_t i = 0; i < scene.cloth.pinned.size(); ++i) add(scene.cloth.pinned[i].frame, true, i);
@@ -49,15 +49,19 @@ void FrameFollower::move(clothsim::Simulator& simulator) {
 
 void FrameFollower::move_pin(Follower& follower, clothsim::Simulator& simulator) {
   const clothsim::Pose& pose = *follower.frame.pose();
-  if (follower.applied && same(pose, *follower.applied)) return;
+  if (follower.applied && same(pose, *follower.applied) && !follower.late) return;
+  const auto& pin = simulator.scene().cloth.pinned[static_cast<size_t>(follower.index)];
+  const int point = pin.row * simulator.cloth().columns + pin.column;
+  const clothsim::Vector3 position = simulator.state().positions.row(point);
   std::optional<clothsim::Vector3>& offset = follower.memory.pin_offset;
   if (!offset) {
-    const auto& pin = simulator.scene().cloth.pinned[static_cast<size_t>(follower.index)];
-    const int point = pin.row * simulator.cloth().columns + pin.column;
-    const clothsim::Vector3 position = simulator.state().positions.row(point);
     offset = pose.orientation.conjugate() * (position - pose.position);
   } else {
-    simulator.move_pin(follower.index, pose.position + pose.orientation * *offset);
+    const clothsim::Vector3 goal = pose.position + pose.orientation * *offset;
+    const clothsim::Vector3 next = speed_limit_.toward(position, goal, simulator.frame_duration(),
+                                                       follower.frame.status().frame);
+    follower.late = next != goal;
+    simulator.move_pin(follower.index, next);
   }
 }
 
@@ -102,7 +106,10 @@ void FrameFollower::restore(const Saved& saved, clothsim::Simulator& simulator) 
 }
 
 void FrameFollower::forget_applied() {
-  for (Follower& follower : followers_) follower.applied.reset();
+  for (Follower& follower : followers_) {
+    follower.applied.reset();
+    follower.late = false;
+  }
 }
 
 std::vector<FrameStatus> FrameFollower::status() const {

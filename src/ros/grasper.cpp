@@ -47,6 +47,14 @@ geometry_msgs::WrenchStamped to_wrench_msg(const std::string& frame, const cloth
   return msg;
 }
 
+/// How far the points are from the frame's origin at most [m].
+double reach(const clothsim::Grip& grip) {
+  double farthest = 0;
+  for (const clothsim::Grip::Held& held : grip.held)
+    farthest = std::max(farthest, held.offset.norm());
+  return farthest;
+}
+
 std::vector<int> sorted(std::vector<int> points) {
   std::sort(points.begin(), points.end());
   return points;
@@ -55,8 +63,13 @@ std::vector<int> sorted(std::vector<int> points) {
 }  // namespace
 
 Grasper::Grasper(const ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf,
-                 Changes& changes, const Pacer& pacer)
-    : node_(node), simulator_(simulator), tf_(tf), changes_(changes), pacer_(pacer) {
+                 Changes& changes, const Pacer& pacer, double jump_speed)
+    : node_(node),
+      simulator_(simulator),
+      tf_(tf),
+      changes_(changes),
+      pacer_(pacer),
+      speed_limit_(jump_speed) {
   services_ = {node_.advertiseService("attach", &Grasper::attach, this),
                node_.advertiseService("detach", &Grasper::detach, this)};
 }
@@ -69,7 +82,10 @@ void Grasper::look_up() {
 void Grasper::move() {
   for (const auto& [name, frame] : frames_) {
     changes_.follow(frame);
-    if (frame.pose()) simulator_.move_grip(name, *frame.pose());
+    if (!frame.pose()) continue;
+    const clothsim::Grip& grip = simulator_.grips().at(name);
+    simulator_.move_grip(name, speed_limit_.toward(grip.pose, *frame.pose(), reach(grip),
+                                                   simulator_.frame_duration(), name));
   }
 }
 

@@ -52,7 +52,7 @@ Node::Node()
       changes_(node_, pacer_, frame_number_),
       tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
       follower_(parameters_.scene, tf_, parameters_.jump_speed),
-      grasper_(node_, simulator_, tf_, changes_, pacer_),
+      grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       photographer_(with_full_name(
           node_, "camera/",

@@ -10,12 +10,13 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
+from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach, GetState, RestoreState, SaveState
-from cloth_client import (Cloth, Recorder, call, content, make_transform, point, positions,
-                          publisher_at_once, wait_for)
+from cloth_client import (SLOWER, Cloth, Recorder, call, content, is_connected, make_transform, point,
+                          positions, publisher_at_once, wait_for)
 
 COLUMNS = 10
 CORNERS = {"left": 0, "right": COLUMNS - 1}
@@ -97,6 +98,27 @@ class Grasp(unittest.TestCase):
             where = self.carry()
             self.assertLess(abs(where[CORNERS["left"], 0] - x), 1e-3)
             self.assertLess(abs(where[CORNERS["right"], 0] - 1 - x), 1e-3)
+
+    def test_a_jump(self):
+        """The points travel there at ~jump_speed, and the node says so and goes on serving."""
+        self.take_corners()
+        self.cloth.step(30)
+        log = Recorder("/rosout", Log)
+        wait_for(lambda: is_connected("/rosout", "/attach"), "the log")
+        self.hands.put("left", (0, 0, 1001))
+        start = time.monotonic()
+        for frame in range(1, 31):
+            where = self.carry()
+            self.assertAlmostEqual(where[0, 2], 1 + 15 / 90 * frame, delta=1e-4)
+            self.assertTrue(np.isfinite(where).all())
+        self.assertLess(time.monotonic() - start, 10 * SLOWER)
+        log.wait("a warning", lambda m: m.level == Log.WARN and m.msg.startswith(
+            "tf frame left is 1e+03 m ahead of the points it holds: they follow at 15 m/s"))
+        log.close()
+        # Back to a place beside, they arrive.
+        self.hands.put("left", where[0] + [0, 0.3, 0])
+        self.carry()
+        self.assertLess(np.abs(self.carry()[0] - where[0] - [0, 0.3, 0]).max(), 1e-6)
 
     def test_what_came_before_a_step_counts(self):
         """Without a pause between the two, a hundred times."""

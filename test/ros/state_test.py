@@ -12,11 +12,12 @@ from dynamic_reconfigure.client import Client
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import GetState, RestoreState, SaveState, SetState
-from cloth_client import PATIENCE, Cloth, call, content, make_transform, wait_for
+from cloth_client import PATIENCE, Cloth, call, content, make_transform, positions, wait_for
 
 # By then the cloth touches the ball.
 FRAMES = 40
 COLUMNS, N = 12, 144
+PIN = 11  # carried by the frame
 
 
 class State(unittest.TestCase):
@@ -196,6 +197,26 @@ class State(unittest.TestCase):
         self.carry(0)
         self.assertTrue(self.restore("held").success)
         self.assertEqual(content(self.cloth.step(20)), expected)
+
+    def test_a_pin_whose_frame_jumps(self):
+        """It travels there at ~jump_speed, and goes on so from a state on its way."""
+        self.carry(0, wait=1.0)
+        self.cloth.step(2)
+        self.carry(-1000)
+        x = 1
+        for _ in range(10):
+            was, x = x, positions(self.cloth.step(1))[PIN, 0]
+            self.assertGreaterEqual(x, was)  # less where its own cloth holds it back
+            self.assertLessEqual(x, was + 15 / 90 + 1e-5)
+        self.assertGreater(x, 2)
+        self.assertTrue(self.save("on the way").success)
+        expected = content(self.cloth.step(5))
+        self.assertTrue(self.restore("on the way").success)
+        self.assertEqual(content(self.cloth.step(5)), expected)
+        # Back beside it, it arrives.
+        self.carry(-2.7)
+        self.cloth.step(10)
+        self.assertLess(np.abs(positions(self.cloth.step(1))[PIN] - [3.7, 0, 1]).max(), 1e-6)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/jump_watch.h"
+#include "clothsim/ros/speed_limit.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -15,7 +16,7 @@ namespace clothsim_ros {
 class FrameFollower {
  public:
   /// Makes tf listen only if the scene names a frame. `tf` must outlive this. For `jump_speed` see
-  /// JumpWatch.
+  /// JumpWatch; pins follow at no more than it.
   FrameFollower(const clothsim::Scene&, TfListener& tf, double jump_speed);
 
   /// Reads the latest transforms.
@@ -53,14 +54,16 @@ class FrameFollower {
     bool is_pin;
     int index;                              // of the scene's colliders or pins
     std::optional<clothsim::Pose> applied;  // the one that the simulator has
+    bool late = false;                      // a pin is still on its way there
     Memory memory;
   };
 
-  static void move_pin(Follower&, clothsim::Simulator&);
+  void move_pin(Follower&, clothsim::Simulator&);
   static void move_collider(Follower&, clothsim::Simulator&);
   void forget_applied();
 
   JumpWatch fresh_watch_;
+  SpeedLimit speed_limit_;
   std::vector<Follower> followers_;
 };
 

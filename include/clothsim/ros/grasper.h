@@ -12,6 +12,7 @@
 
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/pacer.h"
+#include "clothsim/ros/speed_limit.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 
@@ -23,8 +24,10 @@ namespace clothsim_ros {
 /// when the frame has let go.
 class Grasper {
  public:
-  /// Simulator, `tf`, Changes and Pacer must outlive this.
-  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&, const Pacer&);
+  /// Simulator, `tf`, Changes and Pacer must outlive this. Points follow their frames at no more
+  /// than `jump_speed` [m/s].
+  Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&, const Pacer&,
+          double jump_speed);
 
   /// Reads the latest transforms. To be called at least once a second.
   void look_up();
@@ -69,6 +72,7 @@ class Grasper {
   TfListener& tf_;
   Changes& changes_;
   const Pacer& pacer_;
+  SpeedLimit speed_limit_;
   std::map<std::string, TfFrame> frames_;      // of the simulator's grips
   std::map<std::string, WrenchTopic> topics_;  // by name
   std::vector<ros::ServiceServer> services_;

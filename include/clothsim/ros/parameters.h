@@ -21,7 +21,7 @@ struct NodeParameters {
   DiagnosticLimits limits;
   std::string world_frame = "map";
   double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
-  double jump_speed = 15;      // of a collider's frame, beyond which it jumps [m/s]
+  double jump_speed = 15;      // of a frame, beyond which it jumps [m/s]
   bool paused = false;
   bool publish_clock = false;  // the node is the source of /clock
 };

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "clothsim/collision/collider.h"
+#include "clothsim/ros/throttle.h"
+
+namespace clothsim_ros {
+
+/// Bounds the speed of points that tf frames hold. A cloth that is pulled metres long within one
+/// frame of simulation takes minutes; so where a tf frame jumps, its points travel there. What may
+/// move goes by `frame` [s], the duration of a frame of simulation, alone, so that a run repeats.
+class SpeedLimit {
+ public:
+  /// Of `speed` [m/s].
+  explicit SpeedLimit(double speed) : speed_(speed) {}
+
+  /// How near to `to` a point gets from `from` [m]. Warns of the tf frame `name` where the way
+  /// takes long.
+  clothsim::Vector3 toward(const clothsim::Vector3& from, const clothsim::Vector3& to, double frame,
+                           const std::string& name);
+
+  /// Likewise a frame whose points are at most `reach` [m] from its origin.
+  clothsim::Pose toward(const clothsim::Pose& from, const clothsim::Pose& to, double reach,
+                        double frame, const std::string& name);
+
+ private:
+  /// How much of a way [m] is within the limit, from 0 to 1.
+  double share(double way, double frame, const std::string& name);
+
+  double speed_;
+  Throttle warnings_{ros::WallDuration(5)};
+};
+
+}  // namespace clothsim_ros
