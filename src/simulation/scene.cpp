@@ -47,6 +47,10 @@ void validate(const ColliderSpec& collider) {
 }
 
 void validate(const std::vector<ColliderSpec>& colliders) {
+  if (colliders.size() > max_colliders) {
+    throw InvalidValue({}, std::to_string(colliders.size()) + " items",
+                       "at most " + std::to_string(max_colliders));
+  }
   std::map<std::string, size_t> seen;
   for (size_t i = 0; i < colliders.size(); ++i) {
     inside(std::to_string(i), [&] {

@@ -126,5 +126,22 @@ TEST(Validate, ASceneNamesTheWholePath) {
   EXPECT_EQ(refused_key(scene), "simulation.substeps");
 }
 
+TEST(Validate, ACollidersIdHas8Bits) {
+  Scene scene;
+  for (std::size_t i = 0; i < max_colliders; ++i) {
+    scene.colliders.emplace_back();
+    scene.colliders.back().name = std::to_string(i);
+  }
+  EXPECT_EQ(refused_key(scene), "");
+  scene.colliders.push_back(scene.colliders.back());
+  scene.colliders.back().name = "one more";
+  try {
+    validate(scene);
+    FAIL() << "took 255 colliders";
+  } catch (const InvalidValue& error) {
+    EXPECT_STREQ(error.what(), "colliders: got 255 items, expected at most 254");
+  }
+}
+
 }  // namespace
 }  // namespace clothsim

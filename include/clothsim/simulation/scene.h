@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@ inline constexpr int max_substeps = 10'000;
 
 /// Most threads that may compute.
 inline constexpr int max_threads = 64;
+
+/// Most colliders: their ids in the mask image go from 2 to 255.
+inline constexpr std::size_t max_colliders = 254;
 
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
