@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clothsim/model/surface.h"
+#include "clothsim/render/shading.h"
 #include "clothsim/ros/conversions.h"
 
 namespace clothsim_ros {
@@ -30,6 +31,8 @@ std_msgs::ColorRGBA color(float r, float g, float b) {
   msg.a = 1;
   return msg;
 }
+
+std_msgs::ColorRGBA color(const Eigen::Vector3f& rgb) { return color(rgb[0], rgb[1], rgb[2]); }
 
 Marker make_marker(const std_msgs::Header& header, const std::string& ns, int id, int type,
                    const std_msgs::ColorRGBA& color) {
@@ -78,13 +81,12 @@ Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positi
 /// Springs of all families; a family without springs is deleted.
 std::array<Marker, 3> make_springs(const clothsim::Cloth& cloth, const clothsim::Points& positions,
                                    const std_msgs::Header& header) {
-  const std::array<std_msgs::ColorRGBA, 3> colors = {
-      color(0.95f, 0.95f, 0.95f), color(0.25f, 0.65f, 0.95f), color(0.98f, 0.80f, 0.25f)};
+  const clothsim::Wireframe as_in_images;
 
   std::array<Marker, 3> markers;
   for (size_t i = 0; i < markers.size(); ++i) {
-    markers[i] =
-        make_marker(header, clothsim::spring_family_names[i], 0, Marker::LINE_LIST, colors[i]);
+    markers[i] = make_marker(header, clothsim::spring_family_names[i], 0, Marker::LINE_LIST,
+                             color(as_in_images.colors[i].cast<float>()));
     markers[i].scale.x = line_width;
   }
   for (const clothsim::SpringRun& run : cloth.springs) {

@@ -168,6 +168,13 @@ class Messages(unittest.TestCase):
         self.assertTrue(np.array_equal(
             shown("pins"), where[np.asarray(self.topology.pinned, dtype=int)]))
 
+    def test_springs_have_the_colours_of_the_images(self):
+        """docs/gallery.md, wireframe: light grey, orange, blue."""
+        for family, expected in (("structural", (0.9, 0.9, 0.9)), ("shear", (1, 0.6, 0.1)),
+                                 ("bending", (0.2, 0.6, 1))):
+            color = marker_named(self.array, family).color
+            self.assertTrue(np.allclose((color.r, color.g, color.b), expected), family)
+
     def test_collider_markers(self):
         ball, ground, sheet, rod, end, other_end, crate = [
             m for m in self.array.markers if m.ns == "colliders"]
