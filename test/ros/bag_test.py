@@ -96,8 +96,8 @@ class Bag(unittest.TestCase):
         self.assertTrue(call("/clothsim/enable_collider", EnableCollider, "sphere", False).success)
         self.cloth.step(FRAMES - 55)
 
-    def replay(self, path):
-        return subprocess.run([self.replay_bag, path], capture_output=True, text=True,
+    def replay(self, path, *options):
+        return subprocess.run([self.replay_bag, path, *options], capture_output=True, text=True,
                               timeout=2 * PATIENCE)
 
     @staticmethod
@@ -132,6 +132,13 @@ class Bag(unittest.TestCase):
             self.assertEqual(answer.returncode, code)
             self.assertRegex(answer.stderr, message)
 
+        # The node's name is one as ROS resolves it.
+        answer = self.replay(path, "--node", "clothsim")
+        self.assertEqual((answer.stdout, answer.stderr), ("%d frames, the same bits\n" % FRAMES, ""))
+        answer = self.replay(self.of_another_node(path), "--node", "elsewhere")
+        self.assertEqual((answer.returncode, answer.stderr),
+                         (1, "no node /elsewhere: nobody serves /elsewhere/step\n"))
+
         # A bag without the start of a run.
         answer = self.replay(self.record("late", lambda: self.cloth.step(3)))
         self.assertEqual(answer.returncode, 1)
@@ -165,6 +172,26 @@ class Bag(unittest.TestCase):
             answer = self.replay(self.without(path, what))
             self.assertEqual(answer.returncode, 1, what)
             self.assertRegex(answer.stderr, "^frame %d: " % frame, what)
+
+    def test_files_that_are_no_bags(self):
+        missing = os.path.join(self.folder, "missing.bag")
+        answer = self.replay(missing)
+        self.assertEqual((answer.returncode, answer.stderr),
+                         (1, "cannot read %s: No such file or directory\n" % missing))
+        for name, content in (("empty.bag", ""), ("text.bag", "no bag\n")):
+            path = os.path.join(self.folder, name)
+            with open(path, "w", encoding="ascii") as file:
+                file.write(content)
+            answer = self.replay(path)
+            self.assertEqual(answer.returncode, 1, name)
+            self.assertRegex(answer.stderr, "^cannot read .*%s: .*\n$" % name)
+
+    def of_another_node(self, path):
+        copy = os.path.join(self.folder, "other.bag")
+        with rosbag.Bag(path) as whole, rosbag.Bag(copy, "w") as other:
+            for topic, message, stamp in whole.read_messages():
+                other.write(topic.replace("/clothsim/", "/elsewhere/"), message, stamp)
+        return copy
 
     def with_each_state_twice(self, path):
         copy = os.path.join(self.folder, "more.bag")
