@@ -62,14 +62,14 @@ Shading complete(const std::string& name) {
 }
 
 void render(benchmark::State& state, const std::string& shader, int width, int height,
-            const Outputs& outputs) {
+            const WantedImages& wanted) {
   Scene scene(complete(shader), width, height);
   Images images;
   RenderTimes sum;
   std::size_t frame = 0;
   for (auto _ : state) {
     scene.snapshot.positions = scene.moments[++frame % 2];
-    renderer().render(scene.snapshot, scene.camera, outputs, images);
+    renderer().render(scene.snapshot, scene.camera, wanted, images);
     sum.upload += renderer().times().upload;
     sum.draw += renderer().times().draw;
     sum.read += renderer().times().read;
@@ -86,12 +86,13 @@ void render(benchmark::State& state, const std::string& shader, int width, int h
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   std::cerr << "Drawn by " << renderer().device() << "\n";
-  const auto add = [](const std::string& shader, const std::string& what, const Outputs& outputs) {
+  const auto add = [](const std::string& shader, const std::string& what,
+                      const WantedImages& wanted) {
     for (const auto& [width, height] : {std::pair(320, 240), {640, 480}, {1280, 720}})
       benchmark::RegisterBenchmark(
           (shader + "/" + what + "/" + std::to_string(width) + "x" + std::to_string(height))
               .c_str(),
-          render, shader, width, height, outputs)
+          render, shader, width, height, wanted)
           ->Unit(benchmark::kMillisecond)
           ->MeasureProcessCPUTime()  // of all threads: a software driver draws in its own
           ->UseRealTime();

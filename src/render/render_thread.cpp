@@ -79,7 +79,7 @@ void RenderThread::run() {
 void RenderThread::draw(Renderer& renderer, const RenderJob& job, Images& images) {
   std::string failure;
   try {
-    renderer.render(job.snapshot, job.camera, job.outputs, images);
+    renderer.render(job.snapshot, job.camera, job.wanted, images);
     job.done(images);
   } catch (const std::exception& error) {
     failure = error.what();

@@ -307,7 +307,7 @@ Renderer::~Renderer() {
   }
 }
 
-void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outputs& outputs,
+void Renderer::render(const Snapshot& snapshot, const Camera& camera, const WantedImages& wanted,
                       Images& images) {
   assert(snapshot.colliders.size() <= 254);
   const auto start = Clock::now();
@@ -318,21 +318,21 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outp
   const auto uploaded = Clock::now();
 
   // Each image starts on its way as soon as it is drawn.
-  const bool truth = outputs.depth || outputs.mask;
-  if (outputs.color) impl_->draw_color(snapshot, camera);
+  const bool truth = wanted.depth || wanted.mask;
+  if (wanted.color) impl_->draw_color(snapshot, camera);
   if (truth) impl_->draw_truth(camera);
   impl_->end_stage();
   const auto drawn = Clock::now();
-  if (outputs.color) {
+  if (wanted.color) {
     impl_->color_target->resolve_for_reading();
     impl_->color_reader.start(camera.width, camera.height, GL_RGB, GL_UNSIGNED_BYTE, 3);
   }
   if (truth) {
-    if (outputs.depth) {
+    if (wanted.depth) {
       impl_->truth_target->bind_depth_for_reading();
       impl_->depth_reader.start(camera.width, camera.height, GL_RED, GL_FLOAT, sizeof(float));
     }
-    if (outputs.mask) {
+    if (wanted.mask) {
       impl_->truth_target->bind_mask_for_reading();
       impl_->mask_reader.start(camera.width, camera.height, GL_RED, GL_UNSIGNED_BYTE, 1);
     }
@@ -342,12 +342,12 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Outp
       static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   images.width = camera.width;
   images.height = camera.height;
-  images.color.resize(outputs.color ? 3 * pixels : 0);
-  images.depth.resize(outputs.depth ? pixels : 0);
-  images.mask.resize(outputs.mask ? pixels : 0);
-  if (outputs.color) impl_->color_reader.finish(images.color.data());
-  if (outputs.depth) impl_->depth_reader.finish(images.depth.data());
-  if (outputs.mask) impl_->mask_reader.finish(images.mask.data());
+  images.color.resize(wanted.color ? 3 * pixels : 0);
+  images.depth.resize(wanted.depth ? pixels : 0);
+  images.mask.resize(wanted.mask ? pixels : 0);
+  if (wanted.color) impl_->color_reader.finish(images.color.data());
+  if (wanted.depth) impl_->depth_reader.finish(images.depth.data());
+  if (wanted.mask) impl_->mask_reader.finish(images.mask.data());
   check_gl("reading the images back");
 
   impl_->times = {std::chrono::duration<double>(uploaded - start).count(),

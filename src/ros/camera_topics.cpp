@@ -31,7 +31,7 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
   }
 }
 
-clothsim::Outputs CameraTopics::wanted() const {
+clothsim::WantedImages CameraTopics::wanted() const {
   const auto listens = [](const Topic& topic) { return topic.image.getNumSubscribers() > 0; };
   return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2])};
 }

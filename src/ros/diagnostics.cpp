@@ -140,14 +140,14 @@ void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out
   fill_frames(status.frames, limits.tf_age, out);
 }
 
-std::string names(const clothsim::Outputs& outputs) {
+std::string names(const clothsim::WantedImages& wanted) {
   std::vector<std::string> names;
   const auto add = [&names](bool is_there, const char* name) {
     if (is_there) names.emplace_back(name);
   };
-  add(outputs.color, "color");
-  add(outputs.depth, "depth");
-  add(outputs.mask, "mask");
+  add(wanted.color, "color");
+  add(wanted.depth, "depth");
+  add(wanted.mask, "mask");
   return names.empty() ? "none" : clothsim::join(names);
 }
 

@@ -22,8 +22,8 @@ std::string own_frame_name() {
   return name + "_camera_optical";
 }
 
-bool any(const clothsim::Outputs& outputs) {
-  return outputs.color || outputs.depth || outputs.mask;
+bool any(const clothsim::WantedImages& wanted) {
+  return wanted.color || wanted.depth || wanted.mask;
 }
 
 }  // namespace
@@ -94,8 +94,8 @@ void Photographer::take() {
   broadcast_own_frame();
 
   clothsim::RenderJob job;
-  job.outputs = topics_.wanted();
-  if (!any(job.outputs)) {  // a camera_info needs no picture
+  job.wanted = topics_.wanted();
+  if (!any(job.wanted)) {  // a camera_info needs no picture
     topics_.publish(header(), prepared_.camera, {});
     return;
   }

@@ -57,9 +57,9 @@ std::string label(const Options& options, std::size_t scene_choice, double time,
 }
 
 /// Draws pictures of one scene, and keeps the renderer and the images from one to the next.
-class Photographer {
+class PictureMaker {
  public:
-  explicit Photographer(const View& first)
+  explicit PictureMaker(const View& first)
       : images_(textures_folder()),
         renderer_({shaders_folder(), first.egl_device, first.samples, false}) {}
 
@@ -104,7 +104,7 @@ ExitCode take_pictures(const Options& options) {
   check_sizes(views, options.view_choices);
   for (const View& each : views) check_colliders(each, scenes[0]);
 
-  Photographer photographer(views[0]);
+  PictureMaker maker(views[0]);
   std::vector<Tile> tiles;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     Simulator simulator(scenes[s]);
@@ -117,7 +117,7 @@ ExitCode take_pictures(const Options& options) {
         simulator.step();
       }
       for (std::size_t v = 0; v < views.size(); ++v)
-        tiles.push_back({photographer.draw(simulator, views[v]), label(options, s, time, v)});
+        tiles.push_back({maker.draw(simulator, views[v]), label(options, s, time, v)});
     }
   }
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();

@@ -15,7 +15,7 @@ namespace clothsim {
 struct RenderJob {
   Snapshot snapshot;
   Camera camera;
-  Outputs outputs;
+  WantedImages wanted;
   std::function<void(const Images&)> done;  // called in the render thread
 };
 

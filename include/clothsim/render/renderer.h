@@ -19,7 +19,7 @@ struct RendererOptions {
 };
 
 /// Which images to make; the others are left empty and cost nothing.
-struct Outputs {
+struct WantedImages {
   bool color = true;
   bool depth = true;
   bool mask = true;
@@ -53,7 +53,7 @@ class Renderer {
 
   /// Draws into `images`, whose memory is used again. Snapshot and camera are valid (see the
   /// validate() of their parts). Throws ShaderError and GlError.
-  void render(const Snapshot&, const Camera&, const Outputs&, Images& images);
+  void render(const Snapshot&, const Camera&, const WantedImages&, Images& images);
 
   /// Where the OpenGL context came from.
   const std::string& device() const;

@@ -19,7 +19,7 @@ class CameraTopics {
   CameraTopics(const ros::NodeHandle&, const std::function<void()>& subscriber_came);
 
   /// The images that somebody listens to.
-  clothsim::Outputs wanted() const;
+  clothsim::WantedImages wanted() const;
 
   /// Whether somebody listens to an image or a camera_info.
   bool subscribed() const;

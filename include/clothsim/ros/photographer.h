@@ -19,7 +19,7 @@ namespace clothsim_ros {
 /// What the camera does, for the diagnostics.
 struct CameraStatus {
   clothsim::RenderStatus render;
-  clothsim::Outputs subscribed;
+  clothsim::WantedImages subscribed;
   std::optional<double> rate;  // [Hz] of pictures since the last status; empty: too little time
   std::optional<double> drawn_share;  // of the pictures due, likewise; empty: none was due
   std::optional<FrameStatus> frame;   // that carries the camera
