@@ -21,6 +21,9 @@ using visualization_msgs::InteractiveMarkerFeedback;
 
 constexpr std::uint32_t topology_queue = 1;
 
+/// A moment's: tf frames that move are changes too.
+constexpr std::uint32_t changes_queue = 1000;
+
 /// How often to look whether another node has taken a frame or left one, and to say again where the
 /// dragged ones are.
 const ros::WallDuration period(0.1);
@@ -60,15 +63,29 @@ std::vector<InteractiveMarkerControl> make_controls() {
 Handles::Handles(const ros::NodeHandle& cloth)
     : cloth_(cloth), others_(cloth_), server_(cloth.getNamespace() + "/handles") {
   topology_subscriber_ = cloth_.subscribe<clothsim::ClothTopology>(
-      "topology", topology_queue, [this](const auto& msg) { read_scene(*msg); });
+      "topology", topology_queue,
+      boost::function<void(const ros::MessageEvent<const clothsim::ClothTopology>&)>(
+          [this](const auto& event) { hear_topology(event); }));
+  changes_subscriber_ =
+      cloth_.subscribe<clothsim::Change>("changes", changes_queue, [this](const auto& change) {
+        if (change->what == "load_scene") read_scene();
+      });
   timer_ = cloth_.createWallTimer(period, [this](const auto&) {
     show_or_hide();
     for (const auto& [frame, pose] : dragged_) broadcast(frame, pose);
   });
 }
 
-void Handles::read_scene(const clothsim::ClothTopology& topology) {
-  // A topology comes with each scene, and when springs are switched: then the scene is as it was.
+void Handles::hear_topology(const ros::MessageEvent<const clothsim::ClothTopology>& event) {
+  // A connection's first topology is that of a node that is new here. Later ones come when springs
+  // are switched, too: then ~scene may hold what is not loaded.
+  if (event.getConnectionHeaderPtr() == connection_) return;
+  connection_ = event.getConnectionHeaderPtr();
+  world_frame_ = event.getMessage()->header.frame_id;
+  read_scene();
+}
+
+void Handles::read_scene() {
   clothsim::Scene scene;
   try {
     scene = read_scene_parameter(cloth_);
@@ -76,7 +93,6 @@ void Handles::read_scene(const clothsim::ClothTopology& topology) {
     ROS_WARN("%s", error.message(cloth_.getNamespace() + "/", "/").c_str());
     return;
   }
-  world_frame_ = topology.header.frame_id;
 
   handles_.clear();
   server_.clear();

@@ -14,12 +14,14 @@ import rospy
 import rostest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import Pose
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import (InteractiveMarkerFeedback, InteractiveMarkerInit,
                                     InteractiveMarkerUpdate, MarkerArray)
 
+from clothsim.msg import ClothTopology
 from clothsim.srv import LoadScene
 from cloth_client import PATIENCE, Cloth, Recorder, call, point, positions, wait_for
 
@@ -256,12 +258,24 @@ class HandlesTest(unittest.TestCase):
         scene = rospy.get_param("/clothsim/scene")
         rospy.set_param("/clothsim/scene/colliders", [
             {"name": "egg", "shape": "sphere", "center": [0, 0, 3], "frame": "egg"}])
+        self.switch_springs()
+        time.sleep(0.5)
+        self.assertEqual(set(self.shown.markers), {"ball", "plate"}, "it is not loaded yet")
         self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
         wait_for(lambda: self.shown.at("egg", [0, 0, 3]), "the handle of the new scene")
         wait_for(lambda: set(self.shown.markers) == {"egg"}, "the old handles to go")
         rospy.set_param("/clothsim/scene", scene)
         self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
         wait_for(lambda: set(self.shown.markers) == {"ball", "plate"}, "the old handles")
+
+    def switch_springs(self):
+        topologies = Recorder("/clothsim/topology", ClothTopology)
+        live = Client("/clothsim", timeout=PATIENCE)
+        for shear in (False, True):
+            live.update_configuration({"shear": shear})
+            topologies.wait("a topology", lambda t, shear=shear: bool(t.shear) == shear)
+        live.close()
+        topologies.close()
 
     def test_7_comes_with_rviz(self):
         def nodes(*arguments):

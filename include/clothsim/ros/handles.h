@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clothsim/Change.h>
 #include <clothsim/ClothTopology.h>
 #include <interactive_markers/interactive_marker_server.h>
 #include <ros/node_handle.h>
@@ -29,7 +30,8 @@ class Handles {
     bool shown = false;
   };
 
-  void read_scene(const clothsim::ClothTopology&);
+  void hear_topology(const ros::MessageEvent<const clothsim::ClothTopology>&);
+  void read_scene();
   void show_or_hide();
   void show(const std::string& frame, Handle&);
   void drag(const visualization_msgs::InteractiveMarkerFeedback&);
@@ -42,7 +44,9 @@ class Handles {
   OtherBroadcasters others_;
   tf2_ros::TransformBroadcaster broadcaster_;
   interactive_markers::InteractiveMarkerServer server_;
+  boost::shared_ptr<ros::M_string> connection_;  // that the last topology came by
   ros::Subscriber topology_subscriber_;
+  ros::Subscriber changes_subscriber_;
   ros::WallTimer timer_;
 };
 
