@@ -18,8 +18,6 @@ namespace {
 /// The loop comes round at least this often, for diagnostics and for the end of the node.
 const ros::WallDuration longest_wait(0.1);
 
-const ros::WallDuration diagnostics_period(1);
-
 /// A second of it, so that the frames of a ~step get through.
 constexpr std::uint32_t clock_queue = 100;
 
@@ -172,7 +170,7 @@ void Node::publish_clock() {
 void Node::publish_diagnostics() {
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (now < next_diagnostics_) return;
-  next_diagnostics_ = now + diagnostics_period;
+  next_diagnostics_ = now + ros::WallDuration(parameters_.diagnostic_period);
 
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   follower_.look_up();  // a paused simulation does not

@@ -24,6 +24,7 @@ constexpr double slowest_factor = 0.001;
 constexpr double fastest_factor = 1000;
 
 constexpr clothsim::Range jump_speed_range{0, 1e9, "m/s"};
+constexpr clothsim::Range diagnostic_period_range{0.1, 3600, "s"};
 
 /// With no more digits than it takes, as messages are to show it.
 YAML::Node to_yaml_number(double value) {
@@ -116,6 +117,7 @@ NodeParameters read(const ros::NodeHandle& node) {
   read_optional(node, "diagnostics", [&](const YAML::Node& given) {
     parameters.limits = read_diagnostic_limits(given);
   });
+  read_optional(node, "diagnostic_period", clothsim::into(parameters.diagnostic_period));
   read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
   read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));
   read_optional(node, "jump_speed", clothsim::into(parameters.jump_speed));
@@ -132,6 +134,7 @@ NodeParameters read(const ros::NodeHandle& node) {
                        "0 or a number from " + clothsim::to_text(slowest_factor) + " to " +
                            clothsim::to_text(fastest_factor));
   }
+  clothsim::check_range("diagnostic_period", parameters.diagnostic_period, diagnostic_period_range);
   clothsim::check_range("jump_speed", parameters.jump_speed, jump_speed_range);
   if (parameters.publish_clock) check_clock();
   return parameters;
@@ -177,7 +180,7 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",           "camera",     "diagnostics", "world_frame",
+  return {"scene",           "camera",     "diagnostics", "diagnostic_period", "world_frame",
           "realtime_factor", "jump_speed", "paused",      "publish_clock"};
 }
 

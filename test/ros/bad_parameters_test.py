@@ -44,6 +44,8 @@ BAD = {
     "vector too short": ("scene: {cloth: {origin: [0, 1]}}", "scene/cloth/origin", "got [0, 1]"),
     "jump speed": ("{jump_speed: -1, scene: {cloth: {width: 1}}}", "jump_speed",
                    "got -1, expected a number of at least 0 [m/s]"),
+    "diagnostic period": ("{diagnostic_period: 0, scene: {cloth: {width: 1}}}", "diagnostic_period",
+                          "got 0, expected a number of at least 0.1 [s]"),
     "real-time factor": ("{realtime_factor: -1, scene: {cloth: {width: 1}}}", "realtime_factor",
                          "got -1, expected 0 or a number"),
     "paused as a number": ("{paused: 1, scene: {cloth: {width: 1}}}", "paused", "got 1"),

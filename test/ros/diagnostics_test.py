@@ -98,6 +98,15 @@ class Diagnostics(unittest.TestCase):
             wait_for(lambda: "real-time factor" in node.wait(OK, "running"), "the factor")
             self.assertGreater(float(node.wait(OK, "running")["real-time factor"]), 1)
 
+    def test_period(self):
+        with self.node(SMALL, {}, diagnostic_period=0.2, paused=True) as node:
+            wait_for(lambda: len(node.statuses("simulation")) > 10, "diagnostics")
+            stamps = sorted(a.header.stamp.to_sec() for a in node.diagnostics.all()
+                            if a.status[0].name == node.name[1:] + ": simulation")
+        gaps = sorted(b - a for a, b in zip(stamps, stamps[1:]))
+        self.assertGreater(gaps[len(gaps) // 2], 0.1)
+        self.assertLess(gaps[len(gaps) // 2], 0.5)
+
     def test_speed(self):
         """A factor that no computer reaches."""
         scene = {"cloth": {"pinned": [[0, 0]]}}

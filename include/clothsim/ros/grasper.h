@@ -29,7 +29,7 @@ class Grasper {
   Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&, const Pacer&,
           double jump_speed);
 
-  /// Reads the latest transforms. To be called at least once a second.
+  /// Reads the latest transforms. To be called also while nothing is simulated.
   void look_up();
 
   /// Hands what look_up() found to the simulator, for its next frame, and tells of it.

@@ -19,6 +19,7 @@ struct NodeParameters {
   clothsim::Scene scene;
   clothsim::View view;  // of ~camera
   DiagnosticLimits limits;
+  double diagnostic_period = 1;  // [s]
   std::string world_frame = "map";
   double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
   double jump_speed = 15;      // of a frame, beyond which it jumps [m/s]
