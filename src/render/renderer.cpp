@@ -241,7 +241,6 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
     }
   }
   draw_translucent(translucent);
-  textures.sweep();
   check_gl("drawing the colour image");
 }
 
@@ -321,6 +320,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   const bool truth = wanted.depth || wanted.mask;
   if (wanted.color) impl_->draw_color(snapshot, camera);
   if (truth) impl_->draw_truth(camera);
+  impl_->textures.sweep();
   impl_->end_stage();
   const auto drawn = Clock::now();
   if (wanted.color) {

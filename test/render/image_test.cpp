@@ -130,6 +130,24 @@ TEST(Image, OneThatTheDriverDoesNotTakeFailsEachPicture) {
   }
 }
 
+TEST(Image, IsLetGoWhenNoPictureShowsItAnyMore) {
+  const auto map = [] { return std::make_shared<HeightMap>(HeightMap{1, 1, {0.5f}}); };
+  Snapshot snapshot = flat_cloth(3, 3);
+  const Camera camera = camera_with_fov(8, 6, 0.8);
+  for (const WantedImages& wanted : {WantedImages{}, WantedImages{false, true, false}}) {
+    Displacement shading;
+    shading.height_map = map();
+    const std::weak_ptr<const HeightMap> first = shading.height_map;
+    for (int picture = 0; picture < 2; ++picture) {
+      snapshot.cloth_shading = shading;
+      Images images;
+      shared_renderer().render(snapshot, camera, wanted, images);
+      EXPECT_EQ(first.expired(), picture == 1) << (wanted.color ? "all" : "depth alone");
+      shading.height_map = map();
+    }
+  }
+}
+
 TEST(Image, APanoramaStandsAroundTheScene) {
   // Each direction has a colour of its own; the middle of the panorama looks along the world's +y.
   const Folder folder;
