@@ -115,8 +115,8 @@ Scene held_about(const Cuboid& box, const Pose& pose) {
 }
 
 TEST(Overpulled, ABoxThatTautensAnEdgeDoesNotMakeItSwing) {
-  // Repairs bring the springs within their limit, but what pulls them grows until a point flies from
-  // side to side in a step.
+  // Repairs bring the springs within their limit, but what pulls them grows until a point flies
+  // from side to side in a step.
   Scene scene = held_about({{0.529, 0.318, 0.399}},
                            {Vector3(0.568, 0.062, 0.893),
                             Eigen::Quaterniond(0.579, -0.215, -0.241, 0.749).normalized()});
