@@ -6,13 +6,17 @@ import re
 import sys
 import xml.etree.ElementTree
 
-CORE = {"model", "dynamics", "collision", "simulation"}
+BELOW_SIMULATION = {"model", "geometry", "dynamics", "shapes", "search", "constraints"}
+CORE = BELOW_SIMULATION | {"simulation"}
 MAY_INCLUDE = {
     "model": {"model"},
+    "geometry": {"model", "geometry"},
     "dynamics": {"model", "dynamics"},
-    "collision": {"model", "collision"},
+    "shapes": {"model", "geometry", "shapes"},
+    "search": {"model", "geometry", "search"},
+    "constraints": BELOW_SIMULATION,
     "simulation": CORE,
-    "render": {"model", "collision", "render"},
+    "render": {"model", "geometry", "shapes", "render"},
     "view": CORE | {"render", "view"},
     "ros": CORE | {"render", "view", "ros"},
     "benchmark": CORE | {"render", "view", "benchmark"},

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/collision/cell_list.h"
-#include "clothsim/collision/collider_contacts.h"
-#include "clothsim/collision/intersections.h"
-#include "clothsim/collision/near_pairs.h"
-#include "clothsim/collision/point_contacts.h"
-#include "clothsim/collision/surface_contacts.h"
+#include "clothsim/constraints/collider_contacts.h"
+#include "clothsim/constraints/point_contacts.h"
+#include "clothsim/constraints/surface_contacts.h"
 #include "clothsim/dynamics/verlet.h"
+#include "clothsim/geometry/cell_list.h"
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/search/near_pairs.h"
 #include "cpu_time.h"
 #include "settled.h"
 

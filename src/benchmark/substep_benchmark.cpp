@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/verlet.h"
 #include "cpu_time.h"
 #include "settled.h"

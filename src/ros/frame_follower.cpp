@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "clothsim/collision/shape.h"
+#include "clothsim/shapes/shape.h"
 
 namespace clothsim_ros {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "clothsim/collision/intersections.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 

@@ -7,11 +7,11 @@
 #include <variant>
 #include <vector>
 
-#include "clothsim/collision/local_cloth.h"
-#include "clothsim/collision/shape.h"
+#include "clothsim/constraints/local_cloth.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/shapes/shape.h"
 #include "clothsim/simulation/substeps.h"
 
 namespace clothsim {

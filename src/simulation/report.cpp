@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "clothsim/collision/face_distance.h"
-#include "clothsim/collision/intersections.h"
-#include "clothsim/collision/shape.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/shapes/face_distance.h"
+#include "clothsim/shapes/shape.h"
 
 namespace clothsim {
 

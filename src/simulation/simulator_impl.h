@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/collision/collider_contacts.h"
-#include "clothsim/collision/moving_collider.h"
-#include "clothsim/collision/self_contacts.h"
+#include "clothsim/constraints/collider_contacts.h"
+#include "clothsim/constraints/self_contacts.h"
+#include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/integrator.h"
-#include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
+#include "clothsim/shapes/moving_collider.h"
 #include "clothsim/simulation/energy_watch.h"
 #include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <map>
 
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <random>
 
+#include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/spectrum.h"
-#include "clothsim/dynamics/strain_limit.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/dynamics/verlet.h"
 #include "clothsim/simulation/report.h"

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

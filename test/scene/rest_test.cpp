@@ -4,11 +4,11 @@
 #include <cmath>
 #include <ctime>
 
-#include "clothsim/collision/intersections.h"
-#include "clothsim/collision/local_cloth.h"
+#include "clothsim/constraints/local_cloth.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

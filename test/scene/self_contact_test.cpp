@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

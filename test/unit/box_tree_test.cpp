@@ -1,6 +1,6 @@
 // Overlapping boxes found by the tree: exactly those that a look at all pairs finds, each once.
 
-#include "clothsim/collision/box_tree.h"
+#include "clothsim/geometry/box_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/cell_list.h"
+#include "clothsim/geometry/cell_list.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/cell_outlines.h"
+#include "clothsim/search/cell_outlines.h"
 
 #include "surface_testing.h"
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/changed_points.h"
+#include "clothsim/search/changed_points.h"
 
 #include <gtest/gtest.h>
 

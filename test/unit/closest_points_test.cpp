@@ -1,4 +1,4 @@
-#include "clothsim/collision/closest_points.h"
+#include "clothsim/geometry/closest_points.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/collider_contacts.h"
+#include "clothsim/constraints/collider_contacts.h"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
-#include "clothsim/collision/distances.h"
+#include "clothsim/geometry/distances.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "clothsim/collision/surface_pair.h"
+#include "clothsim/search/surface_pair.h"
 #include "verification/testing.h"
 
 namespace clothsim {

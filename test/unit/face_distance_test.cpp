@@ -1,4 +1,4 @@
-#include "clothsim/collision/face_distance.h"
+#include "clothsim/shapes/face_distance.h"
 
 #include <gtest/gtest.h>
 

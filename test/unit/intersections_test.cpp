@@ -1,7 +1,7 @@
 // Triangles that cross: what counts, against an exact oracle in integers; and pairs in a mesh,
 // against a look at all pairs.
 
-#include "clothsim/collision/intersections.h"
+#include "clothsim/geometry/intersections.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "clothsim/collision/orientation.h"
+#include "clothsim/geometry/orientation.h"
 #include "clothsim/model/grid.h"
 
 namespace clothsim {

@@ -1,4 +1,4 @@
-#include "clothsim/collision/moving_collider.h"
+#include "clothsim/shapes/moving_collider.h"
 
 #include <gtest/gtest.h>
 

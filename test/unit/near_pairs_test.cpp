@@ -1,4 +1,4 @@
-#include "clothsim/collision/near_pairs.h"
+#include "clothsim/search/near_pairs.h"
 
 #include <cmath>
 

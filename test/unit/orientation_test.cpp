@@ -1,6 +1,6 @@
 // The sign of a determinant, exact: against integers, known planes and its own symmetries.
 
-#include "clothsim/collision/orientation.h"
+#include "clothsim/geometry/orientation.h"
 
 #include <gtest/gtest.h>
 

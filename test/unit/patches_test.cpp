@@ -1,4 +1,4 @@
-#include "clothsim/collision/patches.h"
+#include "clothsim/search/patches.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/pinches.h"
+#include "clothsim/constraints/pinches.h"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,4 @@
-#include "clothsim/collision/point_contacts.h"
+#include "clothsim/constraints/point_contacts.h"
 
 #include <cmath>
 

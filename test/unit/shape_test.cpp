@@ -1,4 +1,4 @@
-#include "clothsim/collision/shape.h"
+#include "clothsim/shapes/shape.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/constraints/strain_limit.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
-#include "clothsim/collision/surface_contacts.h"
+#include "clothsim/constraints/surface_contacts.h"
 
 #include <cmath>
 
-#include "clothsim/collision/intersections.h"
+#include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
 
 namespace clothsim {

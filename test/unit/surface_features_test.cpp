@@ -1,4 +1,4 @@
-#include "clothsim/collision/feature_pairs.h"
+#include "clothsim/search/feature_pairs.h"
 #include "surface_testing.h"
 
 namespace clothsim {

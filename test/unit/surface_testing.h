@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "clothsim/collision/near_pairs.h"
-#include "clothsim/collision/nearest_distances.h"
-#include "clothsim/collision/surface_mesh.h"
+#include "clothsim/geometry/surface_mesh.h"
+#include "clothsim/search/near_pairs.h"
+#include "clothsim/search/nearest_distances.h"
 #include "verification/testing.h"
 
 namespace clothsim::testing {

@@ -1,4 +1,4 @@
-#include "clothsim/collision/swept_face.h"
+#include "clothsim/shapes/swept_face.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "clothsim/collision/unfolded.h"
+#include "clothsim/search/unfolded.h"
 
 #include "surface_testing.h"
 

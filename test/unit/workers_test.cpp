@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "clothsim/collision/surface_contacts.h"
-#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/constraints/strain_limit.h"
+#include "clothsim/constraints/surface_contacts.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "clothsim/collision/intersections.h"
-#include "clothsim/dynamics/strain_limit.h"
+#include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/model/types.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "clothsim/collision/shape.h"
 #include "clothsim/model/types.h"
+#include "clothsim/shapes/shape.h"
 
 namespace clothsim {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/render/shading.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim {
 

@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 #include "clothsim/render/camera.h"
+#include "clothsim/shapes/collider.h"
 
 // Pure functions between the core's types and ROS messages.
 

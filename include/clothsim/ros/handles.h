@@ -9,8 +9,8 @@
 #include <map>
 #include <string>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/ros/other_broadcasters.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
 

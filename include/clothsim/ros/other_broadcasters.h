@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/ros/tf_subscribers.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/ros/throttle.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
 

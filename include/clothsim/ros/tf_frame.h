@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/ros/tf_subscribers.h"
 #include "clothsim/ros/throttle.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
 

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "clothsim/collision/moving_collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
+#include "clothsim/shapes/moving_collider.h"
 
 namespace clothsim {
 

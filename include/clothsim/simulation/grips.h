@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim {
 

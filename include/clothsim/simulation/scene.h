@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/cloth_spec.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/collision/collider.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/scene.h"

@@ -5,8 +5,8 @@
 
 #include "../cpu_time.h"
 #include "chart.h"
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/simulator.h"
 #include "scenes.h"
 #include "table.h"

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/constraints/pinches.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/model/state.h"
+#include "clothsim/shapes/face_distance.h"
+
+namespace clothsim {
+
+/// A triangle that was in a collider when a step began.
+struct CaughtFace {
+  int triangle;
+  std::size_t contact;  // in FaceContacts
+  double depth;         // [m] at the step's start
+};
+
+/// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
+/// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
+/// its point has of them. What a corner touches is left to the contact of that point. So is all of
+/// a triangle with a corner that is held in the solid, which nothing could bring out. Next to a
+/// held corner a triangle may sink in by up to a tenth of its longest edge.
+class FaceContacts {
+ public:
+  /// Keeps the contacts of the last step as those to resume.
+  void start_over();
+
+  /// Adds the contacts of the next collider, number `index`. `margin`: how far away one may be that
+  /// matters within the step [m]. Triangles that the step took through the shape are moved back.
+  void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
+            LocalCloth&, State&, std::vector<CaughtFace>&);
+
+  /// Gives the contacts the impulses of the last step, `scale` times as large.
+  void resume(const Cloth&, double scale, Points& velocities);
+
+  /// The contact of a point with a collider; null: none.
+  using PointContacts = std::function<const ContactImpulse*(int collider, int point)>;
+
+  /// Finds triangles that two colliders leave no room, one of them perhaps by their corners' own
+  /// contacts: their corners, at `positions` [m, N x 3], are pinched.
+  void find_pinched(const std::vector<MovingCollider>&, const PointContacts&, const Cloth&,
+                    const Points& positions, Pinches&) const;
+
+  /// Drops the impulses on triangles with a corner that is held.
+  void leave_to(const Pinches&, const Cloth&);
+
+  /// One pass over the contacts. Returns the largest change of a velocity [m/s].
+  double sweep(const Cloth&, Points& velocities);
+
+  /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
+  /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
+  void correct(const MovingCollider&, const Cloth&, double h, const std::vector<char>& held,
+               LocalCloth&, std::vector<char>& moved) const;
+
+  /// Turns a contact to another direction out of the solid.
+  void redirect(std::size_t contact, const Vector3& normal) {
+    contacts_[contact].impulse.normal = normal;
+    contacts_[contact].impulse.slowest = contacts_[contact].lever * recovery_speed;
+  }
+
+  int count() const;  // that carry an impulse
+  void reset();
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, std::size_t colliders, const Cloth&);
+
+ private:
+  struct Id {
+    int collider;
+    int triangle;
+    int feature;  // what touches: an edge, 0 to 2, or the face, 3
+
+    bool operator<(const Id& other) const {
+      return std::tie(collider, triangle, feature) <
+             std::tie(other.collider, other.triangle, other.feature);
+    }
+  };
+
+  struct Contact {
+    Id id;
+    std::array<double, 3> weights;  // of the corners
+    double yield;                   // velocity there over impulse, 1 at a point alone
+    double lever;                   // velocity there over the fastest corner's
+    ContactImpulse impulse;
+  };
+
+  const Contact* last_of(const Id&);
+  static std::optional<ContactImpulse> under(const Contact&, int other, const PointContacts&,
+                                             const Cloth&);
+
+  /// Adds a contact at `distance`, if it matters in this step.
+  void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,
+           const FaceDistance& distance, bool swept, double depth, LocalCloth&, State&);
+
+  std::vector<Contact> contacts_;  // ascending ids
+  std::vector<Contact> last_;
+  std::size_t next_last_ = 0;
+};
+
+}  // namespace clothsim

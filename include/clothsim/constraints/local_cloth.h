@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+
+#include "clothsim/constraints/contact_step.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
+#include "clothsim/shapes/moving_collider.h"
+
+namespace clothsim {
+
+/// A cloth about one collider, in the collider's own frame.
+struct LocalCloth {
+  Points from;         // at a step's start [m]
+  Points to;           // at its end [m]
+  Points middle;       // where impulses act, as if it followed the collider from there on [m]
+  Scalars distance;    // of `to` from the surface [m]
+  double longest = 0;  // of the ways from `from` to `to`, however they bend as the frame turns [m]
+  double edge = 0;     // no triangle's is longer [m]
+
+  void place(const MovingCollider&, const Points& start, const Points& end);
+  void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
+};
+
+/// How contact keeps the triangles of a cloth out of a shape.
+struct Clearance {
+  double points;  // [m] that points keep from the surface, surface_offset or more
+  bool faces;     // whether edges and faces have contacts of their own
+};
+
+/// A plane needs its points alone. So does a round shape so large against the triangles that points
+/// held a little higher keep their chords off it, by no more than a tenth of the cloth's thickness.
+/// `stretch`: of the most stretched spring, which counts where it is well over the strain limit.
+Clearance clearance(const Shape&, const Cloth&, double stretch = 0);
+
+/// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length
+/// beyond the strain limit, or by more than `stretch`; infinite without a limit [m].
+double longest_edge_within_limit(const Cloth&, double stretch);
+
+/// Speed at which what a collider was put upon comes out of it [m/s].
+inline constexpr double recovery_speed = 2;
+
+/// Speed [m/s] that contact gives to what is so deep in a solid [m]: none where it is out, and that
+/// little to what others have pushed in by a fraction of a millimetre that it does not leap.
+inline double way_out_speed(double depth) {
+  constexpr double time = 0.05;  // [s]
+  return std::min(recovery_speed, depth / time);
+}
+
+/// Where contact moves what is `distance` from a surface and should keep `kept` [m]. It may sink in
+/// by half of surface_offset and rises by a fiftieth a step: moved out at once, it would feed
+/// energy to what is pressed on, and a cloth on a tip would shake for ever.
+inline double raised(double distance, double kept) {
+  constexpr double share = 0.02;
+  return std::max(kept - surface_offset / 2, distance + share * (kept - distance));
+}
+
+/// How far from a surface what was `before` away from it, at the step's start, must end [m].
+inline double required_distance(double before, double offset, double h) {
+  return before < 0 ? std::min(offset, before + recovery_speed * h) : offset;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,219 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "clothsim/constraints/limited_spring.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/model/state.h"
+#include "clothsim/model/workers.h"
+
+namespace clothsim {
+
+/// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
+///
+/// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
+/// mass, take its rate of elongation out of the velocities, and points follow (Moreau's time
+/// stepping; Jean 1999, "The non-smooth contact dynamics method"). Impulses are found by projected
+/// Gauss-Seidel, kept from step to step and free to shrink again, so a hanging cloth starts each
+/// step almost solved and its rest shape does not depend on the order of the springs. Acting on
+/// velocities instead of lengths is what makes kept impulses stable when a step's sweeps stop
+/// early. Every impulse is equal and opposite, so momentum is conserved; impulses act along the
+/// springs as they lie in the middle of the step, so angular momentum is too.
+///
+/// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
+/// velocities have been solved already, and following this too would shake a soft cloth for ever.
+///
+/// Pins, fingers and colliders can ask for more than the limit grants. Passes run out then, step
+/// after step, and kept impulses grow without end. After some such steps the limit yields, until
+/// passes do again: it works off less and less of what springs are over it, repairs none, and gives
+/// impulses from which a step does not swing. Springs then stretch by their own stiffness.
+///
+/// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
+/// colour sharing a point, so the result does not depend on how a colour is split over threads.
+class StrainLimit {
+ public:
+  /// Needs cloth.strain_limit; every other call must be given the same cloth.
+  explicit StrainLimit(const Cloth& cloth);
+
+  /// Gives the points, after a step of h [s], the impulses of the last step along the directions
+  /// of then. `reach`: the method's own, see Integrator.
+  void predict(double h, double reach, State&);
+
+  /// Finds the springs at their limit, and turns the kept impulses into their present directions.
+  /// Nothing may change the state between predict() and this. `before`: the velocities that the
+  /// step began with, where contact will act in it: those of now lack what it is yet to answer.
+  void begin(const Cloth& cloth, double reach, State&, const Workers& = {},
+             const Points* before = nullptr);
+
+  /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
+  /// the displacement it makes in h [m].
+  double sweep(Points& velocities, const Workers& = {});
+
+  /// begin(), and as many passes as it takes for the last to change no rate by more than `enough`
+  /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
+  /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. Returns
+  /// the passes taken.
+  int solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
+            const Workers& = {});
+
+  /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
+  /// in at most `max_sweeps` passes. Returns the passes taken.
+  int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
+              const Workers& = {});
+
+  /// How far springs are over their limit at most, of their rest length; 0 where none is by more
+  /// than `tolerance`.
+  double violation(const Cloth& cloth, double tolerance, const Points& positions,
+                   const Workers& = {});
+
+  /// Do the impulses let points swing faster than steps can follow? They grow so where pins or
+  /// colliders ask for more than the limit grants, though repairs may hide it.
+  bool outruns_steps();
+
+  /// Learns from a step what violation passes that ran out have left, 0 where they did not: to be
+  /// called once after each.
+  void learn(double violation);
+
+  /// Yields from now on, until passes do again.
+  void give_way() { doubt_ = patience + most_doubt; }
+
+  /// Is more asked of it than it can grant?
+  bool yields() const { return doubt_ > patience; }
+
+  /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
+  /// springs between neighbours that stay: omega^2 = sum T / (m l).
+  double tension_frequency();
+
+  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
+  void add_impulses(double scale, Points& sum) const;
+
+  /// Goes on with the impulses of `last`, a limit on the same springs.
+  void take_over(StrainLimit&& last);
+
+  /// Forgets the impulses.
+  void reset();
+
+  /// The impulses and their directions. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&);
+
+ private:
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  static constexpr int num_colours = 12;
+
+  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
+  /// the further a spring is over it.
+  static constexpr double patience = 0.1;
+
+  /// Time beyond patience in which what is worked off falls to a half, and the most of it [s].
+  static constexpr double half_time = 3e-3;
+  static constexpr double most_doubt = 20 * half_time;
+
+  struct Constraint {
+    int a;
+    int b;
+    double rest_length;  // [m]
+    double mass;         // reduced, of both ends [kg]; 0 between two pins
+    double share;        // of a change of the rate of elongation that a takes
+    int colour;
+  };
+
+  void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
+                        const Workers&);
+  template <typename Visitor>
+  void for_each_flagged(Visitor&& visit) const;
+  template <typename Visitor>
+  void for_each_active(Visitor&& visit) const;
+  void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
+                     const Points* before);
+  double insistence() const;
+  bool find_active(const Cloth& cloth, const Points& positions, const Workers&);
+  void clear_active();
+  void add_active(int id, double kick, const Vector3& direction);
+  void close_active();
+  int touch(int point);
+  double sweep_active(const Workers&);
+  void store(Points& velocities) const;
+  bool holds(double tolerance) const;
+  bool add_over(int id, double tolerance, const Points& positions);
+  bool shorten(const Cloth&, const std::vector<int>& ids, double tolerance, Points& positions,
+               const Workers&);
+  bool find_over_again(const Cloth&, double tolerance, const Points& positions);
+  void list_springs_of_points(const Cloth&);
+
+  double longest_;                       // 1 + limit
+  double shortest_;                      // rest length [m]
+  LimitStep step_{};                     // that the impulses belong to
+  double doubt_ = 0;                     // time of steps that could not meet it, less others [s]
+  double most_kick_ = 0;                 // of this step, see FourSprings [m/s]
+  std::vector<Constraint> constraints_;  // in the order of cloth.springs
+
+  // The springs at their limit, in fours of one colour. Between add_active() and close_active()
+  // fours that are not full are not ready.
+  std::vector<FourSprings> active_;  // in the order of their sweeps
+  std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
+  std::vector<double> lengths_;      // at the limit [m], as ids_
+  std::vector<int> colour_ends_;     // in active_
+  std::vector<int> touched_;         // points of active_, which knows them by their places here
+  std::size_t num_active_ = 0;       // springs
+  int colour_ = -1;                  // of the last four
+  std::size_t lane_ = 0;             // of the last four that is free
+  bool solved_alone_ = false;        // by solve() in this step
+  double moved_ = 0;                 // farthest that solve() has moved a point [m]
+
+  // As touched_, and one more for springs that are none. All w are 0.
+  std::vector<Quad> positions_;
+  std::vector<Quad> predicted_;   // velocities after predict()
+  std::vector<Quad> velocities_;  // when solved
+  std::vector<Quad> before_;      // at the step's start, of begin()
+  std::vector<Quad> given_;       // velocities given by predict()
+  std::vector<int> local_;        // places in touched_ by point; -1: in none
+
+  // Scratch.
+  std::vector<double> across_;              // rates, as touched_
+  std::vector<double> kept_;                // kicks by constraint; all 0 between calls
+  std::vector<unsigned char> flags_;        // by constraint, padded to whole words
+  std::vector<unsigned char> over_length_;  // by first point, of one direction
+  std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
+  std::vector<int> last_ids_;
+  std::vector<int> last_touched_;
+  std::vector<Quad> last_given_;    // as last_touched_
+  std::vector<int> second_colour_;  // constraint ids of one direction
+
+  // Of correct(). Springs by point are listed when they are first asked for.
+  std::array<std::vector<int>, num_colours> over_;  // constraint ids; none between calls
+  std::vector<unsigned char> shortened_;            // by the place in a list of over_
+  std::vector<unsigned char> has_moved_;            // by point; all 0 between calls
+  std::vector<int> moved_points_;                   // none between calls
+  std::vector<int> first_spring_;                   // by point, in springs_of_points_; one more
+  std::vector<int> springs_of_points_;              // constraint ids
+};
+
+template <typename Visitor>
+void StrainLimit::for_each_flagged(Visitor&& visit) const {
+  // Most springs are slack: look at eight flags at a time.
+  for (std::size_t word = 0; word < flags_.size(); word += 8) {
+    std::uint64_t any;
+    std::memcpy(&any, &flags_[word], sizeof any);
+    if (any == 0) continue;
+    for (std::size_t id = word; id < word + 8; ++id) {
+      if (flags_[id]) visit(static_cast<int>(id));
+    }
+  }
+}
+
+template <typename Visitor>
+void StrainLimit::for_each_active(Visitor&& visit) const {
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i] < 0) continue;
+    visit(active_[i / FourSprings::count], i % FourSprings::count, ids_[i]);
+  }
+}
+
+}  // namespace clothsim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "clothsim/model/types.h"
+#include "clothsim/search/patches.h"
+
+namespace clothsim {
+
+/// Where the cells of patches of up to 4 x 4 cells are: corners and centres, side by side, so that
+/// one cell is measured against all those of a patch at once.
+class CellOutlines {
+ public:
+  static constexpr std::size_t cells = 16;             // of a patch
+  static constexpr std::size_t pairs = cells * cells;  // i * cells + j of cells i and j of two
+
+  explicit CellOutlines(std::size_t num_patches);
+
+  /// Takes a patch as it is at `positions` [m, N x 3].
+  void update(std::size_t patch, const Patch& of, const Points& positions);
+
+  /// Looks at those pairs of cells of two patches that wake before the patches have `moved` by
+  /// `reach` more [m]. Those that are further apart than `nearest` + `reach` sleep on, until they
+  /// may be within `nearest`. Puts the others into `awake` and returns how many they are.
+  ///
+  /// `wake_at` [m], how far the patches will have moved then, and `awake` have room for `pairs`.
+  /// Cells are as far apart as planes square to the line between their
+  /// centres, at least.
+  std::size_t look(std::size_t patch, std::size_t other, double moved, double nearest, double reach,
+                   double* wake_at, int* awake) const;
+
+ private:
+  static constexpr std::size_t corners = 4;
+  static constexpr std::size_t size_of_patch = 3 * (corners + 1) * cells;
+
+  std::vector<double> values_;  // by patch, corner (the centre comes last), axis and cell
+};
+
+}  // namespace clothsim

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/search/surface_pair.h"
+
+namespace clothsim {
+
+/// How near two features of a cloth may come: 2 * thickness, or where they are neighbours on the
+/// cloth, a quarter of their distance at rest, so that it can fold sharply and yet not pass through
+/// itself.
+///
+/// A grid looks the same from every cell, so the distances are kept by the way from one feature to
+/// the other.
+class NearestDistances {
+ public:
+  /// How near neighbours on the cloth may come, of their distance at rest.
+  static constexpr double neighbour_share = 0.25;
+
+  explicit NearestDistances(const Cloth&);
+
+  /// Of a pair [m].
+  double of(const SurfacePair&) const;
+  /// The most over what two cells own, see SurfaceMesh [m].
+  double most_of_cells(int cell, int other) const;
+  /// The least of any two [m].
+  double least() const { return least_; }
+
+ private:
+  /// By way along rows and along columns, from -most to most.
+  struct Table {
+    explicit Table(const Eigen::Vector2i& most = {0, 0});
+
+    Eigen::Vector2i most;
+    std::vector<double> values;
+    std::size_t place(int columns, int rows) const;
+    double& at(int columns, int rows) { return values[place(columns, rows)]; }
+    double at(int columns, int rows, double beyond) const;
+  };
+
+  void fill_features();
+  void fill_cells();
+  double distance(bool edges, const std::array<Eigen::Vector2i, 4>& points) const;
+
+  int point_columns_;
+  std::vector<Eigen::Vector2i> point_places_;  // column and row
+  std::vector<Eigen::Vector2i> cell_places_;
+  Eigen::Vector2d spacing_;  // along rows and columns [m]
+  double contact_;
+  double least_;
+  std::array<Table, 2> of_points_;                // by triangle of its cell
+  std::array<std::array<Table, 3>, 3> of_edges_;  // by direction of either: row, column, diagonal
+  Table of_cells_;
+  Table of_first_cells_;  // where one is in the first row or column, with more points and edges
+};
+
+}  // namespace clothsim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "clothsim/model/types.h"
+#include "clothsim/shapes/shape.h"
+
+namespace clothsim {
+
+/// Position and orientation of a frame in the world.
+struct Pose {
+  Vector3 position{0, 0, 0};  // [m]
+  Eigen::Quaterniond orientation{1, 0, 0, 0};
+};
+
+/// A point of the world in the frame at `pose`.
+inline Vector3 to_local(const Pose& pose, const Vector3& point) {
+  return pose.orientation.conjugate() * (point - pose.position);
+}
+
+/// A collider as a scene describes it.
+struct ColliderSpec {
+  std::string name;
+  Shape shape = Sphere{0.2};
+  Pose pose;            // of the shape's own frame in the world
+  double friction = 0;  // Coulomb's coefficient, static and dynamic
+  std::string frame;    // tf frame that carries the shape; empty: fixed
+  bool enabled = true;  // off: it touches nothing
+};
+
+/// Gap kept between a collider and the points on it [m], so that RViz shows the cloth on top.
+inline constexpr double surface_offset = 1e-4;
+
+}  // namespace clothsim

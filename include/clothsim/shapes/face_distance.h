@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/shapes/shape.h"
+
+namespace clothsim {
+
+/// Where a triangle comes closest to a shape, or how it gets out of it.
+struct FaceDistance {
+  double value;    // [m] between them; negative: the shortest way that takes the triangle out
+  Vector3 normal;  // unit, from the shape to the triangle, or that way's direction
+  std::array<double, 3> weights;  // of the corners, at the point of the triangle; sum 1
+};
+
+/// Distance between a solid and a triangle in the solid's own frame; empty where it is more than
+/// `reach` [m]. A plane bounds its corners alone: always empty.
+///
+/// Out of a polyhedron the shortest way is along the normal of one of its faces or of the triangle,
+/// or square to an edge of each (Gottschalk, Lin & Manocha 1996, "OBBTree"); round shapes are a
+/// point or a line with a radius.
+std::optional<FaceDistance> face_distance(const Shape&, const Triangle&, double reach);
+
+/// Where a line of the shape, an edge of a box or the axis of a capsule, comes as near to the edges
+/// of a triangle, between their ends: distances along the normal of `nearest`, by edge, each from
+/// corner i to i + 1. A triangle that lies on such a line touches it at two of them.
+std::array<std::optional<FaceDistance>, 3> edges_along(const Shape&, const Triangle&,
+                                                       const FaceDistance& nearest, double reach);
+
+/// False where, within `reach` [m], the triangle can touch the shape with nothing but its corners,
+/// as on the middle of a box's face. Quick.
+bool touches_between_corners(const Shape&, const Triangle&, double reach);
+
+}  // namespace clothsim

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "clothsim/shapes/collider.h"
+
+namespace clothsim {
+
+/// A collider on its way from one pose to the next, in a straight line with constant angular
+/// velocity.
+class MovingCollider {
+ public:
+  explicit MovingCollider(const ColliderSpec&);
+
+  /// Puts it at `pose`, at rest.
+  void place(const Pose& pose);
+
+  /// Sets velocities that bring it to `target` in `duration` [s].
+  void aim(const Pose& target, double duration);
+
+  /// Moves it on by h [s].
+  void advance(double h);
+
+  /// Ends the motion exactly at the pose last aimed at.
+  void arrive();
+
+  /// Off, it moves on and touches nothing.
+  void enable(bool enabled) { enabled_ = enabled; }
+  bool enabled() const { return enabled_; }
+
+  const Shape& shape() const { return shape_; }
+  double friction() const { return friction_; }
+  const Pose& pose() const { return pose_; }
+  const Pose& previous() const { return previous_; }  // before the last advance()
+  const Pose& target() const { return target_; }      // last aimed at
+
+  /// Where it was at a share from 0 to 1 of the last advance().
+  Pose pose_at(double share) const;
+
+  /// Angle that it turned by in the last advance() [rad].
+  double last_turn() const { return last_turn_.norm(); }
+
+  /// Velocity of the solid at `point` in the world [m/s].
+  Vector3 velocity_at(const Vector3& point) const;
+
+  /// The same at `points`, N x 3 both.
+  Points velocities_at(const Points& points) const;
+
+  /// False where no point in `box` of the world can have been within `margin` [m] of the solid
+  /// during the last advance(), or it is off.
+  bool reaches(const Eigen::AlignedBox3d& box, double margin) const;
+
+  /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
+  double fastest_in(const Eigen::AlignedBox3d& box) const;
+
+ private:
+  Shape shape_;
+  double friction_;
+  bool enabled_;
+  Pose pose_;
+  Pose previous_;
+  Pose target_;
+  Vector3 velocity_{0, 0, 0};          // [m/s]
+  Vector3 angular_velocity_{0, 0, 0};  // [rad/s], world
+  Vector3 last_turn_{0, 0, 0};         // of the last advance(), axis times angle [rad], world
+};
+
+}  // namespace clothsim

@@ -1,0 +1,159 @@
+#include "clothsim/constraints/crossing_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace clothsim {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Way of a point between two measurements, of its distance to the nearest feature: below a half,
+/// or two could meet.
+constexpr double bound_share = 0.45;
+
+/// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
+/// which would let them cross.
+constexpr double floor_share = 1e-5;
+
+/// More than the motion of two features alike rounds, of the floor.
+constexpr double rounding = 1e-6;
+
+/// Measurements in a step: points that must wait for others to move get as many chances.
+constexpr int most_legs = 6;
+
+/// What two features at a distance from each other grant.
+struct Room {
+  double floor;  // [m]
+
+  /// Way of their points, wherever to [m]. What starts nearer than anything may ever come has no
+  /// side to be kept on.
+  double way(double distance) const {
+    return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
+  }
+
+  /// Gap that must be left at the ends of ways along the direction of a pair at `here`, for a plane
+  /// to be between its features all the way [m]. Where none is between them now, as their direction
+  /// is lost in rounding, no gap will do. What is nearer than the floor comes no nearer.
+  double gap(const NearPair& near, const Points& here) const {
+    const double distance = near.separation.distance;
+    const double now = gap_along(near.separation.normal, near.pair, here);
+    if (now < floor / 4) return infinity;
+    return distance > 0.75 * floor ? std::min(floor, now - rounding * floor) : distance;
+  }
+};
+
+/// Do the ends of ways leave that gap?
+bool leave(const NearPair& near, double gap, const Points& ends) {
+  return gap_along(near.separation.normal, near.pair, ends) >= gap;
+}
+
+/// Brings what touches, and is held together by repairs alone, to where impulses bring it.
+void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room,
+                       const Points& here, const Points& by_impulses, Points& positions) {
+  for (const NearPair& near : near_pairs) {
+    if (near.separation.distance >= 2 * room.floor) continue;
+    const double gap = room.gap(near, here);
+    if (leave(near, gap, positions) || !leave(near, gap, by_impulses)) continue;
+    for (const int i : near.pair.points) positions.row(i) = by_impulses.row(i);
+  }
+}
+
+/// Shares that may be gone of the ways from `here`, 1 of most: where a plane between two features
+/// does not stay, on the ways so shortened, both are bound to their room. What is not among the
+/// pairs has the room `unseen` [m].
+Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
+                  const Points& ways, double unseen) {
+  const Scalars lengths = ways.rowwise().norm();
+  Scalars bounds = Scalars::Constant(here.rows(), unseen);
+  const auto shares = [&]() -> Scalars {
+    return (lengths.array() > bounds.array()).select(bounds.array() / lengths.array(), 1.0);
+  };
+  std::vector<double> gaps;
+  for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
+  std::vector<bool> binds(near_pairs.size(), false);
+  for (bool shortened = true; shortened;) {
+    shortened = false;
+    const Points ends = here + shares().asDiagonal() * ways;
+    for (std::size_t k = 0; k < near_pairs.size(); ++k) {
+      const NearPair& near = near_pairs[k];
+      if (binds[k] || leave(near, gaps[k], ends)) continue;
+      binds[k] = true;
+      const double most = room.way(near.separation.distance);
+      for (const int i : near.pair.points) {
+        bounds[i] = std::min(bounds[i], most);
+        shortened = shortened || lengths[i] > bounds[i];
+      }
+    }
+  }
+  return shares();
+}
+
+/// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
+/// and push-outs have moved it, too, and what they did is no velocity. So it is with the points
+/// that they moved beside it: from what is knotted, impulses would part them and repairs bring them
+/// back.
+void slow_down(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+               const Scalars& shares, State& state) {
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const bool is_moved = state.positions.row(i) != by_impulses.row(i);
+    if (cloth.inv_mass[i] == 0 || !(is_moved || shares[i] < 1)) continue;
+    const Eigen::RowVector3d made = (state.positions.row(i) - step.start.row(i)) / step.h;
+    const double share = made.norm() > 0 ? state.velocities.row(i).norm() / made.norm() : 0;
+    state.velocities.row(i) = std::min(1.0, share) * made;
+  }
+}
+
+}  // namespace
+
+int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                       NearPairs& finder, State& state) {
+  Points& positions = state.positions;
+  Points here = step.start;
+  const Room room{floor_share * finder.least_nearest()};
+  bool together = true;  // points held back go along with the cloth
+  for (int leg = 1;; ++leg) {
+    // Ways beyond the common one, which brings nobody closer. Pairs that bind are nearer than the
+    // longest way needs; further ones than can be seen are taken to be no further.
+    const Eigen::RowVector3d common = together
+                                          ? Eigen::RowVector3d((positions - here).colwise().mean())
+                                          : Eigen::RowVector3d::Zero();
+    const auto longest_to = [&](const Points& ends) {
+      return longest_row((ends - here).rowwise() - common);
+    };
+    const double longest =
+        leg == 1 ? std::max(longest_to(positions), longest_to(by_impulses)) : longest_to(positions);
+    const double needed = room.floor + longest / bound_share;
+    if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
+    const double seen = std::min(needed, finder.reach());
+    const std::vector<NearPair>& near_pairs = finder.within(cloth, here, seen, step.workers);
+    if (near_pairs.empty() && seen == needed) return 0;
+
+    if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
+    const Points ways = (positions - here).rowwise() - common;
+    const Scalars shares =
+        shares_of(near_pairs, room, here, ways, seen == needed ? infinity : room.way(seen));
+    // A pin goes where it is told or stays: the cloth does not take it along.
+    if (together && (cloth.inv_mass.array() == 0 && shares.array() < 1).any()) {
+      together = false;
+      continue;
+    }
+    const auto held_back = (shares.array() < 1).count();
+    for (int i = 0; i < here.rows(); ++i) {
+      if (shares[i] < 1) {
+        here.row(i) += common + shares[i] * ways.row(i);
+      } else {
+        here.row(i) = positions.row(i);
+      }
+    }
+    if (held_back == 0 || leg >= most_legs) {
+      positions = here;
+      if (held_back > 0) slow_down(cloth, step, by_impulses, shares, state);
+      return static_cast<int>(held_back);
+    }
+  }
+}
+
+}  // namespace clothsim

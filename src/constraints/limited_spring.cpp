@@ -1,0 +1,218 @@
+#include "clothsim/constraints/limited_spring.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/model/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// Rate [1/s] at which the impulses work off a length violation, and the most of it in a step. Kept
+/// impulses integrate the violation, so a large share overshoots where sweeps stop early, and worst
+/// where most springs are at their limit: there it is a third of this, and this would ring for
+/// ever.
+constexpr double violation_rate = 5;
+constexpr double most_of_violation = 0.008;
+
+/// Largest share of its length that a spring is shortened in a step for turning: that of a turn by
+/// 0.1. Beyond, the middle of a step says too little about its end.
+constexpr double most_turning = 0.005;
+
+/// Four numbers as the vector units see them.
+using Vector = double __attribute__((vector_size(32), may_alias));
+
+using LooseVector = double __attribute__((vector_size(32), aligned(8), may_alias));
+
+[[gnu::always_inline]] inline Vector& vector(Quad& q) { return reinterpret_cast<Vector&>(q); }
+[[gnu::always_inline]] inline const Vector& vector(const Quad& q) {
+  return reinterpret_cast<const Vector&>(q);
+}
+[[gnu::always_inline]] inline Vector& vector(double (&four)[4]) {
+  return reinterpret_cast<Vector&>(four);
+}
+[[gnu::always_inline]] inline const Vector& vector(const double (&four)[4]) {
+  return reinterpret_cast<const Vector&>(four);
+}
+
+/// The numbers of the four springs at `i`; `numbers` may begin anywhere.
+[[gnu::always_inline]] inline const LooseVector& four_at(const double* numbers, std::size_t i) {
+  return reinterpret_cast<const LooseVector&>(numbers[4 * i]);
+}
+
+/// A vector in space for each of four springs.
+struct Four {
+  Vector x, y, z;
+};
+
+/// What the ends of four springs have, of points that are Quad or const Quad.
+template <typename Point>
+struct Ends {
+  [[gnu::always_inline]] Ends(const FourSprings& s, Point* points) {
+    for (int i = 0; i < 4; ++i) {
+      a[i] = reinterpret_cast<Point*>(&points->x + s.a[i]);
+      b[i] = reinterpret_cast<Point*>(&points->x + s.b[i]);
+    }
+  }
+  Point* a[4];
+  Point* b[4];
+};
+
+[[gnu::always_inline]] inline void set_dot(const Four& a, const Four& b, Vector& dot) {
+  dot = a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// From the first to the second ends.
+template <typename Point>
+[[gnu::always_inline]] inline void gather_differences(const Ends<Point>& ends, Four& four) {
+  const Vector p = vector(*ends.b[0]) - vector(*ends.a[0]);
+  const Vector q = vector(*ends.b[1]) - vector(*ends.a[1]);
+  const Vector r = vector(*ends.b[2]) - vector(*ends.a[2]);
+  const Vector s = vector(*ends.b[3]) - vector(*ends.a[3]);
+  const Vector pq_xz = __builtin_shufflevector(p, q, 0, 4, 2, 6);
+  const Vector pq_y = __builtin_shufflevector(p, q, 1, 5, 3, 7);
+  const Vector rs_xz = __builtin_shufflevector(r, s, 0, 4, 2, 6);
+  const Vector rs_y = __builtin_shufflevector(r, s, 1, 5, 3, 7);
+  four.x = __builtin_shufflevector(pq_xz, rs_xz, 0, 1, 4, 5);
+  four.y = __builtin_shufflevector(pq_y, rs_y, 0, 1, 4, 5);
+  four.z = __builtin_shufflevector(pq_xz, rs_xz, 2, 3, 6, 7);
+}
+
+/// Changes the rates of elongation by -`kick`.
+[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& kick,
+                                        const Ends<Quad>& ends) {
+  const Vector zero = {};
+  const Vector xy_02 = __builtin_shufflevector(vector(s.x), vector(s.y), 0, 4, 2, 6);
+  const Vector xy_13 = __builtin_shufflevector(vector(s.x), vector(s.y), 1, 5, 3, 7);
+  const Vector z_02 = __builtin_shufflevector(vector(s.z), zero, 0, 4, 2, 6);
+  const Vector z_13 = __builtin_shufflevector(vector(s.z), zero, 1, 5, 3, 7);
+  const Vector direction[] = {__builtin_shufflevector(xy_02, z_02, 0, 1, 4, 5),
+                              __builtin_shufflevector(xy_13, z_13, 0, 1, 4, 5),
+                              __builtin_shufflevector(xy_02, z_02, 2, 3, 6, 7),
+                              __builtin_shufflevector(xy_13, z_13, 2, 3, 6, 7)};
+  for (int i = 0; i < 4; ++i) {
+    const Vector both = kick[i] * direction[i];
+    const Vector of_a = s.share[i] * both;
+    vector(*ends.a[i]) += of_a;
+    vector(*ends.b[i]) -= both - of_a;
+  }
+}
+
+}  // namespace
+
+CLOTHSIM_TARGET_CLONES
+void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, const Quad* before,
+                 const double* longest, std::size_t fours, FourSprings* springs) {
+  const double back = step.reach * step.h;
+  const double rate = 1 / step.h;
+  const double share = step.insistence * std::min(violation_rate * step.h, most_of_violation) /
+                       (1 + 3 * step.active);
+  for (std::size_t i = 0; i < fours; ++i) {
+    FourSprings& s = springs[i];
+    // Where the ends were when the step's impulses act: there they make no angular momentum.
+    Four speed, d;
+    gather_differences(Ends(s, velocities), speed);
+    gather_differences(Ends(s, positions), d);
+    d.x -= back * speed.x;
+    d.y -= back * speed.y;
+    d.z -= back * speed.z;
+    Vector length2;
+    set_dot(d, d, length2);
+    const auto is_long = length2 > 0;  // others are slack, and have no direction to hold
+    Vector length;
+    for (int k = 0; k < 4; ++k) length[k] = std::sqrt(length2[k]);
+    const Vector zero = {};
+    const Vector inverse = is_long ? 1 / length : zero;
+    const Four direction = {inverse * d.x, inverse * d.y, inverse * d.z};
+    vector(s.x) = direction.x;
+    vector(s.y) = direction.y;
+    vector(s.z) = direction.z;
+    vector(s.kick) = is_long ? vector(s.kick) : zero;
+
+    // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
+    // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
+    // in the middle of it: half its centripetal acceleration v^2 / l over h makes up for that.
+    Vector along, across2;
+    set_dot(speed, direction, along);
+    const Four across = {speed.x - along * direction.x, speed.y - along * direction.y,
+                         speed.z - along * direction.z};
+    set_dot(across, across, across2);
+    const Vector excess = length - four_at(longest, i);
+    const Vector turning = (step.h / 2) * across2 * inverse;
+    Vector most = most_turning * rate * length;
+    if (before) {
+      // A spring that has turned so fast lengthens at that rate by the velocities of the step's
+      // start. More is a kick that others are yet to answer: to shorten the spring for it would
+      // feed energy.
+      Four start;
+      Vector lengthens;
+      gather_differences(Ends(s, before), start);
+      set_dot(start, direction, lengthens);
+      lengthens = lengthens < 0 ? zero : lengthens;
+      most = most < lengthens ? most : lengthens;
+    }
+    const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
+                           (most < turning ? most : turning);
+    vector(s.fastest) = is_long ? fastest : zero;
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities) {
+  for (std::size_t i = 0; i < fours; ++i) {
+    give(springs[i], vector(springs[i].kick), Ends(springs[i], velocities));
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad* velocities) {
+  const Vector highest = {most, most, most, most};
+  Vector largest = {};
+  for (std::size_t i = 0; i < fours; ++i) {
+    FourSprings& s = springs[i];
+    const Ends ends(s, velocities);
+    Four difference;
+    gather_differences(ends, difference);
+    Vector rate;
+    set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
+    const Vector least = -vector(s.kick);
+    const Vector room = highest + least;
+    const Vector wanted = rate - vector(s.fastest);
+    const Vector free = least < wanted ? wanted : least;
+    const Vector change = free < room ? free : room;
+    vector(s.kick) += change;
+    const Vector size = change < 0 ? -change : change;
+    largest = largest < size ? size : largest;
+    give(s, change, ends);
+  }
+  return std::max({largest[0], largest[1], largest[2], largest[3]});
+}
+
+CLOTHSIM_TARGET_CLONES
+bool any_longer(const FourSprings* springs, const double* longest, std::size_t fours, double share,
+                const Quad* positions) {
+  auto any = Vector{} > 1;
+  for (std::size_t i = 0; i < fours; ++i) {
+    const FourSprings& s = springs[i];
+    Four d;
+    gather_differences(Ends(s, positions), d);
+    Vector length2;
+    set_dot(d, d, length2);
+    const Vector allowed = share * four_at(longest, i);
+    any |= length2 > allowed * allowed;
+  }
+  return (any[0] | any[1] | any[2] | any[3]) != 0;
+}
+
+CLOTHSIM_TARGET_CLONES
+void flag_longer(const double* x, const double* y, const double* z, int offset, int count,
+                 double longest2, unsigned char* __restrict flags) {
+  for (int i = 0; i < count; ++i) {
+    const double dx = x[i + offset] - x[i];
+    const double dy = y[i + offset] - y[i];
+    const double dz = z[i + offset] - z[i];
+    flags[i] = dx * dx + dy * dy + dz * dz > longest2;
+  }
+}
+
+}  // namespace clothsim

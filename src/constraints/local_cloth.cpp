@@ -1,0 +1,73 @@
+#include "clothsim/constraints/local_cloth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothsim {
+namespace {
+
+/// Most that points may stand off a round shape for their chords, of the cloth's thickness.
+constexpr double highest_lift = 0.1;
+
+/// How much longer than its limit lets it an edge is thought to get while others pull it.
+constexpr double overstretch = 1.05;
+
+void move_into(const Pose& pose, const Points& points, Points& local) {
+  const Eigen::Matrix3d turn = pose.orientation.toRotationMatrix();
+  local.noalias() = (points.rowwise() - pose.position.transpose()) * turn;
+}
+
+/// Radius of curvature, 0 where a shape has edges, infinite where it is flat [m].
+double curvature(const Sphere& sphere) { return sphere.radius; }
+double curvature(const Capsule& capsule) { return capsule.radius; }
+double curvature(const Cuboid&) { return 0; }
+double curvature(const Plane&) { return std::numeric_limits<double>::infinity(); }
+
+}  // namespace
+
+void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
+  move_into(collider.previous(), start, from);
+  move_into(collider.pose(), end, to);
+  distance = signed_distances(collider.shape(), to, from);
+  longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
+}
+
+void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep& step,
+                              const Points& end) {
+  const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
+  middle = step.drifted - collider.velocities_at(end);
+  middle = to - step.reach * step.h * middle * turn;
+}
+
+double longest_edge_within_limit(const Cloth& cloth, double stretch) {
+  if (!cloth.strain_limit || cloth.triangles.empty()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  // All triangles of a grid are alike. Without shear springs nothing but its sides holds a cell.
+  const auto& [a, b, c] = cloth.triangles.front();
+  const auto length = [&](int i, int j) {
+    return (cloth.rest_positions.row(j) - cloth.rest_positions.row(i)).norm();
+  };
+  const bool sheared = std::any_of(cloth.springs.begin(), cloth.springs.end(), [](const auto& run) {
+    return run.family == SpringFamily::shear;
+  });
+  const double edge =
+      sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
+  return std::max(overstretch * (1 + *cloth.strain_limit), 1 + stretch) * edge;
+}
+
+Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
+  const double radius = std::visit([](const auto& s) { return curvature(s); }, shape);
+  if (cloth.triangles.empty() || std::isinf(radius)) return {surface_offset, false};
+  // A triangle lies within edge / sqrt(3) of its circumcentre.
+  const double kept = radius + surface_offset;
+  const double edge = longest_edge_within_limit(cloth, stretch);
+  const double lifted = std::sqrt(kept * kept + edge * edge / 3) - radius;
+  if (radius > 0 && lifted - surface_offset <= highest_lift * cloth.thickness) {
+    return {lifted, false};
+  }
+  return {surface_offset, true};
+}
+
+}  // namespace clothsim

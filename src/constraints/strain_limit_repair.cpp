@@ -1,0 +1,191 @@
+// Repairs of positions: what the impulses of strain_limit.cpp have left over.
+
+#include <algorithm>
+#include <numeric>
+
+#include "clothsim/constraints/strain_limit.h"
+#include "clothsim/dynamics/springs.h"
+
+namespace clothsim {
+namespace {
+
+/// Where in the tolerance correct() aims: inside, or the last bits take for ever, yet not far, or
+/// springs that hold others up go slack.
+constexpr double aim = 0.95;
+
+/// A spring this many times longer than its limit is left to the impulses: to repair it at once
+/// would throw its ends about.
+constexpr double beyond_repair = 1.5;
+
+/// Springs of a colour that a thread takes at least.
+constexpr int least_shared = 512;
+
+/// Points whose springs a thread looks at at least: two microseconds of work.
+constexpr int least_points = 2048;
+
+/// points_a += w_a d, points_b -= w_b d.
+void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
+  const double weight_a = cloth.inv_mass[a];
+  const double weight_b = cloth.inv_mass[b];
+  for (int axis = 0; axis < 3; ++axis) {
+    points(a, axis) += weight_a * d[axis];
+    points(b, axis) -= weight_b * d[axis];
+  }
+}
+
+}  // namespace
+
+/// Do the springs hold their limit after solve()? Those that it has not swept were within it, and
+/// are longer by what their ends have moved at most.
+bool StrainLimit::holds(double tolerance) const {
+  return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
+         !any_longer(active_.data(), lengths_.data(), active_.size(), 1 + tolerance / longest_,
+                     positions_.data());
+}
+
+int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
+                         const Workers& workers) {
+  if (yields() || holds(tolerance)) return 0;
+  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  bool any = false;
+  for_each_flagged([&](int id) { any = add_over(id, tolerance, positions) || any; });
+
+  int sweeps = 0;
+  while (any && sweeps < max_sweeps) {
+    // Those over the limit are swept until they hold; then those that share a point with one that
+    // has moved are checked.
+    for (bool moves = true; moves && sweeps < max_sweeps; ++sweeps) {
+      moves = false;
+      for (const std::vector<int>& ids : over_) {
+        moves = shorten(cloth, ids, tolerance, positions, workers) || moves;
+      }
+    }
+    any = find_over_again(cloth, tolerance, positions);
+  }
+  for (std::vector<int>& ids : over_) ids.clear();
+  return sweeps;
+}
+
+double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points& positions,
+                              const Workers& workers) {
+  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  double worst = 0;
+  for_each_flagged([&](int id) {
+    const Constraint& c = constraints_[index(id)];
+    if (c.mass == 0) return;
+    const double length = (row(positions, c.b) - row(positions, c.a)).norm();
+    worst = std::max(worst, length / c.rest_length - longest_);
+  });
+  return worst;
+}
+
+/// Puts a spring on its list if it is to be repaired. Is it?
+bool StrainLimit::add_over(int id, double tolerance, const Points& positions) {
+  const Constraint& c = constraints_[index(id)];
+  if (c.mass == 0) return false;
+  const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
+  const double longest = (longest_ + tolerance) * c.rest_length;
+  const double farthest = beyond_repair * longest_ * c.rest_length;
+  if (length2 <= longest * longest || length2 > farthest * farthest) return false;
+  over_[index(c.colour)].push_back(id);
+  return true;
+}
+
+/// Shortens those of `ids`, of one colour, that are over their limit. Were there any?
+bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, double tolerance,
+                          Points& positions, const Workers& workers) {
+  shortened_.assign(ids.size(), 0);
+  const auto shorten_band = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Constraint& c = constraints_[index(ids[index(i)])];
+      const Vector3 d = row(positions, c.b) - row(positions, c.a);
+      const double length = d.norm();
+      if (length <= (longest_ + tolerance) * c.rest_length) continue;
+      if (length > beyond_repair * longest_ * c.rest_length) continue;
+      const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
+      pull_together(cloth, c.a, c.b, c.mass * excess / length * d, positions);
+      shortened_[index(i)] = 1;
+    }
+  };
+  workers.share(static_cast<int>(ids.size()), shorten_band, least_shared);
+
+  bool any = false;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!shortened_[i]) continue;
+    any = true;
+    const Constraint& c = constraints_[index(ids[i])];
+    for (const int point : {c.a, c.b}) {
+      if (has_moved_[index(point)]) continue;
+      has_moved_[index(point)] = 1;
+      moved_points_.push_back(point);
+    }
+  }
+  return any;
+}
+
+/// Lists the springs over their limit among those of points that have moved since the last time.
+/// Are there any?
+bool StrainLimit::find_over_again(const Cloth& cloth, double tolerance, const Points& positions) {
+  if (first_spring_.empty()) list_springs_of_points(cloth);
+  for (std::vector<int>& ids : over_) ids.clear();
+  bool any = false;
+  for (const int point : moved_points_) {
+    has_moved_[index(point)] = 0;
+    for (int i = first_spring_[index(point)]; i < first_spring_[index(point + 1)]; ++i) {
+      any = add_over(springs_of_points_[index(i)], tolerance, positions) || any;
+    }
+  }
+  moved_points_.clear();
+  for (std::vector<int>& ids : over_) {
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  }
+  return any;
+}
+
+void StrainLimit::list_springs_of_points(const Cloth& cloth) {
+  first_spring_.assign(index(cloth.num_points()) + 1, 0);
+  for (const Constraint& c : constraints_) {
+    ++first_spring_[index(c.a) + 1];
+    ++first_spring_[index(c.b) + 1];
+  }
+  std::partial_sum(first_spring_.begin(), first_spring_.end(), first_spring_.begin());
+  springs_of_points_.resize(2 * constraints_.size());
+  std::vector<int> next(first_spring_.begin(), first_spring_.end() - 1);
+  for (std::size_t id = 0; id < constraints_.size(); ++id) {
+    for (const int point : {constraints_[id].a, constraints_[id].b}) {
+      springs_of_points_[index(next[index(point)]++)] = static_cast<int>(id);
+    }
+  }
+}
+
+/// Each thread looks at the springs that begin at its points.
+void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
+                                   const Workers& workers) {
+  over_length_.resize(index(cloth.num_points()));
+  const auto look = [&](int begin, int end) {
+    std::size_t id = 0;  // of the band's first spring
+    for_each_band(cloth, [&](const SpringBand& band) {
+      const int first = std::max(band.first(), begin);
+      const int last = std::min(band.first() + band.count(), end);
+      const double longest = stretch * band.begin->rest_length;
+      if (first < last) {
+        flag_longer(&positions(first, 0), &positions(first, 1), &positions(first, 2),
+                    band.begin->offset, last - first, longest * longest,
+                    &over_length_[index(first)]);
+      }
+      for (const SpringRun* run = band.begin; run != band.end; ++run) {
+        const int from = std::max(run->first, first);
+        const int to = std::min(run->first + run->count, last);
+        if (from < to) {
+          std::copy_n(&over_length_[index(from)], to - from,
+                      &flags_[id + index(from - run->first)]);
+        }
+        id += index(run->count);
+      }
+    });
+  };
+  workers.share(cloth.num_points(), look, least_points);
+}
+
+}  // namespace clothsim

@@ -1,0 +1,80 @@
+#include "clothsim/geometry/cell_list.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+namespace clothsim {
+namespace {
+
+/// 21 bits a coordinate, x lowest, so that cells along x follow each other. Cells farther than a
+/// million from the first point's share the outermost one: slower, never wrong.
+constexpr int bits = 21;
+constexpr std::int64_t last_cell = (std::int64_t{1} << bits) - 2;  // leaves room for a neighbour
+
+std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::uint64_t>(x | (y << bits) | (z << (2 * bits)));
+}
+
+std::int64_t cell_coordinate(double x, double origin, double size) {
+  const double middle = static_cast<double>(last_cell / 2);
+  const double cell = std::floor((x - origin) / size) + middle;
+  return static_cast<std::int64_t>(std::clamp(cell, 1.0, static_cast<double>(last_cell)));
+}
+
+/// Ranges of three cells along x: the rows that come after a cell's own.
+constexpr std::array<std::array<int, 2>, 4> rows_after = {{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+
+}  // namespace
+
+void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs) {
+  assert(positions.allFinite() && distance > 0);
+  pairs.clear();
+
+  const int n = static_cast<int>(positions.rows());
+  entries_.resize(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    std::array<std::int64_t, 3> cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      cell[static_cast<std::size_t>(axis)] =
+          cell_coordinate(positions(i, axis), positions(0, axis), distance);
+    }
+    entries_[static_cast<std::size_t>(i)] = {key(cell[0], cell[1], cell[2]), i};
+  }
+  std::sort(entries_.begin(), entries_.end(), [](const Entry& p, const Entry& q) {
+    return std::tie(p.cell, p.point) < std::tie(q.cell, q.point);
+  });
+
+  const double distance2 = distance * distance;
+  const auto try_pair = [&](int i, int j) {
+    const double dx = positions(i, 0) - positions(j, 0);
+    const double dy = positions(i, 1) - positions(j, 1);
+    const double dz = positions(i, 2) - positions(j, 2);
+    if (dx * dx + dy * dy + dz * dz < distance2) pairs.push_back({std::min(i, j), std::max(i, j)});
+  };
+
+  // Cells are visited in order, so the rows after them are followed by fingers that only go
+  // forward.
+  std::array<std::size_t, rows_after.size()> fingers{};
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    const Entry& entry = entries_[e];
+
+    // The rest of the own cell, and the next one along x.
+    for (std::size_t f = e + 1; f < entries_.size() && entries_[f].cell <= entry.cell + 1; ++f) {
+      try_pair(entry.point, entries_[f].point);
+    }
+    for (std::size_t r = 0; r < rows_after.size(); ++r) {
+      const std::uint64_t middle = entry.cell + key(0, 0, rows_after[r][1]) +
+                                   static_cast<std::uint64_t>(rows_after[r][0]) * key(0, 1, 0);
+      std::size_t& finger = fingers[r];
+      while (finger < entries_.size() && entries_[finger].cell < middle - 1) ++finger;
+      for (std::size_t f = finger; f < entries_.size() && entries_[f].cell <= middle + 1; ++f) {
+        try_pair(entry.point, entries_[f].point);
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+}
+
+}  // namespace clothsim

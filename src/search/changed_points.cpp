@@ -1,0 +1,41 @@
+#include "clothsim/search/changed_points.h"
+
+#include <cmath>
+
+#include "clothsim/model/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+CLOTHSIM_TARGET_CLONES
+void find_changed(Eigen::Index count, double least, const double* __restrict v,
+                  double* __restrict seen, std::int64_t* __restrict marked,
+                  std::int64_t* __restrict changed) {
+  const double *const vx = v, *const vy = v + count, *const vz = v + 2 * count;
+  double *const sx = seen, *const sy = seen + count, *const sz = seen + 2 * count;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const bool differs = (std::abs(vx[i] - sx[i]) > least) | (std::abs(vy[i] - sy[i]) > least) |
+                         (std::abs(vz[i] - sz[i]) > least);
+    const std::int64_t is_changed = marked[i] | std::int64_t{differs};
+    sx[i] = is_changed ? vx[i] : sx[i];
+    sy[i] = is_changed ? vy[i] : sy[i];
+    sz[i] = is_changed ? vz[i] : sz[i];
+    changed[i] = is_changed;
+    marked[i] = 0;
+  }
+}
+
+}  // namespace
+
+void ChangedPoints::mark_all(int count) {
+  seen_.setZero(count, 3);
+  marked_.assign(static_cast<std::size_t>(count), 1);
+  changed_.resize(marked_.size());
+}
+
+void ChangedPoints::look(const Points& velocities, double least) {
+  find_changed(velocities.rows(), least, velocities.data(), seen_.data(), marked_.data(),
+               changed_.data());
+}
+
+}  // namespace clothsim

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "clothsim/geometry/box_tree.h"
+#include "clothsim/geometry/distances.h"
+#include "clothsim/search/cell_outlines.h"
+#include "clothsim/search/feature_pairs.h"
+#include "clothsim/search/near_pairs.h"
+#include "clothsim/search/nearest_distances.h"
+#include "clothsim/search/patches.h"
+#include "clothsim/search/unfolded.h"
+
+namespace clothsim {
+
+struct NearPairs::Impl {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  /// Pairs are looked at from this share of the margin on, however slowly they approach.
+  static constexpr double least_margin_share = 0.1;
+  /// Cells along the side of a patch.
+  static constexpr int patch_cells = 4;
+  static_assert(patch_cells * patch_cells == CellOutlines::cells);
+
+  /// Features of two patches that are near: not more of them than it takes to measure them.
+  struct Listed {
+    std::array<int, 4> points;
+    float nearest;  // that they may come, or a little more [m]
+    unsigned key;   // its end
+  };
+
+  /// Two patches, or one with itself. A gap is what is left of a distance over the nearest that two
+  /// features may come.
+  struct PatchPair {
+    int p;
+    int q;
+    bool are_neighbours;         // on the cloth
+    double moved = 0;            // how much nearer they may have come so far [m]
+    double wake_at = -infinity;  // `moved` from which on there may be no gap
+    // The same for each cell of p and each of q; none until they have been looked at.
+    std::vector<double> cells_wake_at = {};
+    // Features whose gap may be none before `moved` is list_until, by SurfacePair::edges.
+    std::array<std::vector<Listed>, 2> lists = {};
+    double list_until = -infinity;
+    double meet_at = -infinity;  // `moved` from which on features may meet
+  };
+
+  /// What is asked for: of features whose gap is within some reach those that are within a
+  /// `distance`, and may meet on the way `ahead`, if that matters.
+  struct Query {
+    const Points& positions;
+    const Points* ahead;
+    double distance;
+  };
+
+  /// Two cells whose features are measured.
+  struct Cells {
+    PatchPair* of;
+    std::size_t number;  // in cells_wake_at
+    std::array<int, 2> cells;
+    double most_nearest;  // of their features [m]
+    double reach;         // of the list
+    double within;        // of what is asked for
+  };
+  /// A part of a list that is measured.
+  struct Part {
+    PatchPair* of;
+    double within;  // of what is asked for
+    const Listed* begin;
+    const Listed* end;
+    std::size_t first;  // of their distances
+  };
+  /// What is measured of a band of patch pairs.
+  struct Scratch {
+    int band = -1;                                     // first patch pair
+    std::vector<std::pair<PatchPair*, double>> awake;  // and within what
+    std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
+    std::vector<Part> parts;
+    std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
+    std::vector<std::uint64_t> found;                                       // keys
+    std::vector<NearPair> near;
+  };
+
+  explicit Impl(const Cloth&);
+  double least_margin() const { return least_margin_share * margin; }
+
+  // near_pairs.cpp: patches, and when they are looked at.
+  void advance(const Cloth&, const Points& positions, const Workers&);
+  double spread_since_pairing(const Points& positions) const;
+  void pair_patches(double reach);
+  bool are_neighbours(int p, int q) const;
+  void outline(const Cloth&, const Points& positions, const Workers&);
+  template <typename Reach>
+  const std::vector<NearPair>& look(const Query&, const Reach& reach, const Workers&);
+  const std::vector<NearPair>& collect();
+
+  // near_pairs_search.cpp: what two of them have near each other.
+  double gap_of_patches(const PatchPair&) const;
+  void seek(const Query&, double within, PatchPair&, Scratch&) const;
+  void measure_later(const Query&, const Cells&, Scratch&) const;
+  void measure_cells(const Query&, std::size_t number, Scratch&) const;
+  void wake_with_list(PatchPair&) const;
+  void look_at_lists(const Query&, bool edges, Scratch&) const;
+  void measure_parts(const Query&, bool edges, Scratch&) const;
+  void consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
+                PatchPair&, Scratch&) const;
+  void keep_found(const Query&, Scratch&) const;
+  SurfacePair features_of(std::uint64_t key) const;
+
+  SurfaceMesh mesh;
+  NearestDistances nearest;
+  FeaturePairs feature_pairs;
+  double spacing;              // shorter one at rest [m]
+  double least_rest_distance;  // of two features that share no point [m]
+  double contact;              // distance, of layers [m]
+  double margin;
+
+  std::vector<Patch> patches;  // along rows
+  int patch_columns;
+  std::vector<PatchPair> patch_pairs;  // by p, then q
+  Points last;                         // positions last given; none yet: no rows
+  Points paired_at;                    // positions where patches were paired
+  PatchMotions motions;
+
+  // At the positions last given.
+  CellOutlines outlines;
+  std::vector<Box> boxes;                 // by patch
+  std::vector<GradientBounds> gradients;  // by patch
+
+  std::vector<Scratch> scratches;  // by band, in any order
+  std::vector<NearPair> near;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,163 @@
+#include "clothsim/search/nearest_distances.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clothsim {
+namespace {
+
+/// Distances below this, in edge lengths, are none.
+constexpr double rounding = 1e-9;
+
+/// Ways along an edge of each direction.
+const std::array<Eigen::Vector2i, 3> edge_ways{Eigen::Vector2i(1, 0), {0, 1}, {1, 1}};
+
+/// Corners of both triangles of a cell.
+const std::array<std::array<Eigen::Vector2i, 3>, 2> corners{
+    {{Eigen::Vector2i(0, 0), {1, 0}, {1, 1}}, {Eigen::Vector2i(0, 0), {1, 1}, {0, 1}}}};
+
+}  // namespace
+
+NearestDistances::Table::Table(const Eigen::Vector2i& most_way)
+    : most(most_way),
+      values(static_cast<std::size_t>(2 * most.x() + 1) *
+             static_cast<std::size_t>(2 * most.y() + 1)) {}
+
+std::size_t NearestDistances::Table::place(int columns, int rows) const {
+  const auto width = static_cast<std::size_t>(2 * most.x() + 1);
+  return static_cast<std::size_t>(rows + most.y()) * width +
+         static_cast<std::size_t>(columns + most.x());
+}
+
+double NearestDistances::Table::at(int columns, int rows, double beyond) const {
+  if (std::abs(columns) > most.x() || std::abs(rows) > most.y()) return beyond;
+  return values[place(columns, rows)];
+}
+
+NearestDistances::NearestDistances(const Cloth& cloth)
+    : point_columns_(cloth.columns), contact_(2 * cloth.thickness) {
+  const Points& x = cloth.rest_positions;
+  spacing_ = {(x.row(1) - x.row(0)).norm(), (x.row(cloth.columns) - x.row(0)).norm()};
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    point_places_.emplace_back(i % cloth.columns, i / cloth.columns);
+    const bool ends_row = point_places_.back().x() == cloth.columns - 1;
+    const bool ends_column = point_places_.back().y() == cloth.rows - 1;
+    if (!ends_row && !ends_column) cell_places_.push_back(point_places_.back());
+  }
+  fill_features();
+  fill_cells();
+}
+
+double NearestDistances::distance(bool edges, const std::array<Eigen::Vector2i, 4>& points) const {
+  Points x = Points::Zero(4, 3);
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2i& p = points[static_cast<std::size_t>(k)];
+    x.block<1, 2>(k, 0) = p.cast<double>().cwiseProduct(spacing_).transpose();
+  }
+  const double rest =
+      separation({edges ? SurfacePair::no_triangle : 0, {0, 1, 2, 3}, 0}, x).distance;
+  return std::min(contact_, neighbour_share * rest);
+}
+
+void NearestDistances::fill_features() {
+  // Beyond these ways both are as far apart as they ever need to be, or not on the cloth.
+  const double far = std::ceil(contact_ / (neighbour_share * spacing_.minCoeff())) + 2;
+  const Eigen::Vector2i most =
+      (point_places_.back().array() + 2).cast<double>().min(far).cast<int>();
+  const auto for_each_way = [&most](auto&& visit) {
+    for (int rows = -most.y(); rows <= most.y(); ++rows) {
+      for (int columns = -most.x(); columns <= most.x(); ++columns) visit(columns, rows);
+    }
+  };
+
+  least_ = contact_;
+  const auto keep = [&](double& entry, bool edges, const std::array<Eigen::Vector2i, 4>& points) {
+    entry = distance(edges, points);
+    const bool share_a_point = entry < rounding * spacing_.minCoeff();
+    if (!share_a_point) least_ = std::min(least_, entry);
+  };
+  for (std::size_t t = 0; t < 2; ++t) {
+    of_points_[t] = Table(most);
+    for_each_way([&](int columns, int rows) {
+      keep(of_points_[t].at(columns, rows), false,
+           {Eigen::Vector2i(-columns, -rows), corners[t][0], corners[t][1], corners[t][2]});
+    });
+  }
+  for (std::size_t e = 0; e < 3; ++e) {
+    for (std::size_t f = 0; f < 3; ++f) {
+      of_edges_[e][f] = Table(most);
+      for_each_way([&](int columns, int rows) {
+        const Eigen::Vector2i way(columns, rows);
+        keep(of_edges_[e][f].at(columns, rows), true,
+             {Eigen::Vector2i(0, 0), edge_ways[e], way, way + edge_ways[f]});
+      });
+    }
+  }
+}
+
+void NearestDistances::fill_cells() {
+  const Eigen::Vector2i most_way = of_points_[0].most;
+  of_cells_ = of_first_cells_ = Table(most_way);
+
+  // What a cell owns, as points and edges from its first point.
+  struct Owned {
+    std::vector<Eigen::Vector2i> points;
+    std::vector<std::pair<Eigen::Vector2i, std::size_t>> edges;
+  };
+  const Owned usual{{{1, 1}}, {{{1, 0}, 1}, {{0, 1}, 0}, {{0, 0}, 2}}};
+  const Owned first{{{0, 0}, {1, 0}, {0, 1}, {1, 1}},
+                    {{{1, 0}, 1}, {{0, 1}, 0}, {{0, 0}, 2}, {{0, 0}, 0}, {{0, 0}, 1}}};
+
+  const auto most = [&](const Owned& owned, const Eigen::Vector2i& way) {
+    double result = 0;
+    for (const int sign : {1, -1}) {  // points of one against triangles of the other
+      for (const Eigen::Vector2i& point : owned.points) {
+        const Eigen::Vector2i d = sign * way - point;
+        for (const Table& table : of_points_) {
+          result = std::max(result, table.at(d.x(), d.y(), contact_));
+        }
+      }
+    }
+    for (const auto& [e, e_direction] : owned.edges) {
+      for (const auto& [f, f_direction] : owned.edges) {
+        const Eigen::Vector2i d = way + f - e;
+        result = std::max(result, of_edges_[e_direction][f_direction].at(d.x(), d.y(), contact_));
+      }
+    }
+    return result;
+  };
+  for (int rows = -most_way.y(); rows <= most_way.y(); ++rows) {
+    for (int columns = -most_way.x(); columns <= most_way.x(); ++columns) {
+      of_cells_.at(columns, rows) = most(usual, {columns, rows});
+      of_first_cells_.at(columns, rows) = most(first, {columns, rows});
+    }
+  }
+}
+
+double NearestDistances::of(const SurfacePair& pair) const {
+  const auto way = [&](int from, int to) -> Eigen::Vector2i {
+    return point_places_[static_cast<std::size_t>(to)] -
+           point_places_[static_cast<std::size_t>(from)];
+  };
+  if (!pair.edges()) {  // a triangle's first corner is that of its cell
+    const Eigen::Vector2i d = way(pair.points[0], pair.points[1]);
+    return of_points_[static_cast<std::size_t>(pair.triangle % 2)].at(d.x(), d.y(), contact_);
+  }
+  const auto direction = [&](int first, int second) -> std::size_t {
+    return second - first == 1 ? 0 : second - first == point_columns_ ? 1 : 2;
+  };
+  const std::size_t e = direction(pair.points[0], pair.points[1]);
+  const std::size_t f = direction(pair.points[2], pair.points[3]);
+  const Eigen::Vector2i d = way(pair.points[0], pair.points[2]);
+  return of_edges_[e][f].at(d.x(), d.y(), contact_);
+}
+
+double NearestDistances::most_of_cells(int cell, int other) const {
+  const Eigen::Vector2i& place = cell_places_[static_cast<std::size_t>(cell)];
+  const Eigen::Vector2i& other_place = cell_places_[static_cast<std::size_t>(other)];
+  const bool first = place.minCoeff() == 0 || other_place.minCoeff() == 0;
+  const Eigen::Vector2i way = other_place - place;
+  return (first ? of_first_cells_ : of_cells_).at(way.x(), way.y(), contact_);
+}
+
+}  // namespace clothsim

@@ -1,0 +1,164 @@
+#include "clothsim/shapes/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothsim {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The point of a capsule's axis nearest to `point`.
+Vector3 nearest_on_axis(const Capsule& capsule, const Vector3& point) {
+  return {0, 0, std::clamp(point.z(), -capsule.length / 2, capsule.length / 2)};
+}
+
+// ---- Signed distance
+
+Distance distance(const Sphere& sphere, const Vector3& point, const Vector3&) {
+  const double r = point.norm();
+  return {r - sphere.radius, r > 0 ? Vector3(point / r) : Vector3::UnitZ()};
+}
+
+Distance distance(const Plane& plane, const Vector3& point, const Vector3& side) {
+  const double sign = plane.two_sided && side.z() < 0 ? -1 : 1;
+  return {sign * point.z(), sign * Vector3::UnitZ()};
+}
+
+Distance distance(const Capsule& capsule, const Vector3& point, const Vector3&) {
+  const Vector3 from_axis = point - nearest_on_axis(capsule, point);
+  const double r = from_axis.norm();
+  return {r - capsule.radius, r > 0 ? Vector3(from_axis / r) : Vector3::UnitX()};
+}
+
+Distance distance(const Cuboid& box, const Vector3& point, const Vector3&) {
+  const Vector3 sign = point.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
+  const Vector3 beyond = point.cwiseAbs() - box.size / 2;  // of the faces on its side
+  Eigen::Index axis = 0;
+  const double nearest = beyond.maxCoeff(&axis);
+  if (nearest <= 0) return {nearest, sign[axis] * Vector3::Unit(axis)};
+  const Vector3 out = beyond.cwiseMax(0.0);
+  const double r = out.norm();
+  return {r, sign.cwiseProduct(out / r)};
+}
+
+// ---- The same of many points: vectorised
+
+Scalars distances(const Sphere& sphere, const Points& points, const Points&) {
+  return points.rowwise().norm().array() - sphere.radius;
+}
+
+Scalars distances(const Plane& plane, const Points& points, const Points& sides) {
+  if (!plane.two_sided) return points.col(2);
+  return (sides.col(2).array() < 0).select(-points.col(2), points.col(2));
+}
+
+Scalars distances(const Capsule& capsule, const Points& points, const Points&) {
+  const auto beyond_end = (points.col(2).array().abs() - capsule.length / 2).max(0.0);
+  return (points.leftCols<2>().rowwise().squaredNorm().array() + beyond_end.square()).sqrt() -
+         capsule.radius;
+}
+
+Scalars distances(const Cuboid& box, const Points& points, const Points&) {
+  const Points beyond = points.cwiseAbs().rowwise() - box.size.transpose() / 2;
+  return beyond.cwiseMax(0.0).rowwise().norm() + beyond.rowwise().maxCoeff().cwiseMin(0.0);
+}
+
+// ---- Share of the way `from` -> `from` + d after which a point is within offset, if it ever is
+
+/// Smaller root of a t^2 + 2 b t + c, where c > 0: empty where there is none ahead.
+std::optional<double> first_root(double a, double b, double c) {
+  const double discriminant = b * b - a * c;
+  if (b >= 0 || discriminant < 0) return std::nullopt;
+  return c / (-b + std::sqrt(discriminant));
+}
+
+std::optional<double> hit(const Sphere& sphere, const Vector3& from, const Vector3& d,
+                          double offset) {
+  const double radius = sphere.radius + offset;
+  return first_root(d.squaredNorm(), from.dot(d), from.squaredNorm() - radius * radius);
+}
+
+std::optional<double> hit(const Plane&, const Vector3&, const Vector3&, double) {
+  return std::nullopt;
+}
+
+std::optional<double> hit(const Capsule& capsule, const Vector3& from, const Vector3& d,
+                          double offset) {
+  const double radius = capsule.radius + offset;
+  std::optional<double> first;
+  const auto take = [&](std::optional<double> t) {
+    if (t && (!first || *t < *first)) first = t;
+  };
+  // Its round ends, and between them the cylinder.
+  for (const double end : {-capsule.length / 2, capsule.length / 2}) {
+    take(hit(Sphere{capsule.radius}, from - Vector3(0, 0, end), d, offset));
+  }
+  const Eigen::Vector2d from2 = from.head<2>(), d2 = d.head<2>();
+  const double c = from2.squaredNorm() - radius * radius;
+  if (c > 0) {
+    const auto t = first_root(d2.squaredNorm(), from2.dot(d2), c);
+    if (t && std::abs(from.z() + *t * d.z()) <= capsule.length / 2) take(t);
+  }
+  return first;
+}
+
+std::optional<double> hit(const Cuboid& box, const Vector3& from, const Vector3& d, double offset) {
+  double in = 0, out = infinity;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = box.size[axis] / 2 + offset;
+    if (d[axis] == 0) {
+      if (std::abs(from[axis]) > half) return std::nullopt;
+      continue;
+    }
+    const double towards = d[axis] > 0 ? 1 : -1;
+    in = std::max(in, (-towards * half - from[axis]) / d[axis]);
+    out = std::min(out, (towards * half - from[axis]) / d[axis]);
+  }
+  if (in > out) return std::nullopt;
+  return in;
+}
+
+double depth(const Sphere& sphere) { return sphere.radius / 2; }
+double depth(const Plane&) { return infinity; }
+double depth(const Capsule& capsule) { return capsule.radius / 2; }
+double depth(const Cuboid& box) { return box.size.minCoeff() / 4; }
+
+double bounds(const Sphere& sphere) { return sphere.radius; }
+double bounds(const Plane&) { return infinity; }
+double bounds(const Capsule& capsule) { return capsule.length / 2 + capsule.radius; }
+double bounds(const Cuboid& box) { return box.size.norm() / 2; }
+
+}  // namespace
+
+Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3& side) {
+  return std::visit([&](const auto& s) { return distance(s, point, side); }, shape);
+}
+
+Scalars signed_distances(const Shape& shape, const Points& points, const Points& sides) {
+  return std::visit([&](const auto& s) { return distances(s, points, sides); }, shape);
+}
+
+std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, const Vector3& to,
+                                   double offset) {
+  if (std::holds_alternative<Plane>(shape)) return std::nullopt;
+  const Distance start = signed_distance(shape, from, from);
+  const Vector3 d = to - from;
+  // The distance along a line has no second minimum: what moves away does not come back.
+  if (start.value < 0 || start.normal.dot(d) >= 0) return std::nullopt;
+  if (start.value <= offset) return from;
+  const auto t = std::visit([&](const auto& s) { return hit(s, from, d, offset); }, shape);
+  if (!t || *t > 1) return std::nullopt;
+  return from + *t * d;
+}
+
+double safe_depth(const Shape& shape) {
+  return std::visit([](const auto& s) { return depth(s); }, shape);
+}
+
+double bounding_radius(const Shape& shape) {
+  return std::visit([](const auto& s) { return bounds(s); }, shape);
+}
+
+}  // namespace clothsim
