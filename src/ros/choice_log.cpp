@@ -29,7 +29,7 @@ void ChoiceLog::update(const clothsim::SimulationSpec& simulation,
   ROS_LOG_STREAM(level, ROSCONSOLE_DEFAULT_NAME,
                  "Method auto takes " << choice.method << ", substeps a frame "
                                       << choice.least_substeps << " or more" << error.str() << ": "
-                                      << choice.reason);
+                                      << choice.reasons.text());
 }
 
 }  // namespace clothsim_ros

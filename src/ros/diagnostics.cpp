@@ -64,7 +64,7 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   const clothsim::StepReport& report = status.report;
   out.add("method", report.method);
   out.add("substeps", report.substeps);
-  out.add("reason", report.reason);
+  out.add("reason", report.reasons.text());
   if (report.predicted_error) out.addf("predicted error", "%.1e", *report.predicted_error);
   if (report.ran_out > 0) {
     out.mergeSummaryf(DiagnosticStatus::WARN,

@@ -128,7 +128,7 @@ bool Node::simulate_frame(Turn turn) {
   }
   failure_.clear();
   if (report_.recoveries > 0) {
-    ROS_WARN("A frame was taken back: %s. Now %s with %d substeps", report_.reason.c_str(),
+    ROS_WARN("A frame was taken back: %s. Now %s with %d substeps", report_.reasons.text().c_str(),
              report_.method.c_str(), report_.substeps);
   }
   ++frame_number_;

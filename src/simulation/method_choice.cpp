@@ -283,9 +283,8 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   return {&c, n, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
 }
 
-MethodChoice choice_of(const Offer& offer, std::string reason) {
-  return {
-      offer.candidate->method, offer.substeps, std::move(reason), true, offer.error, offer.cost};
+MethodChoice choice_of(const Offer& offer, Reason reason) {
+  return {offer.candidate->method, offer.substeps, reason, true, offer.error, offer.cost};
 }
 
 }  // namespace
@@ -294,10 +293,10 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
   if (spec.method != "auto") {
     const double limit = stability_limit_of(spec.method);
-    return {spec.method, usual_substeps(limit, spec, cloth, colliders), "named by the scene"};
+    return {spec.method, usual_substeps(limit, spec, cloth, colliders), Reason::named_by_scene};
   }
   if (cloth.springs.empty()) {
-    return {VelocityVerlet::name, 1, "no springs to integrate", true, 0.0, 0.0};
+    return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
@@ -308,7 +307,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
-    return {VelocityVerlet::name, 1, "no method is stable with so few substeps", false};
+    return {VelocityVerlet::name, 1, Reason::none_stable, false};
   }
 
   const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };
@@ -322,13 +321,13 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   };
 
   if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
-    return choice_of(*o, "the cheapest within tolerance");
+    return choice_of(*o, Reason::cheapest_within_tolerance);
   }
   if (auto o = best_of([](const Offer& a) { return a.real_time; }, finer)) {
-    return choice_of(*o, "none is within tolerance in real time: the most accurate in real time");
+    return choice_of(*o, Reason::most_accurate_in_real_time);
   }
-  MethodChoice slow = choice_of(*best_of([](const Offer&) { return true; }, cheaper),
-                                "none is in real time: the cheapest");
+  MethodChoice slow =
+      choice_of(*best_of([](const Offer&) { return true; }, cheaper), Reason::none_in_real_time);
   slow.is_feasible = false;
   return slow;
 }

@@ -51,7 +51,7 @@ std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   put("method", run.last_frame.method);
   put("substeps", run.last_frame.substeps);
   if (run.last_frame.predicted_error) put("predicted_error", *run.last_frame.predicted_error);
-  put("reason", run.last_frame.reason);
+  put("reason", run.last_frame.reasons.text());
   put("recoveries", run.recoveries);
   put("self_collision", self_collision_names[static_cast<std::size_t>(cloth.self_collision)]);
   put("ran_out", run.ran_out);

@@ -118,11 +118,9 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   int steps =
       method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
   report.predicted_error = method->choice.predicted_error;
-  report.reason = method->choice.reason;
+  report.reasons = method->choice.reasons;
   const bool is_unstable = scene.simulation.substeps && is_beyond_stability(dt / steps);
-  if (is_unstable) {
-    report.reason += "; so few substeps are beyond the method's stability limit";
-  }
+  if (is_unstable) report.reasons.add(Reason::beyond_stability);
   const bool has_recovered = collider_contacts.recovers();
   recovers = repairs_ran_out = is_overpulled = false;
   stretch = strain_limit && !colliders.empty() ? worst_stretch(cloth, state.positions) : 0;
@@ -147,19 +145,16 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   }
   if (!is_good(state)) return false;
   if (report.ran_out > 0) {
-    report.reason += "; Newton's method ran out of iterations in " +
-                     std::to_string(report.ran_out) + " of " + std::to_string(report.substeps) +
-                     " substeps";
+    report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
+                                                   std::to_string(report.substeps) + " substeps");
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
   is_overpulled = cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
   const bool yields = strain_limit && strain_limit->yields();
   if (yields) {
-    report.reason +=
-        "; the strain limit yields: passes ran out step after step, as where pins or colliders ask "
-        "for more than it grants";
+    report.reasons.add(Reason::limit_yields);
   } else if (repairs_ran_out || is_overpulled) {
-    report.reason += "; passes ran out before every spring was within its strain limit";
+    report.reasons.add(Reason::passes_ran_out);
   }
   // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
   // shows in the stretch, and is no fault of the method. A limit that yields stands for it, too,
@@ -188,13 +183,13 @@ bool Simulator::Impl::recover() {
   const SimulationSpec& spec = scene.simulation;
   if (!spec.substeps && method->halvings < max_halvings) {
     ++method->halvings;
-    method->choice.reason =
-        "a frame failed: substeps halved " + std::to_string(method->halvings) + " times";
+    method->choice.reasons =
+        Reasons(Reason::substeps_halved, std::to_string(method->halvings) + " times");
     return true;
   }
   if (spec.method == "auto" && method->choice.method != refuge) {
-    const std::string failed = method->choice.method;
-    method = last_resort(spec, cloth, scene.colliders, "a frame of " + failed + " failed");
+    const Reasons failed(Reason::method_failed, method->choice.method);
+    method = last_resort(spec, cloth, scene.colliders, failed);
     return true;
   }
   return false;

@@ -70,10 +70,10 @@ struct Method {
 /// The method to go on with after a frame failed, in as few steps as it can: what constraints ask
 /// for may be what failed.
 inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
-                          const std::vector<ColliderSpec>& colliders, const std::string& reason) {
+                          const std::vector<ColliderSpec>& colliders, const Reasons& reasons) {
   spec.method = refuge;
   Method method(spec, cloth, colliders);
-  method.choice.reason = reason;
+  method.choice.reasons = reasons;
   method.choice.least_substeps = 1;
   return method;
 }

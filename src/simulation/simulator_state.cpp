@@ -114,8 +114,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     if (scene.simulation.method != "auto" || name != refuge) {
       throw InvalidValue({"memory"}, "method " + name, read_method.choice.method);
     }
-    read_method = last_resort(scene.simulation, free, scene.colliders,
-                              "a frame failed before the state that was set");
+    read_method =
+        last_resort(scene.simulation, free, scene.colliders, Reason::failed_before_set_state);
   }
   read_method.halvings = memory.index(max_halvings + 1);
   const bool read_disturbed = memory.index(2) == 1;

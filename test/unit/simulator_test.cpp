@@ -194,7 +194,7 @@ TEST(Simulator, SaysWhereNewtonsMethodRanOut) {
     scene.simulation.substeps = 2;
     StepReport report = Simulator(scene).step();
     EXPECT_EQ(report.ran_out, 0);
-    EXPECT_EQ(report.reason, "named by the scene");
+    EXPECT_EQ(report.reasons.all(), std::set{Reason::named_by_scene});
 
     NewtonSolver::Parameters few;
     few.max_iterations = 1;
@@ -206,7 +206,8 @@ TEST(Simulator, SaysWhereNewtonsMethodRanOut) {
     }
     report = Simulator(scene).step();
     EXPECT_EQ(report.ran_out, 2);
-    EXPECT_EQ(report.reason,
+    EXPECT_TRUE(report.reasons.has(Reason::newton_ran_out));
+    EXPECT_EQ(report.reasons.text(),
               "named by the scene; Newton's method ran out of iterations in 2 of 2 substeps");
   }
 }

@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/simulation/reasons.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 
 /// How a scene is going to be integrated.
 struct MethodChoice {
-  std::string method;       // a name of method_names()
-  int least_substeps = 1;   // a frame, whatever the state
-  std::string reason;       // a sentence
+  std::string method;      // a name of method_names()
+  int least_substeps = 1;  // a frame, whatever the state
+  Reasons reasons;
   bool is_feasible = true;  // stable and, as far as can be foretold, in real time
   // Foretold by `auto` alone.
   std::optional<double> predicted_error = {};  // of positions after half a second of falling, of

@@ -11,6 +11,7 @@
 #include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"
+#include "clothsim/simulation/reasons.h"
 #include "clothsim/simulation/scene.h"
 
 namespace clothsim {
@@ -20,7 +21,7 @@ struct StepReport {
   std::string method;
   int substeps = 0;
   std::optional<double> predicted_error;  // see MethodChoice
-  std::string reason;                     // for the method and its substeps, a sentence
+  Reasons reasons;                        // for the method and its substeps
   int recoveries = 0;                     // times the frame was taken back and tried again
   int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
   int corrections = 0;       // passes that shortened springs still over the limit, likewise

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace clothsim {
+
+/// Why a frame was integrated as it was, and what fell short in it.
+enum class Reason {
+  // Of the choice of a method.
+  named_by_scene,
+  no_springs,
+  cheapest_within_tolerance,
+  most_accurate_in_real_time,
+  none_in_real_time,
+  none_stable,
+  // After a frame failed.
+  substeps_halved,
+  method_failed,
+  failed_before_set_state,
+  // Of the frame itself.
+  beyond_stability,
+  newton_ran_out,
+  limit_yields,
+  passes_ran_out,
+};
+
+/// Reasons for programs to ask for, and in words.
+class Reasons {
+ public:
+  Reasons() = default;
+  Reasons(Reason first, const std::string& detail = {}) { add(first, detail); }
+
+  /// `detail` ends what the text says of that reason.
+  void add(Reason, const std::string& detail = {});
+
+  bool has(Reason reason) const { return all_.count(reason) > 0; }
+  const std::set<Reason>& all() const { return all_; }
+
+  /// A sentence, a clause for each in the order that they came.
+  const std::string& text() const { return text_; }
+
+ private:
+  std::set<Reason> all_;
+  std::string text_;
+};
+
+}  // namespace clothsim
