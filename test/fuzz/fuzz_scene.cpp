@@ -1,0 +1,234 @@
+// Random scenes: cloths of all materials, pinned, thrown and pushed about by moving colliders. What
+// must hold in all of them is looked at after every frame.
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "clothsim/collision/intersections.h"
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/model/errors.h"
+#include "clothsim/simulation/report.h"
+#include "fuzz/fuzz.h"
+#include "fuzz/random_scene.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// Speed [m/s] that any scene may have: what is pushed out of a collider, and swings.
+constexpr double usual_speed = 10;
+
+/// Times the speed of what drives it that a cloth may reach, as a whip's end does.
+constexpr double whip = 8;
+
+/// Stretch over the strain limit where nothing pulls: its tolerance, and what contact adds to it.
+constexpr double over_limit = 0.05;
+
+/// Seconds in which colliders push out the cloth that they started in.
+constexpr double time_to_leave = 1;
+
+/// Depth of the cloth in a collider [m] that repairs of a frame may leave.
+constexpr double skin = 1e-3;
+
+/// Shares of the energy that a second without drive may make, and of the angular momentum: errors
+/// of methods, and of velocities that are seen once a frame. A cloth that trembles makes all its
+/// energy anew many times a second.
+constexpr double made_share = 0.1;
+constexpr double spin_share = 0.05;
+
+/// Share of a momentum that a method may be off by, as it solves gravity and drag.
+constexpr double momentum_share = 1e-4;
+
+Vector3 mean(const Points& points) { return points.colwise().mean().transpose(); }
+
+/// Angular momentum about the middle, for each kilogram [m^2/s]. All points weigh the same.
+Vector3 spin(const State& state) {
+  Vector3 sum = Vector3::Zero();
+  const Vector3 middle = mean(state.positions);
+  for (int i = 0; i < state.positions.rows(); ++i) {
+    sum += (row(state.positions, i) - middle).cross(row(state.velocities, i));
+  }
+  return sum / static_cast<double>(state.positions.rows());
+}
+
+/// A random scene as it runs.
+class SceneRun {
+ public:
+  explicit SceneRun(const RandomScene& random)
+      : random_(random), simulator_(random.scene), start_(simulator_.state()) {
+    throw_cloth();
+    is_out_ = deepest_penetration(simulator_) == 0;
+  }
+
+  void step() {
+    const double dt = simulator_.frame_duration();
+    const bool is_driven = time_ + dt / 2 < driven_for;
+    const double kinetic_before = kinetic_energy(cloth(), state());
+    drive();
+    report_ = simulator_.step();
+    time_ += dt;
+    recoveries_ += report_.recoveries;
+    worst_ = std::max(worst_, report_.worst_stretch);
+    fastest_ = std::max(fastest_, testing::fastest(state()));
+    ASSERT_TRUE(state().positions.allFinite() && state().velocities.allFinite());
+    check_speed();
+    check_stretch();
+    check_colliders();
+    check_crossings();
+    if (random_.pins.empty() && random_.colliders.empty()) check_momentum();
+    if (is_driven) {
+      still_energy_ = energy();
+      still_scale_ = energy_scale();
+    } else {
+      const double mean_kinetic = (kinetic_before + kinetic_energy(cloth(), state())) / 2;
+      taken_ += 2 * cloth().damping * mean_kinetic * dt;
+      EXPECT_LT(made(), made_share * still_scale_) << "J out of nothing";
+    }
+  }
+
+  bool is_over() const { return time_ >= driven_for + still_for; }
+
+  /// What it cost and has come to.
+  void print(double cpu) const {
+    std::cout << "; " << cpu / time_ << " CPU seconds a second, stretch " << worst_ << ", fastest "
+              << fastest_ << " m/s, deepest " << deepest_ << " m, " << recoveries_
+              << " recoveries, made " << made() / still_scale_ << " of the energy";
+  }
+
+ private:
+  const Cloth& cloth() const { return simulator_.cloth(); }
+  const State& state() const { return simulator_.state(); }
+  const Vector3& gravity() const { return random_.scene.simulation.gravity; }
+  double size() const { return std::hypot(random_.scene.cloth.width, random_.scene.cloth.height); }
+
+  double energy() const { return total_energy(cloth(), Loads{gravity()}, state()); }
+
+  /// What moves in it, and what a fall by its size gives [J].
+  double energy_scale() const {
+    return kinetic_energy(cloth(), state()) + elastic_energy(cloth(), state().positions) +
+           cloth().mass.sum() * gravity().norm() * size();
+  }
+
+  /// Energy that came from nowhere since nothing is driven any more [J].
+  double made() const { return energy() - still_energy_ + taken_; }
+
+  /// Gives a cloth that is thrown its velocities.
+  void throw_cloth() {
+    if (random_.velocity.isZero()) return;
+    const Vector3 middle = mean(start_.positions);
+    for (int i = 0; i < cloth().num_points(); ++i) {
+      const Vector3 arm = row(start_.positions, i) - middle;
+      start_.velocities.row(i) = (random_.velocity + random_.spin.cross(arm)).transpose();
+    }
+    simulator_.set_state(start_);
+  }
+
+  /// Moves colliders and pins to where the frame ends.
+  void drive() {
+    const double t = time_ + simulator_.frame_duration();
+    for (std::size_t i = 0; i < random_.colliders.size(); ++i) {
+      const Pose& start = random_.scene.colliders[i].pose;
+      simulator_.move_collider(static_cast<int>(i), random_.colliders[i].at(t, start));
+    }
+    for (std::size_t i = 0; i < random_.pins.size(); ++i) {
+      const Pin& pin = random_.scene.cloth.pinned[i];
+      const Vector3 at = row(start_.positions, pin.row * cloth().columns + pin.column);
+      const Pose start{at, Eigen::Quaterniond::Identity()};
+      simulator_.move_pin(static_cast<int>(i), random_.pins[i].at(t, start).position);
+    }
+  }
+
+  /// As fast as it was driven, fell, or as springs that are let go throw it: with the speed of
+  /// sound in the cloth, of which the stretch is the share.
+  void check_speed() {
+    const Material& material = random_.scene.cloth.material;
+    const double sound = std::sqrt(4 * material.ks / material.density);
+    const double bound = usual_speed + whip * random_.fastest_drive() + gravity().norm() * time_ +
+                         2 * worst_ * sound;
+    EXPECT_LT(testing::fastest(state()), bound);
+  }
+
+  void check_stretch() {
+    const std::optional<double>& limit = cloth().strain_limit;
+    if (!limit || random_.may_be_pulled() || !is_out_) return;
+    EXPECT_LT(report_.worst_stretch, *limit + over_limit) << report_.reasons.text();
+  }
+
+  void check_colliders() {
+    const double depth = deepest_penetration(simulator_);
+    if (depth == 0) is_out_ = true;
+    if (!is_out_ && time_ < time_to_leave) return;
+    if (report_.pinched > 0 || has_pins_at_colliders()) return;
+    deepest_ = std::max(deepest_, depth);
+    EXPECT_LT(depth, skin);
+  }
+
+  /// Nothing takes a pinned point out of a collider, nor the springs that hold on to it.
+  bool has_pins_at_colliders() const {
+    double longest = 0;
+    for (const SpringRun& run : cloth().springs) longest = std::max(longest, run.rest_length);
+    const double near = longest * (1 + worst_);
+    for (const int pin : cloth().pinned) {
+      for (std::size_t c = 0; c < random_.colliders.size(); ++c) {
+        const Pose& pose = simulator_.collider_pose(static_cast<int>(c));
+        const Vector3 local = to_local(pose, row(state().positions, pin));
+        if (signed_distance(random_.scene.colliders[c].shape, local, local).value < near) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  void check_crossings() {
+    if (cloth().self_collision != SelfCollision::surface) return;
+    EXPECT_EQ(count_intersections(cloth(), state().positions), 0);
+  }
+
+  /// What springs, limit and the cloth itself do within it neither moves nor turns a free cloth:
+  /// that is left to gravity, whose share is the same at all points, and to drag.
+  void check_momentum() {
+    const double c = cloth().damping, kept = std::exp(-c * time_);
+    const double fell = c > 0 ? (1 - kept) / c : time_;
+    const Vector3 velocity = kept * mean(start_.velocities) + fell * gravity();
+    EXPECT_LT((mean(state().velocities) - velocity).norm(), momentum_share * (1 + velocity.norm()));
+    const double scale = size() * (1 + testing::fastest(start_));
+    EXPECT_LT((spin(state()) - kept * spin(start_)).norm(), spin_share * scale);
+  }
+
+  const RandomScene& random_;
+  Simulator simulator_;
+  State start_;
+  StepReport report_;
+  double time_ = 0;
+  int recoveries_ = 0;
+  double worst_ = 0;    // stretch
+  double fastest_ = 0;  // [m/s]
+  double deepest_ = 0;  // in a collider, since all was out [m]
+  bool is_out_ = false;
+  double still_energy_ = 0;  // when nothing was driven any more [J]
+  double still_scale_ = 0;
+  double taken_ = 0;  // by drag since then [J]
+};
+
+TEST(FuzzScene, RandomScenes) {
+  for_each_seed([](std::uint64_t seed) {
+    const RandomScene random = random_scene(seed);
+    std::cout << random.text() << std::flush;
+    SceneRun scene(random);
+    const double begun = cpu_seconds();
+    try {
+      while (!scene.is_over() && !has_failed()) scene.step();
+    } catch (const Diverged&) {
+      if (random.scene.simulation.method == "auto") throw;
+      std::cout << "; diverged, as a named method may";
+    }
+    scene.print(cpu_seconds() - begun);
+  });
+}
+
+}  // namespace
+}  // namespace clothsim
