@@ -1,5 +1,7 @@
 #include "clothsim/dynamics/bdf2.h"
 
+#include <algorithm>
+
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/model/checks.h"
 
@@ -46,6 +48,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
   state.positions += displacement_;
   state.velocities.array() += displacement_.array().colwise() / gain.array();
   returned_ = state;
+  if (!(fastest_in_history(cloth) < fastest_given)) forget();  // no one could read it again
 }
 
 void Bdf2::write(MemoryWriter& memory, const Cloth& cloth) const {
@@ -66,19 +69,18 @@ void Bdf2::read(MemoryReader& memory, const Cloth& cloth) {
     state->positions = memory.points(cloth.num_points());
     state->velocities = memory.points(cloth.num_points());
   }
-  check_history(cloth);
+  const double fastest = fastest_in_history(cloth);
+  if (fastest < fastest_given) return;
+  throw InvalidValue({"memory"}, to_text(fastest) + " m/s in the last step",
+                     "numbers below " + to_text(fastest_given));
 }
 
-void Bdf2::check_history(const Cloth& cloth) const {
+double Bdf2::fastest_in_history(const Cloth& cloth) const {
   const Eigen::ArrayXd is_free = (cloth.inv_mass.array() > 0).cast<double>();
-  const auto check = [&](const Points& velocities, const char* of) {
-    const double fastest = (velocities.array().abs().colwise() * is_free).maxCoeff();
-    if (fastest < fastest_given) return;
-    throw InvalidValue({"memory"}, to_text(fastest) + " m/s in " + of,
-                       "numbers below " + to_text(fastest_given));
+  const auto fastest = [&](const Points& velocities) {
+    return (velocities.array().abs().colwise() * is_free).maxCoeff();
   };
-  check(last_.velocities, "the velocities before the last step");
-  check((returned_.positions - last_.positions) / h_, "the way of the last step");
+  return std::max(fastest(last_.velocities), fastest((returned_.positions - last_.positions) / h_));
 }
 
 }  // namespace clothsim

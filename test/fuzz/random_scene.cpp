@@ -23,10 +23,10 @@ Material random_material(Draw& draw) {
   return material;
 }
 
-ClothSpec random_cloth(Draw& draw) {
+ClothSpec random_cloth(Draw& draw, int most) {
   ClothSpec cloth;
-  cloth.columns = static_cast<int>(draw.decades(2, 26));
-  cloth.rows = static_cast<int>(draw.decades(2, 26));
+  cloth.columns = static_cast<int>(draw.decades(2, most + 1));
+  cloth.rows = static_cast<int>(draw.decades(2, most + 1));
   if (draw.happens(0.05)) cloth.columns = 1;  // a rope
   const double cell = draw.decades(0.02, 0.1);
   cloth.width = cell * std::max(1, cloth.columns - 1);
@@ -155,11 +155,11 @@ Pose Motion::at(double time, const Pose& start) const {
   return pose;
 }
 
-RandomScene random_scene(std::uint64_t seed) {
+RandomScene random_scene(std::uint64_t seed, int most) {
   Draw draw(seed);
   RandomScene random;
   Scene& scene = random.scene;
-  scene.cloth = random_cloth(draw);
+  scene.cloth = random_cloth(draw, most);
   scene.cloth.pinned = random_pins(draw, scene.cloth);
   const double size = std::max(scene.cloth.width, scene.cloth.height);
   scene.simulation = random_simulation(draw);

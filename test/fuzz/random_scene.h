@@ -43,7 +43,7 @@ struct RandomScene {
   bool may_be_pulled() const;
 };
 
-/// Equal seeds give equal scenes.
-RandomScene random_scene(std::uint64_t seed);
+/// Of a cloth with `most` points along a side at most. Equal seeds give equal scenes.
+RandomScene random_scene(std::uint64_t seed, int most = 25);
 
 }  // namespace clothsim::testing

@@ -79,6 +79,21 @@ TEST(SavedStates, KeepWhichCollidersAreOn) {
   expect_same(simulator.state(), without);
 }
 
+TEST(SavedStates, OfAClothFasterThanAnyMayBeGivenComeBack) {
+  Scene scene = swinging();
+  scene.cloth.pinned.clear();
+  scene.simulation.gravity = Vector3(0, 0, -1e5);
+  Simulator simulator(scene);
+  run(simulator, 0.1);
+  ASSERT_GT(fastest(simulator.state()), fastest_given);
+  const auto saved = simulator.save();
+  run(simulator, 0.1);
+  const State expected = simulator.state();
+  simulator.restore(*saved);
+  run(simulator, 0.1);
+  expect_same(simulator.state(), expected);
+}
+
 TEST(SavedStates, SurviveAChangeOfMaterial) {
   Simulator simulator(busy("auto"));
   run(simulator, once);

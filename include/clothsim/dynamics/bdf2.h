@@ -49,9 +49,8 @@ class Bdf2 {
   void read(MemoryReader&, const Cloth&);
 
  private:
-  /// Throws InvalidValue for a history that would throw free points farther than any cloth is
-  /// thrown.
-  void check_history(const Cloth&) const;
+  /// Of the free points' velocities before the last step and ways in it [m/s].
+  double fastest_in_history(const Cloth&) const;
 
   NewtonSolver solver_;
   ClothWatch watch_;
