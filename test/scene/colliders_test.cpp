@@ -52,7 +52,7 @@ struct Drop {
 };
 
 const Drop drops[] = {
-    {"box_edge", 40, {{"table", Cuboid{{1, 1.4, 0.3}}, pose_at({0.1, 0.5, 0.6}), 0.5, ""}}},
+    {"box_edge", 25, {{"table", Cuboid{{1, 1.4, 0.3}}, pose_at({0.1, 0.5, 0.6}), 0.5, ""}}},
     {"box_corner",
      25,
      {{"crate", Cuboid{{0.5, 0.5, 0.5}}, pose_at({0.5, 0.5, 0.4}, {0.7, 0.5, 0}), 0.5, ""},

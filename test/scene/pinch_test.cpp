@@ -199,8 +199,10 @@ class Fold : public ::testing::TestWithParam<double> {};
 TEST_P(Fold, StaysCalmInFingersThatLeaveItLessThanItsThickness) {
   const double gap = GetParam();
   Scene scene;
-  scene.cloth.columns = scene.cloth.rows = side;
-  scene.cloth.origin = Vector3(-0.5, -0.5, 1.1);
+  scene.cloth.width = 0.5;  // several times as wide as the fingers
+  scene.cloth.columns = side / 2 + 1;
+  scene.cloth.rows = side;
+  scene.cloth.origin = Vector3(-0.25, -0.5, 1.1);
   scene.cloth.self_collision = SelfCollision::surface;
   scene.cloth.thickness = 0.005;
   scene.simulation.frames_per_second = 60;
