@@ -6,11 +6,11 @@
 #include <iostream>
 
 #include "clothsim/collision/intersections.h"
-#include "clothsim/dynamics/energy.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/simulation/report.h"
 #include "fuzz/fuzz.h"
 #include "fuzz/random_scene.h"
+#include "verification/energy_account.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -66,7 +66,6 @@ class SceneRun {
   void step() {
     const double dt = simulator_.frame_duration();
     const bool is_driven = time_ + dt / 2 < driven_for;
-    const double kinetic_before = kinetic_energy(cloth(), state());
     drive();
     report_ = simulator_.step();
     time_ += dt;
@@ -80,12 +79,10 @@ class SceneRun {
     check_crossings();
     if (random_.pins.empty() && random_.colliders.empty()) check_momentum();
     if (is_driven) {
-      still_energy_ = energy();
-      still_scale_ = energy_scale();
+      account_.begin(simulator_);
     } else {
-      const double mean_kinetic = (kinetic_before + kinetic_energy(cloth(), state())) / 2;
-      taken_ += 2 * cloth().damping * mean_kinetic * dt;
-      EXPECT_LT(made(), made_share * still_scale_) << "J out of nothing";
+      made_ = account_.share_made(simulator_);
+      EXPECT_LT(made_, made_share) << "energy out of nothing";
     }
   }
 
@@ -95,7 +92,7 @@ class SceneRun {
   void print(double cpu) const {
     std::cout << "; " << cpu / time_ << " CPU seconds a second, stretch " << worst_ << ", fastest "
               << fastest_ << " m/s, deepest " << deepest_ << " m, " << recoveries_
-              << " recoveries, made " << made() / still_scale_ << " of the energy";
+              << " recoveries, made " << made_ << " of the energy";
   }
 
  private:
@@ -103,17 +100,6 @@ class SceneRun {
   const State& state() const { return simulator_.state(); }
   const Vector3& gravity() const { return random_.scene.simulation.gravity; }
   double size() const { return std::hypot(random_.scene.cloth.width, random_.scene.cloth.height); }
-
-  double energy() const { return total_energy(cloth(), Loads{gravity()}, state()); }
-
-  /// What moves in it, and what a fall by its size gives [J].
-  double energy_scale() const {
-    return kinetic_energy(cloth(), state()) + elastic_energy(cloth(), state().positions) +
-           cloth().mass.sum() * gravity().norm() * size();
-  }
-
-  /// Energy that came from nowhere since nothing is driven any more [J].
-  double made() const { return energy() - still_energy_ + taken_; }
 
   /// Gives a cloth that is thrown its velocities.
   void throw_cloth() {
@@ -209,9 +195,8 @@ class SceneRun {
   double fastest_ = 0;  // [m/s]
   double deepest_ = 0;  // in a collider, since all was out [m]
   bool is_out_ = false;
-  double still_energy_ = 0;  // when nothing was driven any more [J]
-  double still_scale_ = 0;
-  double taken_ = 0;  // by drag since then [J]
+  EnergyAccount account_;  // since nothing is driven any more
+  double made_ = 0;
 };
 
 TEST(FuzzScene, RandomScenes) {

@@ -14,8 +14,8 @@ class EnergyAccount {
     start_ = energy(simulator);
     kinetic_ = kinetic_energy(simulator.cloth(), simulator.state());
     taken_ = 0;
-    scale_ = kinetic_ + elastic_energy(simulator.cloth(), simulator.state().positions) +
-             fall(simulator);
+    scale_ =
+        kinetic_ + elastic_energy(simulator.cloth(), simulator.state().positions) + fall(simulator);
   }
 
   /// To be called after each frame; the share made since begin(), of all that could move.
