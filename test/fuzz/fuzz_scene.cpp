@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "clothsim/collision/intersections.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/simulation/report.h"
 #include "fuzz/fuzz.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 
-#include "clothsim/collision/intersections.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "verification/testing.h"
 

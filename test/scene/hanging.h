@@ -5,6 +5,7 @@
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
+#include "verification/energy_account.h"
 #include "verification/testing.h"
 
 namespace clothsim::testing {
@@ -33,6 +34,22 @@ inline int run_checked(Simulator& simulator, double seconds, double speed_limit)
   }
   ::testing::Test::RecordProperty("rest_after_s", std::to_string(moving / 90.0));
   return recoveries;
+}
+
+/// Runs with nothing driven: no frame may make energy of nothing, as a cloth does that trembles or
+/// blows up.
+inline StepReport run_undriven(Simulator& simulator, double seconds) {
+  constexpr double most_made = 0.01;  // of what could move; a tenth of that has been seen
+  EnergyAccount account;
+  account.begin(simulator);
+  StepReport report;
+  const int frames = static_cast<int>(std::lround(seconds * 90));
+  for (int frame = 0; frame < frames && !::testing::Test::HasFailure(); ++frame) {
+    report = simulator.step();
+    EXPECT_TRUE(simulator.state().positions.allFinite()) << frame;
+    EXPECT_LT(account.share_made(simulator), most_made) << frame;
+  }
+  return report;
 }
 
 inline void expect_rest(const Simulator& simulator, double rms) {

@@ -27,17 +27,23 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
   scene.colliders[0].pose.orientation.setIdentity();
   Simulator simulator(scene);
   run_checked(simulator, 3, 10);
+  const Points before = simulator.state().positions;
   const int frames = static_cast<int>(std::ceil(3 * 90 / GetParam()));
   for (int frame = 1; frame <= frames; ++frame) {
     const double y = -1.5 + 3.0 * frame / frames;
     simulator.move_collider(0, {Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()});
     simulator.step();
-    ASSERT_TRUE(simulator.state().positions.allFinite()) << frame;
-    ASSERT_LT(fastest(simulator.state()), 8 * GetParam() + 10) << frame;
+    // A push without a bounce gives no more than its own speed, here to all points together. The
+    // cloth's edges whip.
+    const double together = simulator.state().velocities.colwise().mean().norm();
+    ASSERT_LT(together, GetParam() + 5) << frame;
+    ASSERT_LT(fastest(simulator.state()), 5 * GetParam() + 5) << frame;
     ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
   }
-  run_checked(simulator, 5, 8 * GetParam() + 10);
+  simulator.step();  // in which the sphere stands still
+  run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
+  EXPECT_LT(farthest(simulator.state().positions, before), 5e-3) << "the trace";
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 10.0, 100.0));
@@ -50,13 +56,31 @@ TEST(HardScene, CornersPushedTogetherByHalf) {
 }
 
 TEST(HardScene, PinsThreeTimesAsFarApart) {
-  // Its limit cannot be met between the pins: it is stretched, says so, and stays calm.
+  // Within a frame. Its limit cannot be met between the pins: it is stretched, says so, and is
+  // still.
   Simulator simulator(hanging());
   simulator.move_pin(1, {3, 0, 1});
-  run_checked(simulator, 5, 1000);
-  EXPECT_GT(worst_stretch(simulator.cloth(), simulator.state().positions), 1);
+  simulator.step();
+  const StepReport report = run_undriven(simulator, 5);
+  EXPECT_TRUE(report.reasons.has(Reason::limit_yields)) << report.reasons.text();
+  EXPECT_LT(rms_velocity(simulator.state()), 0.02);
+  EXPECT_LT(fastest(simulator.state()), 0.1);
+
+  // At the pins springs are stretched most: without a limit as far as their stiffness has it.
+  Scene limitless = hanging();
+  limitless.cloth.material.strain_limit.reset();
+  Simulator elastic(limitless);
+  for (int frame = 1; frame <= 90; ++frame) {
+    elastic.move_pin(1, {1 + 2 * frame / 90.0, 0, 1});
+    elastic.step();
+  }
+  const double stretch = run(elastic, 5).worst_stretch;
+  EXPECT_GT(report.worst_stretch, 2);  // that of the straight line from pin to pin
+  EXPECT_LT(report.worst_stretch, 2 * stretch) << "it is torn";
+
   simulator.move_pin(1, {1, 0, 1});
-  run_checked(simulator, 5, 1000);
+  simulator.step();
+  run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
 }
 
@@ -288,6 +312,18 @@ TEST(HardScene, ASpringBeyondRepairIsReported) {
   expect_rest(simulator, 0.02);
 }
 
+/// Height of a point of hanging(side) on which both pins pull by taut springs in straight lines,
+/// along cells and across them: no cloth within its limit hangs lower.
+double lowest_height(int side, int column, int row) {
+  const auto length = [&](int columns) {
+    const int across = std::min(columns, row);
+    return 1.104 * (across * std::sqrt(2) + (columns + row - 2 * across)) / (side - 1);
+  };
+  const double left = length(column), right = length(side - 1 - column);
+  const double x = (1 + left * left - right * right) / 2;  // where the pins' circles meet
+  return 1 - std::sqrt(left * left - x * x);
+}
+
 class HeavyPoint : public ::testing::TestWithParam<double> {};
 
 TEST_P(HeavyPoint, Hangs) {
@@ -318,16 +354,14 @@ TEST_P(HeavyPoint, Hangs) {
   }
   RecordProperty("worst_stretch", std::to_string(worst));
   RecordProperty("rms_velocity", std::to_string(rms_velocity(state)));
+  EXPECT_GT(state.positions(heavy, 2), lowest_height(8, 4, 7)) << "as far as taut springs let it";
+  EXPECT_LT(state.positions(heavy, 2), lowest_height(8, 4, 7) + 0.15) << "it hangs";
   if (GetParam() <= 100) {
     EXPECT_LT(worst, 0.1041);
     EXPECT_LT(rms_velocity(state), 1e-4);
-  } else {  // passes are too few: what hangs from it trembles, without end and within bounds
+  } else {  // passes are too few for the light points about it, not for itself
     EXPECT_LT(worst, 0.13);
-    EXPECT_LT(rms_velocity(state), 5);
-  }
-  // From 500 to 1000 a rounding decides whether it does.
-  if (GetParam() > 1000) {
-    EXPECT_GT(rms_velocity(state), 0.1) << "it rests: hold it to what the lighter ones are held to";
+    EXPECT_LT(state.velocities.row(heavy).norm(), 1);
   }
 }
 

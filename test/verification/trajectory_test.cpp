@@ -2,7 +2,9 @@
 // order. A cloth of 10 x 10 points keeps it short.
 
 #include <cmath>
+#include <limits>
 
+#include "clothsim/dynamics/spectrum.h"
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
 
@@ -155,7 +157,7 @@ TYPED_TEST(Trajectory, DegenerateStartsStayFinite) {
   }
 }
 
-TYPED_TEST(Trajectory, ExtremesAreFiniteOrDiverged) {
+TYPED_TEST(Trajectory, ExtremesDivergeWhereTheoryHasItAndElsewhereFallAndHang) {
   // Steps, stiffness and lightness far outside what is reasonable, through the simulator.
   struct Extreme {
     double ks;
@@ -164,6 +166,7 @@ TYPED_TEST(Trajectory, ExtremesAreFiniteOrDiverged) {
   };
   for (const Extreme& e : {Extreme{1e12, 1e-6, 0}, Extreme{1e12, 150, 1e6}, Extreme{0, 1e-6, 0},
                            Extreme{1e9, 0.15, 5.4}, Extreme{1e-3, 1e9, 0}, Extreme{0, 150, 1e6}}) {
+    SCOPED_TRACE(std::to_string(e.ks) + " N/m, " + std::to_string(e.density) + " kg/m^2");
     Scene scene;
     scene.cloth = pinned2();
     scene.cloth.columns = scene.cloth.rows = 6;
@@ -174,17 +177,26 @@ TYPED_TEST(Trajectory, ExtremesAreFiniteOrDiverged) {
     scene.simulation.method = TypeParam::name;
     scene.simulation.substeps = 2;
     Simulator simulator(scene);
+    const double h = simulator.frame_duration() / 2;
+    const bool is_unstable = h * omega_max_bound(simulator.cloth()) > TypeParam().stability_limit;
+    bool has_diverged = false;
     try {
       for (int frame = 0; frame < 10; ++frame) {
         simulator.step();
-        ASSERT_TRUE(simulator.state().positions.allFinite()) << e.ks << ' ' << e.density;
-        ASSERT_TRUE(simulator.state().velocities.allFinite()) << e.ks << ' ' << e.density;
+        ASSERT_TRUE(simulator.state().positions.allFinite()) << frame;
+        // Free points fall; taut ones of one pin swing down no faster.
+        const double t = simulator.state().time;
+        ASSERT_LT(fastest(simulator.state()), 2 * 9.8 * t + 0.1) << frame;
       }
     } catch (const Diverged& error) {
-      EXPECT_GT(e.ks, 1) << "springs that no step is too long for";
+      has_diverged = true;
       EXPECT_NE(std::string(error.what()).find(TypeParam::name), std::string::npos);
       EXPECT_TRUE(simulator.state().positions.allFinite());
     }
+    // Where what is rounded off a spring's pull is heavier than a point, no method knows better.
+    const double rounded = e.ks * 0.2 * std::numeric_limits<double>::epsilon();
+    if (rounded > simulator.cloth().mass[0] * 9.8) continue;
+    EXPECT_EQ(has_diverged, is_unstable);
   }
 }
 
