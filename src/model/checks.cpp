@@ -52,4 +52,11 @@ std::string join(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string shortened(const std::string& text, std::size_t longest) {
+  if (text.size() <= longest) return text;
+  // Not within a character of UTF-8, whose later bytes are 10xxxxxx.
+  while (longest > 0 && (static_cast<unsigned char>(text[longest]) & 0xC0) == 0x80) --longest;
+  return text.substr(0, longest) + "...";
+}
+
 }  // namespace clothsim

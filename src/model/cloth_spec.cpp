@@ -1,7 +1,6 @@
 #include "clothsim/model/cloth_spec.h"
 
-#include <map>
-#include <utility>
+#include <unordered_map>
 
 #include "clothsim/model/checks.h"
 
@@ -40,7 +39,8 @@ void check_size(const ClothSpec& spec) {
 }
 
 void check_pins(const ClothSpec& spec) {
-  std::map<std::pair<int, int>, size_t> seen;
+  std::unordered_map<long long, size_t> seen;  // items by point
+  seen.reserve(spec.pinned.size());
   for (size_t i = 0; i < spec.pinned.size(); ++i) {
     const Pin& pin = spec.pinned[i];
     inside("pinned", [&] {
@@ -52,7 +52,8 @@ void check_pins(const ClothSpec& spec) {
                              "[column, row] with column 0 to " + std::to_string(spec.columns - 1) +
                                  " and row 0 to " + std::to_string(spec.rows - 1));
         }
-        const auto [first, is_new] = seen.emplace(std::pair(pin.column, pin.row), i);
+        const long long point = static_cast<long long>(pin.row) * spec.columns + pin.column;
+        const auto [first, is_new] = seen.emplace(point, i);
         if (!is_new) {
           throw InvalidValue({}, got + " again",
                              "a point other than that of item " + std::to_string(first->second));

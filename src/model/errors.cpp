@@ -2,8 +2,13 @@
 
 #include <utility>
 
+#include "clothsim/model/checks.h"
+
 namespace clothsim {
 namespace {
+
+/// Characters of a part of a message: the path of a file fits, and a name of megabytes does not.
+constexpr size_t longest_part = 1000;
 
 /// Without control characters, which a file may hold and a terminal would obey.
 std::string printable(std::string text) {
@@ -17,8 +22,11 @@ std::string format(const std::vector<std::string>& key, const std::string& prefi
                    const std::string& separator, const std::string& got,
                    const std::string& expected) {
   std::string path = prefix;
-  for (size_t i = 0; i < key.size(); ++i) path += (i == 0 ? "" : separator) + key[i];
-  return printable(path + ": got " + got + ", expected " + expected);
+  for (size_t i = 0; i < key.size(); ++i) {
+    path += (i == 0 ? "" : separator) + shortened(key[i], longest_part);
+  }
+  return printable(path + ": got " + shortened(got, longest_part) + ", expected " +
+                   shortened(expected, longest_part));
 }
 
 /// A mistake about the whole has no key.

@@ -10,6 +10,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/model/files.h"
 
 namespace clothsim {
 namespace {
@@ -108,6 +109,13 @@ CubeMap from_panorama(const cv::Mat& panorama) {
   return cube;
 }
 
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
 }  // namespace
 
 std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key) {
@@ -151,11 +159,8 @@ std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std:
 }
 
 void check_image_ending(const std::string& path, const std::string& key) {
-  std::string ending = fs::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::vector<std::string> known(std::begin(known_endings), std::end(known_endings));
-  if (std::find(known.begin(), known.end(), ending) != known.end()) return;
+  if (std::find(known.begin(), known.end(), ending_of(path)) != known.end()) return;
   refuse(key, path, "a file name that ends in one of " + join(known));
 }
 
@@ -164,8 +169,10 @@ void save_image(const std::string& path, const Image& image) {
   cv::cvtColor(
       cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())), bgr,
       cv::COLOR_RGB2BGR);
-  if (!cv::imwrite(path, bgr, {cv::IMWRITE_PNG_COMPRESSION, 9}))
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(ending_of(path), bgr, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
     throw std::runtime_error("cannot write " + path);
+  write_file(path, std::string(bytes.begin(), bytes.end()));
 }
 
 }  // namespace clothsim

@@ -228,9 +228,10 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
   if (collider == colliders.end()) {
     std::vector<std::string> names;
     for (const clothsim::ColliderSpec& c : colliders) names.push_back(c.name);
-    response.message =
-        "name: got \"" + request.name + "\", expected " +
-        (names.empty() ? "none, as the scene has no colliders" : "one of " + clothsim::join(names));
+    response.message = clothsim::InvalidValue({"name"}, '"' + request.name + '"',
+                                              names.empty() ? "none, as the scene has no colliders"
+                                                            : "one of " + clothsim::join(names))
+                           .what();
     return true;
   }
   clothsim::Change change;

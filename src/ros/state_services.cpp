@@ -67,7 +67,8 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
                             clothsim::RestoreState::Response& response) {
   const auto entry = saved_.find(request.name);
   if (entry == saved_.end()) {
-    response.message = "name: got \"" + request.name + "\", expected that of a saved state";
+    response.message =
+        clothsim::InvalidValue({"name"}, '"' + request.name + '"', "that of a saved state").what();
     return true;
   }
   simulator_.restore(*entry->second.simulation);

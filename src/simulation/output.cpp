@@ -1,12 +1,9 @@
 #include "clothsim/simulation/output.h"
 
 #include <array>
-#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <stdexcept>
 
 namespace clothsim {
 namespace {
@@ -50,16 +47,6 @@ std::string to_ply(const Cloth& cloth, const Points& positions) {
     for (const int point : triangle) append_bytes<std::int32_t>(point, ply);
   }
   return ply;
-}
-
-void write_file(const std::filesystem::path& path, const std::string& contents) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file.write(contents.data(), static_cast<std::streamsize>(contents.size()));
-  file.close();
-  if (!file) {
-    throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
-  }
 }
 
 }  // namespace clothsim

@@ -1,8 +1,13 @@
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/eventhandler.h>
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
+#include <set>
 #include <sstream>
 
 #include "clothsim/model/errors.h"
@@ -13,19 +18,28 @@ namespace clothsim {
 namespace {
 
 /// Far above any scene written by hand.
-constexpr std::streamsize max_file_size = 4'000'000;  // bytes
+constexpr std::uintmax_t max_file_size = 4'000'000;  // bytes
 
+/// Of an assignment: several times what the deepest value of a scene or a view takes.
+constexpr size_t max_keys = 20;
+
+using Keys = std::vector<std::string>;
+
+/// Asks for the size first: what has none, as a pipe or a device, may never end.
 std::string read_file(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) throw InvalidValue({path}, error.message(), "a regular file");
+  if (size > max_file_size) {
+    throw InvalidValue({path}, std::to_string(size) + " bytes",
+                       "at most " + std::to_string(max_file_size));
+  }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  std::string text(max_file_size + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text(size, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(size));
   if (!file.is_open() || file.bad()) {
     throw InvalidValue({path}, std::strerror(errno), "a readable file");
-  }
-  if (file.gcount() > max_file_size) {
-    throw InvalidValue({path}, "a larger file",
-                       "at most " + std::to_string(max_file_size) + " bytes");
   }
   text.resize(static_cast<size_t>(file.gcount()));
   return text;
@@ -58,8 +72,23 @@ bool has_more(const std::string& text) {
   return static_cast<bool>(parser);
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
+/// Throws InvalidValue with `keys` unless `text` is one document of YAML.
+YAML::Node parse(const std::string& text, const Keys& keys) {
+  try {
+    if (has_more(text)) throw InvalidValue(keys, "more after the first document", "one document");
+    return YAML::Load(text);
+  } catch (const YAML::DeepRecursion& error) {
+    throw InvalidValue(
+        keys,
+        "lists or maps too deep inside one another in line " + std::to_string(error.mark.line + 1),
+        "YAML of a few levels");
+  } catch (const YAML::Exception& error) {
+    throw InvalidValue(keys, error.what(), "YAML");
+  }
+}
+
+Keys split(const std::string& text, char separator) {
+  Keys parts(1);
   for (const char c : text) {
     if (c == separator) {
       parts.emplace_back();
@@ -70,57 +99,13 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-using Keys = std::vector<std::string>;
+/// What assignments ask of one value: another one, then changes by key inside it.
+struct Change {
+  std::optional<YAML::Node> value;
+  std::map<std::string, Change> inside;
+};
 
-/// A copy of `node` with the value at keys[depth...] replaced. Copies the way there rather than
-/// writing into it: an anchor may share the nodes with another key.
-YAML::Node with_value(const YAML::Node& node, const Keys& keys, size_t depth,
-                      const YAML::Node& value) {
-  if (depth == keys.size()) return value;
-  const std::string& key = keys[depth];
-
-  if (node.IsDefined() && node.IsSequence()) {
-    YAML::Node list(YAML::NodeType::Sequence);
-    bool found = false;
-    for (size_t i = 0; i < node.size(); ++i) {
-      const bool here = std::to_string(i) == key;
-      list.push_back(here ? with_value(node[i], keys, depth + 1, value) : node[i]);
-      found = found || here;
-    }
-    if (!found) {
-      throw InvalidValue(Keys(keys.begin(), keys.begin() + static_cast<long>(depth) + 1),
-                         "no such item", "an index into a list of " + std::to_string(node.size()));
-    }
-    return list;
-  }
-
-  YAML::Node map(YAML::NodeType::Map);
-  bool found = false;
-  if (node.IsDefined() && node.IsMap()) {
-    for (const auto& entry : node) {
-      const bool here = !found && entry.first.IsScalar() && entry.first.Scalar() == key;
-      map.force_insert(entry.first,
-                       here ? with_value(entry.second, keys, depth + 1, value) : entry.second);
-      found = found || here;
-    }
-  }
-  if (!found) map.force_insert(key, with_value(YAML::Node(), keys, depth + 1, value));
-  return map;
-}
-
-}  // namespace
-
-YAML::Node load_scene_file(const std::string& path) {
-  const std::string text = read_file(path);
-  try {
-    if (has_more(text)) throw InvalidValue({path}, "more after the first document", "one document");
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InvalidValue({path}, error.what(), "YAML");
-  }
-}
-
-void override_value(YAML::Node root, const std::string& assignment) {
+void add(const std::string& assignment, Change& root) {
   const size_t equals = assignment.find('=');
   const Keys keys = split(assignment.substr(0, equals), '.');
   bool empty_key = false;
@@ -128,13 +113,95 @@ void override_value(YAML::Node root, const std::string& assignment) {
   if (equals == std::string::npos || empty_key) {
     throw InvalidValue({"assignment"}, '"' + assignment + '"', "path.to.key=value");
   }
-
-  try {
-    const YAML::Node value = YAML::Load(assignment.substr(equals + 1));
-    root = with_value(root, keys, 0, value);
-  } catch (const YAML::Exception& error) {
-    throw InvalidValue(keys, error.what(), "YAML");
+  if (keys.size() > max_keys) {
+    throw InvalidValue({"assignment"}, "a path of " + std::to_string(keys.size()) + " keys",
+                       "at most " + std::to_string(max_keys));
   }
+  Change* place = &root;
+  for (const std::string& key : keys) place = &place->inside[key];
+  place->value = parse(assignment.substr(equals + 1), keys);
+  place->inside.clear();
+}
+
+/// Makes changed copies of the parts of a tree. Copies the way to each change rather than writing
+/// into it: an anchor may share the nodes with another key.
+class Changer {
+ public:
+  explicit Changer(const YAML::Node& root) { memory_.push_back(root); }
+
+  YAML::Node changed(const YAML::Node& node, const Change& change, Keys& path) {
+    const YAML::Node& base = change.value ? *change.value : node;
+    if (change.inside.empty()) return base;
+    const bool is_list = base.IsDefined() && base.IsSequence();
+    return is_list ? changed_list(base, change, path) : changed_map(base, change, path);
+  }
+
+ private:
+  /// yaml-cpp joins the memories of nodes that meet, at a cost that grows with the second one's: a
+  /// new node joins that of the tree while it is small.
+  YAML::Node make(YAML::NodeType::value type) {
+    YAML::Node node(type);
+    memory_.push_back(node);
+    return node;
+  }
+
+  YAML::Node changed_item(const YAML::Node& node, const Change& change, const std::string& key,
+                          Keys& path) {
+    path.push_back(key);
+    const YAML::Node item = changed(node, change, path);
+    path.pop_back();
+    return item;
+  }
+
+  YAML::Node changed_list(const YAML::Node& node, const Change& change, Keys& path) {
+    YAML::Node list = make(YAML::NodeType::Sequence);
+    std::set<std::string> missing;
+    for (const auto& entry : change.inside) missing.insert(entry.first);
+    size_t index = 0;
+    for (const YAML::Node& item : node) {
+      const std::string key = std::to_string(index++);
+      const bool here = missing.erase(key) > 0;
+      list.push_back(here ? changed_item(item, change.inside.at(key), key, path) : item);
+    }
+    if (!missing.empty()) {
+      path.push_back(*missing.begin());
+      throw InvalidValue(path, "no such item", "an index into a list of " + std::to_string(index));
+    }
+    return list;
+  }
+
+  YAML::Node changed_map(const YAML::Node& node, const Change& change, Keys& path) {
+    YAML::Node map = make(YAML::NodeType::Map);
+    std::set<std::string> missing;
+    for (const auto& entry : change.inside) missing.insert(entry.first);
+    if (node.IsDefined() && node.IsMap()) {
+      for (const auto& entry : node) {
+        // Of a key that is there twice the second stays, for the reader to refuse.
+        const bool here = entry.first.IsScalar() && missing.erase(entry.first.Scalar()) > 0;
+        const std::string key = here ? entry.first.Scalar() : "";
+        map.force_insert(
+            entry.first,
+            here ? changed_item(entry.second, change.inside.at(key), key, path) : entry.second);
+      }
+    }
+    for (const std::string& key : missing) {
+      map.force_insert(key, changed_item(YAML::Node(), change.inside.at(key), key, path));
+    }
+    return map;
+  }
+
+  YAML::Node memory_{YAML::NodeType::Sequence};
+};
+
+}  // namespace
+
+YAML::Node load_scene_file(const std::string& path) { return parse(read_file(path), {path}); }
+
+void override_values(YAML::Node root, const std::vector<std::string>& assignments) {
+  Change change;
+  for (const std::string& assignment : assignments) add(assignment, change);
+  Keys path;
+  root = Changer(root).changed(root, change, path);
 }
 
 }  // namespace clothsim

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/model/files.h"
 #include "clothsim/simulation/output.h"
 #include "clothsim/simulation/progress_bar.h"
 #include "clothsim/simulation/report.h"
@@ -57,6 +58,18 @@ void make_free_of_frames(const std::filesystem::path& directory) {
   for (const std::filesystem::path& path : old) std::filesystem::remove(path);
 }
 
+/// Says what stays still although the scene has it follow a frame.
+void tell_of_frames(const Scene& scene) {
+  const auto follows = [](const auto& item) { return !item.frame.empty(); };
+  const auto count = [&](const auto& items) {
+    return std::count_if(items.begin(), items.end(), follows);
+  };
+  const auto colliders = count(scene.colliders), pins = count(scene.cloth.pinned);
+  if (colliders + pins == 0) return;
+  std::cerr << "simulate: without ROS no tf frame moves: " << colliders << " colliders and " << pins
+            << " pins that follow one stay still\n";
+}
+
 /// Adds to a run's cost from construction to destruction.
 class Stopwatch {
  public:
@@ -75,12 +88,14 @@ class Stopwatch {
 
 ExitCode simulate(const Options& options) {
   YAML::Node yaml = load_scene_file(options.scene);
-  for (const std::string& assignment : options.overrides) override_value(yaml, assignment);
+  override_values(yaml, options.overrides);
   Simulator simulator(read_scene(yaml));
 
   const double frame_duration = simulator.frame_duration();
   const long long frames = to_frames("--seconds", options.seconds, frame_duration);
   const long long every = options.every ? to_frames("--every", *options.every, frame_duration) : 0;
+
+  tell_of_frames(simulator.scene());
 
   // Make the folders first: a run should not end in vain.
   const std::filesystem::path frame_directory = options.output / "frames";

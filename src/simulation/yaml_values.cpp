@@ -58,9 +58,7 @@ std::optional<bool> parse_switch(const YAML::Node& node) {
   return value;
 }
 
-std::string shortened(const std::string& text) {
-  return text.size() <= longest_shown ? text : text.substr(0, longest_shown) + "...";
-}
+std::string shortened(const std::string& text) { return clothsim::shortened(text, longest_shown); }
 
 std::string describe_scalar(const YAML::Node& node) {
   if (is_plain(node)) return shortened(node.Scalar());

@@ -38,7 +38,7 @@ std::vector<std::string> or_none(std::vector<std::string> choices) {
 
 YAML::Node with(const YAML::Node& root, const std::string& assignment) {
   YAML::Node copy = YAML::Clone(root);
-  if (!assignment.empty()) override_value(copy, assignment);
+  if (!assignment.empty()) override_values(copy, {assignment});
   return copy;
 }
 
@@ -91,10 +91,10 @@ void check_sizes(const std::vector<View>& views, const std::vector<std::string>&
 ExitCode take_pictures(const Options& options) {
   // Read everything first, so that a mistake is found before the work.
   YAML::Node scene = load_scene_file(options.scene);
-  for (const std::string& value : options.scene_values) override_value(scene, value);
+  override_values(scene, options.scene_values);
   YAML::Node view(YAML::NodeType::Map);
   if (!options.view_file.empty()) view = load_scene_file(options.view_file);
-  for (const std::string& value : options.view_values) override_value(view, value);
+  override_values(view, options.view_values);
   std::vector<Scene> scenes;
   for (const std::string& choice : or_none(options.scene_choices))
     scenes.push_back(read_scene(with(scene, choice)));

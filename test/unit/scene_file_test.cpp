@@ -1,21 +1,24 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 
 #include "scene_text.h"
+#include "temporary_folder.h"
 
 namespace clothsim {
 namespace {
 
 std::string write_temporary(const std::string& name, const std::string& text) {
-  const std::string path = testing::TempDir() + name;
+  const std::string path = ::testing::TempDir() + name;
   std::ofstream(path) << text;
   return path;
 }
 
 TEST(SceneFile, RefusesWhatIsNoYamlFile) {
   EXPECT_THROW(load_scene_file("no/such/file.yaml"), InvalidValue);
-  EXPECT_THROW(load_scene_file(testing::TempDir()), InvalidValue);
+  EXPECT_THROW(load_scene_file(::testing::TempDir()), InvalidValue);
   EXPECT_THROW(load_scene_file(write_temporary("open.yaml", "cloth: [1, 2")), InvalidValue);
   EXPECT_THROW(load_scene_file(write_temporary("tail.yaml", "cloth: {}\n}")), InvalidValue);
   EXPECT_THROW(load_scene_file(write_temporary("two.yaml", "cloth: {}\n---\ncloth: {}")),
@@ -23,6 +26,39 @@ TEST(SceneFile, RefusesWhatIsNoYamlFile) {
   EXPECT_THROW(load_scene_file(write_temporary("deep.yaml", std::string(100'000, '['))),
                InvalidValue);
   EXPECT_THROW(load_scene_file("/dev/zero"), InvalidValue);
+}
+
+/// The message that refuses a file.
+std::string file_refusal(const std::string& path) {
+  try {
+    load_scene_file(path);
+  } catch (const InvalidValue& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Opening a pipe that nobody writes to would wait for ever.
+TEST(SceneFile, AsksForARegularFile) {
+  const clothsim::testing::TemporaryFolder folder("pipe");
+  const std::string pipe = folder.path() / "pipe.yaml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path : {pipe, std::string("/dev/zero"), std::string("/dev/tty")}) {
+    const std::string message = file_refusal(path);
+    EXPECT_NE(message.find("expected a regular file"), std::string::npos) << message;
+  }
+}
+
+// It has no size, and reading it waits for the next line of the kernel.
+TEST(SceneFile, AFileWithoutSizeIsEmpty) {
+  if (access("/proc/kmsg", R_OK) != 0) GTEST_SKIP() << "no /proc/kmsg that can be read";
+  EXPECT_THROW(read_scene(load_scene_file("/proc/kmsg")), InvalidValue);
+}
+
+TEST(SceneFile, DeepYamlIsToldAsSuch) {
+  const std::string deep = std::string(1000, '[') + std::string(1000, ']');
+  const std::string message = file_refusal(write_temporary("deeper.yaml", "cloth:\n  " + deep));
+  EXPECT_NE(message.find("too deep inside one another in line 2"), std::string::npos) << message;
 }
 
 TEST(SceneFile, AnEmptyFileIsNoScene) {

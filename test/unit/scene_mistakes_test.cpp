@@ -323,6 +323,24 @@ TEST(SceneYaml, MessagesHoldNoControlCharacters) {
   EXPECT_EQ(refusal("cloth: {\"a\\e[2J\\nb\": 1}").substr(0, 15), "cloth.a?[2J?b: ");
 }
 
+TEST(SceneYaml, MessagesStayShortWhateverTheyGot) {
+  const std::string name(5'000'000, 'x');
+  EXPECT_LT(refusal("{cloth: {}, simulation: {method: " + name + "}}").size(), 2000u);
+  EXPECT_LT(refusal("{cloth: {}, colliders: [{shape: plane, name: " + name +
+                    "}, {shape: plane, name: " + name + "}]}")
+                .size(),
+            2000u);
+  EXPECT_LT(
+      InvalidValue({name, name}, name, name).inside(name).message(name.substr(0, 9), "/").size(),
+      6000u);
+}
+
+TEST(SceneYaml, ShortenedTextsEndWithAWholeCharacter) {
+  EXPECT_EQ(shortened("\u00e4\u00e4\u00e4", 3), "\u00e4...");
+  EXPECT_EQ(shortened("\u00e4\u00e4\u00e4", 4), "\u00e4\u00e4...");
+  EXPECT_EQ(shortened("abc", 3), "abc");
+}
+
 TEST(SceneYaml, NamesTheParameterTheWayTheNodeWritesIt) {
   try {
     read_changed({"colliders.0.radius=-1"});

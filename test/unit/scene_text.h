@@ -52,7 +52,7 @@ inline std::string refusal(const std::string& text) {
 /// The good scene after `assignments`, such as "cloth.ks=500".
 inline Scene read_changed(const std::vector<std::string>& assignments) {
   YAML::Node root = YAML::Load(good_scene);
-  for (const std::string& assignment : assignments) override_value(root, assignment);
+  override_values(root, assignments);
   return read_scene(root);
 }
 

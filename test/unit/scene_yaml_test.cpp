@@ -170,9 +170,9 @@ TEST(SceneYaml, BoxIsTurnedByRollThenPitchThenYawAboutFixedAxes) {
             1e-5);
 }
 
-// ---- override_value
+// ---- override_values
 
-TEST(OverrideValue, ReplacesAndAdds) {
+TEST(OverrideValues, ReplacesAndAdds) {
   const Scene scene = read_changed({"cloth.ks=500", "colliders.0.radius=0.3",
                                     "cloth.pinned.1.point=[1, 1]", "cloth.pinned.1.point.0=2"});
   EXPECT_EQ(scene.cloth.material.ks, 500);
@@ -181,34 +181,49 @@ TEST(OverrideValue, ReplacesAndAdds) {
   EXPECT_EQ(scene.cloth.pinned[1].row, 1);
 
   YAML::Node root = YAML::Load("cloth: {}");
-  override_value(root, "simulation.seed=7");
-  override_value(root, "cloth.springs.shear=false");
+  override_values(root, {"simulation.seed=7", "cloth.springs.shear=false"});
   EXPECT_EQ(read_scene(root).simulation.seed, 7u);
   EXPECT_FALSE(read_scene(root).cloth.material.springs[1]);
 }
 
-TEST(OverrideValue, LeavesWhatSharesAnAnchorAlone) {
+TEST(OverrideValues, LeavesWhatSharesAnAnchorAlone) {
   YAML::Node root = YAML::Load("cloth: {width: &w 2, height: *w}");
-  override_value(root, "cloth.width=3");
+  override_values(root, {"cloth.width=3"});
   const Scene scene = read_scene(root);
   EXPECT_EQ(scene.cloth.width, 3);
   EXPECT_EQ(scene.cloth.height, 2);
 }
 
-TEST(OverrideValue, RefusesMalformedText) {
+TEST(OverrideValues, TheLaterOneHolds) {
+  const auto width_after = [](const std::vector<std::string>& assignments) {
+    return read_changed(assignments).cloth.width;
+  };
+  EXPECT_EQ(width_after({"cloth.width=3", "cloth.width=4"}), 4);
+  EXPECT_EQ(width_after({"cloth={}", "cloth.width=3"}), 3);
+  EXPECT_EQ(width_after({"cloth.width=3", "cloth={}"}), ClothSpec().width);
+  EXPECT_EQ(width_after({"cloth.width=3", "cloth={width: 4, ks: 1}", "cloth.ks=2"}), 4);
+}
+
+TEST(OverrideValues, RefusesMalformedText) {
   for (const char* text : {"", "cloth.ks", "=5", ".ks=5", "cloth.=5", "cloth..ks=5"}) {
     YAML::Node root = YAML::Load(good_scene);
-    EXPECT_THROW(override_value(root, text), InvalidValue) << text;
+    EXPECT_THROW(override_values(root, {text}), InvalidValue) << text;
   }
   YAML::Node root = YAML::Load(good_scene);
   try {
-    override_value(root, "cloth.origin=[1, 2");
+    override_values(root, {"cloth.origin=[1, 2"});
     FAIL() << "accepted";
   } catch (const InvalidValue& error) {
     EXPECT_EQ(error.key(), (std::vector<std::string>{"cloth", "origin"}));
   }
+  std::string deep = "a";
+  for (int i = 0; i < 100'000; ++i) deep += ".a";
+  EXPECT_THROW(override_values(root, {deep + "=1"}), InvalidValue);
+  EXPECT_THROW(override_values(root, {"cloth.ks=5\n---\n6"}), InvalidValue);
+  EXPECT_THROW(override_values(root, {"cloth.ks=" + std::string(1000, '[')}), InvalidValue);
+  EXPECT_EQ(read_scene(root).cloth.material.ks, 5000);
   for (const char* text : {"colliders.2.radius=1", "colliders.ball.radius=1", "colliders.-1=1"}) {
-    EXPECT_THROW(override_value(root, text), InvalidValue) << text;
+    EXPECT_THROW(override_values(root, {text}), InvalidValue) << text;
   }
 }
 

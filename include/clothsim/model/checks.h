@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ std::string to_text(double value);
 
 /// The words one after the other, with commas, as messages list them.
 std::string join(const std::vector<std::string>& words);
+
+/// The first `longest` bytes of a text and an ellipsis, as messages repeat what may be long.
+std::string shortened(const std::string& text, std::size_t longest);
 
 /// Runs `action`; an InvalidValue it throws gets `parent` before its key.
 template <class Action>

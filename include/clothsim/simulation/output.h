@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "clothsim/model/cloth.h"
@@ -14,8 +13,5 @@ std::string to_csv(const State&);
 
 /// The surface as binary PLY: float positions [m] and triangles.
 std::string to_ply(const Cloth&, const Points& positions);
-
-/// Writes the whole file. Throws std::runtime_error, also where the disk is full.
-void write_file(const std::filesystem::path&, const std::string& contents);
 
 }  // namespace clothsim

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "clothsim/simulation/scene.h"
 
@@ -21,7 +22,8 @@ void read_springs(const YAML::Node&, std::array<bool, 3>& springs);
 /// Reads a YAML file. Throws InvalidValue, also for a file that is missing or not YAML.
 YAML::Node load_scene_file(const std::string& path);
 
-/// Sets `path.to.key` in `root` from "path.to.key=value", where value is YAML. Throws InvalidValue.
-void override_value(YAML::Node root, const std::string& assignment);
+/// Sets `path.to.key` in `root` from each "path.to.key=value", where value is YAML, one after the
+/// other. Throws InvalidValue and changes nothing.
+void override_values(YAML::Node root, const std::vector<std::string>& assignments);
 
 }  // namespace clothsim

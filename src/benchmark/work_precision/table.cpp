@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/output.h"
+#include "clothsim/model/files.h"
 
 namespace clothsim::work_precision {
 namespace {
