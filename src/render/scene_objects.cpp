@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "clothsim/model/surface.h"
+#include "clothsim/render/tube.h"
 
 namespace clothsim {
 namespace {
@@ -50,10 +51,7 @@ void ClothObject::update(const Snapshot& snapshot) {
   const Cloth& cloth = *snapshot.cloth;
   assert(snapshot.positions && snapshot.positions->rows() == cloth.num_points());
   const bool new_cloth = snapshot.cloth != cloth_;
-  if (new_cloth) {
-    mesh_.upload_topology(cloth.uv, cloth.triangles, spring_lines(cloth, lines_));
-    cloth_ = snapshot.cloth;
-  }
+  cloth_ = snapshot.cloth;
 
   const bool tangents = needs_tangents(snapshot.cloth_shading);
   if (!new_cloth && snapshot.positions == positions_ && (has_tangents_ || !tangents)) return;
@@ -61,17 +59,36 @@ void ClothObject::update(const Snapshot& snapshot) {
   has_tangents_ = tangents;
   anchor_ = positions_->row(0);
   local_ = positions_->rowwise() - anchor_.transpose();
-  const Points normals = vertex_normals(local_, cloth.triangles);
+  if (cloth.triangles.empty()) {
+    upload_tube(new_cloth);
+  } else {
+    upload_surface(new_cloth);
+  }
+}
+
+void ClothObject::upload_tube(bool new_cloth) {
+  const auto along = cloth_->rows == 1 ? TubeAlong::u : TubeAlong::v;
+  tube_ = tube_mesh(local_, cloth_->thickness, along);
+  if (new_cloth) mesh_.upload_topology(tube_.uv, tube_.triangles, spring_lines(*cloth_, lines_));
+  mesh_.upload_surface(tube_.positions, tube_.normals, tube_.tangents);
+}
+
+void ClothObject::upload_surface(bool new_cloth) {
+  tube_ = {};
+  const auto& triangles = cloth_->triangles;
+  if (new_cloth) mesh_.upload_topology(cloth_->uv, triangles, spring_lines(*cloth_, lines_));
+  const Points normals = vertex_normals(local_, triangles);
   mesh_.upload_surface(
       local_, normals,
-      tangents ? vertex_tangents(local_, cloth.uv, cloth.triangles, normals) : Points());
+      has_tangents_ ? vertex_tangents(local_, cloth_->uv, triangles, normals) : Points());
 }
 
 DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
   DrawItem item{};
   item.mesh = &mesh_;
-  item.positions = &local_;
-  item.triangles = &cloth_->triangles;
+  const bool is_tube = cloth_->triangles.empty();
+  item.positions = is_tube ? &tube_.positions : &local_;
+  item.triangles = is_tube ? &tube_.triangles : &cloth_->triangles;
   item.lines = lines_;
   item.shading = &snapshot.cloth_shading;
   item.id = 1;

@@ -11,7 +11,8 @@
 
 namespace clothsim {
 
-/// The cloth on the GPU.
+/// The cloth on the GPU. One of a single row or column, which has no surface, is a tube as thick as
+/// the cloth.
 class ClothObject {
  public:
   /// Uploads what differs from the last snapshot. Tangents are made only if its shading needs them.
@@ -31,6 +32,10 @@ class ClothObject {
   Points local_;                      // positions about anchor_ [m]
   Vector3 anchor_ = Vector3::Zero();  // [m] keeps floats small wherever the cloth is
   bool has_tangents_ = false;
+  Mesh tube_;  // about anchor_; empty: the cloth has a surface
+
+  void upload_tube(bool new_cloth);
+  void upload_surface(bool new_cloth);
 };
 
 /// A collider on the GPU. Its mesh stays while its shape does; a new pose costs nothing.
