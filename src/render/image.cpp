@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/model/files.h"
+#include "image_header.h"
 
 namespace clothsim {
 namespace {
@@ -28,21 +30,53 @@ constexpr const char* known_endings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif"
   throw InvalidValue({key}, "\"" + path + "\"", expected);
 }
 
-cv::Mat read(const std::string& path, int flags, const std::string& key) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) refuse(key, path, "an image file that exists");
-  cv::Mat image;
-  try {
-    image = cv::imread(path, flags);
-  } catch (const cv::Exception&) {
-    image.release();
+/// The whole file. Asks for its size first: what has none, as a pipe or a device, may never end.
+std::string read_bytes(const std::string& path, const std::string& key) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) refuse(key, path, "an image file that exists");
+  if (size > largest_image_bytes) {
+    throw InvalidValue({key}, "\"" + path + "\" of " + std::to_string(size) + " bytes",
+                       "at most " + std::to_string(largest_image_bytes));
   }
-  if (image.empty()) refuse(key, path, "an image file that OpenCV can read");
-  if (std::max(image.cols, image.rows) > largest_image_side) {
-    const std::string size = std::to_string(image.cols) + " x " + std::to_string(image.rows);
-    throw InvalidValue({key}, "\"" + path + "\" of " + size + " pixels",
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(size, '\0');
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size)))
+    refuse(key, path, "an image file that can be read");
+  return bytes;
+}
+
+/// Throws InvalidValue where the image is too large to be decoded.
+void check_size(const ImageHeader& header, const std::string& path, const std::string& key,
+                std::uint64_t most_bytes) {
+  const std::string got = "\"" + path + "\" of " + std::to_string(header.width) + " x " +
+                          std::to_string(header.height) + " pixels";
+  if (std::max(header.width, header.height) > std::uint32_t{largest_image_side}) {
+    throw InvalidValue({key}, got,
                        "at most " + std::to_string(largest_image_side) + " pixels a side");
   }
+  if (std::uint64_t{header.width} * header.height * header.pixel_bytes > most_bytes) {
+    throw InvalidValue({key}, got + " of " + std::to_string(header.pixel_bytes) + " bytes",
+                       "at most " + std::to_string(most_bytes) + " bytes in all");
+  }
+}
+
+/// Decodes an image once its header has told that it is not too large.
+cv::Mat read(const std::string& path, int flags, const std::string& key,
+             const ImageFolders& folders, std::uint64_t most_bytes = largest_image_bytes) {
+  std::string bytes = read_bytes(folders.resolve(path, key), key);
+  const std::optional<ImageHeader> header = read_image_header(bytes);
+  cv::Mat image;
+  if (header) {
+    check_size(*header, path, key, most_bytes);
+    try {
+      image =
+          cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
+    } catch (const cv::Exception&) {
+      image.release();
+    }
+  }
+  if (image.empty()) refuse(key, path, "a PNG, JPEG, TIFF or BMP file that OpenCV can read");
   return image;
 }
 
@@ -118,12 +152,14 @@ std::string ending_of(const std::string& path) {
 
 }  // namespace
 
-std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key) {
-  return std::make_shared<Image>(from_bgr(read(path, cv::IMREAD_COLOR, key)));
+std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key,
+                                        const ImageFolders& folders) {
+  return std::make_shared<Image>(from_bgr(read(path, cv::IMREAD_COLOR, key, folders)));
 }
 
-std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key) {
-  const cv::Mat image = read(path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR, key);
+std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key,
+                                                 const ImageFolders& folders) {
+  const cv::Mat image = read(path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR, key, folders);
   if (image.depth() != CV_8U && image.depth() != CV_16U)
     refuse(key, path, "an image of 8 or 16 bits a channel");
   cv::Mat red;
@@ -138,10 +174,11 @@ std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const 
   return map;
 }
 
-std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key) {
+std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key,
+                                             const ImageFolders& folders) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) {
-    const cv::Mat image = read(path, cv::IMREAD_COLOR, key);
+    const cv::Mat image = read(path, cv::IMREAD_COLOR, key, folders);
     if (image.cols != panorama_ratio * image.rows)
       refuse(key, path, "a panorama twice as wide as high, or a folder of six images");
     return std::make_shared<CubeMap>(from_panorama(image));
@@ -151,7 +188,8 @@ std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std:
   const char* const names[] = {"posx", "negx", "posy", "negy", "posz", "negz"};
   for (std::size_t i = 0; i < 6; ++i) {
     const std::string file = face_path(path, names[i], key);
-    const Image& face = cube->faces[i] = *load_image(file, key);
+    const Image& face = cube->faces[i] =
+        from_bgr(read(file, cv::IMREAD_COLOR, key, folders, largest_image_bytes / 6));
     if (face.width != face.height || face.width != cube->faces[0].width)
       refuse(key, file, "a square image of the size of the other five");
   }

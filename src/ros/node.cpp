@@ -52,9 +52,11 @@ Node::Node()
       follower_(parameters_.scene, tf_, parameters_.jump_speed),
       grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
-      photographer_(with_full_name(
-          node_, "camera/",
-          [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
+      photographer_(with_full_name(node_, "camera/",
+                                   [this] {
+                                     return Photographer(node_, simulator_, tf_, parameters_.view,
+                                                         parameters_.image_folders, pacer_.now());
+                                   })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
       diagnostics_(parameters_.limits) {
   const ParameterTexts given = parameter_texts(node_);

@@ -114,6 +114,11 @@ NodeParameters read(const ros::NodeHandle& node) {
     if (parameters.view.egl_device) clothsim::check_egl_device(*parameters.view.egl_device);
   });
 
+  read_optional(node, "image_folders", [&](const YAML::Node& given) {
+    clothsim::read_list(given, [&](const YAML::Node& item) {
+      parameters.image_folders.push_back(clothsim::read_text(item));
+    });
+  });
   read_optional(node, "diagnostics", [&](const YAML::Node& given) {
     parameters.limits = read_diagnostic_limits(given);
   });
@@ -180,8 +185,8 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",           "camera",     "diagnostics", "diagnostic_period", "world_frame",
-          "realtime_factor", "jump_speed", "paused",      "publish_clock"};
+  return {"scene",       "camera",          "image_folders", "diagnostics", "diagnostic_period",
+          "world_frame", "realtime_factor", "jump_speed",    "paused",      "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

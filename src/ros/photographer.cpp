@@ -22,6 +22,11 @@ std::string own_frame_name() {
   return name + "_camera_optical";
 }
 
+clothsim::ImageFolders with_own(std::vector<std::string> folders) {
+  folders.insert(folders.begin(), clothsim::textures_folder());
+  return clothsim::ImageFolders(folders);
+}
+
 bool any(const clothsim::WantedImages& wanted) {
   return wanted.color || wanted.depth || wanted.mask;
 }
@@ -29,26 +34,54 @@ bool any(const clothsim::WantedImages& wanted) {
 }  // namespace
 
 Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulator& simulator,
-                           TfListener& tf, const clothsim::View& view, const ros::Time& now)
+                           TfListener& tf, const clothsim::View& view,
+                           std::vector<std::string> image_folders, const ros::Time& now)
     : simulator_(simulator),
       tf_(tf),
-      images_(clothsim::textures_folder()),
+      images_(clothsim::textures_folder(), with_own(std::move(image_folders))),
       shaders_(clothsim::shaders_folder()),
       own_frame_(own_frame_name()),
       stamp_(now),
       topics_(node, [this] { redraw(); }) {
   set_view(view);
+  adopt();
+}
+
+clothsim::View Photographer::view() const {
+  const std::lock_guard lock(newest_mutex_);
+  return newest_;
 }
 
 void Photographer::set_view(const clothsim::View& view) {
-  prepared_ = clothsim::prepare(view, images_);
+  change_view([&](clothsim::View& newest) { newest = view; });
+}
+
+void Photographer::change_view(const std::function<void(clothsim::View&)>& change) {
+  const std::lock_guard change_lock(change_mutex_);
+  Sight sight;
+  sight.view = view();
+  change(sight.view);
+  sight.prepared = clothsim::prepare(sight.view, images_);
   images_.sweep();
-  if (view.frame.empty()) {
-    frame_.reset();
-  } else if (!frame_ || frame_->status().frame != view.frame) {
-    frame_.emplace(view.frame, tf_);
+  const std::lock_guard lock(newest_mutex_);
+  newest_ = sight.view;
+  set_ = std::move(sight);
+}
+
+void Photographer::adopt() {
+  std::optional<Sight> sight;
+  {
+    const std::lock_guard lock(newest_mutex_);
+    sight.swap(set_);
   }
-  view_ = view;
+  if (!sight) return;
+  view_ = std::move(sight->view);
+  prepared_ = std::move(sight->prepared);
+  if (view_.frame.empty()) {
+    frame_.reset();
+  } else if (!frame_ || frame_->status().frame != view_.frame) {
+    frame_.emplace(view_.frame, tf_);
+  }
   move_camera();
   redraw();
 }
@@ -67,6 +100,7 @@ void Photographer::redraw() {
 }
 
 void Photographer::update(const ros::Time& stamp) {
+  adopt();
   stamp_ = stamp;
   taken_ = false;
   stands_ = after_a_period();
@@ -120,6 +154,7 @@ void Photographer::finish() {
 }
 
 void Photographer::refresh(bool paused) {
+  adopt();
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!topics_.subscribed() || now < next_refresh_ || (!paused && now < stands_)) return;
   if (move_camera() || topology_seq_ != simulator_.topology_seq()) redraw();

@@ -3,6 +3,8 @@
 #include <clothsim/LightConfig.h>
 #include <clothsim/ShadingConfig.h>
 #include <clothsim/ViewpointConfig.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
 
 #include <list>
 #include <set>
@@ -103,6 +105,7 @@ std::string free_ros_name(std::string name, std::set<std::string>& taken) {
 struct ViewReconfigure::Impl {
   Impl(const ros::NodeHandle& node_handle, Photographer& p, const clothsim::Scene& scene)
       : node(node_handle), photographer(p) {
+    node.setCallbackQueue(&queue);
     add(light, "light", [](LightConfig& config, View& view, auto direction) {
       visit_light(config, view, direction);
     });
@@ -122,6 +125,7 @@ struct ViewReconfigure::Impl {
       };
       add(shading, "shading/" + free_ros_name(collider.name, taken), visit);
     }
+    spinner.start();
   }
 
   /// Serves what `visit` visits in namespace `ns`.
@@ -132,19 +136,21 @@ struct ViewReconfigure::Impl {
     View view = photographer.view();
     visit(start, view, to_config);
     servers.emplace_back(ros::NodeHandle(node, ns), start, [this, visit](Generated config) {
-      View changed = photographer.view();
-      visit(config, changed, to_view);
-      clothsim::validate(changed);
-      photographer.set_view(changed);
+      photographer.change_view([&](View& changed) {
+        visit(config, changed, to_view);
+        clothsim::validate(changed);
+      });
     });
   }
 
+  ros::CallbackQueue queue;  // of calls that may read images, which frames do not wait for
   ros::NodeHandle node;
   Photographer& photographer;
   std::vector<std::string> names;
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
   std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
+  ros::AsyncSpinner spinner{1, &queue};          // last: it serves the others
 };
 
 ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Photographer& photographer,

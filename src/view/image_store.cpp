@@ -34,7 +34,7 @@ std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::s
   std::error_code ignored;
   const fs::path own = fs::path(folder_) / path;
   const bool is_own = !fs::exists(path, ignored) && fs::exists(own, ignored);
-  const std::string file = is_own ? own.string() : path;
+  const std::string file = folders_.resolve(is_own ? own.string() : path, key);
 
   const fs::file_time_type time = last_change(file);
   const auto known = entries.find(file);
@@ -42,7 +42,7 @@ std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::s
     known->second.used = true;
     return known->second.value;
   }
-  return (entries[file] = {time, load(file, key)}).value;
+  return (entries[file] = {time, load(file, key, folders_)}).value;
 }
 
 std::shared_ptr<const Image> ImageStore::image(const std::string& path, const std::string& key) {

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -107,6 +108,107 @@ TEST(Image, LargerOnesThanTexturesCanBeAreRefused) {
   Snapshot snapshot = flat_cloth(3, 3);
   snapshot.cloth_shading = Textured{load_image(folder.file("largest.png"), "key")};
   EXPECT_NO_THROW(draw(snapshot, camera_with_fov(8, 6, 0.8)));
+}
+
+/// A file of a `width` x `height` picture of one colour.
+std::string encoded(const std::string& ending, int width = 16, int height = 16) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(ending, cv::Mat::zeros(height, width, CV_8UC3), bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The same with other bytes from `where` on.
+std::string patched(std::string bytes, std::size_t where, const std::string& others) {
+  return bytes.replace(where, others.size(), others);
+}
+
+std::string image_refusal(const std::string& path) {
+  try {
+    load_image(path, "key");
+  } catch (const InvalidValue& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// The pixels that these files promise are not there: what decodes first calls them broken.
+TEST(Image, TheSizeIsCheckedBeforeAnythingIsDecoded) {
+  const Folder folder;
+  const std::string big_endian("\0\0\x75\x30", 4), little_endian("\x30\x75\0\0", 4);  // 30000
+  std::string png = encoded(".png");
+  png = patched(patched(png, 16, big_endian), 20, big_endian);
+  png = patched(png, 29, std::string("\xe9\x45\x6f\xed", 4));  // checksum
+  std::string jpeg = encoded(".jpg");
+  jpeg = patched(jpeg, jpeg.find("\xff\xc0") + 5, std::string("\x75\x30\x75\x30", 4));
+  std::string bmp = encoded(".bmp");
+  bmp = patched(patched(bmp, 18, little_endian), 22, little_endian);
+  std::string tiff = encoded(".tiff");
+  const std::size_t width = tiff.find(std::string("\0\1\3\0\1\0\0\0", 8)),
+                    height = tiff.find(std::string("\1\1\3\0\1\0\0\0", 8));
+  ASSERT_NE(width, tiff.npos);
+  ASSERT_NE(height, tiff.npos);
+  tiff = patched(patched(tiff, width + 8, little_endian), height + 8, little_endian);
+  for (const auto& [name, bytes] : {std::pair{"big.png", png}, std::pair{"big.jpg", jpeg},
+                                    std::pair{"big.bmp", bmp}, std::pair{"big.tiff", tiff}}) {
+    std::ofstream(folder.file(name), std::ios::binary) << bytes;
+    const std::string message = image_refusal(folder.file(name));
+    EXPECT_NE(message.find("of 30000 x 30000 pixels, expected at most 8192"), std::string::npos)
+        << message;
+  }
+}
+
+TEST(Image, DecodedBytesAreLimitedTogetherForACube) {
+  const Folder folder;
+  constexpr int side = 5000;  // as an image of its own, it is not too large
+  std::ofstream(folder.file("posx.png"), std::ios::binary) << encoded(".png", side, side);
+  EXPECT_EQ(load_image(folder.file("posx.png"), "key")->width, side);
+  for (const char* face : {"negx", "posy", "negy", "posz", "negz"})
+    fs::copy_file(folder.file("posx.png"), folder.file(std::string(face) + ".png"));
+  expect_refused([](auto... a) { load_cube_map(a...); }, folder.file("posx.png"));
+}
+
+TEST(Image, PipesAndOtherFormatsAreRefused) {
+  const Folder folder;
+  ASSERT_EQ(mkfifo(folder.file("pipe.png").c_str(), 0600), 0);
+  expect_refused([](auto... a) { load_image(a...); }, folder.file("pipe.png"));
+  std::ofstream(folder.file("a.ppm"), std::ios::binary) << encoded(".ppm");
+  const std::string message = image_refusal(folder.file("a.ppm"));
+  EXPECT_NE(message.find("expected a PNG, JPEG, TIFF or BMP file"), std::string::npos) << message;
+}
+
+TEST(Image, OneOutsideTheFoldersIsRefusedHoweverItIsNamed) {
+  const Folder folder;
+  fs::create_directories(folder.path / "in" / "deeper");
+  const Image image{1, 1, {50, 50, 50}};
+  for (const char* name : {"in/a.png", "in/deeper/b.png", "out.png", "inside.png"})
+    save_image(folder.file(name), image);
+  fs::create_symlink(folder.file("out.png"), folder.file("in/link.png"));
+  fs::create_symlink(folder.file("in/a.png"), folder.file("in/own.png"));
+  fs::create_directory_symlink(folder.path, folder.path / "in" / "up");
+  const ImageFolders folders({folder.file("in/")});
+  const auto load = [&](const std::string& path, const std::string& key) {
+    load_image(path, key, folders);
+  };
+  for (const char* name : {"in/a.png", "in/deeper/b.png", "in/own.png", "in/../in/a.png"})
+    EXPECT_NO_THROW(load(folder.file(name), "key")) << name;
+  for (const char* name : {"out.png", "inside.png", "in/link.png", "in/../out.png", "in/up/out.png",
+                           "no/such/file.png"})
+    expect_refused(load, folder.file(name));
+  expect_refused(load, "/proc/self/cwd");
+  expect_refused(load, "");
+
+  // Each face of a cube map on its own.
+  fs::create_directories(folder.path / "in" / "cube");
+  for (const char* face : {"posx", "negx", "posy", "negy", "posz"})
+    save_image(folder.file("in/cube/" + std::string(face) + ".png"), image);
+  fs::create_symlink(folder.file("out.png"), folder.file("in/cube/negz.png"));
+  const auto load_cube = [&](const std::string& path, const std::string& key) {
+    load_cube_map(path, key, folders);
+  };
+  expect_refused(load_cube, folder.file("in/cube"));
+  fs::remove(folder.path / "in" / "cube" / "negz.png");
+  save_image(folder.file("in/cube/negz.png"), image);
+  EXPECT_NO_THROW(load_cube(folder.file("in/cube"), "key"));
 }
 
 // A driver may take less than others, or have no memory left: no picture, rather than a wrong one.

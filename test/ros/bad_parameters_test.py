@@ -78,7 +78,13 @@ BAD = {
     "unknown shader": ("{camera: {cloth: {shader: shiny}}, scene: {cloth: {width: 1}}}",
                        "camera/cloth/shader", 'got "shiny" (text), expected one of'),
     "missing texture": ("{camera: {cloth: {texture: no.png}}, scene: {cloth: {width: 1}}}",
-                        "camera/cloth/texture", 'got "no.png", expected an image file'),
+                        "camera/cloth/texture", 'got "no.png", expected an image in one of'),
+    "texture outside the folders": (
+        "{camera: {cloth: {texture: /etc/hostname}}, image_folders: [/usr], "
+        "scene: {cloth: {width: 1}}}",
+        "camera/cloth/texture", 'got "/etc/hostname", expected an image in one of'),
+    "image folder of the wrong type": ("{image_folders: /usr, scene: {cloth: {width: 1}}}",
+                                       "image_folders", 'got "/usr" (text), expected a list'),
     "value of another shader": ("{camera: {cloth: {alpha: 2}}, scene: {cloth: {width: 1}}}",
                                 "camera/cloth/alpha", "got 2"),
     "camera on its own target": ("{camera: {eye: [1, 1, 1], target: [1, 1, 1]}, "

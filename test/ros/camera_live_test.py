@@ -3,8 +3,10 @@
 
 import os
 import tempfile
+import threading
 
 import numpy as np
+import PIL.Image
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
@@ -14,6 +16,12 @@ from cloth_client import PATIENCE, wait_for
 
 
 class CameraLiveTest(CameraTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.folder = rospy.get_param("/clothsim/image_folders")[0]
+        os.makedirs(cls.folder, exist_ok=True)
+
     def test_shader_changes_live(self):
         self.cloth.step(1)
         self.subscribe()
@@ -90,7 +98,7 @@ class CameraLiveTest(CameraTestCase):
 
     def test_refused_values_change_nothing(self):
         self.subscribe()
-        broken = tempfile.NamedTemporaryFile(suffix=".png")
+        broken = tempfile.NamedTemporaryFile(suffix=".png", dir=self.folder)
         broken.write(b"no image")
         broken.flush()
         expected = self.step(1)[1].color.tobytes()
@@ -125,14 +133,46 @@ class CameraLiveTest(CameraTestCase):
         self.assertEqual(self.step(1)[1].color.tobytes(), expected)
 
     def test_a_texture_of_ones_own(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "green.ppm")
-            with open(path, "wb") as file:
-                file.write(b"P6 1 1 255\n" + bytes([0, 255, 0]))
-            self.subscribe()
-            self.shading.update_configuration({"shader": "texture", "texture": path})
-            self.camera.color("a green cloth", lambda image: np.mean(
-                np.all(image == [0, 255, 0], axis=2)) > 0.1)
+        path = self.image("green.png", (0, 255, 0))
+        self.subscribe()
+        self.shading.update_configuration({"shader": "texture", "texture": path})
+        self.camera.color("a green cloth", lambda image: np.mean(
+            np.all(image == [0, 255, 0], axis=2)) > 0.1)
+
+    def test_images_come_from_the_folders_of_the_scene_alone(self):
+        inside = self.image("in.png", (0, 255, 0))
+        with tempfile.TemporaryDirectory() as elsewhere:
+            outside = os.path.join(elsewhere, "out.png")
+            os.rename(self.image("out.png", (0, 0, 255)), outside)
+            link = os.path.join(self.folder, "link.png")
+            os.symlink(outside, link)
+            self.addCleanup(os.remove, link)
+            around = os.path.join(self.folder, os.path.relpath(outside, self.folder))
+            for path in [outside, link, around, "/proc/kmsg"]:
+                self.log.clear()
+                answer = self.shading.update_configuration({"texture": path})
+                self.assertNotEqual(answer["texture"], path)
+                self.log.wait("a refusal", lambda log: "image_folders" in log.msg)
+        answer = self.shading.update_configuration({"texture": inside})
+        self.assertEqual(answer["texture"], inside)
+
+    def test_frames_go_on_while_a_large_image_is_read(self):
+        path = self.image("large.png", (0, 0, 255), size=(8192, 8192))
+        reading = threading.Thread(
+            target=self.shading.update_configuration, args=({"texture": path},))
+        reading.start()
+        frames = 0
+        while reading.is_alive():
+            self.cloth.step(1)
+            frames += 1
+        # Calls of a node that reads it itself would wait: one before, and one after.
+        self.assertGreater(frames, 5)
+
+    def image(self, name, color, size=(1, 1)):
+        path = os.path.join(self.folder, name)
+        PIL.Image.new("RGB", size, color).save(path)
+        self.addCleanup(lambda: os.path.exists(path) and os.remove(path))
+        return path
 
 
 if __name__ == "__main__":

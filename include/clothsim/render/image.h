@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/render/image_folders.h"
+
 namespace clothsim {
 
 /// A colour image, three bytes a pixel in the order r, g, b, sRGB, top row first.
@@ -31,14 +33,21 @@ struct CubeMap {
 /// Of an image that is read [pixel]: what OpenGL drivers take at least, beside very old ones.
 constexpr int largest_image_side = 8192;
 
-/// Read any image file that OpenCV knows. Throw InvalidValue with `key` for a file that is missing
-/// or broken, or an image that is too large. A height map is the red channel, of 8 or 16 bits.
-std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key);
-std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key);
+/// Of an image that is read, decoded: what six faces of 4096 x 4096 pixels take, with alpha.
+constexpr std::uint64_t largest_image_bytes = 6ULL * 4096 * 4096 * 4;
+
+/// Read a PNG, JPEG, TIFF or BMP file. Throw InvalidValue with `key` for a file that is missing,
+/// broken or not in `folders`, or an image that is too large, which its header tells before it is
+/// decoded. A height map is the red channel, of 8 or 16 bits.
+std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key,
+                                        const ImageFolders& folders = {});
+std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key,
+                                                 const ImageFolders& folders = {});
 
 /// Reads a folder with posx, negx, posy, negy, posz, negz as .png or .jpg, or one image that is
 /// twice as wide as high, a panorama with the horizon along its middle.
-std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key);
+std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key,
+                                             const ImageFolders& folders = {});
 
 /// Throws InvalidValue with `key` unless save_image knows the format that the ending of `path`
 /// names.

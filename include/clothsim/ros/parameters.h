@@ -17,7 +17,8 @@ namespace clothsim_ros {
 /// What the node reads from the parameter server at its start.
 struct NodeParameters {
   clothsim::Scene scene;
-  clothsim::View view;  // of ~camera
+  clothsim::View view;                     // of ~camera
+  std::vector<std::string> image_folders;  // that its images may come from, beside the package's
   DiagnosticLimits limits;
   double diagnostic_period = 1;  // [s]
   std::string world_frame = "map";

@@ -4,8 +4,11 @@
 #include <ros/time.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clothsim/render/render_thread.h"
 #include "clothsim/ros/camera_topics.h"
@@ -26,19 +29,25 @@ struct CameraStatus {
 };
 
 /// Takes pictures of a simulation and publishes them. Until somebody subscribes there is neither
-/// render thread nor OpenGL. To be used in the thread that serves the node's callbacks.
+/// render thread nor OpenGL. To be used in the thread that serves the node's callbacks, but for
+/// view(), set_view() and change_view(), which any thread may call.
 class Photographer {
  public:
-  /// Simulator and `tf` must outlive this. `now` is the stamp of the simulator's state. Throws
-  /// InvalidValue for a view that cannot be drawn.
+  /// Simulator and `tf` must outlive this. Images come from the package and `image_folders`. `now`
+  /// is the stamp of the simulator's state. Throws InvalidValue for a view that cannot be drawn.
   Photographer(const ros::NodeHandle&, const clothsim::Simulator&, TfListener& tf,
-               const clothsim::View&, const ros::Time& now);
+               const clothsim::View&, std::vector<std::string> image_folders, const ros::Time& now);
 
-  const clothsim::View& view() const { return view_; }
+  /// The one that was set last.
+  clothsim::View view() const;
 
-  /// Another view for the next picture. Throws InvalidValue and keeps the old one when refused.
-  /// Samples and EGL device are those of the start.
+  /// Another view for the next picture, whose images are read by the calling thread. Throws
+  /// InvalidValue and keeps the old one when refused. Samples and EGL device are those of the
+  /// start.
   void set_view(const clothsim::View&);
+
+  /// The same with what `change` makes of the newest view. One change waits for another.
+  void change_view(const std::function<void(clothsim::View&)>& change);
 
   /// The simulator has a new state. Takes a picture if one is due in simulated time.
   void update(const ros::Time& stamp);
@@ -61,6 +70,14 @@ class Photographer {
   CameraStatus status();
 
  private:
+  /// A view with its images.
+  struct Sight {
+    clothsim::View view;
+    clothsim::PreparedView prepared;
+  };
+
+  /// Goes on with the view that was set last.
+  void adopt();
   void take();
   ros::SteadyTime after_a_period() const;
   bool move_camera();
@@ -69,8 +86,12 @@ class Photographer {
 
   const clothsim::Simulator& simulator_;
   TfListener& tf_;
-  clothsim::View view_;
+  std::mutex change_mutex_;  // held while images are read
   clothsim::ImageStore images_;
+  mutable std::mutex newest_mutex_;  // held for a moment only
+  clothsim::View newest_;
+  std::optional<Sight> set_;  // and not adopted yet
+  clothsim::View view_;
   clothsim::PreparedView prepared_;
   clothsim::SnapshotMaker snapshots_;
   std::string shaders_;

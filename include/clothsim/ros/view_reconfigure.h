@@ -12,7 +12,8 @@
 namespace clothsim_ros {
 
 /// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider,
-/// ~light and ~viewpoint. Changes hold from the next picture on.
+/// ~light and ~viewpoint. Changes hold from the next picture on. A thread of its own serves them,
+/// so that the simulation does not wait while images are read.
 class ViewReconfigure {
  public:
   /// Starts from the photographer's view. The photographer must outlive this.

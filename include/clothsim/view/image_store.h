@@ -14,9 +14,10 @@ namespace clothsim {
 /// that were not asked for since the last sweep().
 class ImageStore {
  public:
-  explicit ImageStore(std::string textures_folder) : folder_(std::move(textures_folder)) {}
+  explicit ImageStore(std::string textures_folder, ImageFolders folders = {})
+      : folder_(std::move(textures_folder)), folders_(std::move(folders)) {}
 
-  /// Throw InvalidValue with `key` for a file that is missing or broken.
+  /// Throw InvalidValue with `key` for a file that is missing, broken or not in the folders.
   std::shared_ptr<const Image> image(const std::string& path, const std::string& key);
   std::shared_ptr<const HeightMap> height_map(const std::string& path, const std::string& key);
   std::shared_ptr<const CubeMap> cube_map(const std::string& path, const std::string& key);
@@ -38,6 +39,7 @@ class ImageStore {
                                   Load load);
 
   std::string folder_;
+  ImageFolders folders_;  // that others must be in
   Entries<Image> images_;
   Entries<HeightMap> height_maps_;
   Entries<CubeMap> cube_maps_;
