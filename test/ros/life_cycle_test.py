@@ -78,8 +78,9 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
-        unknown = ("got an unknown parameter, expected one of scene, camera, diagnostics, "
-                   "diagnostic_period, world_frame, realtime_factor, jump_speed, paused, publish_clock")
+        unknown = ("got an unknown parameter, expected one of scene, camera, image_folders, "
+                   "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
+                   "paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
         for message in ("/mistaken/kss: %s; did you mean ks?" % unknown,
                         "/mistaken/ks: got 123 " + holds % 5000,
