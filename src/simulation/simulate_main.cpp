@@ -66,8 +66,8 @@ void tell_of_frames(const Scene& scene) {
   };
   const auto colliders = count(scene.colliders), pins = count(scene.cloth.pinned);
   if (colliders + pins == 0) return;
-  std::cerr << "simulate: without ROS no tf frame moves: " << colliders << " colliders and " << pins
-            << " pins that follow one stay still\n";
+  std::cerr << "simulate: without ROS no tf frame moves: what follows one stays still (colliders: "
+            << colliders << ", pins: " << pins << ")\n";
 }
 
 /// Adds to a run's cost from construction to destruction.

@@ -252,8 +252,8 @@ TEST_F(Simulate, TellsThatFramesStayStill) {
   const Result result = run(scene + " --seconds 0.01");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err,
-            "simulate: without ROS no tf frame moves: 1 colliders and 1 pins that follow one stay "
-            "still\n");
+            "simulate: without ROS no tf frame moves: what follows one stays still (colliders: 1, "
+            "pins: 1)\n");
 }
 
 TEST_F(Simulate, DivergedEndsWithTwoAndTheLastGoodFrame) {
