@@ -1,9 +1,13 @@
 #include "clothsim/ros/diagnostics.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <ros/console.h>
+#include <ros/this_node.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,6 +19,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
+
+constexpr std::uint32_t queue_size = 1;
 
 constexpr const char* no_clock = "waits for /clock: /use_sim_time is true, but no time has come";
 
@@ -178,19 +184,55 @@ void fill_camera(const CameraStatus& camera, const DiagnosticLimits& limits, Wra
   if (camera.frame) fill_frame(*camera.frame, limits.tf_age, out);
 }
 
+std::set<std::string> lost_frames(const NodeStatus& status) {
+  std::set<std::string> lost;
+  const auto add = [&lost](const FrameStatus& frame) {
+    if (frame.lost) lost.insert(frame.frame);
+  };
+  std::for_each(status.frames.begin(), status.frames.end(), add);
+  if (status.camera.frame) add(*status.camera.frame);
+  return lost;
+}
+
+/// Warns of the frames that were lost between two statuses, in one line: those of a robot go
+/// together.
+void warn_of_lost(const NodeStatus& before, const NodeStatus& now) {
+  const std::set<std::string> known = lost_frames(before);
+  const std::set<std::string> lost = lost_frames(now);
+  std::vector<std::string> added;
+  std::set_difference(lost.begin(), lost.end(), known.begin(), known.end(),
+                      std::back_inserter(added));
+  if (added.empty()) return;
+  ROS_WARN("Lost tf frame%s %s: what they carry stays where it was", added.size() == 1 ? "" : "s",
+           clothsim::join(added).c_str());
+}
+
 }  // namespace
 
-Diagnostics::Diagnostics(const DiagnosticLimits& limits) : limits_(limits) {
-  updater_.setHardwareID("none");
-  updater_.add("simulation", [this](auto& out) { fill(status_, limits_, out); });
-  updater_.add("camera", [this](auto& out) { fill_camera(status_.camera, limits_, out); });
-}
+Diagnostics::Diagnostics(ros::NodeHandle& node, const DiagnosticLimits& limits)
+    : limits_(limits),
+      publisher_(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", queue_size)) {}
 
 void Diagnostics::publish(const NodeStatus& status) {
   // A second later: it may only just start.
   if (status.waits_for_clock && status_.waits_for_clock) ROS_WARN_ONCE("%s", no_clock);
+  warn_of_lost(status_, status);
   status_ = status;
-  updater_.force_update();
+
+  // Without diagnostic_updater's Updater: it adds a period to ROS time, which throws near the end
+  // of that.
+  diagnostic_msgs::DiagnosticArray array;
+  array.header.stamp = ros::Time::now();
+  const auto add = [&array](const std::string& part, const auto& fill_in) {
+    Wrapper out;
+    out.name = ros::this_node::getName().substr(1) + ": " + part;
+    out.hardware_id = "none";
+    fill_in(out);
+    array.status.push_back(out);
+  };
+  add("simulation", [&](Wrapper& out) { fill(status, limits_, out); });
+  add("camera", [&](Wrapper& out) { fill_camera(status.camera, limits_, out); });
+  publisher_.publish(array);
 }
 
 }  // namespace clothsim_ros

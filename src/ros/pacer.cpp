@@ -64,7 +64,7 @@ ros::Time Pacer::advance(double frame_duration) {
 
   elapsed_ += frame_duration / realtime_factor_;
   clock_ += frame_duration;
-  return owns_clock_ ? now() : *start_ + ros::Duration(elapsed_);
+  return owns_clock_ ? now() : later(*start_, elapsed_);
 }
 
 ros::Time Pacer::advance_now(double frame_duration) {

@@ -77,9 +77,9 @@ def make_transform(frame, place, angle=0.0, parent="map", stamp=None):
     return t
 
 
-def is_connected(topic, name):
-    """Whether a topic of /clothsim goes to a node with that in its name."""
-    node = ServerProxy(rosgraph.Master("/test").lookupNode("/clothsim"))
+def is_connected(topic, name, cloth="/clothsim"):
+    """Whether a topic of the node `cloth` goes to a node with that in its name."""
+    node = ServerProxy(rosgraph.Master("/test").lookupNode(cloth))
     return any(name in c[1] and c[4] == topic for c in node.getBusInfo("/test")[2])
 
 

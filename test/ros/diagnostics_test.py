@@ -13,10 +13,11 @@ import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 
 from clothsim.srv import GetState, SetState
-from cloth_client import PATIENCE, Cloth, Recorder, call, make_transform, wait_for
+from cloth_client import PATIENCE, Cloth, Recorder, call, is_connected, make_transform, wait_for
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OFF = {"speed": {"warning": "off", "error": "off"}}  # the computer may be busy
@@ -208,6 +209,26 @@ class Diagnostics(unittest.TestCase):
                 self.assertLess(float(values["tf age of %s [s]" % frame]), 0.5)
                 values = node.wait(level, "lost tf frame " + frame)
                 self.assertGreater(float(values["tf age of %s [s]" % frame]), 1)
+
+    def test_lost_frames_in_one_line(self):
+        """Those of a robot go together: one warning, and no other while they stay away."""
+        links = ["link_%d" % i for i in range(4)]
+        scene = {**SMALL, "colliders": [
+            {"name": link, "shape": "sphere", "center": [0, 0, -1], "frame": link} for link in links]}
+        log = Recorder("/rosout", Log)
+        broadcaster = tf2_ros.TransformBroadcaster()
+        with self.node(scene, OFF, paused=True) as node:
+            wait_for(lambda: is_connected("/rosout", "/diagnostics", node.name), "the log")
+            for _ in range(50):
+                broadcaster.sendTransform([make_transform(link, (0, 0, -1), stamp=rospy.Time.now())
+                                           for link in links])
+                time.sleep(0.02)
+            node.wait(WARN, "lost tf frame link_0")
+            node.diagnostics.clear()
+            wait_for(lambda: len(node.statuses("simulation")) > 1, "diagnostics")
+        self.assertEqual([m.msg for m in log.all() if "ost tf" in m.msg],
+                         ["Lost tf frames %s: what they carry stays where it was" % ", ".join(links)])
+        log.close()
 
     def test_each_frame_once(self):
         """However many colliders and pins follow it."""

@@ -98,6 +98,17 @@ TEST_F(PacerTest, StartsAgainAfterAJumpBeyondADuration) {
   EXPECT_EQ(run_due(pacer), 1);
 }
 
+TEST_F(PacerTest, StampsEndWithTime) {
+  ros::Time::setNow(ros::Time(ros::TIME_MAX.sec, 0));
+  for (const double factor : {0.0, 0.001, 1.0}) {
+    Pacer pacer(factor, false);
+    pacer.until_due(frame);
+    ros::Time stamp;
+    for (int i = 0; i < 200; ++i) stamp = pacer.advance(frame);
+    EXPECT_EQ(stamp, factor == 0 ? ros::Time::now() : ros::TIME_MAX) << factor;
+  }
+}
+
 TEST_F(PacerTest, AfterAPauseTheNextFrameIsAPeriodAway) {
   Pacer pacer(1, false);
   set_time(10);

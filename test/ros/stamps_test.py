@@ -33,8 +33,8 @@ class Stamps(unittest.TestCase):
         cls.places = 0
         cls.now = 0
 
-    def set_clock(self, seconds):
-        now = genpy.Time(seconds)
+    def set_clock(self, seconds, nanoseconds=0):
+        now = genpy.Time(seconds, nanoseconds)
         Stamps.now = seconds
         self.clock.publish(now)
         wait_for(lambda: self.cloth.step(1).header.stamp == now, "the node to have the time")
@@ -95,6 +95,19 @@ class Stamps(unittest.TestCase):
             self.set_clock(now)
             self.expect_lost()
             self.expect_followed(now)
+
+    def test_4_time_ends(self):
+        """No later one is to be had: frames, diagnostics and calls go on, and all goes on after it."""
+        for nanoseconds in (0, 999999999):
+            self.set_clock(LATEST, nanoseconds)
+            self.cloth.pause(False)
+            for _ in range(2):
+                self.diagnostics.clear()
+                self.diagnostics.wait("diagnostics")
+            self.cloth.pause()
+            self.cloth.step(10)
+        self.set_clock(50)
+        self.expect_followed(50)
 
 
 if __name__ == "__main__":

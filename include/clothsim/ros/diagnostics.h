@@ -1,6 +1,6 @@
 #pragma once
 
-#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
 
 #include <optional>
 #include <string>
@@ -28,17 +28,17 @@ struct NodeStatus {
   CameraStatus camera;
 };
 
-/// Sends a NodeStatus to /diagnostics.
+/// Sends a NodeStatus to /diagnostics, and tells the log what is new in it.
 class Diagnostics {
  public:
-  explicit Diagnostics(const DiagnosticLimits&);
+  Diagnostics(ros::NodeHandle&, const DiagnosticLimits&);
 
   void publish(const NodeStatus&);
 
  private:
   DiagnosticLimits limits_;
-  NodeStatus status_;
-  diagnostic_updater::Updater updater_;
+  NodeStatus status_;  // the last one
+  ros::Publisher publisher_;
 };
 
 }  // namespace clothsim_ros
