@@ -58,12 +58,11 @@ Node::Node()
                                                          parameters_.image_folders, pacer_.now());
                                    })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
-      diagnostics_(parameters_.limits) {
+      diagnostics_(node_, parameters_.limits) {
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);
   if (parameters_.publish_clock) {
-    tf_.listen();  // by this clock nobody sends while ~attach waits for a first transform
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
   }

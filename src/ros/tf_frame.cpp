@@ -27,8 +27,8 @@ bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-void TfListener::listen() {
-  if (subscribers_.listens()) return;
+TfListener::TfListener(std::string world_frame, std::optional<double> lost_after)
+    : world_frame_(std::move(world_frame)), lost_after_(lost_after) {
   ros::NodeHandle node;
   node.setCallbackQueue(&queue_);
   subscribers_.listen(node, [this](const auto& event, bool is_static) { hear(event, is_static); });
@@ -46,6 +46,7 @@ void TfListener::forget_the_future() {
   if (now < now_ || is_ahead(newest_, now)) {
     buffer_.clear();  // but of static transforms
     newest_ = {};
+    newest_stamps_.clear();
   }
   now_ = now;
 }
@@ -58,38 +59,34 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
       if (warnings_.passes()) {
         ROS_WARN(
             "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at most %g s after "
-            "now, %.3f",
+            "now, %.3f, and at most %u",
             transform.child_frame_id.c_str(), event.getPublisherName().c_str(), stamp.toSec(),
-            largest_lead, now.toSec());
+            largest_lead, now.toSec(), latest_held);
       }
       continue;
     }
+    if (!is_static && newest_stamps_.is_late(transform)) continue;
     // tf2 logs what it refuses.
     const bool is_taken = buffer_.setTransform(transform, event.getPublisherName(), is_static);
-    if (is_taken && !is_static) newest_ = std::max(newest_, stamp);
+    if (!is_taken || is_static) continue;
+    newest_ = std::max(newest_, stamp);
+    newest_stamps_.add(transform);
   }
 }
 
-void TfListener::wait_for_first() {
-  listen();
+void TfListener::wait_for_first() const {
   const ros::WallDuration left = settled_ - ros::SteadyTime::now();
   if (left > ros::WallDuration(0)) left.sleep();
 }
 
-TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) {
-  status_.frame = std::move(frame);
-  tf.listen();
-}
+TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) { status_.frame = std::move(frame); }
 
 void TfFrame::look_up() {
   const bool known = read();
   if (!status_.seen) return;  // nothing to lose yet
-  const bool was_lost = status_.lost;
   status_.age = stamp_.isZero() ? 0 : seconds_between(stamp_, ros::Time::now());
   const std::optional<double> lost_after = tf_->lost_after();
   status_.lost = !known || (lost_after && status_.age > *lost_after);
-  if (status_.lost && !was_lost)
-    ROS_WARN("Lost tf frame %s: what it carries stays where it was", status_.frame.c_str());
 }
 
 bool TfFrame::read() {

@@ -15,8 +15,8 @@ from tf2_msgs.msg import TFMessage
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import Attach, Detach, GetState, RestoreState, SaveState
-from cloth_client import (SLOWER, Cloth, Recorder, call, content, is_connected, make_transform, point,
-                          positions, publisher_at_once, wait_for)
+from cloth_client import (SLOWER, Cloth, Frames, Recorder, call, content, is_connected, make_transform,
+                          point, positions, publisher_at_once, wait_for)
 
 COLUMNS = 10
 CORNERS = {"left": 0, "right": COLUMNS - 1}
@@ -74,6 +74,12 @@ class Grasp(unittest.TestCase):
         time.sleep(0.02)
         return positions(self.cloth.step(1))
 
+    def test_0_a_frame_that_was_broadcast_once(self):
+        """Before the first call, and not latched; the scene names no frame."""
+        Frames().send(make_transform("once", (0, 0, 1), stamp=rospy.Time.now()))
+        answer = self.attach("once", radius=0.05)
+        self.assertEqual((answer.message, list(answer.points)), ("", [0]))
+
     def test_follows_position_and_rotation(self):
         answer = self.attach("left", points=[0, 1, COLUMNS])
         self.assertTrue(answer.success, answer.message)
@@ -122,7 +128,7 @@ class Grasp(unittest.TestCase):
 
     def test_what_came_before_a_step_counts(self):
         """Without a pause between the two, a hundred times."""
-        self.assertTrue(self.attach("right", points=[9]).success)  # from then on the node listens
+        self.assertTrue(self.attach("right", points=[9]).success)
         tf = publisher_at_once("/tf", TFMessage)
         wait_for(lambda: tf.get_num_connections() > 0, "the node to listen")
         for i in range(100):

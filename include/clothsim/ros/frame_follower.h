@@ -15,8 +15,7 @@ namespace clothsim_ros {
 /// stay where the scene puts them; when it is lost they stay where it was last.
 class FrameFollower {
  public:
-  /// Makes tf listen only if the scene names a frame. `tf` must outlive this. For `jump_speed` see
-  /// JumpWatch; pins follow at no more than it.
+  /// `tf` must outlive this. For `jump_speed` see JumpWatch; pins follow at no more than it.
   FrameFollower(const clothsim::Scene&, TfListener& tf, double jump_speed);
 
   /// Reads the latest transforms.

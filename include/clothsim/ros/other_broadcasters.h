@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "clothsim/ros/tf2_log.h"
 #include "clothsim/ros/tf_subscribers.h"
 #include "clothsim/shapes/collider.h"
 
@@ -43,6 +44,7 @@ class OtherBroadcasters {
   const bool sim_time_;  // others go by /clock
   ros::Time clock_;
   tf2::BufferCore buffer_;
+  Tf2Log log_;
   std::map<std::string, Heard> heard_;       // by frame
   std::map<std::string, ros::Time> newest_;  // stamp by frame
   TfSubscribers subscribers_;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "clothsim/ros/newest_stamps.h"
+#include "clothsim/ros/tf2_log.h"
 #include "clothsim/ros/tf_subscribers.h"
 #include "clothsim/ros/throttle.h"
 #include "clothsim/shapes/collider.h"
@@ -16,33 +18,25 @@ namespace clothsim_ros {
 /// Coordinates beyond these are no place for a cloth [m]; the scene has the same limit.
 inline constexpr double largest_coordinate = 1e6;
 
-/// At most one warning of transforms that are ignored in so long a time.
-inline const ros::WallDuration warning_period(5);
-
 /// Whether a pose is finite and no farther out than that.
 bool is_usable(const clothsim::Pose&);
 
 /// Whether two poses are equal to the last bit.
 bool same(const clothsim::Pose&, const clothsim::Pose&);
 
-/// The transforms to the world that tf knows of. Listens only once it is asked to, and reads what
-/// has come in the thread that asks: in lockstep, what came before a call counts in the call.
-/// Transforms that are stamped ahead of now are refused, since tf2 would take them for the latest
-/// until then.
+/// The transforms to the world that tf knows of. Reads what has come in the thread that asks: in
+/// lockstep, what came before a call counts in the call. Transforms that are stamped ahead of now
+/// are refused, since tf2 would take them for the latest until then.
 class TfListener {
  public:
   /// A frame is lost when its latest transform is older than `lost_after` [s]; empty: never.
-  TfListener(std::string world_frame, std::optional<double> lost_after)
-      : world_frame_(std::move(world_frame)), lost_after_(lost_after) {}
-
-  void listen();
+  TfListener(std::string world_frame, std::optional<double> lost_after);
 
   /// Reads the transforms that have come. To be called often.
   void receive();
 
-  /// Listens, and waits until what is being broadcast has come in: a moment the first time, not at
-  /// all later.
-  void wait_for_first();
+  /// Waits until what is being broadcast has come in: a moment after the start, not at all later.
+  void wait_for_first() const;
 
   const std::string& world_frame() const { return world_frame_; }
   std::optional<double> lost_after() const { return lost_after_; }
@@ -55,10 +49,12 @@ class TfListener {
   std::string world_frame_;
   std::optional<double> lost_after_;
   tf2::BufferCore buffer_;
+  Tf2Log log_;
   ros::CallbackQueue queue_;
   TfSubscribers subscribers_;
-  ros::Time now_;            // when transforms were last received
-  ros::Time newest_;         // stamp in the buffer
+  ros::Time now_;     // when transforms were last received
+  ros::Time newest_;  // stamp in the buffer
+  NewestStamps newest_stamps_;
   ros::SteadyTime settled_;  // when the first transforms have come
   Throttle warnings_{warning_period};
 };
@@ -75,10 +71,10 @@ struct FrameStatus {
 /// The latest pose of a tf frame. A frame that is lost keeps its last one.
 class TfFrame {
  public:
-  /// Makes `tf` listen. It must outlive this.
+  /// `tf` must outlive this.
   TfFrame(std::string frame, TfListener& tf);
 
-  /// Reads the latest transform. Logs when the frame is lost, and a transform that is no use.
+  /// Reads the latest transform. Logs one that is no use.
   void look_up();
 
   /// Of the frame in the world; empty until it is seen.

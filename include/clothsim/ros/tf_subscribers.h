@@ -15,7 +15,6 @@ class TfSubscribers {
   using Hear = std::function<void(const Event&, bool is_static)>;
 
   void listen(ros::NodeHandle&, const Hear&);
-  bool listens() const { return moving_; }
 
  private:
   ros::Subscriber moving_;
