@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/ros/conversions.h"
@@ -188,16 +189,16 @@ std::vector<int> Grasper::free_points_near(const clothsim::Vector3& position, do
 bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
   try {
     // What was asked for.
-    clothsim::check_range("radius", request.radius, radius_range);
     clothsim::check_frame(request.frame);
     check_topic(request.frame);
-    if (request.points.empty() && request.radius == 0) {
-      throw InvalidValue({"radius"}, "0 and no points", "a radius above 0, or points");
+    const std::string radius = clothsim::to_text(request.radius);
+    if (request.points.empty() && !(request.radius > 0)) {  // true for NaN
+      throw InvalidValue({"radius"}, radius + " and no points", "a number above 0 [m], or points");
     }
-    if (!request.points.empty() && request.radius > 0) {
-      throw InvalidValue({"radius"}, clothsim::to_text(request.radius) + " and points",
-                         "one of the two");
+    if (!request.points.empty() && request.radius != 0) {
+      throw InvalidValue({"radius"}, radius + " and points", "one of the two");
     }
+    clothsim::check_range("radius", request.radius, radius_range);
 
     // Where the frame is, and which points that means.
     TfFrame frame(request.frame, tf_);
@@ -242,9 +243,10 @@ bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Respo
                          request.frame.empty() ? "that something is attached"
                                                : "a frame that points are attached to");
     }
+    held = sorted(std::move(held));
     std::vector<int> points(request.points.begin(), request.points.end());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (std::count(held.begin(), held.end(), points[i]) > 0) continue;
+      if (std::binary_search(held.begin(), held.end(), points[i])) continue;
       throw InvalidValue(
           {"points", std::to_string(i)}, std::to_string(points[i]),
           "a point that is attached" + (request.frame.empty() ? "" : " to " + request.frame));

@@ -42,7 +42,9 @@ YAML::Node to_yaml_list(XmlRpc::XmlRpcValue& value) {
 YAML::Node to_yaml_map(XmlRpc::XmlRpcValue& value) {
   YAML::Node map(YAML::NodeType::Map);
   for (auto& [key, item] : value) {
-    clothsim::inside(key, [&, &name = key, &child = item] { map[name] = to_yaml(child); });
+    // Not map[key], which looks through all keys: here they differ.
+    clothsim::inside(key,
+                     [&, &name = key, &child = item] { map.force_insert(name, to_yaml(child)); });
   }
   return map;
 }

@@ -47,15 +47,12 @@ void Grips::attach(const std::string& frame, const Pose& pose, const std::vector
 }
 
 void Grips::detach(const std::vector<int>& points) {
-  const auto holds = [](const Grip& grip, int point) {
-    return std::any_of(grip.held.begin(), grip.held.end(),
-                       [&](const Grip::Held& h) { return h.point == point; });
-  };
+  std::set<int> attached;
+  for (const auto& [frame, grip] : all_) {
+    for (const Grip::Held& held : grip.held) attached.insert(held.point);
+  }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool held = std::any_of(all_.begin(), all_.end(), [&](const auto& entry) {
-      return holds(entry.second, points[i]);
-    });
-    if (!held) {
+    if (attached.count(points[i]) == 0) {
       throw InvalidValue({"points", std::to_string(i)}, std::to_string(points[i]),
                          "a point that is attached");
     }
