@@ -58,6 +58,11 @@ Node::Node()
                                                          parameters_.image_folders, pacer_.now());
                                    })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
+      photographer_(with_full_name(
+          node_, "camera/",
+          [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
+      state_services_(node_, simulator_, follower_, changes_, frame_number_, parameters_.save_limit,
+                      [this] { jump(); }),
       diagnostics_(node_, parameters_.limits) {
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();

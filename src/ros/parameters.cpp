@@ -128,6 +128,7 @@ NodeParameters read(const ros::NodeHandle& node) {
   read_optional(node, "world_frame", clothsim::into(parameters.world_frame));
   read_optional(node, "realtime_factor", clothsim::into(parameters.realtime_factor));
   read_optional(node, "jump_speed", clothsim::into(parameters.jump_speed));
+  read_optional(node, "save_limit", clothsim::into(parameters.save_limit));
   read_optional(node, "paused", clothsim::into(parameters.paused));
   read_optional(node, "publish_clock", clothsim::into(parameters.publish_clock));
 
@@ -189,6 +190,9 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 std::vector<std::string> parameter_names() {
   return {"scene",       "camera",          "image_folders", "diagnostics", "diagnostic_period",
           "world_frame", "realtime_factor", "jump_speed",    "paused",      "publish_clock"};
+  return {"scene",       "camera",          "diagnostics", "diagnostic_period",
+          "world_frame", "realtime_factor", "jump_speed",  "save_limit",
+          "paused",      "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

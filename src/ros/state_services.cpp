@@ -8,18 +8,28 @@
 namespace clothsim_ros {
 namespace {
 
-/// States that may be kept at once: a client that saves in a loop is not to eat up the memory.
-constexpr std::size_t most_saved = 1000;
+using clothsim::InvalidValue;
+
+constexpr std::size_t longest_name = 255;  // bytes
+
+void check_name(const std::string& name) {
+  if (name.empty()) throw InvalidValue({"name"}, "nothing", "a name");
+  if (name.size() > longest_name) {
+    throw InvalidValue({"name"}, "one of " + std::to_string(name.size()) + " bytes",
+                       "at most " + std::to_string(longest_name));
+  }
+}
 
 }  // namespace
 
 StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulator,
                              FrameFollower& follower, Changes& changes, std::uint64_t& frame_number,
-                             std::function<void()> jumped)
+                             std::uint64_t save_limit, std::function<void()> jumped)
     : simulator_(simulator),
       follower_(follower),
       changes_(changes),
       frame_number_(frame_number),
+      save_limit_(save_limit),
       jumped_(std::move(jumped)) {
   services_ = {node.advertiseService("get_state", &StateServices::get, this),
                node.advertiseService("set_state", &StateServices::set, this),
@@ -36,7 +46,7 @@ bool StateServices::set(clothsim::SetState::Request& request,
                         clothsim::SetState::Response& response) {
   try {
     simulator_.set_state(to_state(request.state), request.state.memory);
-  } catch (const clothsim::InvalidValue& error) {
+  } catch (const InvalidValue& error) {
     response.message = error.message("state/", "/");
     return true;
   }
@@ -49,18 +59,32 @@ bool StateServices::set(clothsim::SetState::Request& request,
 
 bool StateServices::save(clothsim::SaveState::Request& request,
                          clothsim::SaveState::Response& response) {
-  if (request.name.empty()) {
-    response.message = "name: got nothing, expected a name";
+  try {
+    check_name(request.name);
+    Entry entry{simulator_.save(), follower_.save(), frame_number_, 0};
+    entry.bytes = sizeof(Entry) + request.name.size() +
+                  entry.follower.size() * sizeof(FrameFollower::Memory) +
+                  clothsim::Simulator::bytes_of(*entry.simulation);
+    keep(request.name, std::move(entry));
+  } catch (const InvalidValue& error) {
+    response.message = error.message("", "/");
     return true;
   }
-  if (saved_.size() >= most_saved && saved_.count(request.name) == 0) {
-    response.message = "name: got one more than the " + std::to_string(most_saved) +
-                       " that may be kept, expected one of theirs";
-    return true;
-  }
-  saved_[request.name] = {simulator_.save(), follower_.save(), frame_number_};
   response.success = true;
   return true;
+}
+
+void StateServices::keep(const std::string& name, Entry entry) {
+  const auto last = saved_.find(name);
+  const std::uint64_t others = saved_bytes_ - (last == saved_.end() ? 0 : last->second.bytes);
+  if (others + entry.bytes > save_limit_) {
+    throw InvalidValue(
+        {"state"},
+        std::to_string(entry.bytes) + " bytes beside " + std::to_string(others) + " that are kept",
+        "at most ~save_limit together, " + std::to_string(save_limit_));
+  }
+  saved_bytes_ = others + entry.bytes;
+  saved_[name] = std::move(entry);
 }
 
 bool StateServices::restore(clothsim::RestoreState::Request& request,
@@ -69,6 +93,10 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
   if (entry == saved_.end()) {
     response.message =
         clothsim::InvalidValue({"name"}, '"' + request.name + '"', "that of a saved state").what();
+    response.message = request.name.size() > longest_name
+                           ? "name: got a longer one than may be saved"
+                           : "name: got \"" + request.name + '"';
+    response.message += ", expected that of a saved state";
     return true;
   }
   simulator_.restore(*entry->second.simulation);

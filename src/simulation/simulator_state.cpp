@@ -196,6 +196,21 @@ std::shared_ptr<const Simulator::Saved> Simulator::save() const {
                                              impl_->scene.simulation.gravity});
 }
 
+std::size_t Simulator::bytes_of(const Saved& saved) {
+  const auto bytes = [](const auto& list) {
+    return static_cast<std::size_t>(list.size()) * sizeof(*list.data());
+  };
+  const Cloth& cloth = saved.cloth;
+  std::size_t held = 0;
+  for (const auto& [frame, grip] : saved.grips.all()) {
+    held += sizeof(Grip) + bytes(frame) + bytes(grip.held);
+  }
+  return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
+         bytes(cloth.springs) + bytes(cloth.mass) + bytes(cloth.inv_mass) + bytes(cloth.pinned) +
+         bytes(saved.state.positions) + bytes(saved.state.velocities) + bytes(saved.memory) +
+         bytes(saved.colliders) + bytes(saved.pin_targets);
+}
+
 void Simulator::restore(const Saved& saved) {
   const Cloth& cloth = impl_->cloth;
   const auto same = [](const MovingCollider& a, const MovingCollider& b) {

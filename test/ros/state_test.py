@@ -2,6 +2,7 @@
 """States out of the node and in again: the same bits, or a refusal that changes nothing."""
 
 import copy
+import re
 import time
 import unittest
 
@@ -11,7 +12,7 @@ import rostest
 from dynamic_reconfigure.client import Client
 from tf2_ros import StaticTransformBroadcaster
 
-from clothsim.srv import GetState, RestoreState, SaveState, SetState
+from clothsim.srv import GetState, LoadScene, RestoreState, SaveState, SetState
 from cloth_client import PATIENCE, Cloth, call, content, make_transform, positions, wait_for
 
 # By then the cloth touches the ball.
@@ -145,6 +146,33 @@ class State(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertIn('name: got "never saved"', answer.message)
         self.assertEqual(self.get(), state)
+
+    def test_states_kept_have_a_limit(self):
+        """In bytes, which the node has to tell: more than those of positions, velocities and memory."""
+        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)  # forgets those of before
+        state = self.get()
+        numbers = len(state.positions) + len(state.velocities) + len(state.memory)
+        most = 1000000 // (8 * numbers)
+        kept = next(i for i in range(most + 1) if not self.save("state %02d" % i).success)
+        self.assertGreater(kept, most // 4)
+        answer = self.save("one more")
+        self.assertRegex(answer.message, r"^state: got (\d+) bytes beside (\d+) that are kept, expected "
+                         "at most ~save_limit together, 1000000$")
+        one, others = map(int, re.findall(r"\d+", answer.message)[:2])
+        self.assertGreater(one + others, 1000000)
+        self.assertEqual(others // kept, one)  # names are of one length
+        self.assertTrue(self.save("state 00").success)
+        self.assertTrue(self.restore("state 01").success)
+        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
+        self.assertTrue(self.save("one more").success)
+
+    def test_long_names(self):
+        self.assertTrue(self.save("n" * 255).success)
+        self.assertTrue(self.restore("n" * 255).success)
+        self.assertEqual(self.save("n" * 1000000).message,
+                         "name: got one of 1000000 bytes, expected at most 255")
+        self.assertEqual(self.restore("n" * 1000000).message, "name: got a longer one than may be "
+                         "saved, expected that of a saved state")
 
     def test_restore_after_other_values(self):
         """Another spring family: its impulses are none to go on with, the state is."""

@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ struct NodeParameters {
   std::string world_frame = "map";
   double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
   double jump_speed = 15;      // of a frame, beyond which it jumps [m/s]
+  std::uint64_t save_limit = 1'000'000'000;  // of the states that ~save_state keeps [bytes]
   bool paused = false;
   bool publish_clock = false;  // the node is the source of /clock
 };

@@ -22,20 +22,28 @@ namespace clothsim_ros {
 /// The services ~get_state, ~set_state, ~save_state and ~restore_state.
 class StateServices {
  public:
-  /// All given must outlive this. `jumped` is called after another state was set, the frame number
-  /// with it.
+  /// All given must outlive this. States may take `save_limit` bytes together. `jumped` is called
+  /// after another state was set, the frame number with it.
   StateServices(ros::NodeHandle&, clothsim::Simulator&, FrameFollower&, Changes&,
-                std::uint64_t& frame_number, std::function<void()> jumped);
+                std::uint64_t& frame_number, std::uint64_t save_limit,
+                std::function<void()> jumped);
 
   /// Forgets the states that were saved.
-  void clear() { saved_.clear(); }
+  void clear() {
+    saved_.clear();
+    saved_bytes_ = 0;
+  }
 
  private:
   struct Entry {
     std::shared_ptr<const clothsim::Simulator::Saved> simulation;
     FrameFollower::Saved follower;
     std::uint64_t frame_number;
+    std::uint64_t bytes;
   };
+
+  /// Keeps it in place of one of that name. Throws InvalidValue where there is no room.
+  void keep(const std::string& name, Entry);
 
   bool get(clothsim::GetState::Request&, clothsim::GetState::Response&);
   bool set(clothsim::SetState::Request&, clothsim::SetState::Response&);
@@ -46,8 +54,10 @@ class StateServices {
   FrameFollower& follower_;
   Changes& changes_;
   std::uint64_t& frame_number_;
+  std::uint64_t save_limit_;
   std::function<void()> jumped_;
   std::map<std::string, Entry> saved_;
+  std::uint64_t saved_bytes_ = 0;
   std::vector<ros::ServiceServer> services_;
 };
 
