@@ -149,7 +149,8 @@ void Photographer::wait() {
 }
 
 void Photographer::finish() {
-  if (!taken_ && topics_.subscribed()) take();
+  if (view_.each_step && !taken_ && topics_.subscribed()) take();
+  taken_ = true;  // or none is wanted
   wait();
 }
 

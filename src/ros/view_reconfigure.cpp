@@ -80,6 +80,7 @@ void visit_viewpoint(ViewpointConfig& config, View& view, Visit visit) {
   visit_vector(view.target, config.target_x, config.target_y, config.target_z, visit);
   visit(config.frame, view.frame);
   visit(config.rate, view.rate);
+  visit(config.each_step, view.each_step);
   visit(config.width, view.camera.width);
   visit(config.height, view.camera.height);
   visit(config.fx, view.camera.fx);

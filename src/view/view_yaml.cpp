@@ -112,6 +112,7 @@ View read_view(const YAML::Node& root) {
             {"target", into(view.target)},
             {"frame", into(view.frame)},
             {"rate", into(view.rate)},
+            {"each_step", into(view.each_step)},
             {"samples", into(view.samples)},
             {"egl_device", [&](const YAML::Node& node) { view.egl_device = read_int(node); }},
             {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},

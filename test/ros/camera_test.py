@@ -215,6 +215,21 @@ class CameraTest(CameraTestCase):
         self.assertIn(len(steps), (20, 21))
         self.assertEqual({b - a for a, b in zip(steps[:-1], steps[1:-1])}, {4, 5})
 
+    def test_fewer_pictures_than_steps(self):
+        """Those that the rate asks for, and none of them later: 30 Hz are each third of 90 frames."""
+        self.viewpoint.update_configuration({"rate": 30.0, "each_step": False})
+        self.subscribe()
+        self.cloth.reset()
+        stamps = [self.cloth.step(1).header.stamp for _ in range(30)]
+        self.camera.frame(stamps[-1])
+        self.diagnostics.next()  # those that are not wanted have had time to come
+        self.assertEqual([s for s in self.camera.stamps() if s >= stamps[0]], stamps[2::3])
+        # All of them again.
+        self.viewpoint.update_configuration({"each_step": True})
+        stamps = [self.cloth.step(1).header.stamp for _ in range(4)]
+        self.camera.frame(stamps[-1])
+        self.assertEqual([s for s in self.camera.stamps() if s >= stamps[0]], stamps)
+
     def test_same_steps_same_pictures(self):
         self.subscribe()
 

@@ -55,7 +55,8 @@ class Photographer {
   /// Waits until the pictures that were taken are published.
   void wait();
 
-  /// Takes a picture of the present state unless there is one, and waits for it.
+  /// Takes a picture of the present state unless there is one or the view asks for none after each
+  /// step, and waits until it is published.
   void finish();
 
   /// To be called often. Where no picture is due because no frame comes, as while the simulation is
@@ -101,7 +102,7 @@ class Photographer {
   std::optional<clothsim::Pose> broadcast_;  // pose of own_frame_ that tf knows
 
   ros::Time stamp_;               // of the simulator's state
-  bool taken_ = false;            // there is a picture of it, or one on its way
+  bool taken_ = false;            // there is a picture of it, or one on its way, or none is wanted
   bool anew_ = false;             // what is seen beside the state has changed since the last one
   unsigned topology_seq_ = 0;     // of the last one
   double next_ = 0;               // [s] of simulated time: when a picture is due

@@ -33,6 +33,7 @@ struct View {
   ColliderLook collider;                          // all that are not named
   std::map<std::string, ColliderLook> colliders;  // by name
   double rate = 30;                               // [Hz] of pictures, at most
+  bool each_step = true;          // besides, a picture of the last frame of each ~step
   int samples = 4;                // of a pixel in the colour image, for smooth edges; 1: none
   std::optional<int> egl_device;  // index of the EGL device that draws; empty: the best
 };
