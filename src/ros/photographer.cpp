@@ -83,6 +83,7 @@ void Photographer::adopt() {
     frame_.emplace(view_.frame, tf_);
   }
   move_camera();
+  if (!frame_) broadcast_own_frame();
   redraw();
 }
 
@@ -169,6 +170,7 @@ std_msgs::Header Photographer::header() const {
   return header;
 }
 
+/// Also before there are pictures: without any transform RViz warns that there is no world frame.
 void Photographer::broadcast_own_frame() {
   const clothsim::Pose& pose = prepared_.camera.pose;
   if (frame_ && frame_->pose()) return;

@@ -8,6 +8,7 @@ import roslib.packages
 import rosgraph.names
 import rospy
 import rostest
+import tf2_ros
 import yaml
 
 from cloth_client import wait_for
@@ -29,6 +30,14 @@ class Namespace(unittest.TestCase):
         self.assertEqual(len(wanted), len(TYPES))
         wait_for(lambda: wanted <= {tuple(topic) for topic in rospy.get_published_topics()},
                  "the topics %s" % sorted(wanted))
+
+    def test_rviz_finds_its_fixed_frame(self):
+        """From the start, when nobody has driven a collider or asked for a picture yet."""
+        buffer = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(buffer)
+        wait_for(lambda: buffer.can_transform("map", "left_clothsim_camera_optical", rospy.Time(0)),
+                 "the world frame")
+        listener.unregister()
 
 
 if __name__ == "__main__":
