@@ -23,8 +23,8 @@ int main(int argc, char** argv) {
 
   int exit_code = EXIT_SUCCESS;
   try {
-    ros::init(count, arguments.data(), "clothsim_handles");
-    clothsim_ros::shut_down_on_sigterm();
+    clothsim_ros::shut_down_on_signals();
+    ros::init(count, arguments.data(), "clothsim_handles", ros::init_options::NoSigintHandler);
     ros::start();     // rather than by a handle: the log outlives a node that fails
     if (ros::ok()) {  // not interrupted while it waited for a master
       const ros::NodeHandle node("~");

@@ -10,10 +10,11 @@
 int main(int argc, char** argv) {
   int exit_code = EXIT_SUCCESS;
   try {
-    ros::init(argc, argv, "clothsim");
-    clothsim_ros::shut_down_on_sigterm();
-    ros::start();     // rather than by the node's own handle: the log outlives a node that fails
-    if (ros::ok()) {  // not interrupted while it waited for a master
+    clothsim_ros::shut_down_on_signals();
+    ros::init(argc, argv, "clothsim", ros::init_options::NoSigintHandler);
+    ros::start();  // rather than by the node's own handle: the log outlives a node that fails
+    clothsim_ros::end_in_order_on_signals();
+    if (!clothsim_ros::is_interrupted()) {  // while it waited for a master
       clothsim_ros::Node node;
       node.run();
     }

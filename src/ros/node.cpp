@@ -11,6 +11,7 @@
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/ros/signals.h"
 
 namespace clothsim_ros {
 namespace {
@@ -27,8 +28,8 @@ constexpr std::uint32_t most_frames = 1000000;
 /// How long a call waits for a master that is away, before it gives up. Frames wait with it.
 const ros::WallDuration master_patience(0.001);
 
-/// The first is false when all is closed, the second true when closing begins.
-bool is_running() { return ros::ok() && !ros::isShuttingDown(); }
+/// ok() is false when all is closed, isShuttingDown() true when closing begins.
+bool is_running() { return !is_interrupted() && ros::ok() && !ros::isShuttingDown(); }
 
 /// The private node handle whose callbacks go to `queue`.
 ros::NodeHandle private_node(ros::CallbackQueueInterface& queue) {

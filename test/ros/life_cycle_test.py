@@ -120,6 +120,17 @@ class LifeCycle(unittest.TestCase):
         self.assertEqual(self.assert_ends_cleanly(node, by=signal.SIGTERM), "")
         self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master knows, too
 
+    def test_interrupt_while_starting(self):
+        """While it builds a large cloth: it ends when that is done, before it simulates."""
+        for by in (signal.SIGINT, signal.SIGTERM):
+            rospy.set_param("/large/scene", {"cloth": {"columns": 700, "rows": 700}})
+            node = subprocess.Popen([self.program, "__name:=large"], stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True)
+            master = rosgraph.Master("/life_cycle_test")
+            wait_for(lambda: "/large/get_loggers" in (name for name, _ in master.getSystemState()[2]),
+                     "the node's first service")
+            self.assertEqual(self.assert_ends_cleanly(node, by), "")
+
     def test_interrupt_while_paused(self):
         node, _ = self.start_node("paused", paused=True)
         self.assertEqual(self.assert_ends_cleanly(node), "")
