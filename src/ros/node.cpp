@@ -58,10 +58,6 @@ Node::Node()
                                      return Photographer(node_, simulator_, tf_, parameters_.view,
                                                          parameters_.image_folders, pacer_.now());
                                    })),
-      state_services_(node_, simulator_, follower_, changes_, frame_number_, [this] { jump(); }),
-      photographer_(with_full_name(
-          node_, "camera/",
-          [this] { return Photographer(node_, simulator_, tf_, parameters_.view, pacer_.now()); })),
       state_services_(node_, simulator_, follower_, changes_, frame_number_, parameters_.save_limit,
                       [this] { jump(); }),
       diagnostics_(node_, parameters_.limits) {

@@ -188,11 +188,9 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",       "camera",          "image_folders", "diagnostics", "diagnostic_period",
-          "world_frame", "realtime_factor", "jump_speed",    "paused",      "publish_clock"};
-  return {"scene",       "camera",          "diagnostics", "diagnostic_period",
-          "world_frame", "realtime_factor", "jump_speed",  "save_limit",
-          "paused",      "publish_clock"};
+  return {"scene",        "camera",          "image_folders", "diagnostics", "diagnostic_period",
+          "world_frame",  "realtime_factor", "jump_speed",    "save_limit",  "paused",
+          "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

@@ -92,11 +92,7 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
   const auto entry = saved_.find(request.name);
   if (entry == saved_.end()) {
     response.message =
-        clothsim::InvalidValue({"name"}, '"' + request.name + '"', "that of a saved state").what();
-    response.message = request.name.size() > longest_name
-                           ? "name: got a longer one than may be saved"
-                           : "name: got \"" + request.name + '"';
-    response.message += ", expected that of a saved state";
+        InvalidValue({"name"}, '"' + request.name + '"', "that of a saved state").what();
     return true;
   }
   simulator_.restore(*entry->second.simulation);

@@ -80,10 +80,7 @@ class LifeCycle(unittest.TestCase):
         errors = self.assert_ends_cleanly(node)
         unknown = ("got an unknown parameter, expected one of scene, camera, image_folders, "
                    "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
-                   "paused, publish_clock")
-        unknown = ("got an unknown parameter, expected one of scene, camera, diagnostics, "
-                   "diagnostic_period, world_frame, realtime_factor, jump_speed, save_limit, paused, "
-                   "publish_clock")
+                   "save_limit, paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
         for message in ("/mistaken/kss: %s; did you mean ks?" % unknown,
                         "/mistaken/ks: got 123 " + holds % 5000,
