@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -21,7 +22,7 @@
 namespace clothsim {
 namespace {
 
-enum ExitCode { done = 0, bad_input = 1, diverged = 2 };
+enum ExitCode { done = 0, bad_input = 1, diverged = 2, interrupted = 130 };
 
 struct Options {
   std::string scene;
@@ -57,6 +58,10 @@ void make_free_of_frames(const std::filesystem::path& directory) {
   }
   for (const std::filesystem::path& path : old) std::filesystem::remove(path);
 }
+
+volatile std::sig_atomic_t is_interrupted = 0;
+
+void interrupt(int) { is_interrupted = 1; }
 
 /// Says what stays still although the scene has it follow a frame.
 void tell_of_frames(const Scene& scene) {
@@ -96,6 +101,8 @@ ExitCode simulate(const Options& options) {
   const long long every = options.every ? to_frames("--every", *options.every, frame_duration) : 0;
 
   tell_of_frames(simulator.scene());
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, interrupt);
+  simulator.set_interrupt([] { return is_interrupted != 0; });
 
   // Make the folders first: a run should not end in vain.
   const std::filesystem::path frame_directory = options.output / "frames";
@@ -135,6 +142,9 @@ ExitCode simulate(const Options& options) {
       }
       write_frame(run.frames);
     }
+  } catch (const Interrupted& error) {
+    std::cerr << "simulate: " << error.what() << ": the results are of " << run.frames
+              << " frames\n";
   } catch (const Diverged& error) {
     run.error = error.what();
     std::cerr << "simulate: diverged in frame " << run.frames + 1 << ": " << error.what() << '\n';
@@ -146,6 +156,7 @@ ExitCode simulate(const Options& options) {
     write_file(options.output / "report.yaml", report);
   }
   if (!(std::cout << report << std::flush)) throw std::runtime_error("cannot write the report");
+  if (is_interrupted) return interrupted;
   return run.error.empty() ? done : diverged;
 }
 
@@ -168,7 +179,9 @@ int main(int argc, char** argv) {
          "Also write frames/NNNNNN.ply, one each so much time [s], rounded to whole frames; "
          "those of an earlier run are removed")
       ->needs(output);
-  app.footer("Exit status: 0 done, 1 bad input, 2 diverged (files hold the last good frame).");
+  app.footer(
+      "Exit status: 0 done, 1 bad input, 2 diverged, 130 interrupted (files hold the last "
+      "good frame).");
 
   try {
     app.parse(argc, argv);

@@ -70,12 +70,23 @@ StepReport Simulator::Impl::step() {
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   StepReport report;
   bool has_given_way = false;
-  while (!frame(dt, last_good, report)) {
+  const auto take_back = [&] {
     state = last_good;
     colliders = last_colliders;
     disturbed = was_disturbed;
     forget_constraints();
     energy_watch.restart();
+  };
+  const auto succeeds = [&] {
+    try {
+      return frame(dt, last_good, report);
+    } catch (const Interrupted&) {
+      take_back();
+      throw;
+    }
+  };
+  while (!succeeds()) {
+    take_back();
     // What is asked of the limit may be at fault, where it is not too few substeps.
     if (strain_limit && is_overpulled && !scene.simulation.substeps && !has_given_way) {
       has_given_way = true;
@@ -138,6 +149,9 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     const double left = h * steps;
     const int needed = report.substeps > 0 ? substeps_under_tension(left) << method->halvings : 1;
     if (needed > steps && !collider_contacts.recovers()) h = left / (steps = needed);
+    if (is_interrupted && is_interrupted()) {
+      throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
+    }
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
@@ -259,6 +273,10 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 StepReport Simulator::step() { return impl_->step(); }
+void Simulator::set_interrupt(std::function<bool()> is_interrupted) {
+  impl_->is_interrupted = std::move(is_interrupted);
+}
+
 void Simulator::reset() { impl_->reset(); }
 
 void Simulator::set(const Material& material, const SimulationSpec& simulation) {

@@ -209,6 +209,7 @@ struct Simulator::Impl {
   std::vector<Vector3> pin_targets;
   Grips grips;
   EnergyWatch energy_watch;
+  std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 
   bool disturbed = false;        // by a jump since the last frame

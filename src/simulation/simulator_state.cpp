@@ -177,6 +177,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
 void Simulator::load(const Scene& scene) {
   auto loaded = std::make_unique<Impl>(scene);
   loaded->topology_seq = impl_->topology_seq + 1;
+  loaded->is_interrupted = impl_->is_interrupted;
   impl_ = std::move(loaded);
 }
 

@@ -171,8 +171,9 @@ class State(unittest.TestCase):
         self.assertTrue(self.restore("n" * 255).success)
         self.assertEqual(self.save("n" * 1000000).message,
                          "name: got one of 1000000 bytes, expected at most 255")
-        self.assertEqual(self.restore("n" * 1000000).message, "name: got a longer one than may be "
-                         "saved, expected that of a saved state")
+        message = self.restore("n" * 1000000).message
+        self.assertLess(len(message), 2000)
+        self.assertTrue(message.endswith("expected that of a saved state"), message)
 
     def test_restore_after_other_values(self):
         """Another spring family: its impulses are none to go on with, the state is."""

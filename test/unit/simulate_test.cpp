@@ -307,4 +307,23 @@ TEST_F(Simulate, HelpNamesEveryOption) {
   }
 }
 
+TEST_F(Simulate, IsBrokenOffWithinAFrameAndKeepsItsResults) {
+  // A frame of it takes minutes.
+  const std::string scene = write("slow.yaml",
+                                  "cloth: {columns: 300, rows: 300}\n"
+                                  "simulation: {method: rk4, substeps: 10000}\n");
+  const fs::path out = folder_ / "out";
+  const std::string command = "timeout --preserve-status --signal=INT 0.5 " CLOTHSIM_SIMULATE " " +
+                              scene + " --seconds 10 --output " + out.string() + " >" +
+                              (folder_ / "stdout").string() + " 2>" + (folder_ / "stderr").string();
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_NE(read(folder_ / "stderr").find("simulate: interrupted in the frame after t = 0"),
+            std::string::npos)
+      << read(folder_ / "stderr");
+  EXPECT_TRUE(fs::exists(out / "final.csv"));
+  EXPECT_EQ(YAML::LoadFile((out / "report.yaml").string())["frames"].as<int>(), 0);
+}
+
 }  // namespace

@@ -375,5 +375,30 @@ TEST(Simulator, UnknownIndicesThrow) {
   EXPECT_THROW(simulator.move_pin(2, Vector3::Zero()), std::out_of_range);
 }
 
+TEST(Simulator, IsBrokenOffBetweenSubsteps) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 8;
+  scene.cloth.pinned = {{0, 0, ""}};
+  scene.simulation.substeps = 10;
+  Simulator simulator(scene), twin(scene);
+  for (Simulator* s : {&simulator, &twin}) s->step();
+  int asked = 0;
+  simulator.set_interrupt([&] { return ++asked == 4; });
+  EXPECT_THROW(simulator.step(), Interrupted);
+  EXPECT_EQ(asked, 4) << "asked before each substep";
+  EXPECT_EQ(simulator.state().positions, twin.state().positions);
+  EXPECT_EQ(simulator.state().velocities, twin.state().velocities);
+  EXPECT_EQ(simulator.state().time, twin.state().time);
+
+  // It goes on as from a state without a memory, and asks still after a scene is loaded.
+  twin.set_state(twin.state());
+  simulator.step();
+  twin.step();
+  EXPECT_EQ(simulator.state().positions, twin.state().positions);
+  simulator.load(scene);
+  asked = 0;
+  EXPECT_THROW(simulator.step(), Interrupted);
+}
+
 }  // namespace
 }  // namespace clothsim

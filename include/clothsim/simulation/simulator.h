@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -49,6 +50,11 @@ class Simulator {
   /// substep, up to three times, then so with implicit Euler, from here on until the next reset()
   /// or set(). If nothing is left to try, throws Diverged and keeps the last good frame.
   StepReport step();
+
+  /// Has step() ask between substeps, in its own thread, whether it is to break off. If so it
+  /// throws Interrupted and keeps the frame before; the next one goes on from there as after
+  /// set_state() without a memory. None, the default, asks nobody.
+  void set_interrupt(std::function<bool()> is_interrupted);
 
   /// Back to the scene's start at time 0, with the present material and simulation values.
   void reset();
