@@ -202,8 +202,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
 
     // Where the frame is, and which points that means.
     TfFrame frame(request.frame, tf_);
-    tf_.wait_for_first();
-    frame.look_up();
+    frame.wait_for_first();
     if (!frame.pose()) {
       throw InvalidValue({"frame"}, '"' + request.frame + '"',
                          "a tf frame with a transform to " + tf_.world_frame());

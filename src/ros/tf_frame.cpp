@@ -13,8 +13,9 @@
 namespace clothsim_ros {
 namespace {
 
-/// Time that publishers take to connect, and frames of 10 Hz to come.
-const ros::WallDuration settling(0.5);
+/// Time that a publisher takes to connect, and frames of 10 Hz to come; how often to look for them.
+const ros::WallDuration patience(0.5);
+const ros::WallDuration poll_period(0.005);
 
 }  // namespace
 
@@ -32,7 +33,6 @@ TfListener::TfListener(std::string world_frame, std::optional<double> lost_after
   ros::NodeHandle node;
   node.setCallbackQueue(&queue_);
   subscribers_.listen(node, [this](const auto& event, bool is_static) { hear(event, is_static); });
-  settled_ = ros::SteadyTime::now() + settling;
 }
 
 void TfListener::receive() {
@@ -74,11 +74,6 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
   }
 }
 
-void TfListener::wait_for_first() const {
-  const ros::WallDuration left = settled_ - ros::SteadyTime::now();
-  if (left > ros::WallDuration(0)) left.sleep();
-}
-
 TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) { status_.frame = std::move(frame); }
 
 void TfFrame::look_up() {
@@ -87,6 +82,11 @@ void TfFrame::look_up() {
   status_.age = stamp_.isZero() ? 0 : seconds_between(stamp_, ros::Time::now());
   const std::optional<double> lost_after = tf_->lost_after();
   status_.lost = !known || (lost_after && status_.age > *lost_after);
+}
+
+void TfFrame::wait_for_first() {
+  const ros::SteadyTime end = ros::SteadyTime::now() + patience;
+  for (look_up(); !pose_ && ros::SteadyTime::now() < end; look_up()) poll_period.sleep();
 }
 
 bool TfFrame::read() {

@@ -111,7 +111,7 @@ class SimTime(unittest.TestCase):
         """Paused, and no time: tf frames are followed, timers run and live values change."""
         hand = make_transform("hand", (0.5, 0, 1))
         broadcaster = StaticTransformBroadcaster()
-        broadcaster.sendTransform(hand)
+        broadcaster.sendTransform(hand)  # the node waits for a frame that it does not know yet
         answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)
         self.assertTrue(answer.success, answer.message)
         before = positions(self.cloth.step(1))[1275]

@@ -35,9 +35,6 @@ class TfListener {
   /// Reads the transforms that have come. To be called often.
   void receive();
 
-  /// Waits until what is being broadcast has come in: a moment after the start, not at all later.
-  void wait_for_first() const;
-
   const std::string& world_frame() const { return world_frame_; }
   std::optional<double> lost_after() const { return lost_after_; }
   const tf2::BufferCore& buffer() const { return buffer_; }
@@ -55,7 +52,6 @@ class TfListener {
   ros::Time now_;     // when transforms were last received
   ros::Time newest_;  // stamp in the buffer
   NewestStamps newest_stamps_;
-  ros::SteadyTime settled_;  // when the first transforms have come
   Throttle warnings_{warning_period};
 };
 
@@ -76,6 +72,9 @@ class TfFrame {
 
   /// Reads the latest transform. Logs one that is no use.
   void look_up();
+
+  /// The same, and waits for a moment where there is none yet.
+  void wait_for_first();
 
   /// Of the frame in the world; empty until it is seen.
   const std::optional<clothsim::Pose>& pose() const { return pose_; }
