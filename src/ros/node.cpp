@@ -61,6 +61,7 @@ Node::Node()
       state_services_(node_, simulator_, follower_, changes_, frame_number_, parameters_.save_limit,
                       [this] { jump(); }),
       diagnostics_(node_, parameters_.limits) {
+  simulator_.set_interrupt(is_interrupted);
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);
@@ -122,6 +123,8 @@ bool Node::simulate_frame(Turn turn) {
   grasper_.move();
   try {
     report_ = simulator_.step();
+  } catch (const clothsim::Interrupted&) {
+    return false;  // the node ends
   } catch (const clothsim::Diverged& error) {
     failure_ = error.what();
     paused_ = true;

@@ -128,6 +128,15 @@ class LifeCycle(unittest.TestCase):
                      "the node's first service")
             self.assertEqual(self.assert_ends_cleanly(node, by), "")
 
+    def test_interrupt_within_a_frame(self):
+        """One that takes minutes is broken off between two of its substeps."""
+        for by in (signal.SIGINT, signal.SIGTERM):
+            node, _ = self.start_node("endless", scene={
+                "cloth": {"columns": 300, "rows": 300},
+                "simulation": {"method": "rk4", "substeps": 10000}})
+            time.sleep(0.5)  # into the first frame
+            self.assertEqual(self.assert_ends_cleanly(node, by), "")
+
     def test_interrupt_while_paused(self):
         node, _ = self.start_node("paused", paused=True)
         self.assertEqual(self.assert_ends_cleanly(node), "")
