@@ -61,7 +61,7 @@ Node::Node()
       state_services_(node_, simulator_, follower_, changes_, frame_number_, parameters_.save_limit,
                       [this] { jump(); }),
       diagnostics_(node_, parameters_.limits) {
-  simulator_.set_interrupt(is_interrupted);
+  simulator_.set_interrupt([] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);

@@ -15,20 +15,6 @@ using namespace testing;
 const Loads no_gravity{Vector3::Zero()};
 constexpr double g = 9.8;
 
-Vector3 momentum(const Cloth& cloth, const State& state) {
-  return state.velocities.transpose() * cloth.mass;
-}
-
-Vector3 angular_momentum(const Cloth& cloth, const State& state) {
-  Vector3 sum = Vector3::Zero();
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    const Vector3 x = state.positions.row(i).transpose();
-    const Vector3 v = state.velocities.row(i).transpose();
-    sum += cloth.mass[i] * x.cross(v);
-  }
-  return sum;
-}
-
 /// A flat cloth in the xy-plane that turns about z through its middle at `spin` [rad/s].
 State spinning(const ClothSpec& spec, const Cloth& cloth, double spin) {
   State state = start_state(spec, cloth, 1);

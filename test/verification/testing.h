@@ -128,4 +128,20 @@ inline double farthest(const Points& a, const Points& b) {
 
 inline double fastest(const State& state) { return state.velocities.rowwise().norm().maxCoeff(); }
 
+/// [kg m/s]
+inline Vector3 momentum(const Cloth& cloth, const State& state) {
+  return state.velocities.transpose() * cloth.mass;
+}
+
+/// About the origin [kg m^2/s].
+inline Vector3 angular_momentum(const Cloth& cloth, const State& state) {
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const Vector3 x = state.positions.row(i).transpose();
+    const Vector3 v = state.velocities.row(i).transpose();
+    sum += cloth.mass[i] * x.cross(v);
+  }
+  return sum;
+}
+
 }  // namespace clothsim::testing
