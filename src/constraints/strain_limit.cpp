@@ -451,7 +451,7 @@ void StrainLimit::finish() {
   inertia_.fade();
   if (yields()) return inertia_.reset();  // what it gives then is bounded to what steps can follow
   for (std::size_t i = 0; i < touched_.size(); ++i) {
-    inertia_.add(touched_[i], tensions_[i] / step_.h);
+    if (positions_[i].w > 0) inertia_.add(touched_[i], tensions_[i] / step_.h);
   }
 }
 
