@@ -48,13 +48,14 @@ struct Method {
         integrator(make_integrator(choice.method, spec.method_parameters)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
+  /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               bool touches, int at_speed = 1, const Workers& workers = {}) const {
+               int at_speed = 1, std::optional<Tension> tension = {},
+               const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                                      1 / spec.frames_per_second, touches,
-                                      std::max(choice.least_substeps, at_speed), workers);
-    return std::min(needed << halvings, max_substeps);
+                                      1 / spec.frames_per_second, tension, workers);
+    return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
   }
 
   double stability_limit() const {
@@ -134,9 +135,7 @@ struct Simulator::Impl {
 
   void build_strain_limit() {
     strain_limit.reset();
-    if (!cloth.strain_limit || cloth.springs.empty()) return;
-    strain_limit.emplace(cloth);
-    weighed = cloth;
+    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth);
   }
 
   int pin_point(std::size_t pin) const {
@@ -172,18 +171,16 @@ struct Simulator::Impl {
   bool recover();
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
-  void constrain(const Cloth&, double h, StepReport&);
+  void constrain(double h, StepReport&);
   template <typename Visitor>
   void visit_self_contacts(Visitor&& visit) {
     if (self_contacts) std::visit(visit, *self_contacts);
   }
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
-  void repair(const Cloth&, bool solved, StepReport&);
+  void repair(bool solved, StepReport&);
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
-  /// Substeps of `dt` [s] that the tension of now asks for.
-  int substeps_under_tension(double dt) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything?
@@ -191,14 +188,13 @@ struct Simulator::Impl {
     return self_contacts || std::any_of(colliders.begin(), colliders.end(),
                                         [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// The cloth with the inertia that tension adds in a step of h [s].
-  const Cloth& weigh(double h);
+  /// Where substeps follow it.
+  std::optional<Tension> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 
   Scene scene;
   Cloth cloth;
-  Cloth weighed;  // with the inertia that tension adds; empty without strain limit
   State state;
   std::optional<Method> method;
   std::optional<StrainLimit> strain_limit;

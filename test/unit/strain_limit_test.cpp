@@ -175,6 +175,31 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
   EXPECT_GT(repairs, 0) << "the scene asks for none";
 }
 
+TEST(StrainLimit, TensionFrequencyOfAWeightOnAString) {
+  // One spring carries m g: omega^2 = g / l. Two masses: 2 m g above and m g below the upper one.
+  for (const int masses : {1, 2}) {
+    ClothSpec spec = limited(chain_spec(masses + 1, 1, 0, Orientation::vertical));
+    spec.pinned = {{0, masses, ""}};
+    const Cloth cloth = make_grid(spec);
+    State state{cloth.rest_positions, Points::Zero(masses + 1, 3), 0};
+    const double top = cloth.rest_positions(masses, 2);
+    for (int i = 0; i <= masses; ++i) {
+      state.positions(i, 2) = top - 1.1 * (top - cloth.rest_positions(i, 2));
+    }
+    VelocityVerlet method;
+    StrainLimit strain_limit(cloth);
+    EXPECT_EQ(strain_limit.tension_frequency(), 0);
+    for (int step = 0; step < 100; ++step) {
+      method.step(cloth, Loads{}, h, state);
+      strain_limit.predict(h, reach, state);
+      strain_limit.solve(cloth, reach, 1e-12, 4, 200, state);
+      strain_limit.correct(cloth, 1e-6, 100, state.positions);
+    }
+    const double omega = strain_limit.tension_frequency();
+    EXPECT_NEAR(omega * omega, (masses == 1 ? 1 : 3) * 9.8 / 1.1, 1e-4);
+  }
+}
+
 TEST(StrainLimit, CorrectShortensToItsTolerance) {
   // From far over the limit; pins hold, the centre of mass of a free cloth stays.
   const double tolerance = 1e-4;
