@@ -64,8 +64,8 @@ void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room
 /// Shares that may be gone of the ways from `here`, 1 of most: where a plane between two features
 /// does not stay, on the ways so shortened, both are bound to their room. What is not among the
 /// pairs has the room `unseen` [m].
-Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
-                  const Points& ways, double unseen) {
+Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room,
+                  const ContactStep& step, const Points& here, const Points& ways, double unseen) {
   const Scalars lengths = ways.rowwise().norm();
   Scalars bounds = Scalars::Constant(here.rows(), unseen);
   const auto shares = [&]() -> Scalars {
@@ -74,8 +74,9 @@ Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room, con
   std::vector<double> gaps;
   for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
-  for (bool shortened = true; shortened;) {
+  for (bool shortened = true; shortened && !step.is_spent();) {
     shortened = false;
+    step.spend(static_cast<std::int64_t>(near_pairs.size()));
     const Points ends = here + shares().asDiagonal() * ways;
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
@@ -128,13 +129,15 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     const double needed = room.floor + longest / bound_share;
     if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
     const double seen = std::min(needed, finder.reach());
-    const std::vector<NearPair>& near_pairs = finder.within(cloth, here, seen, step.workers);
+    const std::vector<NearPair>& near_pairs =
+        finder.within(cloth, here, seen, step.workers, step.budget);
+    if (step.is_spent()) return 0;
     if (near_pairs.empty() && seen == needed) return 0;
 
     if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
     const Points ways = (positions - here).rowwise() - common;
     const Scalars shares =
-        shares_of(near_pairs, room, here, ways, seen == needed ? infinity : room.way(seen));
+        shares_of(near_pairs, room, step, here, ways, seen == needed ? infinity : room.way(seen));
     // A pin goes where it is told or stays: the cloth does not take it along.
     if (together && (cloth.inv_mass.array() == 0 && shares.array() < 1).any()) {
       together = false;

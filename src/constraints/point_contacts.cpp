@@ -27,7 +27,8 @@ void push_apart(const Cloth& cloth, const PointPair& pair, const Vector3& d, Poi
 
 }  // namespace
 
-void PointContacts::find_candidates(const Cloth& cloth, const Points& positions, double distance) {
+void PointContacts::find_candidates(const Cloth& cloth, const Points& positions, double distance,
+                                    WorkBudget* budget) {
   // A common motion brings nobody closer: only what goes beyond it counts.
   if (found_at_.rows() == positions.rows()) {
     const Points moved = positions - found_at_;
@@ -35,13 +36,14 @@ void PointContacts::find_candidates(const Cloth& cloth, const Points& positions,
     const double farthest2 = (moved.rowwise() - common).rowwise().squaredNorm().maxCoeff();
     if (farthest2 <= skin_ * skin_ / 4) return;
   }
-  seek(cloth, positions, distance);
+  seek(cloth, positions, distance, budget);
 }
 
-void PointContacts::seek(const Cloth& cloth, const Points& positions, double distance) {
+void PointContacts::seek(const Cloth& cloth, const Points& positions, double distance,
+                         WorkBudget* budget) {
   skin_ = skin_share * distance;
   found_at_ = positions;
-  finder_.find(positions, distance + skin_, candidates_);
+  finder_.find(positions, distance + skin_, candidates_, budget);
 
   const double nearest = rest_exclusion * contact_distance(cloth);
   const auto neighbours_at_rest = [&](const PointPair& p) {
@@ -57,7 +59,8 @@ void PointContacts::begin(const Cloth& cloth, const ContactStep& step, State& st
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
   const double nearest = contact_distance(cloth);
-  find_candidates(cloth, state.positions, nearest);
+  find_candidates(cloth, state.positions, nearest, step.budget);
+  step.spend(static_cast<std::int64_t>(2 * candidates_.size()));  // with correct()
 
   last_.swap(contacts_);
   contacts_.clear();
@@ -149,7 +152,7 @@ void PointContacts::read(MemoryReader& memory, const Cloth& cloth) {
   reset();
   h_ = std::max(0.0, memory.number());
   if (memory.index(2) == 1) {
-    seek(cloth, memory.points(cloth.num_points()), contact_distance(cloth));
+    seek(cloth, memory.points(cloth.num_points()), contact_distance(cloth), nullptr);
   }
   const auto points = static_cast<std::size_t>(cloth.num_points());
   for (std::size_t left = memory.count(); left > 0; --left) {

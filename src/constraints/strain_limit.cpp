@@ -16,6 +16,9 @@ namespace {
 /// Fours of springs of a colour that a thread takes at least: half a microsecond of work.
 constexpr int least_shared = 128;
 
+/// Visits that it takes to look at four, see WorkBudget.
+constexpr int visits_of_four = 2;
+
 /// Violation [of a rest length] from which on a step counts for more time, in proportion, until the
 /// limit yields: where springs are twice their length, patience would fling the cloth about.
 constexpr double usual_violation = 0.05;
@@ -45,8 +48,10 @@ void set_row(Points& points, int i, const Quad& q) {
 
 }  // namespace
 
-StrainLimit::StrainLimit(const Cloth& cloth)
-    : longest_(1 + cloth.strain_limit.value()), shortest_(shortest_rest_length(cloth)) {
+StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
+    : longest_(1 + cloth.strain_limit.value()),
+      shortest_(shortest_rest_length(cloth)),
+      budget_(budget) {
   int direction = -1;
   const SpringRun* last = nullptr;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
@@ -337,6 +342,7 @@ void StrainLimit::store(Points& velocities) const {
 /// One pass over active_, colour by colour: within one, springs share no point. A few are not worth
 /// sharing.
 double StrainLimit::sweep_active(const Workers& workers) {
+  if (budget_) budget_->spend(visits_of_four * static_cast<std::int64_t>(active_.size()));
   const bool are_few = active_.size() < 2 * index(least_shared) * colour_ends_.size();
   if (workers.threads() == 1 || are_few) {
     return sweep_springs(active_.data(), active_.size(), most_kick_, velocities_.data());

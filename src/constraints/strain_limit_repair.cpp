@@ -57,6 +57,7 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
     for (bool moves = true; moves && sweeps < max_sweeps; ++sweeps) {
       moves = false;
       for (const std::vector<int>& ids : over_) {
+        if (budget_) budget_->spend(static_cast<std::int64_t>(ids.size()));
         moves = shorten(cloth, ids, tolerance, positions, workers) || moves;
       }
     }

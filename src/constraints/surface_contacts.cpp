@@ -140,7 +140,7 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   const auto comes_before = [](const Contact& c, std::uint64_t key) { return c.key < key; };
   const Points ahead = middle + h_ * state.velocities;
   const std::vector<NearPair>& near_pairs =
-      near_.approaching(cloth, step.start, ahead, step.workers);
+      near_.approaching(cloth, step.start, ahead, step.workers, step.budget);
   std::mutex mutex;
   std::map<int, std::vector<Contact>> found;  // by the first pair that a thread looked at
   constexpr int least = 256;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace clothsim {
 namespace {
@@ -28,7 +29,8 @@ constexpr std::array<std::array<int, 2>, 4> rows_after = {{{1, 0}, {-1, 1}, {0, 
 
 }  // namespace
 
-void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs) {
+void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs,
+                      WorkBudget* budget) {
   assert(positions.allFinite() && distance > 0);
   pairs.clear();
 
@@ -47,17 +49,23 @@ void PairFinder::find(const Points& positions, double distance, std::vector<Poin
   });
 
   const double distance2 = distance * distance;
+  std::int64_t visits = 0;  // of an entry
   const auto try_pair = [&](int i, int j) {
+    ++visits;
     const double dx = positions(i, 0) - positions(j, 0);
     const double dy = positions(i, 1) - positions(j, 1);
     const double dz = positions(i, 2) - positions(j, 2);
-    if (dx * dx + dy * dy + dz * dz < distance2) pairs.push_back({std::min(i, j), std::max(i, j)});
+    if (!(dx * dx + dy * dy + dz * dz < distance2)) return;
+    pairs.push_back({std::min(i, j), std::max(i, j)});
+    visits += WorkBudget::pair_found;
   };
 
   // Cells are visited in order, so the rows after them are followed by fingers that only go
   // forward.
   std::array<std::size_t, rows_after.size()> fingers{};
   for (std::size_t e = 0; e < entries_.size(); ++e) {
+    if (budget) budget->spend(std::exchange(visits, 0));
+    if (budget && budget->is_spent()) break;
     const Entry& entry = entries_[e];
 
     // The rest of the own cell, and the next one along x.

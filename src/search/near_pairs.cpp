@@ -142,6 +142,7 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
         for (int k = begin; k < end; ++k) {
           PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
           const double within = reach(pair);
+          if (!query.spend(1)) break;  // what was begun is taken back
           if (pair.wake_at - pair.moved > within) continue;
           if (pair.meet_at - pair.moved > query.distance) continue;
           if (pair.moved + within > pair.list_until) {
@@ -196,25 +197,27 @@ NearPairs& NearPairs::operator=(NearPairs other) noexcept {
 }
 
 const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Points& positions,
-                                                    const Points& ahead, const Workers& workers) {
+                                                    const Points& ahead, const Workers& workers,
+                                                    WorkBudget* budget) {
   Impl& impl = *impl_;
   impl.advance(cloth, positions, workers);
   impl.motions.follow(impl.patches, positions, ahead, workers);
   const auto closing = [&](const Impl::PatchPair& pair) {
     return std::clamp(impl.motions.between(pair.p, pair.q), least_margin(), margin());
   };
-  return impl.look({positions, &ahead, Impl::infinity}, closing, workers);
+  return impl.look({positions, &ahead, Impl::infinity, budget}, closing, workers);
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
-                                               double distance, const Workers& workers) {
+                                               double distance, const Workers& workers,
+                                               WorkBudget* budget) {
   assert(distance <= reach());
   Impl& impl = *impl_;
   impl.advance(cloth, positions, workers);
   const auto most_gap = [&](const Impl::PatchPair& pair) {
     return distance - (pair.are_neighbours ? impl.nearest.least() : impl.contact);
   };
-  return impl.look({positions, nullptr, distance}, most_gap, workers);
+  return impl.look({positions, nullptr, distance, budget}, most_gap, workers);
 }
 
 double NearPairs::least_margin() const { return impl_->least_margin(); }

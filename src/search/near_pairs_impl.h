@@ -54,6 +54,14 @@ struct NearPairs::Impl {
     const Points& positions;
     const Points* ahead;
     double distance;
+    WorkBudget* budget;  // none: all is looked at
+
+    /// Takes visits from the budget. False where it is spent.
+    bool spend(std::size_t visits) const {
+      if (!budget) return true;
+      budget->spend(static_cast<std::int64_t>(visits));
+      return !budget->is_spent();
+    }
   };
 
   /// Two cells whose features are measured.

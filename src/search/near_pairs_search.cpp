@@ -67,6 +67,7 @@ void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
   const double reach = pair.list_until - pair.moved;
   wake_with_list(pair);
 
+  query.spend(WorkBudget::outlines_compared);
   std::array<int, CellOutlines::pairs> awake;
   const std::size_t count =
       outlines.look(static_cast<std::size_t>(pair.p), static_cast<std::size_t>(pair.q), pair.moved,
@@ -101,6 +102,8 @@ void NearPairs::Impl::measure_later(const Query& query, const Cells& cells,
 void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
                                     Scratch& scratch) const {
   std::vector<Cells>& all = scratch.cells[number];
+  const FeaturePairs::List& lists = feature_pairs[number];
+  if (!query.spend(all.size() * (lists[0].size() + lists[1].size()))) all.clear();
   const std::size_t count = all.size();
   if (count == 0) return;
   std::array<std::array<int, Distances::capacity>, 2> firsts;
@@ -113,9 +116,10 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
     most[i] = all[i].most_nearest + all[i].reach;
   }
 
+  std::size_t listed_now = 0;
   std::size_t key = 0;  // of a feature, in those of its cells
   for (const bool edges : {false, true}) {
-    const std::vector<FeaturePairs::Pair>& list = feature_pairs[number][edges];
+    const std::vector<FeaturePairs::Pair>& list = lists[edges];
     Distances& distances = scratch.distances[edges];
     for (const FeaturePairs::Pair& pair : list) {
       std::array<const int*, 4> of;
@@ -139,6 +143,7 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
         const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
                             static_cast<unsigned>(all[i].number * keys_of_cells + key)};
         of_patches.lists[edges].push_back(listed);
+        ++listed_now;
         consider(query, all[i].within, distances, first + i, listed, of_patches, scratch);
       }
       first += count;
@@ -146,6 +151,7 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
     }
     distances.clear();
   }
+  query.spend(WorkBudget::pair_listed * listed_now);
   for (std::size_t i = 0; i < count; ++i) {
     PatchPair& pair = *all[i].of;
     pair.cells_wake_at[all[i].number] = pair.moved + least[i] - all[i].most_nearest;
@@ -174,6 +180,7 @@ void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scr
 
 void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
+  if (!query.spend(distances.size())) scratch.parts.clear();
   distances.measure(query.positions);
   for (const Part& part : scratch.parts) {
     PatchPair& pair = *part.of;
@@ -216,6 +223,7 @@ void NearPairs::Impl::wake_with_list(PatchPair& pair) const {
 
 /// In the order of their keys, measured one by one.
 void NearPairs::Impl::keep_found(const Query& query, Scratch& scratch) const {
+  if (!query.spend(WorkBudget::pair_found * scratch.found.size())) scratch.found.clear();
   std::sort(scratch.found.begin(), scratch.found.end());
   for (const std::uint64_t key : scratch.found) {
     const SurfacePair features = features_of(key);

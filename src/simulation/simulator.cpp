@@ -55,7 +55,6 @@ Simulator::Impl::Impl(const Scene& s) : scene(s) {
   workers = Workers(scene.simulation.threads);
   cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
   build_strain_limit();
-  self_contacts = make_self_contacts(cloth);
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   reset();
   check_feasible(scene.simulation, cloth, scene.colliders, state.positions, {"cloth", "ks"});
@@ -68,6 +67,7 @@ StepReport Simulator::Impl::step() {
   const bool was_disturbed = disturbed;
 
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
+  allow_work(dt);
   StepReport report;
   bool has_given_way = false;
   const auto take_back = [&] {
@@ -87,6 +87,13 @@ StepReport Simulator::Impl::step() {
   };
   while (!succeeds()) {
     take_back();
+    if (budget.is_spent()) {
+      forget();
+      throw Diverged("the frame after t = " + std::to_string(state.time) +
+                     " s asks for more than can be solved: it was left after " +
+                     std::to_string(report.substeps) + " substeps and " +
+                     std::to_string(report.sweeps + report.corrections) + " passes");
+    }
     // What is asked of the limit may be at fault, where it is not too few substeps.
     if (strain_limit && is_overpulled && !scene.simulation.substeps && !has_given_way) {
       has_given_way = true;
@@ -110,6 +117,7 @@ StepReport Simulator::Impl::step() {
   }
   for (MovingCollider& collider : colliders) collider.arrive();
 
+  is_given = is_given && !is_calm();
   disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
   state.time = last_good.time + dt;
@@ -189,7 +197,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
   const double limit = method->stability_limit();
-  if (h * omega_max_bound(cloth) < limit) return false;  // by far the cheaper bound
+  if (h * method->omega_max < limit) return false;  // by far the cheaper bound
   return h * omega_max_bound(cloth, state.positions) > limit;
 }
 
@@ -250,11 +258,14 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
+  const int newton_steps =
+      std::visit([](const auto& m) { return m.newton_steps(); }, method->integrator);
+  spend(1 + newton_steps * visits_of_newton_step());
 
   if (touches() && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
-  return true;
+  return !budget.is_spent();
 }
 
 Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}

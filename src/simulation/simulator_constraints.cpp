@@ -86,9 +86,11 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
                                  workers,
                                  &collider_contacts.pinches(),
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
-                                 stretch};
+                                 stretch,
+                                 &budget};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
+  if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
   recovers = recovers || collider_contacts.recovers();
   if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
     report.pinched = pinches.count();
@@ -107,12 +109,14 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
       stretching = strain_limit->sweep(state.velocities, workers);
     visit_self_contacts([&](auto& contacts) {
       folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
+      budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * contacts.size()));
     });
     const double touching = collider_contacts.sweep(cloth, state.velocities);
+    if (!colliders.empty()) spend(1);
     ++report.sweeps;
     const bool limited = stretching <= small || sweep >= limit_sweeps;
     const bool solved = limited && touching <= small_touch && folding <= small_fold;
-    if (solved && sweep >= min_sweeps) break;
+    if ((solved && sweep >= min_sweeps) || budget.is_spent()) break;
   }
   state.positions += reach * h * (state.velocities - predicted);
   if (self_contacts) by_impulses = state.positions;

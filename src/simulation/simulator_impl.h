@@ -9,9 +9,11 @@
 #include "clothsim/constraints/self_contacts.h"
 #include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/integrator.h"
+#include "clothsim/dynamics/spectrum.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
+#include "clothsim/model/work_budget.h"
 #include "clothsim/shapes/moving_collider.h"
 #include "clothsim/simulation/energy_watch.h"
 #include "clothsim/simulation/grips.h"
@@ -45,7 +47,8 @@ inline void check_place(const Pose& pose) {
 struct Method {
   Method(const SimulationSpec& spec, const Cloth& cloth, const std::vector<ColliderSpec>& colliders)
       : choice(choose_method(spec, cloth, colliders)),
-        integrator(make_integrator(choice.method, spec.method_parameters)) {}
+        integrator(make_integrator(choice.method, spec.method_parameters)),
+        omega_max(omega_max_bound(cloth)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
   /// Without a `tension` as for the whole cloth's weight.
@@ -64,6 +67,7 @@ struct Method {
 
   MethodChoice choice;
   Integrator integrator;
+  double omega_max;  // at least that of the springs at rest [rad/s]
   int halvings = 0;
 };
 
@@ -96,7 +100,7 @@ struct Simulator::Impl {
       colliders[i].enable(scene.colliders[i].enabled);
     }
     forget();
-    disturbed = false;
+    disturbed = is_given = false;
   }
 
   /// The cloth as the scene has it, without what is attached: the method is chosen for that, so
@@ -111,6 +115,7 @@ struct Simulator::Impl {
   void forget() {
     method.emplace(scene.simulation, without_grips(), scene.colliders);
     forget_constraints();
+    self_contacts = make_self_contacts(cloth);  // with what it knows of where features were
     energy_watch.restart();
   }
 
@@ -123,6 +128,7 @@ struct Simulator::Impl {
       method.emplace(scene.simulation, free, scene.colliders);
     } else {
       method->choice = choice;
+      method->omega_max = omega_max_bound(free);
       method->halvings = 0;
     }
   }
@@ -135,7 +141,7 @@ struct Simulator::Impl {
 
   void build_strain_limit() {
     strain_limit.reset();
-    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth);
+    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth, &budget);
   }
 
   int pin_point(std::size_t pin) const {
@@ -172,6 +178,10 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   void constrain(double h, StepReport&);
+  /// Takes from the frame's budget so many visits to each point.
+  void spend(double visits_a_point) {
+    budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
+  }
   template <typename Visitor>
   void visit_self_contacts(Visitor&& visit) {
     if (self_contacts) std::visit(visit, *self_contacts);
@@ -179,6 +189,14 @@ struct Simulator::Impl {
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
   void repair(bool solved, StepReport&);
+  /// Sets the budget of a frame of dt [s], with all that is tried.
+  void allow_work(double dt);
+  /// For each point.
+  double visits_of_newton_step() const;
+  /// Has the frame taken little of it?
+  bool is_calm() const;
+  /// Substeps of a frame of dt [s] that the scene or its springs ask for, whatever the state.
+  double least_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
@@ -205,10 +223,13 @@ struct Simulator::Impl {
   std::vector<Vector3> pin_targets;
   Grips grips;
   EnergyWatch energy_watch;
+  WorkBudget budget;                     // left of a frame's
+  double allowed = 0;                    // visits of it, as it began
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 
   bool disturbed = false;        // by a jump since the last frame
+  bool is_given = false;         // state that was set, and is not yet calm: it may be anything
   bool recovers = false;         // in this frame: colliders have pushed out what was in them
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
   bool is_overpulled = false;    // at this frame's end springs are far over their limit

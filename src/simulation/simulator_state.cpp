@@ -83,6 +83,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   memory.add(static_cast<double>(place - names.begin()));
   memory.add(method->halvings);
   memory.add(disturbed);
+  memory.add(is_given);
   energy_watch.write(memory);
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
@@ -119,6 +120,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   }
   read_method.halvings = memory.index(max_halvings + 1);
   const bool read_disturbed = memory.index(2) == 1;
+  const bool read_given = memory.index(2) == 1;
   EnergyWatch read_energy_watch;
   read_energy_watch.read(memory);
   if (auto* bdf2 = std::get_if<Bdf2>(&read_method.integrator)) bdf2->read(memory, cloth);
@@ -139,6 +141,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   collider_contacts = std::move(read_contacts);
   self_contacts = std::move(read_self_contacts);
   disturbed = read_disturbed;
+  is_given = read_given;
   energy_watch = read_energy_watch;
 }
 
@@ -161,7 +164,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
 
   if (memory.empty()) {
     forget();
-    disturbed = true;
+    disturbed = is_given = true;
   } else {
     read(memory);
   }

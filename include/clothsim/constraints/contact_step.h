@@ -1,6 +1,7 @@
 #pragma once
 
 #include "clothsim/model/types.h"
+#include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
@@ -21,6 +22,12 @@ struct ContactStep {
   const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
   double gravity = least_gravity;    // [m/s^2], no less
   double stretch = 0;                // l / L0 - 1 of the most stretched spring, as the frame began
+  WorkBudget* budget = nullptr;      // of the frame; none: all is done
+
+  void spend(std::int64_t visits) const {
+    if (budget) budget->spend(visits);
+  }
+  bool is_spent() const { return budget && budget->is_spent(); }
 };
 
 }  // namespace clothsim

@@ -37,6 +37,9 @@ class PointContacts {
   /// To be called when other points than before are held: pairs of two are left out.
   void seek_anew() { found_at_.resize(0, 3); }
 
+  /// Pairs that a pass looks at.
+  std::size_t size() const { return contacts_.size(); }
+
   /// Pairs that carry an impulse.
   int count() const;
 
@@ -56,8 +59,8 @@ class PointContacts {
   };
 
   /// Pairs that may touch, at `positions` unless those of an earlier call still serve.
-  void find_candidates(const Cloth&, const Points& positions, double distance);
-  void seek(const Cloth&, const Points& positions, double distance);
+  void find_candidates(const Cloth&, const Points& positions, double distance, WorkBudget*);
+  void seek(const Cloth&, const Points& positions, double distance, WorkBudget*);
 
   double h_ = 0;
   PairFinder finder_;

@@ -10,6 +10,7 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
@@ -37,8 +38,9 @@ namespace clothsim {
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
 class StrainLimit {
  public:
-  /// Needs cloth.strain_limit; every other call must be given the same cloth.
-  explicit StrainLimit(const Cloth& cloth);
+  /// Needs cloth.strain_limit; every other call must be given the same cloth. `budget`: what passes
+  /// take their visits from, if any.
+  explicit StrainLimit(const Cloth& cloth, WorkBudget* budget = nullptr);
 
   /// Gives the points, after a step of h [s], the impulses of the last step along the directions
   /// of then. `reach`: the method's own, see Integrator.
@@ -165,6 +167,7 @@ class StrainLimit {
   int colour_ = -1;                  // of the last four
   std::size_t lane_ = 0;             // of the last four that is free
   bool solved_alone_ = false;        // by solve() in this step
+  WorkBudget* budget_;               // what passes may take of it; none: any
   double moved_ = 0;                 // farthest that solve() has moved a point [m]
 
   // As touched_, and one more for springs that are none. All w are 0.

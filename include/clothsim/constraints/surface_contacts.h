@@ -43,6 +43,9 @@ class SurfaceContacts {
   /// To be called when other points than before are held.
   void seek_anew() {}
 
+  /// Contacts that a pass looks at.
+  std::size_t size() const { return contacts_.size(); }
+
   /// Contacts that carry an impulse.
   int count() const;
 

@@ -45,6 +45,7 @@ class Xpbd {
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
   static constexpr bool ran_out() { return false; }  // see Integrator
+  static constexpr int newton_steps() { return 0; }  // see Integrator
 
  private:
   struct Constraint {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/model/types.h"
+#include "clothsim/model/work_budget.h"
 
 namespace clothsim {
 
@@ -24,8 +25,10 @@ inline bool operator==(const PointPair& p, const PointPair& q) { return p.a == q
 /// Hockney & Eastwood, Computer Simulation Using Particles, 8.4.
 class PairFinder {
  public:
-  /// All pairs closer than `distance` [m], sorted. `positions` must be finite.
-  void find(const Points& positions, double distance, std::vector<PointPair>& pairs);
+  /// All pairs closer than `distance` [m], sorted. `positions` must be finite. Some are missing
+  /// where the budget is spent.
+  void find(const Points& positions, double distance, std::vector<PointPair>& pairs,
+            WorkBudget* = nullptr);
 
  private:
   struct Entry {

@@ -6,6 +6,7 @@
 
 #include "clothsim/geometry/surface_mesh.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
 #include "clothsim/search/surface_pair.h"
 
@@ -34,13 +35,15 @@ class NearPairs {
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], by ascending
   /// key. All that are within the nearest they may come plus least_margin() are among them, and
   /// none that is further than that plus margin(). Edges that are closest at an end of one are left
-  /// out: there its point is as near.
+  /// out: there its point is as near. Some are missing where the budget is spent.
   const std::vector<NearPair>& approaching(const Cloth&, const Points& positions,
-                                           const Points& ahead, const Workers& = {});
+                                           const Points& ahead, const Workers& = {},
+                                           WorkBudget* = nullptr);
 
   /// Pairs within a `distance` [m], up to reach(), of each other at `positions`, by ascending key.
+  /// Some are missing where the budget is spent.
   const std::vector<NearPair>& within(const Cloth&, const Points& positions, double distance,
-                                      const Workers& = {});
+                                      const Workers& = {}, WorkBudget* = nullptr);
 
   /// How far features that approach each other are looked at: however slowly, and at most [m].
   double least_margin() const;
