@@ -18,7 +18,7 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
-from sensor_msgs.msg import PointCloud2
+from sensor_msgs.msg import Image, PointCloud2
 from tf2_ros import TransformBroadcaster
 from visualization_msgs.msg import MarkerArray
 
@@ -81,11 +81,19 @@ class Soak(unittest.TestCase):
     def setUpClass(cls):
         cls.cycles = rospy.get_param("~cycles")
         cls.phase = rospy.get_param("~phase")
+        cls.pictures = 0
+        if rospy.get_param("~images"):
+            for kind in ("color", "depth", "mask"):
+                rospy.Subscriber("/clothsim/camera/%s/image_raw" % kind, Image, cls.count_picture)
         cls.cloth = Cloth()
         cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
         cls.broadcaster = TransformBroadcaster()
         wait_for(cls.cloth.states.all, "the first state")
         cls.process = Process("/clothsim")
+
+    @classmethod
+    def count_picture(cls, _image):
+        cls.pictures += 1
 
     # Each disturbs the node for a while.
 
@@ -160,6 +168,7 @@ class Soak(unittest.TestCase):
         self.note = ""
         self.diagnostics.clear()
         self.cloth.states.clear()
+        type(self).pictures = 0
         begin, cpu = time.monotonic(), self.process.cpu()
         phase(begin + self.phase)
         passed = time.monotonic() - begin
@@ -167,13 +176,15 @@ class Soak(unittest.TestCase):
         share = (self.process.cpu() - cpu) / passed
         said = complaints(self.diagnostics.all())
         memory = self.process.memory()
-        print("%-12s %5.1f Hz  %3.0f %% CPU  %6d kB  %s  %s"
-              % (phase.__name__, reached, 100 * share, memory, self.note, "; ".join(said)),
+        print("%-12s %5.1f Hz  %4.0f pictures  %3.0f %% CPU  %6d kB  %s  %s"
+              % (phase.__name__, reached, self.pictures, 100 * share, memory, self.note,
+                 "; ".join(said)),
               file=sys.stderr)
         return reached, memory, said
 
     def test_soak(self):
         afterwards = []  # memory at the end of each cycle
+        begin = time.monotonic()
         for _ in range(self.cycles):
             for phase in (self.storm, self.storm_of_all, self.comers, self.stalled, self.states,
                           self.lost_frame, self.quiet):
@@ -184,6 +195,7 @@ class Soak(unittest.TestCase):
                     self.assertTrue([m for m in said if m.startswith("real-time factor")],
                                     "%s at %.1f Hz, and it said %s" % (phase.__name__, reached, said))
             afterwards.append(memory)
+            print("after %.0f s: %d kB" % (time.monotonic() - begin, memory), file=sys.stderr)
         print("after each cycle [kB]: %s" % afterwards, file=sys.stderr)
         if SLOWER == 1:  # a sanitizer's memory grows
             self.assertLess(afterwards[-1] - afterwards[0], GROWTH)
