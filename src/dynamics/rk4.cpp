@@ -90,12 +90,9 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
 
   // At the end.
   stage(x_, [&](const Band& band) {
-    band.advance(h / 6, end_positions_, v_, end_positions_);
-    band.kick(1, h / 6, end_velocities_, forces_, end_velocities_);
+    band.advance(h / 6, end_positions_, v_, state.positions);
+    band.kick(1, h / 6, end_velocities_, forces_, state.velocities);
   });
-
-  std::swap(state.positions, end_positions_);
-  std::swap(state.velocities, end_velocities_);
 }
 
 }  // namespace clothsim

@@ -90,7 +90,8 @@ struct Simulator::Impl {
       grips.clear();
       hold_points();
     }
-    state = start_state(scene.cloth, cloth, scene.simulation.seed);
+    const State first = start_state(scene.cloth, cloth, scene.simulation.seed);
+    state = first;  // into the same memory
     pin_targets.resize(scene.cloth.pinned.size());
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();

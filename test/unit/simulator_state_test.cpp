@@ -55,6 +55,36 @@ TEST_P(States, WithoutMemoryGoOnAsAfterAReset) {
   expect_same(simulator.state(), fresh.state());
 }
 
+TEST_P(States, StayWhereTheyAreInMemory) {
+  Simulator simulator(busy(GetParam()));
+  const State& state = simulator.state();
+  const double* positions = state.positions.data();
+  const double* velocities = state.velocities.data();
+  const auto expect_in_place = [&] {
+    EXPECT_EQ(&simulator.state(), &state);
+    EXPECT_EQ(state.positions.data(), positions);
+    EXPECT_EQ(state.velocities.data(), velocities);
+  };
+  const auto saved = simulator.save();
+  simulator.step();
+  expect_in_place();
+  const State first = state;
+  simulator.step();
+  simulator.set_state(first);
+  expect_in_place();
+  Material material = simulator.scene().cloth.material;
+  material.springs[2] = false;
+  simulator.set_material(material);
+  simulator.step();
+  simulator.restore(*saved);
+  expect_in_place();
+  simulator.reset();
+  expect_in_place();
+  simulator.set_interrupt([] { return true; });
+  EXPECT_THROW(simulator.step(), Interrupted);
+  expect_in_place();
+}
+
 std::vector<std::string> methods() {
   std::vector<std::string> all = method_names();
   all.push_back("auto");

@@ -130,7 +130,10 @@ class Simulator {
 
   const Scene& scene() const;  // with the present material and simulation values
   const Cloth& cloth() const;
+
+  /// Its arrays stay where they are in memory as long as the simulator, but for load().
   const State& state() const;
+
   const Pose& collider_pose(int index) const;
   bool collider_enabled(int index) const;
   double frame_duration() const;  // [s]
