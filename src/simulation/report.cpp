@@ -35,6 +35,18 @@ double deepest_penetration(const Simulator& simulator) {
   return deepest;
 }
 
+void RunReport::add(const StepReport& frame) {
+  last_frame = frame;
+  ++frames;
+  recoveries += frame.recoveries;
+  ran_out += frame.ran_out;
+  held_back += frame.held_back;
+  if (frame.pinched > pinched) {
+    pinched = frame.pinched;
+    pinched_point = frame.pinched_point;
+  }
+}
+
 std::string to_yaml(const RunReport& run, const Simulator& simulator) {
   const Scene& scene = simulator.scene();
   const Cloth& cloth = simulator.cloth();

@@ -125,17 +125,9 @@ ExitCode simulate(const Options& options) {
       bar.update(run.frames);
       {
         const Stopwatch stopwatch(run);
-        run.last_frame = simulator.step();
-      }
-      ++run.frames;
-      run.ran_out += run.last_frame.ran_out;
-      run.held_back += run.last_frame.held_back;
-      if (run.last_frame.pinched > run.pinched) {
-        run.pinched = run.last_frame.pinched;
-        run.pinched_point = run.last_frame.pinched_point;
+        run.add(simulator.step());
       }
       if (run.last_frame.recoveries > 0) {
-        run.recoveries += run.last_frame.recoveries;
         std::cerr << "simulate: frame " << run.frames << " was taken back "
                   << run.last_frame.recoveries << " times: now " << run.last_frame.method << ", "
                   << run.last_frame.substeps << " substeps\n";

@@ -13,6 +13,9 @@ double deepest_penetration(const Simulator&);
 
 /// What a whole run did. Cost counts the steps alone, without setting up and writing files.
 struct RunReport {
+  /// Counts a frame in.
+  void add(const StepReport&);
+
   std::string scene;                   // file
   std::vector<std::string> overrides;  // "key=value"
   long long frames = 0;
