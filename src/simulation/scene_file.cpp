@@ -195,6 +195,10 @@ class Changer {
 
 }  // namespace
 
+YAML::Node load_scene_text(const std::string& text, const std::string& key) {
+  return parse(text, {key});
+}
+
 YAML::Node load_scene_file(const std::string& path) { return parse(read_file(path), {path}); }
 
 void override_values(YAML::Node root, const std::vector<std::string>& assignments) {

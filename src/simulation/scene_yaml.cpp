@@ -50,32 +50,40 @@ Pin read_pin(const YAML::Node& node) {
   return pin;
 }
 
+std::vector<Field> material_fields(Material& material) {
+  return {{"springs", [&material](const YAML::Node& map) { read_springs(map, material.springs); }},
+          {"ks", into(material.ks)},
+          {"density", into(material.density)},
+          {"damping", into(material.damping)},
+          {"strain_limit", into(material.strain_limit)}};
+}
+
+void append(std::vector<Field> more, std::vector<Field>& fields) {
+  for (Field& field : more) fields.push_back(std::move(field));
+}
+
 ClothSpec read_cloth(const YAML::Node& node) {
   ClothSpec cloth;
-  Material& material = cloth.material;
   const auto read_orientation = [&](const YAML::Node& value) {
     cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
   };
   const auto read_pins = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
   };
-  read_map(node,
-           {{"width", into(cloth.width)},
-            {"height", into(cloth.height)},
-            {"columns", into(cloth.columns)},
-            {"rows", into(cloth.rows)},
-            {"orientation", read_orientation},
-            {"origin", into(cloth.origin)},
-            {"pinned", read_pins},
-            {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
-            {"ks", into(material.ks)},
-            {"density", into(material.density)},
-            {"damping", into(material.damping)},
-            {"strain_limit", into(material.strain_limit)},
-            {"thickness", into(cloth.thickness)},
-            {"self_collision",
-             [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }},
-            {"friction", into(cloth.friction)}});
+  std::vector<Field> fields = {{"width", into(cloth.width)},
+                               {"height", into(cloth.height)},
+                               {"columns", into(cloth.columns)},
+                               {"rows", into(cloth.rows)},
+                               {"orientation", read_orientation},
+                               {"origin", into(cloth.origin)},
+                               {"pinned", read_pins}};
+  append(material_fields(cloth.material), fields);
+  append({{"thickness", into(cloth.thickness)},
+          {"self_collision",
+           [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }},
+          {"friction", into(cloth.friction)}},
+         fields);
+  read_map(node, fields);
   return cloth;
 }
 
@@ -140,11 +148,8 @@ ColliderSpec read_collider(const YAML::Node& node) {
                                {"frame", into(collider.frame)},
                                {"enabled", into(collider.enabled)}};
   collider.shape = kinds[static_cast<size_t>(shape)];
-  std::visit(
-      [&](auto& kind) {
-        for (Field& field : shape_fields(kind, collider.pose)) fields.push_back(std::move(field));
-      },
-      collider.shape);
+  std::visit([&](auto& kind) { append(shape_fields(kind, collider.pose), fields); },
+             collider.shape);
   read_map(node, fields);
   return collider;
 }
@@ -189,30 +194,32 @@ MethodParameters read_method_parameters(const std::string& method, const YAML::N
   return parameters;
 }
 
-SimulationSpec read_simulation(const YAML::Node& node) {
-  SimulationSpec spec;
+/// Reads a map of `others` and of what may change of a simulation.
+void read_simulation(const YAML::Node& node, std::vector<Field> others, SimulationSpec& spec) {
   YAML::Node parameters;  // can be read when the method is known
   bool has_parameters = false;
-  read_map(node,
-           {{"gravity", into(spec.gravity)},
-            {"frames_per_second", into(spec.frames_per_second)},
-            {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
-            {"strain_tolerance", into(spec.strain_tolerance)},
-            {"tolerance", into(spec.tolerance)},
-            {"method", into(spec.method)},
-            {"method_parameters",
-             [&](const YAML::Node& value) {
-               parameters.reset(value);
-               has_parameters = true;
-             }},
-            {"seed", into(spec.seed)},
-            {"threads", into(spec.threads)}});
+  const std::string last_method = spec.method;
+  std::vector<Field> fields = {
+      {"gravity", into(spec.gravity)},
+      {"frames_per_second", into(spec.frames_per_second)},
+      {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
+      {"strain_tolerance", into(spec.strain_tolerance)},
+      {"tolerance", into(spec.tolerance)},
+      {"method", into(spec.method)},
+      {"method_parameters", [&](const YAML::Node& value) {
+         parameters.reset(value);
+         has_parameters = true;
+       }}};
+  append(std::move(others), fields);
+  fields.push_back({"threads", into(spec.threads)});
+  read_map(node, fields);
   check_method(spec.method);
   if (has_parameters) {
     inside("method_parameters",
            [&] { spec.method_parameters = read_method_parameters(spec.method, parameters); });
+  } else if (spec.method != last_method) {
+    spec.method_parameters = {};
   }
-  return spec;
 }
 
 }  // namespace
@@ -223,6 +230,10 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
     fields.push_back({spring_family_names[i], into(springs[i])});
   }
   read_map(node, fields);
+}
+
+void read_live_values(const YAML::Node& node, Material& material, SimulationSpec& simulation) {
+  read_simulation(node, material_fields(material), simulation);
 }
 
 Scene read_scene(const YAML::Node& root) {
@@ -238,8 +249,9 @@ Scene read_scene(const YAML::Node& root) {
                      has_cloth = true;
                    }},
                   {"colliders", read_colliders},
-                  {"simulation",
-                   [&](const YAML::Node& node) { scene.simulation = read_simulation(node); }}});
+                  {"simulation", [&spec = scene.simulation](const YAML::Node& node) {
+                     read_simulation(node, {{"seed", into(spec.seed)}}, spec);
+                   }}});
   if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
 
   validate(scene);

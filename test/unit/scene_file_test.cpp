@@ -66,6 +66,18 @@ TEST(SceneFile, AnEmptyFileIsNoScene) {
   EXPECT_THROW(read_scene(root), InvalidValue);
 }
 
+TEST(SceneFile, TextIsReadLikeAFile) {
+  EXPECT_EQ(print(read_scene(load_scene_text(good_scene, "scene"))), print(read_changed({})));
+  for (const char* text : {"cloth: [", "a: 1\n---\nb: 2\n"}) {
+    try {
+      load_scene_text(text, "scene");
+      FAIL() << text;
+    } catch (const InvalidValue& error) {
+      EXPECT_EQ(error.key(), std::vector<std::string>{"scene"});
+    }
+  }
+}
+
 Scene load(const std::string& name) {
   return read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/" + name + ".yaml"));
 }

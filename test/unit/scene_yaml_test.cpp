@@ -339,5 +339,58 @@ TEST(SceneYaml, RandomScenesAreReadOrRefused) {
   EXPECT_LT(read, runs * 99 / 100);
 }
 
+// ---- What may change while a cloth moves
+
+TEST(LiveValues, AreReadAsInAScene) {
+  const char* values =
+      "{ks: 7, density: 2, damping: 3, strain_limit: off, springs: {bending: false}, "
+      "gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
+      "tolerance: 0.25, method: bdf2, method_parameters: {max_iterations: 3}, threads: 2}";
+  Scene scene = read_changed({"simulation.seed=5"});
+  read_live_values(YAML::Load(values), scene.cloth.material, scene.simulation);
+  EXPECT_EQ(print(scene),
+            print(read_changed(
+                {"cloth.ks=7", "cloth.density=2", "cloth.damping=3", "cloth.strain_limit=off",
+                 "cloth.springs.bending=false",
+                 "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, "
+                 "strain_tolerance: 0.5, tolerance: 0.25, method: bdf2, method_parameters: "
+                 "{max_iterations: 3}, seed: 5, threads: 2}"})));
+}
+
+TEST(LiveValues, LeftOutKeepTheirValue) {
+  const std::vector<std::string> changes = {
+      "cloth.ks=7", "cloth.springs.shear=false",
+      "simulation={method: xpbd, method_parameters: {iterations: 9}, substeps: 4}"};
+  Scene scene = read_changed(changes);
+  read_live_values(YAML::Load("{}"), scene.cloth.material, scene.simulation);
+  EXPECT_EQ(print(scene), print(read_changed(changes)));
+  read_live_values(YAML::Load("{method: xpbd}"), scene.cloth.material, scene.simulation);
+  EXPECT_EQ(std::get<Xpbd::Parameters>(scene.simulation.method_parameters).iterations, 9);
+
+  // The parameters of another method are none of its.
+  read_live_values(YAML::Load("{method: bdf2}"), scene.cloth.material, scene.simulation);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(scene.simulation.method_parameters));
+}
+
+TEST(LiveValues, RefuseWhatASceneWouldAndWhatCannotChange) {
+  const auto message = [](const char* values) -> std::string {
+    Scene scene = read_changed({});
+    try {
+      read_live_values(YAML::Load(values), scene.cloth.material, scene.simulation);
+    } catch (const InvalidValue& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message("{ks: soft}"), "ks: got soft, expected a finite number");
+  EXPECT_EQ(message("{springs: {bend: true}}"),
+            "springs.bend: got an unknown key, expected one of structural, shear, bending");
+  for (const char* key : {"columns", "width", "seed", "cloth"}) {
+    EXPECT_EQ(message(("{" + std::string(key) + ": 1}").c_str())
+                  .find(key + std::string(": got an unknown key")),
+              0u);
+  }
+}
+
 }  // namespace
 }  // namespace clothsim

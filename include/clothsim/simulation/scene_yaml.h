@@ -19,6 +19,14 @@ Scene read_scene(const YAML::Node& root);
 /// InvalidValue.
 void read_springs(const YAML::Node&, std::array<bool, 3>& springs);
 
+/// Reads a map of what may change while a cloth moves: the keys of the material and those of
+/// `simulation` but its seed. What is left out keeps its value, but parameters go with their
+/// method. Throws InvalidValue for keys and types; the values may then have changed in part.
+void read_live_values(const YAML::Node&, Material&, SimulationSpec&);
+
+/// Reads YAML text. Throws InvalidValue with `key` for what is not YAML.
+YAML::Node load_scene_text(const std::string& text, const std::string& key);
+
 /// Reads a YAML file. Throws InvalidValue, also for a file that is missing or not YAML.
 YAML::Node load_scene_file(const std::string& path);
 
