@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+
+#include "clothsim/shapes/collider.h"
+
+namespace clothsim {
+
+/// How fast a frame moves, in the world.
+struct Twist {
+  Vector3 linear{0, 0, 0};   // of its origin [m/s]
+  Vector3 angular{0, 0, 0};  // [rad/s]
+};
+
+/// Where a frame is to be.
+struct FrameTarget {
+  Pose pose;
+  std::optional<Twist> twist = {};  // that it arrives with; empty: it moves evenly
+  std::optional<Pose> start = {};   // empty: from where it is
+};
+
+/// The way of a frame from one pose to another. Without a twist at its end the origin moves in a
+/// straight line at constant speed, and the frame turns at constant speed by at most half a turn
+/// (slerp). With one, position and rotation vector are cubics (Hermite) that begin and end with the
+/// given twists, so that the velocity is continuous from one way to the next.
+class PoseWay {
+ public:
+  /// Stays at `pose`.
+  explicit PoseWay(const Pose& pose) : start_(pose), end_(pose) {}
+
+  /// Of `duration` > 0 [s]. `start_twist` counts where there is one at the end.
+  PoseWay(const Pose& start, const Twist& start_twist, const Pose& end,
+          const std::optional<Twist>& end_twist, double duration);
+
+  /// At a share from 0 to 1 of the duration. At 1 the end, to the last bit.
+  Pose pose_at(double share) const;
+  Twist twist_at(double share) const;
+
+  const Pose& end() const { return end_; }
+
+ private:
+  /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1, even where `first`
+  /// and `last`, by which its slopes there differ from d, are 0.
+  struct Cubic {
+    Vector3 way{0, 0, 0};
+    Vector3 first{0, 0, 0};
+    Vector3 last{0, 0, 0};
+
+    Vector3 at(double s) const;
+    Vector3 slope(double s) const;  // by s
+  };
+
+  Pose start_;
+  Pose end_;
+  Cubic position_;  // from the start [m]
+  Cubic turn_;      // rotation vector from the start, in the world [rad]
+  double duration_ = 1;
+};
+
+}  // namespace clothsim

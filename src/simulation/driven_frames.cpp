@@ -1,0 +1,139 @@
+#include "clothsim/simulation/driven_frames.h"
+
+#include <cassert>
+#include <set>
+#include <utility>
+
+#include "simulator_impl.h"
+
+namespace clothsim {
+namespace {
+
+/// Far beyond what a cloth follows; keeps products finite.
+constexpr double fastest_twist = 1e6;
+
+Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
+  const Pin& p = simulator.scene().cloth.pinned[pin];
+  return simulator.state().positions.row(p.row * simulator.cloth().columns + p.column).transpose();
+}
+
+Pose first_pose(const std::string& frame, const FrameTarget& target, const Simulator& simulator) {
+  if (target.start) return *target.start;
+  const auto grip = simulator.grips().find(frame);
+  if (grip != simulator.grips().end()) return grip->second.pose;
+  const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    if (colliders[i].frame == frame) return simulator.collider_pose(static_cast<int>(i));
+  }
+  return target.pose;
+}
+
+/// One that is there already is not disturbed.
+void place(int collider, const Pose& pose, Simulator& simulator) {
+  const Pose& now = simulator.collider_pose(collider);
+  const bool is_there =
+      now.position == pose.position && now.orientation.coeffs() == pose.orientation.coeffs();
+  if (!is_there) simulator.place_collider(collider, pose);
+}
+
+}  // namespace
+
+void check(const FrameTarget& target) {
+  check_place(target.pose);
+  if (target.start) inside("start", [&] { check_place(*target.start); });
+  if (!target.twist) return;
+  inside("twist", [&] {
+    check_range("linear", target.twist->linear, Range{-fastest_twist, fastest_twist, "m/s"});
+    check_range("angular", target.twist->angular, Range{-fastest_twist, fastest_twist, "rad/s"});
+  });
+}
+
+void FrameMotion::aim(const FrameTarget& target, int frames, double frame_duration) {
+  assert(frames >= 1);
+  if (target.start) {
+    pose_ = *target.start;
+    twist_ = {};
+  }
+  way_ = PoseWay(pose_, twist_, target.pose, target.twist, frames * frame_duration);
+  frames_ = frames;
+  done_ = 0;
+}
+
+const Pose& FrameMotion::advance() {
+  if (has_arrived()) {
+    twist_ = {};
+    return pose_;
+  }
+  const double share = static_cast<double>(++done_) / frames_;
+  pose_ = way_.pose_at(share);
+  twist_ = way_.twist_at(share);
+  return pose_;
+}
+
+DrivenFrames::Driven& DrivenFrames::take(const std::string& frame, const FrameTarget& target,
+                                         Simulator& simulator) {
+  const auto known = driven_.find(frame);
+  if (known != driven_.end()) return known->second;
+  const Pose start = first_pose(frame, target, simulator);
+  Driven driven{FrameMotion(start), {}};
+  const Scene& scene = simulator.scene();
+  for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
+    if (scene.colliders[i].frame != frame) continue;
+    driven.followers.push_back({false, static_cast<int>(i)});
+    place(static_cast<int>(i), start, simulator);
+  }
+  for (std::size_t i = 0; i < scene.cloth.pinned.size(); ++i) {
+    if (scene.cloth.pinned[i].frame != frame) continue;
+    driven.followers.push_back(
+        {true, static_cast<int>(i), to_local(start, pin_position(simulator, i))});
+  }
+  return driven_.emplace(frame, std::move(driven)).first->second;
+}
+
+void DrivenFrames::aim(const std::map<std::string, FrameTarget>& targets, int frames,
+                       Simulator& simulator) {
+  if (frames < 1) {
+    throw InvalidValue({"frames"}, std::to_string(frames), "a whole number of at least 1");
+  }
+  for (const auto& [frame, target] : targets) inside(frame, [&, &t = target] { check(t); });
+  for (const auto& [frame, target] : targets) {
+    Driven& driven = take(frame, target, simulator);
+    driven.motion.aim(target, frames, simulator.frame_duration());
+    if (!target.start) continue;
+    for (const Follower& follower : driven.followers) {
+      if (!follower.is_pin) place(follower.index, *target.start, simulator);
+    }
+  }
+}
+
+void DrivenFrames::move(Simulator& simulator) {
+  for (auto& [frame, driven] : driven_) {
+    const bool stays = driven.motion.has_arrived();
+    const Pose& pose = driven.motion.advance();
+    if (stays) continue;
+    for (const Follower& follower : driven.followers) {
+      if (follower.is_pin) {
+        simulator.move_pin(follower.index, pose.position + pose.orientation * follower.offset);
+      } else {
+        simulator.move_collider(follower.index, pose);
+      }
+    }
+    if (simulator.grips().count(frame) > 0) simulator.move_grip(frame, pose);
+  }
+}
+
+const Pose* DrivenFrames::pose(const std::string& frame) const {
+  const auto known = driven_.find(frame);
+  return known == driven_.end() ? nullptr : &known->second.motion.pose();
+}
+
+std::vector<std::string> followed_frames(const Simulator& simulator) {
+  std::set<std::string> frames;
+  for (const ColliderSpec& collider : simulator.scene().colliders) frames.insert(collider.frame);
+  for (const Pin& pin : simulator.scene().cloth.pinned) frames.insert(pin.frame);
+  for (const auto& [frame, grip] : simulator.grips()) frames.insert(frame);
+  frames.erase("");
+  return {frames.begin(), frames.end()};
+}
+
+}  // namespace clothsim
