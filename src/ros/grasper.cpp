@@ -25,8 +25,6 @@ constexpr std::uint32_t wrench_queue = 100;
 /// subscribers need not connect again where the frame soon takes hold again.
 const ros::WallDuration linger(1);
 
-constexpr clothsim::Range radius_range{0, 1e6, "m"};
-
 /// Below the node's name; letters that a frame may have and a topic may not become underscores.
 std::string wrench_topic(const std::string& frame) {
   return "wrench/" + to_ros_name(frame, "frame_");
@@ -165,27 +163,6 @@ void Grasper::check_topic(const std::string& frame) const {
   }
 }
 
-std::vector<int> Grasper::free_points_near(const clothsim::Vector3& position, double radius) const {
-  const clothsim::Cloth& cloth = simulator_.cloth();
-  const clothsim::Points& points = simulator_.state().positions;
-  std::vector<int> free;
-  bool is_any_held = false;
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if ((points.row(i).transpose() - position).norm() > radius) continue;
-    const bool is_held = cloth.inv_mass[i] == 0;
-    is_any_held = is_any_held || is_held;
-    if (!is_held) free.push_back(i);
-  }
-  if (free.empty()) {
-    throw InvalidValue({"radius"},
-                       clothsim::to_text(radius) +
-                           (is_any_held ? " with none but points inside that are held already"
-                                        : " with no point inside"),
-                       "one about a free point of the cloth");
-  }
-  return free;
-}
-
 bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
   try {
     // What was asked for.
@@ -198,7 +175,6 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     if (!request.points.empty() && request.radius != 0) {
       throw InvalidValue({"radius"}, radius + " and points", "one of the two");
     }
-    clothsim::check_range("radius", request.radius, radius_range);
 
     // Where the frame is, and which points that means.
     TfFrame frame(request.frame, tf_);
@@ -208,7 +184,10 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
                          "a tf frame with a transform to " + tf_.world_frame());
     }
     std::vector<int> points(request.points.begin(), request.points.end());
-    if (points.empty()) points = free_points_near(frame.pose()->position, request.radius);
+    if (points.empty()) {
+      points = free_points_near(simulator_.cloth(), simulator_.state().positions,
+                                frame.pose()->position, request.radius);
+    }
 
     std::optional<double> tear_force;
     if (request.tear_force != 0) tear_force = request.tear_force;

@@ -9,6 +9,7 @@ namespace clothsim {
 namespace {
 
 constexpr Range tear_force_range{0, 1e12, "N"};
+constexpr Range radius_range{0, 1e6, "m"};
 
 /// A spring's pull on its end `at`, the other end being at `to` [N].
 Vector3 pull(const SpringRun& run, const Vector3& at, const Vector3& to) {
@@ -19,6 +20,27 @@ Vector3 pull(const SpringRun& run, const Vector3& at, const Vector3& to) {
 }
 
 }  // namespace
+
+std::vector<int> free_points_near(const Cloth& cloth, const Points& positions,
+                                  const Vector3& position, double radius) {
+  check_range("radius", radius, radius_range);
+  std::vector<int> free;
+  bool is_any_held = false;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if ((row(positions, i) - position).norm() > radius) continue;
+    const bool is_held = cloth.inv_mass[i] == 0;
+    is_any_held = is_any_held || is_held;
+    if (!is_held) free.push_back(i);
+  }
+  if (free.empty()) {
+    throw InvalidValue(
+        {"radius"},
+        to_text(radius) + (is_any_held ? " with none but points inside that are held already"
+                                       : " with no point inside"),
+        "one about a free point of the cloth");
+  }
+  return free;
+}
 
 void Grips::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
                    std::optional<double> tear_force, const Cloth& cloth, const Points& positions) {

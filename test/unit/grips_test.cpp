@@ -33,6 +33,21 @@ void hold_corners(Simulator& simulator) {
   simulator.attach("right", at(1, 0, 1), {9});
 }
 
+TEST(Grips, FreePointsNearAPlaceAreThoseThatNothingHolds) {
+  Simulator simulator(free_cloth());
+  const auto near = [&](double radius, const Vector3& place = Vector3(0, 0, 1)) {
+    return free_points_near(simulator.cloth(), simulator.state().positions, place, radius);
+  };
+  const double spacing = 1.0 / 9;
+  EXPECT_EQ(near(1.01 * spacing), (std::vector<int>{0, 1, 10}));
+  EXPECT_EQ(near(0), std::vector<int>{0});  // the bound is within
+  simulator.attach("hand", at(0, 0, 1), {1});
+  EXPECT_EQ(near(1.01 * spacing), (std::vector<int>{0, 10}));
+  EXPECT_THROW(near(0.5 * spacing, Vector3(spacing, 0, 1)), InvalidValue);  // held
+  EXPECT_THROW(near(0.5, Vector3(0, 0, 2)), InvalidValue);                  // far away
+  for (const double radius : {-0.1, 1e7, std::nan("")}) EXPECT_THROW(near(radius), InvalidValue);
+}
+
 TEST(Grips, PointsKeepTheirOffsetsInTheFrame) {
   Simulator simulator(free_cloth());
   simulator.attach("hand", at(0.1, 0, 1), {0, 1, 10});

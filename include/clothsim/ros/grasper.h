@@ -64,8 +64,6 @@ class Grasper {
 
   /// Throws InvalidValue where another frame that carries points has the topic of `frame`.
   void check_topic(const std::string& frame) const;
-  /// Those that nothing holds yet. Throws InvalidValue where there is none.
-  std::vector<int> free_points_near(const clothsim::Vector3& position, double radius) const;
 
   ros::NodeHandle node_;
   clothsim::Simulator& simulator_;

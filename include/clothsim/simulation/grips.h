@@ -33,6 +33,11 @@ struct Grip {
   Wrench wrench;  // that the cloth put on the frame, about its origin: mean of the last step
 };
 
+/// The points within `radius` [m] of `position` that nothing holds, ascending. Throws InvalidValue
+/// with the key {"radius"} where there is none, and for a radius that is no number from 0 to 1e6.
+std::vector<int> free_points_near(const Cloth&, const Points& positions, const Vector3& position,
+                                  double radius);
+
 /// All grips of a simulation, by the name of their frame. Held points are of infinite mass and move
 /// in a straight line through each frame of simulation.
 class Grips {
