@@ -18,6 +18,7 @@ MAY_INCLUDE = {
     "simulation": CORE,
     "render": {"model", "geometry", "shapes", "render"},
     "view": CORE | {"render", "view"},
+    "python": CORE | {"render", "view", "python"},
     "ros": CORE | {"render", "view", "ros"},
     "benchmark": CORE | {"render", "view", "benchmark"},
 }

@@ -1,0 +1,161 @@
+#include <algorithm>
+
+#include "bindings.h"
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/grips.h"
+
+namespace clothsim_python {
+namespace {
+
+using clothsim::InvalidValue;
+
+void check_name(const std::string& frame) {
+  clothsim::check_frame(frame);
+  if (frame.empty()) throw InvalidValue({"frame"}, "\"\"", "the name of a frame");
+}
+
+/// Puts a frame somewhere at once, with what follows it.
+void place(Run& run, const std::string& frame, const clothsim::Pose& pose) {
+  run.frames.aim({{frame, {pose, {}, pose}}}, 1, run.simulator);
+}
+
+void place_frame(Simulation& simulation, const std::string& frame, const py::object& pose) {
+  check_name(frame);
+  const clothsim::Pose place_at = to_pose(pose, "pose");
+  simulation.with([&](Run& run) { place(run, frame, place_at); });
+}
+
+/// Where the frame is; throws InvalidValue where nothing tells.
+clothsim::Pose pose_now(const Run& run, const std::string& frame) {
+  if (const clothsim::Pose* driven = run.frames.pose(frame)) return *driven;
+  const auto grip = run.simulator.grips().find(frame);
+  if (grip != run.simulator.grips().end()) return grip->second.pose;
+  throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
+}
+
+/// The points to attach: those given, or the free ones within the radius.
+std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::object& points,
+                        std::optional<double> radius) {
+  if (points.is_none() == !radius) {
+    throw InvalidValue({"points"}, radius ? "points and a radius" : "nothing",
+                       "points or a radius, one of the two");
+  }
+  if (!radius) return to_indices(points, "points");
+  return clothsim::free_points_near(run.simulator.cloth(), run.simulator.state().positions,
+                                    pose.position, *radius);
+}
+
+std::vector<int> attach(Simulation& simulation, const std::string& frame, const py::object& pose,
+                        const py::object& points, std::optional<double> radius,
+                        std::optional<double> tear_force) {
+  check_name(frame);
+  return simulation.with([&](Run& run) {
+    const clothsim::Pose at = pose.is_none() ? pose_now(run, frame) : to_pose(pose, "pose");
+    const std::vector<int> held = chosen(run, at, points, radius);
+    run.simulator.attach(frame, at, held, tear_force);
+    if (!pose.is_none()) place(run, frame, at);
+    return held;
+  });
+}
+
+std::vector<int> held_by(const clothsim::Grip& grip) {
+  std::vector<int> points;
+  for (const clothsim::Grip::Held& held : grip.held) points.push_back(held.point);
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+void detach(Simulation& simulation, const std::optional<std::string>& frame,
+            const py::object& points) {
+  simulation.with([&](Run& run) {
+    std::vector<int> free;
+    if (!points.is_none()) free = to_indices(points, "points");
+    const auto& grips = run.simulator.grips();
+    if (frame && grips.count(*frame) == 0) {
+      throw InvalidValue({"frame"}, '"' + *frame + '"', "a frame that points are attached to");
+    }
+    for (const auto& [name, grip] : grips) {
+      const bool is_meant = frame ? *frame == name : points.is_none();
+      if (!is_meant) continue;
+      for (const int point : held_by(grip)) free.push_back(point);
+    }
+    run.simulator.detach(free);
+  });
+}
+
+py::dict grips(Simulation& simulation) {
+  return simulation.with([](Run& run) {
+    py::dict all;
+    for (const auto& [frame, grip] : run.simulator.grips()) {
+      const std::vector<int> points = held_by(grip);
+      all[py::str(frame)] =
+          py::dict(py::arg("pose") = to_array(grip.pose), py::arg("points") = points,
+                   py::arg("force") = to_array(grip.wrench.force),
+                   py::arg("torque") = to_array(grip.wrench.torque));
+    }
+    return all;
+  });
+}
+
+int collider_index(const Run& run, const std::string& name) {
+  std::vector<std::string> names;
+  for (const clothsim::ColliderSpec& collider : run.simulator.scene().colliders) {
+    if (collider.name == name) return static_cast<int>(names.size());
+    names.push_back(collider.name);
+  }
+  throw InvalidValue({"name"}, '"' + name + '"',
+                     names.empty() ? "a collider, of which the scene has none"
+                                   : "one of " + clothsim::join(names));
+}
+
+void enable_collider(Simulation& simulation, const std::string& name, bool enabled) {
+  simulation.with(
+      [&](Run& run) { run.simulator.enable_collider(collider_index(run, name), enabled); });
+}
+
+py::dict colliders(Simulation& simulation) {
+  return simulation.with([](Run& run) {
+    py::dict all;
+    int index = 0;
+    for (const clothsim::ColliderSpec& collider : run.simulator.scene().colliders) {
+      all[py::str(collider.name)] =
+          py::dict(py::arg("pose") = to_array(run.simulator.collider_pose(index)),
+                   py::arg("enabled") = run.simulator.collider_enabled(index),
+                   py::arg("frame") = collider.frame);
+      ++index;
+    }
+    return all;
+  });
+}
+
+}  // namespace
+
+void bind_frames(SimulationClass& simulator) {
+  simulator
+      .def("place_frame", &place_frame, py::arg("frame"), py::arg("pose"),
+           "Puts a frame at `pose` [x, y, z, qx, qy, qz, qw] or [x, y, z] [m] at once, with the "
+           "colliders that follow it; makes a new one known. Raises InvalidValue.")
+      .def("attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
+           py::arg("points") = py::none(), py::arg("radius") = py::none(),
+           py::arg("tear_force") = py::none(),
+           "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
+           "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
+           "`tear_force` [N] it lets go. Returns the points. Raises InvalidValue and changes "
+           "nothing.")
+      .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),
+           "Lets go the points of a frame, or `points`; all that are attached where neither is "
+           "given. Raises InvalidValue for what is not attached.")
+      .def_property_readonly(
+          "grips", &grips,
+          "What is attached, by frame: {'pose': [7], 'points': list, 'force': "
+          "[3] [N], 'torque': [3] [N m] about the frame's origin}, in the world: "
+          "what the cloth did to the frame in the last frame of simulation.")
+      .def("enable_collider", &enable_collider, py::arg("name"), py::arg("enabled") = true,
+           "Turns a collider on or off. Turned on within the cloth, it pushes that out gently. "
+           "Raises InvalidValue.")
+      .def_property_readonly(
+          "colliders", &colliders,
+          "By name: {'pose': [7] [m, quaternion], 'enabled': bool, 'frame': str}.");
+}
+
+}  // namespace clothsim_python

@@ -1,0 +1,100 @@
+#include <pybind11/eigen.h>
+
+#include <array>
+
+#include "bindings.h"
+#include "clothsim/geometry/intersections.h"
+
+namespace clothsim_python {
+namespace {
+
+py::array triangles_of(const clothsim::Cloth& cloth) {
+  std::vector<int> corners;
+  for (const std::array<int, 3>& triangle : cloth.triangles) {
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  }
+  return to_array(corners, {static_cast<py::ssize_t>(cloth.triangles.size()), 3});
+}
+
+/// Springs of the families that are on, one by one.
+void add_springs(const clothsim::Cloth& cloth, py::dict& topology) {
+  std::vector<int> ends;
+  std::vector<int> families;
+  std::vector<double> lengths;
+  std::vector<double> stiffness;
+  for (const clothsim::SpringRun& run : cloth.springs) {
+    for (int i = run.first; i < run.first + run.count; ++i) {
+      ends.insert(ends.end(), {i, i + run.offset});
+      families.push_back(static_cast<int>(run.family));
+      lengths.push_back(run.rest_length);
+      stiffness.push_back(run.stiffness);
+    }
+  }
+  const auto count = static_cast<py::ssize_t>(families.size());
+  topology["springs"] = to_array(ends, {count, 2});
+  topology["families"] = to_array(families, {count});
+  topology["rest_lengths"] = to_array(lengths, {count});
+  topology["stiffness"] = to_array(stiffness, {count});
+}
+
+py::dict topology(Simulation& simulation) {
+  return simulation.with([](Run& run) {
+    const clothsim::Cloth& cloth = run.simulator.cloth();
+    py::dict all;
+    all["columns"] = cloth.columns;
+    all["rows"] = cloth.rows;
+    all["triangles"] = triangles_of(cloth);
+    all["uv"] = py::cast(cloth.uv);
+    all["rest_positions"] = py::cast(cloth.rest_positions);
+    all["mass"] = py::cast(cloth.mass);
+    all["pinned"] = cloth.pinned;
+    add_springs(cloth, all);
+    return all;
+  });
+}
+
+py::array intersections(Simulation& simulation) {
+  const auto pairs = simulation.compute_with([](Run& run) {
+    return clothsim::find_intersections(run.simulator.cloth(), run.simulator.state().positions);
+  });
+  std::vector<int> numbers;
+  for (const clothsim::TrianglePair& pair : pairs) {
+    numbers.insert(numbers.end(), {pair.a, pair.b});
+  }
+  return to_array(numbers, {static_cast<py::ssize_t>(pairs.size()), 2});
+}
+
+py::object render(const py::object& self, const py::object& view) {
+  return py::module_::import("clothsim._render").attr("render")(self, view);
+}
+
+}  // namespace
+
+void bind_reading(SimulationClass& simulator) {
+  simulator
+      .def_property_readonly(
+          "frame_duration",
+          [](Simulation& self) {
+            return self.with([](Run& run) { return run.simulator.frame_duration(); });
+          },
+          "Simulated time of a frame [s].")
+      .def_property_readonly(
+          "topology", &topology,
+          "What the cloth is, a dict: 'columns', 'rows'; 'triangles' [T, 3], counter-clockwise "
+          "seen from the front; 'uv' [N, 2] in [0, 1]; 'rest_positions' [N, 3] [m]; 'mass' [N] "
+          "[kg]; "
+          "'pinned', indices; 'springs' [S, 2], points that each joins, with 'families' [S] (0 "
+          "structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' [S] [N/m]. Copies.")
+      .def("intersections", &intersections,
+           "Pairs of triangles of the cloth that cross, [K, 2] indices into 'triangles', which "
+           "should be none.")
+      .def(
+          "render", &render, py::arg("view") = py::none(),
+          "A picture as it is now, without a display. `view`: a View, or what View() takes. "
+          "Returns "
+          "colour [H, W, 3] uint8 sRGB; depth [H, W] float32 [m] along the optical axis, inf where "
+          "nothing is; mask [H, W] uint8: 0 nothing, 1 cloth, 2 the first collider and so on. "
+          "Raises InvalidValue; RuntimeError where there is no OpenGL.");
+}
+
+}  // namespace clothsim_python

@@ -1,0 +1,104 @@
+#include "bindings.h"
+#include "errors.h"
+
+namespace clothsim_python {
+namespace {
+
+/// A copy of all that moves.
+struct SavedState {
+  std::shared_ptr<const clothsim::Simulator::Saved> saved;
+  clothsim::DrivenFrames frames;
+};
+
+/// The state as it is with what is given in its place.
+void set_state(Simulation& simulation, const py::object& positions, const py::object& velocities,
+               std::optional<double> time, const py::object& memory) {
+  simulation.with([&](Run& run) {
+    clothsim::State state = run.simulator.state();
+    const Eigen::Index rows = state.positions.rows();
+    if (!positions.is_none()) state.positions = to_points(positions, "positions", rows);
+    if (!velocities.is_none()) state.velocities = to_points(velocities, "velocities", rows);
+    if (time) state.time = *time;
+    run.simulator.set_state(
+        state, memory.is_none() ? std::vector<double>() : to_numbers(memory, "memory"));
+  });
+}
+
+py::array positions(const Simulation& simulation) {
+  const std::shared_ptr<Run>& run = simulation.run();
+  return view(run->simulator.state().positions, run);
+}
+
+py::array velocities(const Simulation& simulation) {
+  const std::shared_ptr<Run>& run = simulation.run();
+  return view(run->simulator.state().velocities, run);
+}
+
+SavedState save(Simulation& simulation) {
+  return simulation.with([](Run& run) { return SavedState{run.simulator.save(), run.frames}; });
+}
+
+void restore(Simulation& simulation, const SavedState& state) {
+  simulation.with([&](Run& run) {
+    run.simulator.restore(*state.saved);
+    run.frames = state.frames;
+  });
+}
+
+py::array memory(Simulation& simulation) {
+  const std::vector<double> numbers =
+      simulation.with([](Run& run) { return run.simulator.memory(); });
+  return to_array(numbers, {static_cast<py::ssize_t>(numbers.size())});
+}
+
+}  // namespace
+
+void bind_saved_state(py::module_& module) {
+  py::class_<SavedState>(module, "SavedState",
+                         "A copy of all that moves, made by Simulator.save().")
+      .def_property_readonly(
+          "nbytes",
+          [](const SavedState& self) { return clothsim::Simulator::bytes_of(*self.saved); },
+          "What it takes of memory, but for a few hundred bytes.");
+}
+
+void bind_state(SimulationClass& simulator) {
+  simulator
+      .def_property(
+          "positions", &positions,
+          [](Simulation& self, const py::object& given) {
+            set_state(self, given, py::none(), {}, py::none());
+          },
+          "[N, 3] [m]: a read-only view without a copy, which shows each later frame. Copy it to "
+          "keep it. It outlives the simulator. To set it is set_state(positions=...).")
+      .def_property(
+          "velocities", &velocities,
+          [](Simulation& self, const py::object& given) {
+            set_state(self, py::none(), given, {}, py::none());
+          },
+          "[N, 3] [m/s], likewise.")
+      .def_property_readonly(
+          "time", [](Simulation& self) { return self.run()->simulator.state().time; },
+          "Simulated time since the scene's start [s].")
+      .def_property_readonly(
+          "memory", &memory,
+          "What the next frames depend on beside positions, velocities and time: "
+          "an array of numbers to hand back to set_state().")
+      .def("set_state", &set_state, py::arg("positions") = py::none(),
+           py::arg("velocities") = py::none(), py::arg("time") = py::none(),
+           py::arg("memory") = py::none(),
+           "Goes on from another state; what is left out stays. `positions` [N, 3] [m], "
+           "`velocities` [N, 3] [m/s], `time` [s]. With the `memory` that came with the state, to "
+           "the same bits as then; without, as after a reset. Colliders and pins stay where they "
+           "are. Raises InvalidValue and changes nothing: for shapes, numbers that are not finite "
+           "or far too large, a held point elsewhere, the memory of another cloth or method.")
+      .def("save", &save,
+           "A copy of all that moves, colliders, frames and attached points too. Live values are "
+           "not in it.")
+      .def(
+          "restore", &restore, py::arg("state"),
+          "Back to what save() gave, here or in a simulator of an equal scene; goes on to the same "
+          "bits. Raises InvalidValue for another scene.");
+}
+
+}  // namespace clothsim_python

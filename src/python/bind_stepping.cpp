@@ -1,0 +1,75 @@
+#include "bindings.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "yaml_objects.h"
+
+namespace clothsim_python {
+namespace {
+
+SceneObject to_scene(const py::object& object) {
+  if (py::isinstance<SceneObject>(object)) return py::cast<SceneObject>(object);
+  return py::cast<SceneObject>(py::module_::import("clothsim").attr("Scene")(object));
+}
+
+void set(Simulation& simulation, const py::kwargs& values) {
+  const YAML::Node yaml = to_yaml(values);
+  simulation.with([&](Run& run) {
+    clothsim::Material material = run.simulator.scene().cloth.material;
+    clothsim::SimulationSpec spec = run.simulator.scene().simulation;
+    clothsim::read_live_values(yaml, material, spec);
+    run.simulator.set(material, spec);
+  });
+}
+
+void reset(Simulation& simulation) {
+  simulation.with([](Run& run) {
+    run.simulator.reset();
+    run.frames.reset();
+  });
+}
+
+py::object report(Simulation& simulation) {
+  const std::string text = simulation.compute_with(
+      [](Run& run) { return clothsim::to_yaml(run.report, run.simulator); });
+  py::object values = to_python(YAML::Load(text));
+  const std::shared_ptr<Run> run = simulation.run();
+  values["scene"] = run->report.scene;  // as they are, whatever they look like in YAML
+  values["overrides"] = run->report.overrides;
+  return values;
+}
+
+}  // namespace
+
+void bind_stepping(SimulationClass& simulator) {
+  simulator
+      .def(py::init([](const py::object& scene) {
+             return std::make_shared<Simulation>(to_scene(scene));
+           }),
+           py::arg("scene"), "At the scene's start. Takes what Scene() takes, too.")
+      .def("step", &Simulation::step, py::arg("frames") = 1, py::arg("targets") = py::none(),
+           "Advances by `frames` frames and returns the StepReport of the last. `targets` maps "
+           "frames to where they are to be at its end: a pose [x, y, z, qx, qy, qz, qw] [m, unit "
+           "quaternion], or [x, y, z] of a frame that is not turned; or two poses, (start, end): "
+           "then the frame is put at the start first. They move evenly, and with them colliders, "
+           "pins and points that follow them. Raises InvalidValue and steps not at all; Diverged, "
+           "at the last good frame.")
+      .def(
+          "load", [](Simulation& self, const py::object& scene) { self.load(to_scene(scene)); },
+          py::arg("scene"),
+          "Starts anew with another scene. Arrays that were taken before keep the old state. "
+          "Raises InvalidValue and goes on as before.")
+      .def("reset", &reset,
+           "Back to the scene's start at time 0, with the present live values. What was attached "
+           "is let go.")
+      .def(
+          "set", &set,
+          "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "
+          "springs (a dict), gravity, frames_per_second, substeps, strain_tolerance, tolerance, "
+          "method, method_parameters, threads, as in a scene. Raises InvalidValue and changes "
+          "nothing.")
+      .def_property_readonly(
+          "report", &report,
+          "What the run did so far, a dict with the keys of report.yaml. "
+          "cpu_seconds is of the calling threads. Takes about as long as a frame.");
+}
+
+}  // namespace clothsim_python

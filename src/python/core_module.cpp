@@ -1,0 +1,38 @@
+#include "batch.h"
+#include "bindings.h"
+#include "errors.h"
+
+// The module clothsim._core: all but the renderer, which brings OpenGL along.
+
+namespace clothsim_python {
+namespace {
+
+void bind_simulator(py::module_& module) {
+  SimulationClass simulator(
+      module, "Simulator",
+      "A scene that moves, frame by frame. SI units, z up. Point (column, row) of the cloth has "
+      "the "
+      "index row * columns + column. Any thread may call; calls of one simulator take turns, and "
+      "those that compute let other threads run.");
+  bind_stepping(simulator);
+  bind_state(simulator);
+  bind_frames(simulator);
+  bind_reading(simulator);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  module.attr("__version__") = CLOTHSIM_VERSION;
+  bind_errors(module);
+  bind_scene(module);
+  bind_reports(module);
+  bind_saved_state(module);
+  bind_simulator(module);
+  bind_batch(module);
+  for (const auto& item : module.attr("__dict__").cast<py::dict>()) {
+    if (PyType_Check(item.second.ptr())) item.second.attr("__module__") = "clothsim";
+  }
+}
+
+}  // namespace clothsim_python

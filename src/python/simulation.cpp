@@ -1,0 +1,109 @@
+#include "simulation.h"
+
+#include <ctime>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim_python {
+namespace {
+
+using clothsim::InvalidValue;
+
+/// What the calling thread has spent [s].
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Adds to a run's cost from construction to destruction.
+class Stopwatch {
+ public:
+  explicit Stopwatch(clothsim::RunReport& report) : report_(report) {}
+  ~Stopwatch() {
+    const auto wall = std::chrono::steady_clock::now() - wall_start_;
+    report_.wall_seconds += std::chrono::duration<double>(wall).count();
+    report_.cpu_seconds += thread_seconds() - cpu_start_;
+  }
+
+ private:
+  clothsim::RunReport& report_;
+  std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
+  double cpu_start_ = thread_seconds();
+};
+
+/// The call under way, for as long as this lives.
+class Watched {
+ public:
+  Watched(Run& run, SignalWatch& watch) : run_(run) { run.watch = &watch; }
+  ~Watched() { run_.watch = nullptr; }
+
+ private:
+  Run& run_;
+};
+
+}  // namespace
+
+Run::Run(const SceneObject& object) : simulator(object.scene) {
+  report.scene = object.file;
+  report.overrides = object.overrides;
+  report.last_frame.method = object.scene.simulation.method;
+  simulator.set_interrupt([this] { return watch != nullptr && watch->asks_to_end(); });
+}
+
+void Run::step(int count) {
+  const Stopwatch stopwatch(report);
+  for (int i = 0; i < count; ++i) {
+    frames.move(simulator);
+    report.add(simulator.step());
+  }
+}
+
+void Simulation::load(const SceneObject& scene) {
+  auto loaded = std::make_shared<Run>(scene);
+  const Gate::Visit visit(gate_);
+  run_ = std::move(loaded);
+}
+
+clothsim::StepReport Simulation::step(int frames, const py::object& targets) {
+  check_frames(frames);
+  const Targets aims = to_targets(targets, "targets");
+  const Gate::Visit visit(gate_);
+  Run& run = *run_;
+  if (!aims.empty()) {
+    clothsim::inside("targets", [&] {
+      check_targets(aims, run);
+      run.frames.aim(aims, frames, run.simulator);
+    });
+  }
+  SignalWatch watch;
+  const Watched watched(run, watch);
+  try {
+    const py::gil_scoped_release release;
+    run.step(frames);
+  } catch (const clothsim::Interrupted&) {
+    watch.raise();
+    throw;
+  }
+  return run.report.last_frame;
+}
+
+void check_frames(int frames) {
+  if (frames >= 1) return;
+  throw InvalidValue({"frames"}, std::to_string(frames), "a whole number of at least 1");
+}
+
+void check_targets(const Targets& targets, const Run& run) {
+  for (const auto& [frame, target] : targets) {
+    clothsim::inside(frame, [&, &t = target] { clothsim::check(t); });
+    if (run.frames.pose(frame) != nullptr) continue;
+    const std::vector<std::string> known = clothsim::followed_frames(run.simulator);
+    if (std::find(known.begin(), known.end(), frame) != known.end()) continue;
+    throw InvalidValue({frame}, "a frame that nothing follows",
+                       known.empty()
+                           ? "one that was placed or attached to"
+                           : "one of " + clothsim::join(known) + ", or one that was placed");
+  }
+}
+
+}  // namespace clothsim_python

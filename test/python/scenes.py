@@ -1,0 +1,30 @@
+"""Small scenes for the tests of the Python package, and where the repository has things."""
+
+import pathlib
+
+CLONE = pathlib.Path(__file__).resolve().parents[2]
+SCENES = CLONE / "config/scenes"
+
+
+def free(points=8, **cloth):
+    """A cloth that falls, with nothing in its way."""
+    return {"cloth": {"columns": points, "rows": points, "density": 5, **cloth}}
+
+
+def busy(method="auto", **simulation):
+    """A small cloth that meets all: a pin, a ball that follows a frame, the ground, itself."""
+    return {
+        "cloth": {"columns": 10, "rows": 10, "thickness": 0.02, "self_collision": True, "ks": 300,
+                  "pinned": [{"point": [0, 0], "frame": "hand"}]},
+        "colliders": [
+            {"name": "ball", "shape": "sphere", "center": [0.5, 0.5, 0.75], "frame": "ball",
+             "friction": 0.5},
+            {"name": "ground", "shape": "plane", "friction": 0.5}],
+        "simulation": {"method": method, **simulation},
+    }
+
+
+def hanging(points=12, **cloth):
+    """Held at two corners, swinging."""
+    pins = [[0, 0], [points - 1, 0]]
+    return free(points, pinned=pins, **cloth)

@@ -1,0 +1,440 @@
+"""What a script does with a scene and a simulator, one after the other."""
+
+import copy
+import math
+import pathlib
+
+import numpy as np
+import pytest
+from scenes import SCENES, busy, free, hanging
+
+import clothsim
+from clothsim import Scene, Simulator
+
+G = 9.8  # [m/s^2]
+
+
+def same_state(a, b):
+    return np.array_equal(a.positions, b.positions) and np.array_equal(a.velocities, b.velocities)
+
+
+# ---- Scenes
+
+def test_scenes_are_read_from_files_texts_and_dicts_alike():
+    path = SCENES / "sphere.yaml"
+    scenes = [Scene(path), Scene(str(path)), Scene.parse(path.read_text()),
+              Scene(Scene(path).to_dict())]
+    runs = [Simulator(scene) for scene in scenes] + [Simulator(path)]
+    for run in runs:
+        run.step(2)
+        assert same_state(run, runs[0])
+    assert (scenes[0].columns, scenes[0].rows, scenes[0].frames_per_second) == (50, 50, 90)
+
+
+def test_overrides_take_the_place_of_values():
+    scene = Scene(SCENES / "sphere.yaml", {
+        "cloth.columns": 9, "cloth.rows": np.int64(7), "cloth.ks": 1e-3, "cloth.strain_limit": "off",
+        "colliders.0.center": np.array([0.1, 0.2, 0.3]), "simulation": {"substeps": 4}})
+    assert (scene.columns, scene.rows) == (9, 7)
+    given = scene.to_dict()
+    assert given["cloth"]["ks"] == 1e-3 and given["cloth"]["strain_limit"] == "off"
+    assert given["colliders"][0]["center"] == [0.1, 0.2, 0.3]
+    assert Simulator(scene).step().substeps == 4
+
+
+def test_numbers_keep_their_bits():
+    width = 0.1 + 0.2
+    simulator = Simulator(free(2, width=width, height=math.pi))
+    assert simulator.positions[1, 0] == width
+    assert simulator.positions[2, 1] == math.pi
+
+
+@pytest.mark.parametrize("source, key, text", [
+    ({"cloth": {"kss": 1}}, "cloth.kss", "an unknown key"),
+    ({"cloth": {"ks": -1}}, "cloth.ks", "got -1, expected a number of at least 0"),
+    ({"cloth": {"ks": "5"}}, "cloth.ks", 'got "5" (text)'),
+    ({"cloth": {"ks": math.nan}}, "cloth.ks", "nan"),
+    ({"cloth": {"ks": None}}, "cloth.ks", "got nothing"),
+    ({"cloth": {"origin": [0, 0, {}]}}, "cloth.origin.2", "a map"),
+    ({"cloth": {"ks": {1, 2}}}, "cloth.ks", "of type set"),
+    ({"cloth": {3: 1}}, "cloth", "as a key"),
+    ({}, "cloth", "got nothing"),
+    ({"cloth": {}, "colliders": [{"shape": "cone"}]}, "colliders.0.shape", '"cone"'),
+])
+def test_mistakes_in_a_scene_are_refused_by_key(source, key, text):
+    for make in (Scene, Simulator):
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            make(source)
+        assert caught.value.key == key
+        assert text in str(caught.value)
+        assert isinstance(caught.value, ValueError)
+
+
+def test_mistakes_in_files_texts_and_overrides_are_refused(tmp_path):
+    for make, key in [
+            (lambda: Scene(tmp_path / "none.yaml"), str(tmp_path / "none.yaml")),
+            (lambda: Scene.parse("cloth: ["), "scene"),
+            (lambda: Scene(free(), {"cloth.ks": "5"}), "cloth.ks"),
+            (lambda: Scene(free(), {"cloth..ks": 5}), "assignment"),
+            (lambda: Scene(free(), {"cloth.ks": object()}), "cloth.ks"),
+            (lambda: Scene(free(), {5: 5}), "overrides")]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            make()
+        assert caught.value.key == key
+
+
+def test_a_dict_that_holds_itself_is_refused():
+    endless = free()
+    endless["cloth"]["pinned"] = endless
+    with pytest.raises(clothsim.InvalidValue):
+        Scene(endless)
+
+
+# ---- Steps
+
+def test_a_free_cloth_falls_as_it_must():
+    simulator = Simulator(free(damping=0))
+    start = simulator.positions.copy()
+    simulator.step(45)
+    t = simulator.time
+    assert t == pytest.approx(0.5)
+    assert simulator.frame_duration == 1 / 90
+    fallen = simulator.positions - start
+    assert np.allclose(fallen, [0, 0, -G / 2 * t * t], atol=1e-12)
+    assert np.allclose(simulator.velocities, [0, 0, -G * t], atol=1e-12)
+
+
+def test_one_call_of_many_frames_is_as_many_calls_of_one():
+    one, many = Simulator(busy()), Simulator(busy())
+    report = many.step(40)
+    for _ in range(40):
+        last = one.step()
+    assert same_state(one, many)
+    assert (report.substeps, report.method, report.reason) == (
+        last.substeps, last.method, last.reason)
+    assert report.contacts > 0 and report.worst_stretch > 0
+
+
+def test_a_report_has_what_simulate_writes():
+    simulator = Simulator(busy())
+    simulator.step(30)
+    report = simulator.report
+    assert report["frames"] == 30 and report["simulated_seconds"] == simulator.time
+    assert report["energy"]["kinetic"] == pytest.approx(
+        (simulator.topology["mass"] * (simulator.velocities**2).sum(axis=1)).sum() / 2)
+    assert report["intersecting_pairs"] == len(simulator.intersections()) == 0
+    assert report["diverged"] is False and report["cpu_seconds"] > 0
+
+
+def test_crossing_triangles_are_found():
+    simulator = Simulator(free(6))
+    positions = simulator.positions.copy()
+    over = positions[:, 0] > 0.5  # is folded over, and through the other half a quarter from its end
+    positions[over, 0] = 1 - positions[over, 0]
+    positions[over, 1] += 0.03
+    positions[over, 2] += 0.2 * (positions[over, 0] - 0.25)
+    simulator.set_state(positions=positions)
+    pairs = simulator.intersections()
+    assert pairs.shape == (simulator.report["intersecting_pairs"], 2) and len(pairs) > 0
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+    assert pairs.max() < len(simulator.topology["triangles"])
+
+
+# ---- State
+
+def test_positions_are_a_view_that_shows_each_frame():
+    simulator = Simulator(free())
+    positions, velocities = simulator.positions, simulator.velocities
+    assert positions.shape == velocities.shape == (64, 3) and positions.dtype == np.float64
+    before = positions.copy()
+    simulator.step()
+    assert not np.array_equal(positions, before)
+    assert np.shares_memory(positions, simulator.positions)
+    for array in (positions, velocities):
+        with pytest.raises(ValueError):
+            array[0] = 0
+        with pytest.raises(ValueError):
+            array.flags.writeable = True
+
+
+@pytest.mark.parametrize("method", ["auto", "verlet", "rk4", "implicit_euler", "bdf2", "xpbd"])
+def test_views_stay_with_every_method(method):
+    simulator = Simulator(busy(method))
+    positions = simulator.positions
+    saved = simulator.save()
+    for change in (simulator.step, simulator.reset, lambda: simulator.restore(saved),
+                   lambda: simulator.set(springs={"bending": False}), lambda: simulator.step(3),
+                   lambda: simulator.set_state(positions=simulator.positions.copy())):
+        change()
+        assert np.shares_memory(positions, simulator.positions)
+
+
+def test_views_outlive_the_simulator_and_its_scene():
+    simulator = Simulator(free())
+    simulator.step()
+    view = simulator.positions
+    kept = view.copy()
+    simulator.load(free(5))
+    simulator.step(3)
+    assert simulator.positions.shape == (25, 3)
+    assert np.array_equal(view, kept)
+    view = simulator.positions[3:, 1]
+    kept = view.copy()
+    del simulator
+    ballast = [np.ones((25, 3)) for _ in range(100)]
+    assert np.array_equal(view, kept) and ballast
+
+
+def test_a_refused_scene_leaves_the_old_one():
+    simulator = Simulator(free())
+    simulator.step()
+    kept = simulator.positions.copy()
+    with pytest.raises(clothsim.InvalidValue):
+        simulator.load({"cloth": {"ks": -1}})
+    assert np.array_equal(simulator.positions, kept)
+
+
+def test_states_are_set_and_checked():
+    simulator = Simulator(hanging())
+    given = np.asfortranarray(simulator.positions + [0, 0, 0.0])
+    given[30] += [0.01, 0, 0]
+    simulator.positions = given
+    assert np.array_equal(simulator.positions, given)
+    simulator.velocities = given.tolist()
+    held = simulator.topology["pinned"]
+    assert np.array_equal(np.delete(simulator.velocities, held, 0), np.delete(given, held, 0))
+    simulator.set_state(time=7.5)
+    assert simulator.time == 7.5
+
+    kept = simulator.positions.copy(), simulator.velocities.copy(), simulator.time
+    wrong = given.copy()
+    wrong[3, 1] = math.nan
+    moved = given + [0, 0, 1]  # the pins, too
+    for bad, key in [
+            ({"positions": given[:-1]}, "positions"), ({"positions": given.T}, "positions"),
+            ({"positions": 5}, "positions"), ({"positions": "abc"}, "positions"),
+            ({"positions": wrong}, "positions.3"), ({"velocities": wrong}, "velocities.3"),
+            ({"positions": moved}, "positions.0"), ({"velocities": given + 1e4}, "velocities.0"),
+            ({"time": -1.0}, "time"), ({"time": math.inf}, "time"), ({"memory": [1, 2]}, "memory"),
+            ({"memory": [[1]]}, "memory")]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            simulator.set_state(**bad)
+        assert caught.value.key == key
+        assert np.array_equal(simulator.positions, kept[0])
+        assert np.array_equal(simulator.velocities, kept[1]) and simulator.time == kept[2]
+
+
+def test_a_state_with_its_memory_goes_on_to_the_same_bits():
+    simulator, other = Simulator(busy()), Simulator(busy())
+    simulator.step(40)
+    state = {"positions": simulator.positions.copy(), "velocities": simulator.velocities.copy(),
+             "time": simulator.time, "memory": simulator.memory}
+    simulator.step(20)
+    other.set_state(**state)
+    other.step(20)
+    assert same_state(simulator, other)
+    simulator.set_state(**{**state, "memory": None})
+    simulator.step(20)
+    assert not same_state(simulator, other)
+
+
+def test_saved_states_bring_back_frames_on_their_way():
+    simulator = Simulator(busy())
+    simulator.step(20, {"ball": [0.5, 0.5, 0.8]})
+    simulator.attach("finger", [1, 1, 1], radius=0.2)
+    simulator.step(5, {"finger": [1, 1, 1.1], "hand": [0, 0.1, 1]})
+    saved = simulator.save()
+    assert saved.nbytes > simulator.positions.nbytes
+    simulator.step(10, {"finger": [1, 1, 1.2]})
+    expected = simulator.positions.copy()
+    simulator.detach()
+    simulator.reset()
+    simulator.step(3)
+    simulator.restore(saved)
+    simulator.step(10, {"finger": [1, 1, 1.2]})
+    assert np.array_equal(simulator.positions, expected)
+    twin = Simulator(busy())
+    twin.restore(saved)
+    twin.step(10, {"finger": [1, 1, 1.2]})
+    assert np.array_equal(twin.positions, expected)
+    with pytest.raises(clothsim.InvalidValue):
+        Simulator(free()).restore(saved)
+
+
+def test_topology_tells_what_the_cloth_is():
+    topology = Simulator(hanging(5)).topology
+    assert (topology["columns"], topology["rows"], topology["pinned"]) == (5, 5, [0, 4])
+    rest = topology["rest_positions"]
+    a, b = topology["springs"].T
+    assert np.allclose(np.linalg.norm(rest[a] - rest[b], axis=1), topology["rest_lengths"])
+    counts = np.bincount(topology["families"]).tolist()
+    assert counts == [2 * 5 * 4, 2 * 4 * 4, 2 * 5 * 3]
+    corners = rest[topology["triangles"]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert normals.shape == (32, 3) and (normals[:, 2] > 0).all()
+    assert np.linalg.norm(normals, axis=1).sum() / 2 == pytest.approx(1)
+    assert topology["mass"].sum() == pytest.approx(5)
+    assert topology["uv"].min() == 0 and topology["uv"].max() == 1
+
+
+# ---- Live values
+
+def test_live_values_change_the_run():
+    simulator = Simulator(hanging())
+    simulator.set(ks=50, damping=20, springs={"shear": False}, gravity=(0, 0, -1), substeps=12,
+                  strain_limit=0.2, method="xpbd", method_parameters={"iterations": 3})
+    report = simulator.step()
+    assert (report.method, report.substeps) == ("xpbd", 12)
+    assert set(simulator.topology["families"]) == {0, 2}
+    assert simulator.topology["stiffness"].max() == 50
+    twin = Simulator({"cloth": {**hanging()["cloth"], "ks": 50, "damping": 20, "strain_limit": 0.2,
+                                "springs": {"shear": False}},
+                      "simulation": {"gravity": [0, 0, -1], "substeps": 12, "method": "xpbd",
+                                     "method_parameters": {"iterations": 3}}})
+    twin.step()
+    assert same_state(simulator, twin)
+
+
+def test_live_values_that_cannot_be_change_nothing():
+    simulator, twin = Simulator(hanging()), Simulator(hanging())
+    for values, key in [({"ks": -1}, "ks"), ({"ks": "soft"}, "ks"), ({"columns": 3}, "columns"),
+                        ({"springs": {"bend": True}}, "springs.bend"), ({"seed": 4}, "seed"),
+                        ({"ks": 7, "gravity": [0, 0]}, "gravity"), ({"method": "magic"}, "method"),
+                        ({"method": "auto", "method_parameters": {"iterations": 1}},
+                         "method_parameters")]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            simulator.set(**values)
+        assert caught.value.key == key
+    simulator.step()
+    twin.step()
+    assert same_state(simulator, twin)
+
+
+# ---- Frames
+
+def test_a_collider_goes_to_its_target_in_equal_moves():
+    simulator = Simulator(busy())
+    simulator.place_frame("ball", [0.5, 0.5, 0.2])
+    heights = []
+    for _ in range(3):  # one way of nine frames, looked at three times
+        before = simulator.colliders["ball"]["pose"][2]
+        simulator.step(3, {"ball": [0.5, 0.5, before + 0.05]})
+        heights.append(simulator.colliders["ball"]["pose"][2])
+    assert np.allclose(heights, [0.25, 0.3, 0.35])
+    assert simulator.colliders["ball"]["frame"] == "ball"
+
+    half_turn = [0.5, 0.5, 0.35, 0, 0, 1, 0]
+    simulator.step(1, {"ball": ([0.5, 0.5, 0.3], half_turn)})
+    assert np.allclose(simulator.colliders["ball"]["pose"], half_turn)
+
+
+def test_a_pin_follows_its_frame():
+    simulator = Simulator(busy())
+    simulator.place_frame("hand", [0, 0, 1])
+    simulator.step(9, {"hand": [0.05, 0, 1.1]})
+    assert np.allclose(simulator.positions[0], [0.05, 0, 1.1])
+
+
+def test_what_hangs_on_a_frame_pulls_it_down():
+    simulator = Simulator(free(10, damping=20))
+    points = simulator.attach("hand", [0, 0, 1], radius=0.15)
+    assert points == [0, 1, 10]
+    assert simulator.grips["hand"]["points"] == points
+    simulator.step(900)
+    grip = simulator.grips["hand"]
+    free_mass = simulator.topology["mass"].sum()
+    assert grip["force"][2] == pytest.approx(-free_mass * G, rel=1e-3)
+    assert np.allclose(grip["pose"], [0, 0, 1, 0, 0, 0, 1])
+    simulator.step(90, {"hand": [0, 0, 1.5]})
+    assert simulator.positions[0] == pytest.approx([0, 0, 1.5])
+    simulator.attach("hand", points=[2])
+    simulator.detach(points=[0])
+    assert simulator.grips["hand"]["points"] == [1, 2, 10]
+    simulator.detach("hand")
+    assert simulator.grips == {}
+
+
+def test_a_weak_frame_lets_go():
+    simulator = Simulator(free(10))
+    simulator.attach("hand", [0, 0, 1], points=[0], tear_force=1)
+    simulator.step(60)
+    assert simulator.grips == {}
+
+
+def test_a_collider_that_is_off_touches_nothing():
+    def lowest(enabled):
+        simulator = Simulator({**free(damping=0),
+                               "colliders": [{"shape": "plane", "name": "ground"}]})
+        simulator.enable_collider("ground", enabled)
+        assert simulator.colliders["ground"]["enabled"] is enabled
+        simulator.step(90)
+        return simulator.positions[:, 2].min()
+    assert lowest(True) > 0
+    assert lowest(False) < -1
+
+
+def test_frames_that_cannot_be_are_refused_and_nothing_moves():
+    simulator, twin = Simulator(busy()), Simulator(busy())
+    simulator.attach("finger", [1, 1, 1], points=[99])
+    twin.attach("finger", [1, 1, 1], points=[99])
+    for call, key in [
+            (lambda: simulator.step(targets={"bal": [0, 0, 0]}), "targets.bal"),
+            (lambda: simulator.step(targets={"ball": [0, 0]}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": [[[0, 0, 0]]]}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": None}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": "up"}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": [0, 0, math.nan]}), "targets.ball.position.2"),
+            (lambda: simulator.step(targets={"ball": [0, 0, 0, 1, 1, 1, 1]}),
+             "targets.ball.orientation"),
+            (lambda: simulator.step(targets={"ball": ([0, 0, math.inf], [0, 0, 0])}),
+             "targets.ball.start.position.2"),
+            (lambda: simulator.step(targets=[1]), "targets"),
+            (lambda: simulator.step(0), "frames"),
+            (lambda: simulator.place_frame("/ball", [0, 0, 0]), ""),
+            (lambda: simulator.attach("new", points=[5]), "pose"),
+            (lambda: simulator.attach("new", [0, 0, 1]), "points"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1], 0.1), "points"),
+            (lambda: simulator.attach("new", [0, 0, 1], [100]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1.5]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [0]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1], tear_force=-1), "tear_force"),
+            (lambda: simulator.attach("new", [0, 0, 9], radius=0.1), "radius"),
+            (lambda: simulator.detach("new"), "frame"),
+            (lambda: simulator.detach(points=[3]), "points.0"),
+            (lambda: simulator.enable_collider("wall"), "name")]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            call()
+        if key:
+            assert caught.value.key == key
+    simulator.step(5)
+    twin.step(5)
+    assert same_state(simulator, twin)
+
+
+# ---- The package
+
+def test_arguments_of_wrong_types_raise():
+    simulator = Simulator(free())
+    for call in (lambda: simulator.step("1"), lambda: simulator.step(1.5), lambda: Simulator(),
+                 lambda: simulator.step(10**30), lambda: simulator.restore(None),
+                 lambda: simulator.set_state(time="now"), lambda: simulator.attach(5),
+                 lambda: Scene(free(), 5)):
+        with pytest.raises(TypeError):
+            call()
+
+
+def test_names_are_those_of_the_package():
+    assert set(clothsim.__all__) <= set(dir(clothsim))
+    assert clothsim.Simulator.__module__ == "clothsim"
+    assert repr(Scene(free())).startswith("<clothsim.Scene of 8 x 8")
+    with pytest.raises(AttributeError):
+        clothsim.Simulater
+    assert pathlib.Path(clothsim.__file__).parent.joinpath("py.typed").exists()
+
+
+def test_a_scene_does_not_follow_its_dict():
+    source = busy()
+    scene = Scene(source)
+    kept = copy.deepcopy(source)
+    source["cloth"]["ks"] = 1
+    assert scene.to_dict()["cloth"]["ks"] == kept["cloth"]["ks"]
