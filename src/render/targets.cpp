@@ -43,6 +43,7 @@ void ColorTarget::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, drawn_.id());
 void ColorTarget::resolve_for_reading() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, read_.id());
+  glEnable(GL_FRAMEBUFFER_SRGB);  // the mean of the samples' light, whatever was drawn since
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, read_.id());
   glReadBuffer(GL_COLOR_ATTACHMENT0);

@@ -280,5 +280,17 @@ TEST(Pixels, EdgesOfTheColourImageAreSmoothAndThoseOfTheMaskAreNot) {
   for (const std::uint8_t id : images.mask) EXPECT_TRUE(id == 0 || id == 1);
 }
 
+TEST(Pixels, TheColourImageIsTheSameWithAndWithoutTheOthers) {
+  Snapshot snapshot = flat_cloth(3, 3);
+  snapshot.cloth_shading = flat_color(red);
+  snapshot.background.color = Color{1, 1, 1};
+  Camera camera = small_camera();
+  camera.pose = look_at({0.3, -1, 1}, {0.5, 0.5, 0});
+  const Images all = draw(snapshot, camera);
+  Images alone;
+  shared_renderer().render(snapshot, camera, {true, false, false}, alone);
+  EXPECT_EQ(all.color, alone.color);
+}
+
 }  // namespace
 }  // namespace clothsim
