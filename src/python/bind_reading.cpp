@@ -4,6 +4,7 @@
 
 #include "bindings.h"
 #include "clothsim/geometry/intersections.h"
+#include "clothsim/simulation/touches.h"
 
 namespace clothsim_python {
 namespace {
@@ -64,6 +65,20 @@ py::array intersections(Simulation& simulation) {
   return to_array(numbers, {static_cast<py::ssize_t>(pairs.size()), 2});
 }
 
+py::dict contacts(Simulation& simulation) {
+  return simulation.with([](Run& run) {
+    py::dict all;
+    const std::vector<clothsim::Touch> touches = clothsim::find_touches(run.simulator);
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      all[py::str(run.simulator.scene().colliders[i].name)] =
+          py::dict(py::arg("count") = touches[i].count,
+                   py::arg("middle") =
+                       touches[i].count > 0 ? py::object(to_array(touches[i].middle)) : py::none());
+    }
+    return all;
+  });
+}
+
 py::object render(const py::object& self, const py::object& view) {
   return py::module_::import("clothsim._render").attr("render")(self, view);
 }
@@ -85,6 +100,10 @@ void bind_reading(SimulationClass& simulator) {
           "[kg]; "
           "'pinned', indices; 'springs' [S, 2], points that each joins, with 'families' [S] (0 "
           "structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' [S] [N/m]. Copies.")
+      .def_property_readonly(
+          "contacts", &contacts,
+          "Where the cloth lies on each collider, by name: {'count': points, and triangles that "
+          "touch with none of their corners; 'middle': mean of these places [3] [m], or None}.")
       .def("intersections", &intersections,
            "Pairs of triangles of the cloth that cross, [K, 2] indices into 'triangles', which "
            "should be none.")

@@ -140,6 +140,16 @@ def test_crossing_triangles_are_found():
     assert pairs.max() < len(simulator.topology["triangles"])
 
 
+def test_contacts_tell_where_the_cloth_lies():
+    simulator = Simulator({**free(10, origin=[0, 0, 0.001]), "colliders": [
+        {"shape": "plane", "name": "ground"}, {"shape": "sphere", "center": [0, 0, 9]}]})
+    assert simulator.contacts["ground"] == {"count": 0, "middle": None}
+    simulator.step(90)
+    assert simulator.contacts["sphere"]["count"] == 0
+    assert simulator.contacts["ground"]["count"] == 100
+    assert np.allclose(simulator.contacts["ground"]["middle"], [0.5, 0.5, 0], atol=1e-3)
+
+
 # ---- State
 
 def test_positions_are_a_view_that_shows_each_frame():

@@ -1,0 +1,57 @@
+#include "clothsim/simulation/touches.h"
+
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/shapes/face_distance.h"
+
+namespace clothsim {
+namespace {
+
+/// How far from where contact holds it a point still touches [m]: as far again as that is from the
+/// surface, which is more than a point at rest trembles.
+constexpr double touch_reach = surface_offset;
+
+/// Adds up places in the collider's own frame.
+void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
+                 const Points& local, Touch& touch) {
+  const double reach = keeps.points + touch_reach;
+  const Scalars distances = signed_distances(shape, local, local);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (distances[i] > reach) continue;
+    ++touch.count;
+    touch.middle += row(local, i);
+  }
+  if (!keeps.faces) return;
+  for (const auto& [a, b, c] : cloth.triangles) {
+    if (distances[a] <= reach || distances[b] <= reach || distances[c] <= reach) continue;
+    const Triangle corners = {row(local, a), row(local, b), row(local, c)};
+    const auto nearest = face_distance(shape, corners, reach);
+    if (!nearest) continue;
+    ++touch.count;
+    for (std::size_t i = 0; i < 3; ++i) touch.middle += nearest->weights[i] * corners[i];
+  }
+}
+
+}  // namespace
+
+std::vector<Touch> find_touches(const Simulator& simulator) {
+  const Cloth& cloth = simulator.cloth();
+  const Points& positions = simulator.state().positions;
+  const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
+  std::vector<Touch> touches(colliders.size());
+  const double stretch = cloth.strain_limit ? worst_stretch(cloth, positions) : 0;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    if (!simulator.collider_enabled(static_cast<int>(i))) continue;
+    const Shape& shape = colliders[i].shape;
+    const Pose& pose = simulator.collider_pose(static_cast<int>(i));
+    const Points local =
+        (positions.rowwise() - pose.position.transpose()) * pose.orientation.toRotationMatrix();
+    Touch& touch = touches[i];
+    add_touches(shape, clearance(shape, cloth, stretch), cloth, local, touch);
+    if (touch.count == 0) continue;
+    touch.middle = pose.position + pose.orientation * (touch.middle / touch.count);
+  }
+  return touches;
+}
+
+}  // namespace clothsim
