@@ -10,9 +10,10 @@ namespace clothsim {
 namespace fs = std::filesystem;
 
 std::optional<std::string> find_installed(const std::string& library, const std::string& name) {
-  // Libraries are in PREFIX/lib, or in PREFIX/lib/x86_64-linux-gnu and the like.
+  // Libraries are in PREFIX/lib, in PREFIX/lib/x86_64-linux-gnu and the like, or, as pip has it, in
+  // a Python package with all that is theirs.
   const fs::path lib = fs::weakly_canonical(library).parent_path();
-  for (const fs::path& prefix : {lib.parent_path(), lib.parent_path().parent_path()}) {
+  for (const fs::path& prefix : {lib, lib.parent_path(), lib.parent_path().parent_path()}) {
     const fs::path folder = prefix / "share" / "clothsim" / name;
     if (fs::is_directory(folder)) return folder.string();
   }

@@ -170,7 +170,7 @@ TEST(Resources, AreFoundBesideTheInstalledLibrary) {
   };
   EXPECT_FALSE(found_from("lib"));
   fs::create_directories(shaders);
-  for (const char* folder : {"lib", "lib/x86_64-linux-gnu"})
+  for (const char* folder : {".", "lib", "lib/x86_64-linux-gnu"})
     EXPECT_EQ(found_from(folder), shaders.string()) << folder;
   // Whatever else is above a build folder is not ours.
   EXPECT_FALSE(found_from("src/clothsim/build/devel/lib"));
