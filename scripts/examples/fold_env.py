@@ -8,9 +8,16 @@
 Run as a program it folds the towel by a fixed plan and prints the reward.
 """
 
+import collections
+
 import numpy as np
 
 import clothsim
+
+try:
+    from gymnasium.spaces import Box
+except ImportError:
+    Box = collections.namedtuple("Box", "low high shape dtype")
 
 SCENE = {
     "cloth": {"width": 0.6, "height": 0.6, "columns": 25, "rows": 25, "origin": [0, 0, 0.001],
@@ -31,6 +38,8 @@ class FoldEnv:
     [2, 4] in [-1, 1]: for each gripper its way as a share of STEP, and above 0 to hold. Reward: what
     the fold got better, `info["fold"]`: 0 as it lay at first, 1 with one half on the other."""
 
+    action_space = Box(-1, 1, (2, 4), np.float32)
+    observation_space = Box(-np.inf, np.inf, (25 * 25 * 3 + 2 * 3 + 2,), np.float32)
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
     render_mode = "rgb_array"
 

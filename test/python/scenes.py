@@ -2,6 +2,8 @@
 
 import pathlib
 
+import numpy as np
+
 CLONE = pathlib.Path(__file__).resolve().parents[2]
 SCENES = CLONE / "config/scenes"
 
@@ -28,3 +30,7 @@ def hanging(points=12, **cloth):
     """Held at two corners, swinging."""
     pins = [[0, 0], [points - 1, 0]]
     return free(points, pinned=pins, **cloth)
+
+
+def same_state(a, b):
+    return np.array_equal(a.positions, b.positions) and np.array_equal(a.velocities, b.velocities)

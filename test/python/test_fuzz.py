@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scenes import SCENES, busy, free
 
-import clothsim
 from clothsim import Batch, Scene, Simulator, View
 
 SEEDS = range(int(os.environ.get("FUZZ_FROM", 0)), int(os.environ.get("FUZZ_TO", 12)))
@@ -87,7 +86,8 @@ def small(value):
 
 
 def call(rng, simulator, batch):
-    g = lambda: garbage(rng)  # noqa: E731
+    def g():
+        return garbage(rng)
     return rng.choice([
         lambda: Scene(g(), rng.choice([{}, {rng.choice(KEYS): g()}, g()])),
         lambda: Scene(busy(), {rng.choice(KEYS): small(g())}),

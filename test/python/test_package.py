@@ -94,11 +94,13 @@ def test_the_environment_folds_the_towel(monkeypatch):
     again, _ = env.reset(seed=3)
     other, _ = env.reset(seed=4)
     assert (first == again).all() and (first != other).any()
-    assert first.shape == (25 * 25 * 3 + 6 + 2,) and abs(info["fold"]) < 1e-9
+    assert first.shape == env.observation_space.shape == (25 * 25 * 3 + 6 + 2,)
+    assert abs(info["fold"]) < 1e-9
 
     env.reset()
     rewards = 0
     for action in fold_env.plan():
+        assert action.shape == env.action_space.shape
         observation, reward, terminated, truncated, info = env.step(action)
         assert observation.shape == first.shape and not truncated
         rewards += reward

@@ -1,0 +1,111 @@
+"""Frames that a script moves, and what follows them: colliders, pins, points that are attached."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import busy, free, same_state
+
+import clothsim
+from clothsim import Simulator
+
+G = 9.8  # [m/s^2]
+
+
+def test_a_collider_goes_to_its_target_in_equal_moves():
+    simulator = Simulator(busy())
+    simulator.place_frame("ball", [0.5, 0.5, 0.2])
+    heights = []
+    for _ in range(3):  # one way of nine frames, looked at three times
+        before = simulator.colliders["ball"]["pose"][2]
+        simulator.step(3, {"ball": [0.5, 0.5, before + 0.05]})
+        heights.append(simulator.colliders["ball"]["pose"][2])
+    assert np.allclose(heights, [0.25, 0.3, 0.35])
+    assert simulator.colliders["ball"]["frame"] == "ball"
+
+    half_turn = [0.5, 0.5, 0.35, 0, 0, 1, 0]
+    simulator.step(1, {"ball": ([0.5, 0.5, 0.3], half_turn)})
+    assert np.allclose(simulator.colliders["ball"]["pose"], half_turn)
+
+
+def test_a_pin_follows_its_frame():
+    simulator = Simulator(busy())
+    simulator.place_frame("hand", [0, 0, 1])
+    simulator.step(9, {"hand": [0.05, 0, 1.1]})
+    assert np.allclose(simulator.positions[0], [0.05, 0, 1.1])
+
+
+def test_what_hangs_on_a_frame_pulls_it_down():
+    simulator = Simulator(free(10, damping=20))
+    points = simulator.attach("hand", [0, 0, 1], radius=0.15)
+    assert points == [0, 1, 10]
+    assert simulator.grips["hand"]["points"] == points
+    simulator.step(900)
+    grip = simulator.grips["hand"]
+    free_mass = simulator.topology["mass"].sum()
+    assert grip["force"][2] == pytest.approx(-free_mass * G, rel=1e-3)
+    assert np.allclose(grip["pose"], [0, 0, 1, 0, 0, 0, 1])
+    simulator.step(90, {"hand": [0, 0, 1.5]})
+    assert simulator.positions[0] == pytest.approx([0, 0, 1.5])
+    simulator.attach("hand", points=[2])
+    simulator.detach(points=[0])
+    assert simulator.grips["hand"]["points"] == [1, 2, 10]
+    simulator.detach("hand")
+    assert simulator.grips == {}
+
+
+def test_a_weak_frame_lets_go():
+    simulator = Simulator(free(10))
+    simulator.attach("hand", [0, 0, 1], points=[0], tear_force=1)
+    simulator.step(60)
+    assert simulator.grips == {}
+
+
+def test_a_collider_that_is_off_touches_nothing():
+    def lowest(enabled):
+        simulator = Simulator({**free(damping=0),
+                               "colliders": [{"shape": "plane", "name": "ground"}]})
+        simulator.enable_collider("ground", enabled)
+        assert simulator.colliders["ground"]["enabled"] is enabled
+        simulator.step(90)
+        return simulator.positions[:, 2].min()
+    assert lowest(True) > 0
+    assert lowest(False) < -1
+
+
+def test_frames_that_cannot_be_are_refused_and_nothing_moves():
+    simulator, twin = Simulator(busy()), Simulator(busy())
+    simulator.attach("finger", [1, 1, 1], points=[99])
+    twin.attach("finger", [1, 1, 1], points=[99])
+    for call, key in [
+            (lambda: simulator.step(targets={"bal": [0, 0, 0]}), "targets.bal"),
+            (lambda: simulator.step(targets={"ball": [0, 0]}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": [[[0, 0, 0]]]}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": None}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": "up"}), "targets.ball"),
+            (lambda: simulator.step(targets={"ball": [0, 0, math.nan]}), "targets.ball.position.2"),
+            (lambda: simulator.step(targets={"ball": [0, 0, 0, 1, 1, 1, 1]}),
+             "targets.ball.orientation"),
+            (lambda: simulator.step(targets={"ball": ([0, 0, math.inf], [0, 0, 0])}),
+             "targets.ball.start.position.2"),
+            (lambda: simulator.step(targets=[1]), "targets"),
+            (lambda: simulator.step(0), "frames"),
+            (lambda: simulator.place_frame("/ball", [0, 0, 0]), ""),
+            (lambda: simulator.attach("new", points=[5]), "pose"),
+            (lambda: simulator.attach("new", [0, 0, 1]), "points"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1], 0.1), "points"),
+            (lambda: simulator.attach("new", [0, 0, 1], [100]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1.5]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [0]), "points.0"),
+            (lambda: simulator.attach("new", [0, 0, 1], [1], tear_force=-1), "tear_force"),
+            (lambda: simulator.attach("new", [0, 0, 9], radius=0.1), "radius"),
+            (lambda: simulator.detach("new"), "frame"),
+            (lambda: simulator.detach(points=[3]), "points.0"),
+            (lambda: simulator.enable_collider("wall"), "name")]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            call()
+        if key:
+            assert caught.value.key == key
+    simulator.step(5)
+    twin.step(5)
+    assert same_state(simulator, twin)
