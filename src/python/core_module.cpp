@@ -24,6 +24,7 @@ void bind_simulator(py::module_& module) {
 
 PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = CLOTHSIM_VERSION;
+  Calls::end_with_python();
   bind_errors(module);
   bind_scene(module);
   bind_reports(module);

@@ -112,6 +112,7 @@ PYBIND11_MODULE(_render, module) {
     const py::gil_scoped_release release;
     studio().close();
   }));
+  Calls::end_with_python();  // before that: what is registered last comes first
 }
 
 }  // namespace clothsim_python

@@ -7,17 +7,20 @@
 #include <memory>
 #include <thread>
 
+#include "gate.h"
+
 namespace clothsim_python {
 
 namespace py = pybind11;
 
 /// Asks Python, while a call computes without the GIL, whether Ctrl-C or another signal is to end
-/// it. One for a call; the thread that makes it asks, others only listen.
+/// it; Python's own end does, too. One for a call; the thread that makes it asks, others only
+/// listen.
 class SignalWatch {
  public:
   /// True when the call is to end.
   bool asks_to_end() {
-    if (error_came_) return true;
+    if (error_came_ || Calls::must_end(caller_)) return true;
     if (std::this_thread::get_id() != caller_) return false;
     const auto now = std::chrono::steady_clock::now();
     if (now < next_look_) return false;

@@ -209,6 +209,32 @@ print(simulator.time > 0, flush=True)
     assert heard == ["go", "refused", "ended", "go", "ended", "True"]
 
 
+@pytest.mark.parametrize("call", ["simulator.step(10**9)", "batch.step(frames=10**9)",
+                                  "simulator.report", "simulator.time", "simulator.render(view)",
+                                  "simulator.intersections()"])
+def test_python_may_end_while_threads_compute(call):
+    program = f"""
+import atexit, threading, time, clothsim
+atexit.register(lambda: print("last words", simulator.step(2).substeps > 0, flush=True))
+simulator = clothsim.Simulator({{"cloth": {{"columns": 20, "rows": 20}}}})
+batch = clothsim.Batch([clothsim.Simulator({{"cloth": {{}}}}) for _ in range(2)])
+view = {{"width": 16, "height": 12}}
+def work():
+    while True:
+        try:
+            {call}
+        except RuntimeError:
+            pass
+for _ in range(3):
+    threading.Thread(target=work, daemon=True).start()
+time.sleep(0.3)
+"""
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+        assert done.returncode == 0
+        assert done.stdout.strip().endswith("last words True")
+
+
 def test_simulators_come_and_go_without_a_trace():
     def resident():
         with open("/proc/self/statm") as file:
