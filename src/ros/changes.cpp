@@ -21,7 +21,7 @@ void Changes::publish(const std::string& what, clothsim::Change change) {
   if (what == "reset") told_.clear();
 }
 
-void Changes::follow(const TfFrame& frame) {
+void Changes::follow(const TfFrame& frame, const std::string& what) {
   if (!frame.pose()) return;
   const std::string& name = frame.status().frame;
   const auto told = told_.find(name);
@@ -31,7 +31,7 @@ void Changes::follow(const TfFrame& frame) {
   clothsim::Change change;
   change.frame = name;
   change.transform = frame.transform();
-  publish("tf", change);
+  publish(what, change);
 }
 
 }  // namespace clothsim_ros

@@ -35,16 +35,29 @@ void FrameFollower::look_up() {
   for (Follower& follower : followers_) follower.frame.look_up();
 }
 
+void FrameFollower::take_up(clothsim::Simulator& simulator, Changes& changes) {
+  for (Follower& follower : followers_) {
+    if (!follower.frame.pose() || follower.applied) continue;
+    changes.follow(follower.frame);
+    move(follower, simulator);
+    follower.has_begun = true;
+  }
+}
+
 void FrameFollower::move(clothsim::Simulator& simulator) {
   for (Follower& follower : followers_) {
-    if (!follower.frame.pose()) continue;
-    if (follower.is_pin) {
-      move_pin(follower, simulator);
-    } else {
-      move_collider(follower, simulator);
-    }
-    follower.applied = follower.frame.pose();
+    if (follower.frame.pose()) move(follower, simulator);
   }
+}
+
+void FrameFollower::move(Follower& follower, clothsim::Simulator& simulator) {
+  if (follower.is_pin) {
+    move_pin(follower, simulator);
+  } else {
+    move_collider(follower, simulator);
+  }
+  follower.applied = follower.frame.pose();
+  follower.has_begun = false;
 }
 
 void FrameFollower::move_pin(Follower& follower, clothsim::Simulator& simulator) {
@@ -68,7 +81,8 @@ void FrameFollower::move_pin(Follower& follower, clothsim::Simulator& simulator)
 void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simulator) {
   const clothsim::Pose& pose = *follower.frame.pose();
   if (!follower.applied) {
-    simulator.place_collider(follower.index, pose);
+    if (!same(pose, simulator.collider_pose(follower.index)))
+      simulator.place_collider(follower.index, pose);
     return;
   }
   double way = 0;
@@ -85,7 +99,8 @@ void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simul
 }
 
 void FrameFollower::tell(Changes& changes) const {
-  for (const Follower& follower : followers_) changes.follow(follower.frame);
+  for (const Follower& follower : followers_)
+    changes.follow(follower.frame, follower.has_begun ? "target" : "tf");
 }
 
 void FrameFollower::reset() {
@@ -108,7 +123,7 @@ void FrameFollower::restore(const Saved& saved, clothsim::Simulator& simulator) 
 void FrameFollower::forget_applied() {
   for (Follower& follower : followers_) {
     follower.applied.reset();
-    follower.late = false;
+    follower.late = follower.has_begun = false;
   }
 }
 

@@ -20,4 +20,9 @@ void NewestStamps::add(const geometry_msgs::TransformStamped& transform) {
   newest = std::max(newest, transform.header.stamp);
 }
 
+ros::Time NewestStamps::next(const std::string& frame, const ros::Time& now) const {
+  const auto newest = of_.find(frame);
+  return newest == of_.end() ? now : std::max(now, newest->second + ros::Duration(0, 1));
+}
+
 }  // namespace clothsim_ros

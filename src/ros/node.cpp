@@ -50,6 +50,7 @@ Node::Node()
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
       changes_(node_, pacer_, frame_number_),
       tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
+      targets_(tf_),
       follower_(parameters_.scene, tf_, parameters_.jump_speed),
       grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
@@ -58,8 +59,8 @@ Node::Node()
                                      return Photographer(node_, simulator_, tf_, parameters_.view,
                                                          parameters_.image_folders, pacer_.now());
                                    })),
-      state_services_(node_, simulator_, follower_, changes_, frame_number_, parameters_.save_limit,
-                      [this] { jump(); }),
+      state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_,
+                      parameters_.save_limit, [this] { jump(); }),
       diagnostics_(node_, parameters_.limits) {
   simulator_.set_interrupt([] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);
@@ -147,6 +148,7 @@ bool Node::simulate_frame(Turn turn) {
 void Node::publish_frame(const ros::Time& stamp) {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   publish_clock();  // first, so that no state comes from the future
+  targets_.broadcast(stamp);
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
   photographer_.update(stamp);
@@ -217,6 +219,7 @@ bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respo
   change.values = reconfigure_->values();
   changes_.publish("reset", change);
   simulator_.reset();
+  targets_.reset(simulator_.scene());
   follower_.reset();
   frame_number_ = 0;
   jump();
@@ -272,6 +275,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
     return true;
   }
   changes_.publish("load_scene");
+  targets_.reset(simulator_.scene());
   follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);
   state_services_.clear();
   serve_live_values();
@@ -287,27 +291,37 @@ bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& resp
     response.message = "the simulation is running: pause it first";
     return true;
   }
-  if (request.frames < 1 || request.frames > most_frames) {
-    response.message = "frames: got " + std::to_string(request.frames) +
-                       ", expected a whole number from 1 to " + std::to_string(most_frames);
+  try {
+    if (request.frames < 1 || request.frames > most_frames) {
+      throw clothsim::InvalidValue({"frames"}, std::to_string(request.frames),
+                                   "a whole number from 1 to " + std::to_string(most_frames));
+    }
+    targets_.aim(request, simulator_);
+  } catch (const clothsim::InvalidValue& error) {
+    response.message = error.message("", "/");
     return true;
   }
+  response.message = simulate_frames(request);
+  targets_.stop();
+  response.success = response.message.empty();
+  if (response.success) response.state = outputs_.state();
+  return true;
+}
+
+std::string Node::simulate_frames(const clothsim::Step::Request& request) {
+  if (!request.targets.empty()) {
+    follower_.look_up();
+    follower_.take_up(simulator_, changes_);
+  }
   for (std::uint32_t i = 0; i < request.frames; ++i) {
-    if (!is_running()) {
-      response.message = "the node is shutting down";
-      return true;
-    }
-    if (!simulate_frame(Turn::now)) {
-      response.message = failure_;
-      return true;
-    }
+    if (!is_running()) return "the node is shutting down";
+    targets_.advance();
+    if (!simulate_frame(Turn::now)) return failure_;
     photographer_.wait();  // no picture is dropped, so that each run has the same ones
     publish_diagnostics();
   }
   photographer_.finish();
-  response.success = true;
-  response.state = outputs_.state();
-  return true;
+  return "";
 }
 
 }  // namespace clothsim_ros

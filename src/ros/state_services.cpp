@@ -23,9 +23,11 @@ void check_name(const std::string& name) {
 }  // namespace
 
 StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulator,
-                             FrameFollower& follower, Changes& changes, std::uint64_t& frame_number,
-                             std::uint64_t save_limit, std::function<void()> jumped)
+                             StepTargets& targets, FrameFollower& follower, Changes& changes,
+                             std::uint64_t& frame_number, std::uint64_t save_limit,
+                             std::function<void()> jumped)
     : simulator_(simulator),
+      targets_(targets),
       follower_(follower),
       changes_(changes),
       frame_number_(frame_number),
@@ -61,10 +63,11 @@ bool StateServices::save(clothsim::SaveState::Request& request,
                          clothsim::SaveState::Response& response) {
   try {
     check_name(request.name);
-    Entry entry{simulator_.save(), follower_.save(), frame_number_, 0};
+    Entry entry{simulator_.save(), targets_.save(), follower_.save(), frame_number_, 0};
     entry.bytes = sizeof(Entry) + request.name.size() +
                   entry.follower.size() * sizeof(FrameFollower::Memory) +
                   clothsim::Simulator::bytes_of(*entry.simulation);
+    for (const auto& [frame, motion] : entry.targets) entry.bytes += frame.size() + sizeof(motion);
     keep(request.name, std::move(entry));
   } catch (const InvalidValue& error) {
     response.message = error.message("", "/");
@@ -96,6 +99,7 @@ bool StateServices::restore(clothsim::RestoreState::Request& request,
     return true;
   }
   simulator_.restore(*entry->second.simulation);
+  targets_.restore(entry->second.targets);
   follower_.look_up();
   follower_.restore(entry->second.follower, simulator_);
   changes_.publish("restore_state");

@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 #include <ros/node_handle.h>
+#include <ros/this_node.h>
 #include <tf2/exceptions.h>
 
 #include <algorithm>
@@ -52,6 +53,8 @@ void TfListener::forget_the_future() {
 }
 
 void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
+  // What this node tells of moving frames it has put there itself.
+  if (!is_static && event.getPublisherName() == ros::this_node::getName()) return;
   const ros::Time now = ros::Time::now();
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
@@ -72,6 +75,31 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
     newest_ = std::max(newest_, stamp);
     newest_stamps_.add(transform);
   }
+}
+
+void TfListener::put(geometry_msgs::TransformStamped transform) {
+  transform.header.stamp = newest_stamps_.next(transform.child_frame_id, ros::Time::now());
+  buffer_.setTransform(transform, ros::this_node::getName());
+  newest_ = std::max(newest_, transform.header.stamp);
+  newest_stamps_.add(transform);
+}
+
+std::optional<clothsim::Pose> TfListener::pose(const std::string& frame) const {
+  try {
+    const clothsim::Pose pose =
+        to_pose(buffer_.lookupTransform(world_frame_, frame, ros::Time(0)).transform);
+    if (is_usable(pose)) return pose;
+  } catch (const tf2::TransformException&) {
+  }
+  return std::nullopt;
+}
+
+bool TfListener::is_above_world(const std::string& frame) const {
+  std::string at = world_frame_;
+  while (at != frame) {
+    if (!buffer_._getParent(at, ros::Time(0), at)) return false;
+  }
+  return true;
 }
 
 TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) { status_.frame = std::move(frame); }

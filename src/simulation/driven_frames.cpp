@@ -17,17 +17,6 @@ Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
   return simulator.state().positions.row(p.row * simulator.cloth().columns + p.column).transpose();
 }
 
-Pose first_pose(const std::string& frame, const FrameTarget& target, const Simulator& simulator) {
-  if (target.start) return *target.start;
-  const auto grip = simulator.grips().find(frame);
-  if (grip != simulator.grips().end()) return grip->second.pose;
-  const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
-  for (std::size_t i = 0; i < colliders.size(); ++i) {
-    if (colliders[i].frame == frame) return simulator.collider_pose(static_cast<int>(i));
-  }
-  return target.pose;
-}
-
 /// One that is there already is not disturbed.
 void place(int collider, const Pose& pose, Simulator& simulator) {
   const Pose& now = simulator.collider_pose(collider);
@@ -74,7 +63,8 @@ DrivenFrames::Driven& DrivenFrames::take(const std::string& frame, const FrameTa
                                          Simulator& simulator) {
   const auto known = driven_.find(frame);
   if (known != driven_.end()) return known->second;
-  const Pose start = first_pose(frame, target, simulator);
+  const Pose start =
+      target.start ? *target.start : followed_pose(frame, simulator).value_or(target.pose);
   Driven driven{FrameMotion(start), {}};
   const Scene& scene = simulator.scene();
   for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
@@ -125,6 +115,16 @@ void DrivenFrames::move(Simulator& simulator) {
 const Pose* DrivenFrames::pose(const std::string& frame) const {
   const auto known = driven_.find(frame);
   return known == driven_.end() ? nullptr : &known->second.motion.pose();
+}
+
+std::optional<Pose> followed_pose(const std::string& frame, const Simulator& simulator) {
+  const auto grip = simulator.grips().find(frame);
+  if (grip != simulator.grips().end()) return grip->second.pose;
+  const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    if (colliders[i].frame == frame) return simulator.collider_pose(static_cast<int>(i));
+  }
+  return std::nullopt;
 }
 
 std::vector<std::string> followed_frames(const Simulator& simulator) {

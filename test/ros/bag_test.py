@@ -14,6 +14,7 @@ import roslib.packages
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import Twist, Vector3
 from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import Change
@@ -67,6 +68,14 @@ class Bag(unittest.TestCase):
         for i in range(FRAMES // 2):
             self.put_sphere(0.5 + 0.002 * i, 0.25 + 0.004 * i)
             self.cloth.step(2)
+
+    def run_with_targets(self):
+        """~step moves the sphere, from the start and on; in the end with a twist."""
+        self.cloth.reset()
+        for i in range(3):
+            self.cloth.step(15, [make_transform("sphere", (0.5, 0.5, 0.3 + 0.03 * i), 0.2 * i)])
+        target = make_transform("sphere", (0.55, 0.5, 0.3))
+        self.cloth.step(FRAMES - 45, [target], [Twist(angular=Vector3(0, 0, 1))])
 
     def put_hand(self, x, height):
         self.tf.publish([make_transform("hand", (x, 0, height), stamp=rospy.Time.now())])
@@ -143,6 +152,16 @@ class Bag(unittest.TestCase):
         answer = self.replay(self.record("late", lambda: self.cloth.step(3)))
         self.assertEqual(answer.returncode, 1)
         self.assertIn("no ~reset on /clothsim/changes", answer.stderr)
+
+    def test_bag_with_targets(self):
+        path = self.record("targets", self.run_with_targets)
+        recorded = self.contents(path)
+        self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
+        self.put_sphere(0.2, 0.3)  # it starts where the bag has it
+        answers = []
+        again = self.record("targets_again", lambda: answers.append(self.replay(path)))
+        self.assertEqual((answers[0].stdout, answers[0].stderr), ("%d frames, the same bits\n" % FRAMES, ""))
+        self.assertEqual(self.contents(again), recorded)
 
     def test_bag_with_calls(self):
         """Live values and attached points come from the bag."""

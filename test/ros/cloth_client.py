@@ -129,14 +129,14 @@ class Cloth:
     def reset(self):
         assert call(self.name + "/reset", Trigger).success
 
-    def step(self, frames):
+    def step(self, frames, targets=(), twists=()):
         """The state after `frames` frames."""
-        answer = call(self.name + "/step", Step, frames)
+        answer = self.try_step(frames, targets, twists)
         assert answer.success, answer.message
         return answer.state
 
-    def try_step(self, frames):
-        return call(self.name + "/step", Step, frames)
+    def try_step(self, frames, targets=(), twists=()):
+        return call(self.name + "/step", Step, frames, targets, twists)
 
 
 def positions(state):

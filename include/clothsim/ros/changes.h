@@ -23,8 +23,8 @@ class Changes {
   void publish(const std::string& what, clothsim::Change = {});
 
   /// The next frame goes by the latest transform of `frame`, if there is one. Tells where that is
-  /// another than at the last call; after a reset all are told.
-  void follow(const TfFrame& frame);
+  /// another than at the last call; after a reset all are told. `what` is tf or target.
+  void follow(const TfFrame& frame, const std::string& what = "tf");
 
  private:
   const Pacer& pacer_;

@@ -21,6 +21,10 @@ class FrameFollower {
   /// Reads the latest transforms.
   void look_up();
 
+  /// What look_up() has found for the first time is put there, so that the next move() moves it
+  /// from there. Tells of it.
+  void take_up(clothsim::Simulator&, Changes&);
+
   /// Hands what look_up() found to the simulator, for its next frame. A collider takes the pose of
   /// its frame, a pin keeps the offset it had at the first transform. The first transform places a
   /// collider, later ones move it, but for jumps, which place it too.
@@ -55,8 +59,10 @@ class FrameFollower {
     std::optional<clothsim::Pose> applied;  // the one that the simulator has
     bool late = false;                      // a pin is still on its way there
     Memory memory;
+    bool has_begun = false;  // by take_up(), and has not moved yet
   };
 
+  void move(Follower&, clothsim::Simulator&);
   void move_pin(Follower&, clothsim::Simulator&);
   static void move_collider(Follower&, clothsim::Simulator&);
   void forget_applied();

@@ -17,6 +17,9 @@ class NewestStamps {
   bool is_late(const geometry_msgs::TransformStamped&) const;
 
   void add(const geometry_msgs::TransformStamped&);
+
+  /// `now`, or just after the newest of the frame.
+  ros::Time next(const std::string& frame, const ros::Time& now) const;
   void clear() { of_.clear(); }
 
  private:

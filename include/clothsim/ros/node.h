@@ -24,6 +24,7 @@
 #include "clothsim/ros/photographer.h"
 #include "clothsim/ros/reconfigure.h"
 #include "clothsim/ros/state_services.h"
+#include "clothsim/ros/step_targets.h"
 #include "clothsim/ros/time_shares.h"
 #include "clothsim/ros/timed_callbacks.h"
 #include "clothsim/ros/view_reconfigure.h"
@@ -68,6 +69,8 @@ class Node {
   bool enable_collider(clothsim::EnableCollider::Request&, clothsim::EnableCollider::Response&);
   bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
+  /// Simulates its frames. Empty: it did; else why not.
+  std::string simulate_frames(const clothsim::Step::Request&);
 
   TimeShares time_;
   TimedCallbacks callbacks_;
@@ -82,6 +85,7 @@ class Node {
   Pacer pacer_;
   Changes changes_;
   TfListener tf_;
+  StepTargets targets_;
   FrameFollower follower_;
   Grasper grasper_;
   Outputs outputs_;

@@ -15,6 +15,7 @@
 
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/frame_follower.h"
+#include "clothsim/ros/step_targets.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
@@ -24,7 +25,7 @@ class StateServices {
  public:
   /// All given must outlive this. States may take `save_limit` bytes together. `jumped` is called
   /// after another state was set, the frame number with it.
-  StateServices(ros::NodeHandle&, clothsim::Simulator&, FrameFollower&, Changes&,
+  StateServices(ros::NodeHandle&, clothsim::Simulator&, StepTargets&, FrameFollower&, Changes&,
                 std::uint64_t& frame_number, std::uint64_t save_limit,
                 std::function<void()> jumped);
 
@@ -37,6 +38,7 @@ class StateServices {
  private:
   struct Entry {
     std::shared_ptr<const clothsim::Simulator::Saved> simulation;
+    StepTargets::Saved targets;
     FrameFollower::Saved follower;
     std::uint64_t frame_number;
     std::uint64_t bytes;
@@ -51,6 +53,7 @@ class StateServices {
   bool restore(clothsim::RestoreState::Request&, clothsim::RestoreState::Response&);
 
   clothsim::Simulator& simulator_;
+  StepTargets& targets_;
   FrameFollower& follower_;
   Changes& changes_;
   std::uint64_t& frame_number_;

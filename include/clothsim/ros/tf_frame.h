@@ -35,6 +35,15 @@ class TfListener {
   /// Reads the transforms that have come. To be called often.
   void receive();
 
+  /// Takes a transform of this node's own, to the world, as the newest of its frame.
+  void put(geometry_msgs::TransformStamped);
+
+  /// The latest of the frame in the world; empty: there is none that is usable.
+  std::optional<clothsim::Pose> pose(const std::string& frame) const;
+
+  /// Whether the world is that frame, or in it.
+  bool is_above_world(const std::string& frame) const;
+
   const std::string& world_frame() const { return world_frame_; }
   std::optional<double> lost_after() const { return lost_after_; }
   const tf2::BufferCore& buffer() const { return buffer_; }

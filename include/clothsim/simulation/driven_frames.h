@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,6 +76,10 @@ class DrivenFrames {
 
   std::map<std::string, Driven> driven_;  // by frame
 };
+
+/// Where the points attached to a frame say that it is, else the first collider that follows it;
+/// empty: neither is there.
+std::optional<Pose> followed_pose(const std::string& frame, const Simulator&);
 
 /// The frames that something of the scene follows, or points are attached to.
 std::vector<std::string> followed_frames(const Simulator&);

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <clothsim/Step.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "clothsim/ros/tf_frame.h"
+#include "clothsim/simulation/driven_frames.h"
+
+namespace clothsim_ros {
+
+/// Moves the tf frames that a call of ~step gives targets for. tf has them in time for each frame
+/// of simulation, and others hear of them when it is done.
+class StepTargets {
+ public:
+  /// `tf` must outlive this.
+  explicit StepTargets(TfListener& tf) : tf_(tf) {}
+
+  /// Sets out for the targets of a call. Throws InvalidValue and changes nothing.
+  void aim(const clothsim::Step::Request&, const clothsim::Simulator&);
+
+  /// Hands the poses at the end of the next frame of simulation to tf.
+  void advance();
+
+  /// Tells others of the poses after a frame of simulation.
+  void broadcast(const ros::Time& stamp);
+
+  /// The call has ended, also before its targets were reached. Frames stay where they are.
+  void stop() { moving_.clear(); }
+
+  /// Frames go back to where the scene has the collider that follows them, others to where they
+  /// began.
+  void reset(const clothsim::Scene&);
+
+  using Saved = std::map<std::string, clothsim::FrameMotion>;
+  const Saved& save() const { return motions_; }
+  void restore(const Saved&);
+
+ private:
+  struct Target {
+    std::string frame;
+    clothsim::FrameTarget target;
+  };
+
+  Target read(const clothsim::Step::Request&, std::size_t index) const;
+  clothsim::FrameMotion start(const Target&, const clothsim::Simulator&) const;
+  void put(const std::string& frame, const clothsim::Pose&);
+
+  TfListener& tf_;
+  ros::NodeHandle node_;
+  ros::Publisher publisher_;
+  Saved motions_;                                // of all frames that were ever told, by name
+  std::map<std::string, clothsim::Pose> begin_;  // where each was then
+  std::vector<std::string> moving_;              // in this call
+};
+
+}  // namespace clothsim_ros
