@@ -202,15 +202,37 @@ void check_image_ending(const std::string& path, const std::string& key) {
   refuse(key, path, "a file name that ends in one of " + join(known));
 }
 
+namespace {
+
+void save_png(const std::string& path, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(ending_of(path), image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
+    throw std::runtime_error("cannot write " + path);
+  write_file(path, std::string(bytes.begin(), bytes.end()));
+}
+
+}  // namespace
+
 void save_image(const std::string& path, const Image& image) {
   cv::Mat bgr;
   cv::cvtColor(
       cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())), bgr,
       cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(ending_of(path), bgr, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
-    throw std::runtime_error("cannot write " + path);
-  write_file(path, std::string(bytes.begin(), bytes.end()));
+  save_png(path, bgr);
+}
+
+void save_depth(const std::string& path, int width, int height, const std::vector<float>& depth) {
+  cv::Mat millimetres(height, width, CV_16UC1);
+  std::transform(depth.begin(), depth.end(), millimetres.begin<std::uint16_t>(), [](float metres) {
+    const double value = std::round(1000.0 * metres);  // infinite where there is nothing
+    return static_cast<std::uint16_t>(value <= 65535 ? value : 0);
+  });
+  save_png(path, millimetres);
+}
+
+void save_mask(const std::string& path, int width, int height,
+               const std::vector<std::uint8_t>& mask) {
+  save_png(path, cv::Mat(height, width, CV_8UC1, const_cast<std::uint8_t*>(mask.data())));
 }
 
 }  // namespace clothsim

@@ -17,14 +17,6 @@ Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
   return simulator.state().positions.row(p.row * simulator.cloth().columns + p.column).transpose();
 }
 
-/// One that is there already is not disturbed.
-void place(int collider, const Pose& pose, Simulator& simulator) {
-  const Pose& now = simulator.collider_pose(collider);
-  const bool is_there =
-      now.position == pose.position && now.orientation.coeffs() == pose.orientation.coeffs();
-  if (!is_there) simulator.place_collider(collider, pose);
-}
-
 }  // namespace
 
 void check(const FrameTarget& target) {
@@ -39,10 +31,7 @@ void check(const FrameTarget& target) {
 
 void FrameMotion::aim(const FrameTarget& target, int frames, double frame_duration) {
   assert(frames >= 1);
-  if (target.start) {
-    pose_ = *target.start;
-    twist_ = {};
-  }
+  if (target.start) *this = FrameMotion(*target.start);
   way_ = PoseWay(pose_, twist_, target.pose, target.twist, frames * frame_duration);
   frames_ = frames;
   done_ = 0;
@@ -59,25 +48,41 @@ const Pose& FrameMotion::advance() {
   return pose_;
 }
 
-DrivenFrames::Driven& DrivenFrames::take(const std::string& frame, const FrameTarget& target,
+DrivenFrames::Driven& DrivenFrames::take(const std::string& frame, const Pose& if_new,
                                          Simulator& simulator) {
   const auto known = driven_.find(frame);
   if (known != driven_.end()) return known->second;
-  const Pose start =
-      target.start ? *target.start : followed_pose(frame, simulator).value_or(target.pose);
-  Driven driven{FrameMotion(start), {}};
+  Driven driven{FrameMotion(if_new), {}};
   const Scene& scene = simulator.scene();
   for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
-    if (scene.colliders[i].frame != frame) continue;
-    driven.followers.push_back({false, static_cast<int>(i)});
-    place(static_cast<int>(i), start, simulator);
+    if (scene.colliders[i].frame == frame) driven.followers.push_back({false, static_cast<int>(i)});
   }
   for (std::size_t i = 0; i < scene.cloth.pinned.size(); ++i) {
     if (scene.cloth.pinned[i].frame != frame) continue;
-    driven.followers.push_back(
-        {true, static_cast<int>(i), to_local(start, pin_position(simulator, i))});
+    const Vector3 offset = to_local(if_new, pin_position(simulator, i));
+    driven.followers.push_back({true, static_cast<int>(i), offset});
   }
+  put(driven, if_new, simulator);
   return driven_.emplace(frame, std::move(driven)).first->second;
+}
+
+void DrivenFrames::put(const Driven& driven, const Pose& pose, Simulator& simulator) {
+  for (const Follower& follower : driven.followers) {
+    if (follower.is_pin) continue;
+    // One that is there already is not disturbed.
+    const Pose& now = simulator.collider_pose(follower.index);
+    const bool is_there =
+        now.position == pose.position && now.orientation.coeffs() == pose.orientation.coeffs();
+    if (!is_there) simulator.place_collider(follower.index, pose);
+  }
+}
+
+void DrivenFrames::place(const std::string& frame, const Pose& pose, const Twist& twist,
+                         Simulator& simulator) {
+  inside(frame, [&] { check({pose, twist}); });
+  Driven& driven = take(frame, pose, simulator);
+  driven.motion = FrameMotion(pose, twist);
+  put(driven, pose, simulator);
 }
 
 void DrivenFrames::aim(const std::map<std::string, FrameTarget>& targets, int frames,
@@ -87,12 +92,11 @@ void DrivenFrames::aim(const std::map<std::string, FrameTarget>& targets, int fr
   }
   for (const auto& [frame, target] : targets) inside(frame, [&, &t = target] { check(t); });
   for (const auto& [frame, target] : targets) {
-    Driven& driven = take(frame, target, simulator);
+    const Pose start =
+        target.start ? *target.start : followed_pose(frame, simulator).value_or(target.pose);
+    Driven& driven = take(frame, start, simulator);
+    if (target.start) put(driven, start, simulator);
     driven.motion.aim(target, frames, simulator.frame_duration());
-    if (!target.start) continue;
-    for (const Follower& follower : driven.followers) {
-      if (!follower.is_pin) place(follower.index, *target.start, simulator);
-    }
   }
 }
 

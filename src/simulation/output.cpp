@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <utility>
+
+#include "clothsim/model/checks.h"
 
 namespace clothsim {
 namespace {
@@ -13,6 +16,37 @@ void append_bytes(Number value, std::string& bytes) {
   std::array<char, sizeof(Number)> raw;
   std::memcpy(raw.data(), &value, sizeof(Number));
   bytes.append(raw.data(), raw.size());
+}
+
+std::string rows_npy(const std::vector<std::array<int, 3>>& rows) {
+  std::vector<std::int32_t> values;
+  for (const std::array<int, 3>& row : rows) values.insert(values.end(), row.begin(), row.end());
+  return to_npy({rows.size(), 3}, values);
+}
+
+std::string springs_npy(const Cloth& cloth) {
+  std::vector<std::array<int, 3>> springs;
+  for (const SpringRun& run : cloth.springs) {
+    for (int point = run.first; point < run.first + run.count; ++point)
+      springs.push_back({point, point + run.offset, static_cast<int>(run.family)});
+  }
+  return rows_npy(springs);
+}
+
+/// N x 3 of an array [N, 3], or of the last of [F, N, 3].
+Points last_points(const std::map<std::string, NumberArray>& arrays, const std::string& name) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end()) throw InvalidValue({name}, "nothing", "an array [N, 3] or [F, N, 3]");
+  const std::vector<std::size_t>& shape = found->second.shape;
+  const bool is_list = shape.size() == 2 || (shape.size() == 3 && shape[0] > 0);
+  if (!is_list || shape.back() != 3) {
+    throw InvalidValue({name}, "an array of another shape", "[N, 3] or [F, N, 3]");
+  }
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const auto count = static_cast<Eigen::Index>(shape[shape.size() - 2]);
+  const std::vector<double>& values = found->second.values;
+  return Eigen::Map<const Rows>(values.data() + values.size() - 3 * static_cast<std::size_t>(count),
+                                count, 3);
 }
 
 }  // namespace
@@ -36,17 +70,66 @@ std::string to_ply(const Cloth& cloth, const Points& positions) {
   std::string ply = std::string("ply\nformat ") +
                     (little ? "binary_little_endian" : "binary_big_endian") +
                     " 1.0\nelement vertex " + std::to_string(positions.rows()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                    "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
                     std::to_string(cloth.triangles.size()) +
                     "\nproperty list uchar int vertex_indices\nend_header\n";
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) append_bytes(static_cast<float>(positions(i, axis)), ply);
+    for (int axis = 0; axis < 3; ++axis) append_bytes(positions(i, axis), ply);
   }
   for (const auto& triangle : cloth.triangles) {
     append_bytes<std::uint8_t>(3, ply);
     for (const int point : triangle) append_bytes<std::int32_t>(point, ply);
   }
   return ply;
+}
+
+void write_state(const std::filesystem::path& path, const StateFile& file) {
+  write_npz(path, {{"positions", to_npy(to_array(file.state.positions))},
+                   {"velocities", to_npy(to_array(file.state.velocities))},
+                   {"time", to_npy(NumberArray{{}, {file.state.time}})},
+                   {"memory", to_npy(NumberArray{{file.memory.size()}, file.memory})}});
+}
+
+StateFile read_state(const std::filesystem::path& path) {
+  StateFile file;
+  inside(path.string(), [&] {
+    const std::map<std::string, NumberArray> arrays = read_npz(path);
+    file.state.positions = last_points(arrays, "positions");
+    file.state.velocities = last_points(arrays, "velocities");
+    for (const char* name : {"time", "times"}) {
+      const auto time = arrays.find(name);
+      if (time != arrays.end() && !time->second.values.empty())
+        file.state.time = time->second.values.back();
+    }
+    const auto memory = arrays.find("memory");
+    if (memory != arrays.end()) file.memory = memory->second.values;
+  });
+  return file;
+}
+
+FramesFile::FramesFile(std::filesystem::path path, const Cloth& cloth)
+    : path_(std::move(path)),
+      topology_{{"triangles", rows_npy(cloth.triangles)},
+                {"springs", springs_npy(cloth)},
+                {"pinned", to_npy({cloth.pinned.size()}, cloth.pinned)}},
+      positions_(path_.string() + ".positions.part",
+                 {static_cast<std::size_t>(cloth.num_points()), 3}),
+      velocities_(path_.string() + ".velocities.part",
+                  {static_cast<std::size_t>(cloth.num_points()), 3}),
+      times_(path_.string() + ".times.part", {}) {}
+
+void FramesFile::append(const State& state) {
+  positions_.append(to_array(state.positions).values);
+  velocities_.append(to_array(state.velocities).values);
+  times_.append({state.time});
+}
+
+void FramesFile::finish() {
+  for (GrowingNpy* array : {&positions_, &velocities_, &times_}) array->flush();
+  write_npz(path_, topology_,
+            {{"positions", positions_.path()},
+             {"velocities", velocities_.path()},
+             {"times", times_.path()}});
 }
 
 }  // namespace clothsim

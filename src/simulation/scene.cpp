@@ -5,6 +5,7 @@
 #include <map>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/driven_frames.h"
 
 namespace clothsim {
 namespace {
@@ -64,7 +65,95 @@ void validate(const std::vector<ColliderSpec>& colliders) {
   }
 }
 
+constexpr Range time_range{0, 1e6, "s"};
+constexpr Range radius_range{0, 1e6, "m"};
+constexpr Range tear_force_range{0, 1e9, "N"};
+
+void check_frame_name(const std::string& key, const std::string& frame) {
+  inside(key, [&] {
+    if (frame.empty()) throw InvalidValue({}, "nothing", "the name of a frame");
+    check_frame(frame);
+  });
+}
+
+void check_points(const std::vector<int>& points, const Scene& scene) {
+  const int count = scene.cloth.columns * scene.cloth.rows;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i] >= 0 && points[i] < count) continue;
+    throw InvalidValue({"points", std::to_string(i)}, std::to_string(points[i]),
+                       "a point of the cloth, from 0 to " + std::to_string(count - 1));
+  }
+}
+
+void validate(const KeyFrame& key, const Scene&) {
+  check_frame_name("frame", key.frame);
+  check(key.target);
+}
+
+void validate(const KeyFrameFile& file, const Scene&) {
+  if (file.file.empty()) throw InvalidValue({"file"}, "nothing", "a CSV or NPZ file");
+  check_frame_name("frame", file.frame);
+}
+
+void validate(const AttachPoints& attach, const Scene& scene) {
+  check_frame_name("attach", attach.frame);
+  check_points(attach.points, scene);
+  check_range("radius", attach.radius, radius_range);
+  if (attach.points.empty() == (attach.radius == 0)) {
+    throw InvalidValue({"points"},
+                       attach.points.empty() ? "none and no radius" : "points and a radius",
+                       "one of the two");
+  }
+  if (attach.tear_force) check_range("tear_force", *attach.tear_force, tear_force_range);
+}
+
+void validate(const DetachPoints& detach, const Scene& scene) {
+  check_frame_name("detach", detach.frame);
+  check_points(detach.points, scene);
+}
+
+void validate(const SwitchCollider& change, const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ColliderSpec& collider : scene.colliders) {
+    if (collider.name == change.collider) return;
+    names.push_back(collider.name);
+  }
+  throw InvalidValue(
+      {change.enabled ? "enable" : "disable"}, '"' + change.collider + '"',
+      names.empty() ? "none, as the scene has no colliders" : "one of " + join(names));
+}
+
+void validate(const LiveValues& values, const Scene& scene) {
+  Material material = scene.cloth.material;
+  SimulationSpec simulation = scene.simulation;
+  values.apply(material, simulation);
+  inside("set", [&] {
+    validate(material);
+    validate(simulation);
+  });
+}
+
+void validate_motions(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.motions.size(); ++i) {
+    inside(std::to_string(i), [&] {
+      const MotionEntry& entry = scene.motions[i];
+      check_range("time", entry.time, time_range);
+      std::visit([&](const auto& action) { validate(action, scene); }, entry.action);
+    });
+  }
+}
+
 }  // namespace
+
+void LiveValues::apply(Material& material, SimulationSpec& simulation) const {
+  material.ks = ks.value_or(material.ks);
+  material.density = density.value_or(material.density);
+  material.damping = damping.value_or(material.damping);
+  if (strain_limit) material.strain_limit = *strain_limit;
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    material.springs[i] = springs[i].value_or(material.springs[i]);
+  simulation.gravity = gravity.value_or(simulation.gravity);
+}
 
 void check_orientation(const Eigen::Quaterniond& orientation) {
   constexpr double tolerance = 1e-6;
@@ -100,6 +189,7 @@ void validate(const Scene& scene) {
   inside("cloth", [&] { validate(scene.cloth); });
   inside("colliders", [&] { validate(scene.colliders); });
   inside("simulation", [&] { validate(scene.simulation); });
+  inside("motions", [&] { validate_motions(scene); });
 }
 
 }  // namespace clothsim

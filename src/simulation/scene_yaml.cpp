@@ -97,13 +97,16 @@ Eigen::Quaterniond read_normal(const YAML::Node& node) {
   return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal.stableNormalized());
 }
 
-/// Rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, as in URDF.
+}  // namespace
+
 Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
   const Vector3 angles = read_vector(node);
   return Eigen::AngleAxisd(angles.z(), Vector3::UnitZ()) *
          Eigen::AngleAxisd(angles.y(), Vector3::UnitY()) *
          Eigen::AngleAxisd(angles.x(), Vector3::UnitX());
 }
+
+namespace {
 
 // The keys of each shape, beside those that all have.
 
@@ -243,15 +246,18 @@ Scene read_scene(const YAML::Node& root) {
     read_list(list,
               [&](const YAML::Node& item) { scene.colliders.push_back(read_collider(item)); });
   };
-  read_map(root, {{"cloth",
-                   [&](const YAML::Node& node) {
-                     scene.cloth = read_cloth(node);
-                     has_cloth = true;
-                   }},
-                  {"colliders", read_colliders},
-                  {"simulation", [&spec = scene.simulation](const YAML::Node& node) {
-                     read_simulation(node, {{"seed", into(spec.seed)}}, spec);
-                   }}});
+  read_map(root,
+           {{"cloth",
+             [&](const YAML::Node& node) {
+               scene.cloth = read_cloth(node);
+               has_cloth = true;
+             }},
+            {"colliders", read_colliders},
+            {"simulation",
+             [&spec = scene.simulation](const YAML::Node& node) {
+               read_simulation(node, {{"seed", into(spec.seed)}}, spec);
+             }},
+            {"motions", [&](const YAML::Node& list) { scene.motions = read_motions(list); }}});
   if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
 
   validate(scene);

@@ -9,10 +9,12 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/files.h"
+#include "clothsim/simulation/motion_player.h"
 #include "clothsim/simulation/output.h"
 #include "clothsim/simulation/progress_bar.h"
 #include "clothsim/simulation/report.h"
@@ -26,10 +28,11 @@ enum ExitCode { done = 0, bad_input = 1, diverged = 2, interrupted = 130 };
 
 struct Options {
   std::string scene;
-  double seconds = 0;
+  std::optional<double> seconds;
   std::vector<std::string> overrides;
   std::optional<double> every;  // [s]
   std::filesystem::path output;
+  std::filesystem::path from;  // state to start from
 };
 
 /// Frames nearest to `seconds`, at least one.
@@ -63,9 +66,38 @@ volatile std::sig_atomic_t is_interrupted = 0;
 
 void interrupt(int) { is_interrupted = 1; }
 
-/// Says what stays still although the scene has it follow a frame.
+/// Starts from a saved state, to the same bits where its memory is of this cloth and method.
+void start_from(const std::filesystem::path& path, Simulator& simulator) {
+  const StateFile file = read_state(path);
+  inside(path.string(), [&] {
+    const ClothSpec& cloth = simulator.scene().cloth;
+    if (file.state.positions.rows() == simulator.cloth().num_points()) {
+      for (std::size_t i = 0; i < cloth.pinned.size(); ++i) {
+        const int point = cloth.pinned[i].row * cloth.columns + cloth.pinned[i].column;
+        simulator.place_pin(static_cast<int>(i), file.state.positions.row(point).transpose());
+      }
+    }
+    try {
+      simulator.set_state(file.state, file.memory);
+    } catch (const InvalidValue& error) {
+      if (file.memory.empty() || error.key()[0] != "memory") throw;
+      std::cerr << "simulate: " << path.string()
+                << " is of another cloth or method: it goes on without a memory\n";
+      simulator.set_state(file.state);
+    }
+  });
+}
+
+/// Says what stays still although the scene has it follow a frame, which no motion moves.
 void tell_of_frames(const Scene& scene) {
-  const auto follows = [](const auto& item) { return !item.frame.empty(); };
+  std::set<std::string> moved;
+  for (const MotionEntry& entry : scene.motions) {
+    if (const auto* key = std::get_if<KeyFrame>(&entry.action)) moved.insert(key->frame);
+    if (const auto* file = std::get_if<KeyFrameFile>(&entry.action)) moved.insert(file->frame);
+  }
+  const auto follows = [&](const auto& item) {
+    return !item.frame.empty() && moved.count(item.frame) == 0;
+  };
   const auto count = [&](const auto& items) {
     return std::count_if(items.begin(), items.end(), follows);
   };
@@ -96,8 +128,14 @@ ExitCode simulate(const Options& options) {
   override_values(yaml, options.overrides);
   Simulator simulator(read_scene(yaml));
 
+  MotionPlayer player(simulator, std::filesystem::path(options.scene).parent_path());
+  if (!options.from.empty()) start_from(options.from, simulator);
+  if (!options.seconds && simulator.scene().motions.empty())
+    throw InvalidValue({"--seconds"}, "nothing", "a time [s], as the scene has no motions");
+
   const double frame_duration = simulator.frame_duration();
-  const long long frames = to_frames("--seconds", options.seconds, frame_duration);
+  const long long frames =
+      to_frames("--seconds", options.seconds.value_or(player.duration()), frame_duration);
   const long long every = options.every ? to_frames("--every", *options.every, frame_duration) : 0;
 
   tell_of_frames(simulator.scene());
@@ -108,8 +146,11 @@ ExitCode simulate(const Options& options) {
   const std::filesystem::path frame_directory = options.output / "frames";
   if (!options.output.empty()) std::filesystem::create_directories(options.output);
   if (every > 0) make_free_of_frames(frame_directory);
+  std::optional<FramesFile> frames_file;
+  if (every > 0) frames_file.emplace(options.output / "frames.npz", simulator.cloth());
   const auto write_frame = [&](long long frame) {
     if (every == 0 || frame % every != 0) return;
+    frames_file->append(simulator.state());
     write_file(frame_path(frame_directory, frame),
                to_ply(simulator.cloth(), simulator.state().positions));
   };
@@ -125,6 +166,7 @@ ExitCode simulate(const Options& options) {
       bar.update(run.frames);
       {
         const Stopwatch stopwatch(run);
+        player.play(simulator);
         run.add(simulator.step());
       }
       if (run.last_frame.recoveries > 0) {
@@ -145,6 +187,8 @@ ExitCode simulate(const Options& options) {
   const std::string report = to_yaml(run, simulator);
   if (!options.output.empty()) {
     write_file(options.output / "final.csv", to_csv(simulator.state()));
+    write_state(options.output / "final.npz", {simulator.state(), simulator.memory()});
+    if (frames_file) frames_file->finish();
     write_file(options.output / "report.yaml", report);
   }
   if (!(std::cout << report << std::flush)) throw std::runtime_error("cannot write the report");
@@ -159,17 +203,22 @@ int main(int argc, char** argv) {
   clothsim::Options options;
   CLI::App app("Runs a cloth scene as fast as it goes, without ROS, and prints a report.");
   app.add_option("scene", options.scene, "Scene file (YAML)")->required();
-  app.add_option("--seconds", options.seconds, "Time to simulate [s], rounded to whole frames")
-      ->required();
+  app.add_option("--seconds", options.seconds,
+                 "Time to simulate [s], rounded to whole frames; without it that of the motions");
+  app.add_option(
+      "--from", options.from,
+      "Start from the state in a final.npz, or of the last frame in a frames.npz; motions "
+      "begin then");
   app.add_option("--set", options.overrides, "Change a value of the scene: --set cloth.ks=500")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   CLI::Option* output =
-      app.add_option("--output", options.output, "Folder for final.csv, report.yaml and frames/");
-  app.add_option(
-         "--every", options.every,
-         "Also write frames/NNNNNN.ply, one each so much time [s], rounded to whole frames; "
-         "those of an earlier run are removed")
+      app.add_option("--output", options.output,
+                     "Folder for final.csv, final.npz, report.yaml, frames.npz and frames/");
+  app.add_option("--every", options.every,
+                 "Also write frames.npz, and frames/NNNNNN.ply, one each so much time [s], rounded "
+                 "to whole frames; "
+                 "those of an earlier run are removed")
       ->needs(output);
   app.footer(
       "Exit status: 0 done, 1 bad input, 2 diverged, 130 interrupted (files hold the last "

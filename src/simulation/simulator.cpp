@@ -346,6 +346,14 @@ void Simulator::move_pin(int index, const Vector3& target) {
   impl_->pin_targets.at(static_cast<std::size_t>(index)) = target;
 }
 
+void Simulator::place_pin(int index, const Vector3& position) {
+  check_place(position);
+  const auto pin = static_cast<std::size_t>(index);
+  impl_->pin_targets.at(pin) = position;
+  impl_->state.positions.row(impl_->pin_point(pin)) = position.transpose();
+  impl_->disturbed = true;
+}
+
 const Scene& Simulator::scene() const { return impl_->scene; }
 const Cloth& Simulator::cloth() const { return impl_->cloth; }
 const State& Simulator::state() const { return impl_->state; }

@@ -5,13 +5,12 @@
 #include <iostream>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/render/renderer.h"
+#include "clothsim/simulation/motion_player.h"
 #include "clothsim/simulation/progress_bar.h"
 #include "clothsim/simulation/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/view/contact_sheet.h"
-#include "clothsim/view/resources.h"
-#include "clothsim/view/snapshot_maker.h"
+#include "clothsim/view/picture_maker.h"
 #include "clothsim/view/view_yaml.h"
 
 namespace clothsim {
@@ -56,25 +55,10 @@ std::string label(const Options& options, std::size_t scene_choice, double time,
   return text;
 }
 
-/// Draws pictures of one scene, and keeps the renderer and the images from one to the next.
-class PictureMaker {
- public:
-  explicit PictureMaker(const View& first)
-      : images_(textures_folder()),
-        renderer_({shaders_folder(), first.egl_device, first.samples, false}) {}
-
-  Image draw(const Simulator& simulator, const View& view) {
-    const PreparedView ready = prepare(view, images_);
-    renderer_.render(snapshots_.make(simulator, ready), ready.camera, {true, false, false}, drawn_);
-    return {drawn_.width, drawn_.height, drawn_.color};
-  }
-
- private:
-  ImageStore images_;
-  Renderer renderer_;
-  SnapshotMaker snapshots_;
-  Images drawn_;
-};
+Image draw(PictureMaker& maker, const Simulator& simulator, const View& view) {
+  const Images& images = maker.draw(simulator, view, {true, false, false});
+  return {images.width, images.height, images.color};
+}
 
 /// Pictures of several sizes make no sheet.
 void check_sizes(const std::vector<View>& views, const std::vector<std::string>& choices) {
@@ -108,16 +92,18 @@ ExitCode take_pictures(const Options& options) {
   std::vector<Tile> tiles;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     Simulator simulator(scenes[s]);
+    MotionPlayer player(simulator, std::filesystem::path(options.scene).parent_path());
     const double last = *std::max_element(options.seconds.begin(), options.seconds.end());
     ProgressBar bar(std::llround(last / simulator.frame_duration()));
     long long frame = 0;
     for (const double time : options.seconds) {
       while (frame < std::llround(time / simulator.frame_duration())) {
         bar.update(frame++);
+        player.play(simulator);
         simulator.step();
       }
       for (std::size_t v = 0; v < views.size(); ++v)
-        tiles.push_back({maker.draw(simulator, views[v]), label(options, s, time, v)});
+        tiles.push_back({draw(maker, simulator, views[v]), label(options, s, time, v)});
     }
   }
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();

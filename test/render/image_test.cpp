@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 
 #include "clothsim/model/errors.h"
@@ -48,6 +49,22 @@ TEST(Image, ColoursComeBackInOrder) {
     EXPECT_EQ(read->height, 1);
     EXPECT_EQ(read->rgb, image.rgb);
   }
+}
+
+TEST(Image, DepthIsInMillimetresAndMaskIsAsItIs) {
+  const Folder folder;
+  const float none = std::numeric_limits<float>::infinity();
+  save_depth(folder.file("depth.png"), 3, 2, {0.0014f, 1.0006f, none, 65.535f, 65.6f, 2.5f});
+  const cv::Mat depth = cv::imread(folder.file("depth.png"), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(depth.type(), CV_16UC1);
+  const std::vector<int> expected = {1, 1001, 0, 65535, 0, 2500};
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(depth.at<std::uint16_t>(i / 3, i % 3), expected[static_cast<std::size_t>(i)]) << i;
+  save_mask(folder.file("mask.png"), 2, 2, {0, 1, 2, 255});
+  const cv::Mat mask = cv::imread(folder.file("mask.png"), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(mask.type(), CV_8UC1);
+  EXPECT_EQ(mask.at<std::uint8_t>(1, 1), 255);
+  EXPECT_EQ(mask.at<std::uint8_t>(0, 1), 1);
 }
 
 TEST(Image, TheEndingNamesTheFormat) {

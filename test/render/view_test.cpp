@@ -322,5 +322,55 @@ TEST(Picture, RefusesMistakes) {
   EXPECT_FALSE(fs::exists("x.png"));
 }
 
+/// Runs `film` and returns its exit status.
+int film(const std::string& arguments) {
+  return WEXITSTATUS(std::system((std::string(CLOTHSIM_FILM) + " " + arguments).c_str()));
+}
+
+TEST(Film, WritesPicturesAndAVideo) {
+  const testing::TemporaryFolder folder("film");
+  const std::string video = (folder.path() / "out.mp4").string();
+  const std::string scene = (folder.path() / "scene.yaml").string();
+  std::ofstream(scene) << "cloth: {columns: 6, rows: 6}\n"
+                          "colliders: [{shape: sphere, center: [0.5, 0.2, 0.5], frame: ball}]\n"
+                          "motions: [{time: 0.3, frame: ball, position: [0.5, 0.2, 0.9]}]\n";
+  ASSERT_EQ(film(scene + " --every 0.1 --look width=41 --look height=30 --images " +
+                 folder.path().string() + " --video " + video),
+            0);
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    count += entry.path().extension() == ".png";
+  EXPECT_EQ(count, 4 * 3);
+  const auto first = load_image((folder.path() / "000000_mask.png").string(), "mask");
+  const auto last = load_image((folder.path() / "000027_mask.png").string(), "mask");
+  EXPECT_EQ(last->width, 41);
+  EXPECT_NE(first->rgb, last->rgb) << "the sphere moves";
+  const std::string told = (folder.path() / "told").string();
+  ASSERT_EQ(std::system(("ffprobe -v error -count_frames -of csv=p=0 -show_entries "
+                         "stream=width,height,r_frame_rate,nb_read_frames " +
+                         video + " > " + told)
+                            .c_str()),
+            0);
+  std::string line;
+  std::getline(std::ifstream(told), line);
+  EXPECT_EQ(line, "42,30,10/1,4");
+}
+
+TEST(Film, RefusesMistakes) {
+  const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/sphere.yaml";
+  const std::string small = scene + " --look width=20 --look height=20 ";
+  EXPECT_EQ(film(small + "--seconds 0.1 2>/dev/null"), 1);                          // no output
+  EXPECT_EQ(film(small + "--images x 2>/dev/null"), 1);                             // no time
+  EXPECT_EQ(film(small + "--seconds 0.1 --every 0 --images x 2>/dev/null"), 1);     // no rate
+  EXPECT_EQ(film(small + "--seconds 0.1 --video /dev/null/x.mp4 2>/dev/null"), 1);  // no place
+  EXPECT_EQ(film(small + "--seconds 0.1 --video x.moon 2>/dev/null"), 1);           // no format
+  EXPECT_EQ(film(small + "--seconds 0.1 --images /dev/null/x 2>/dev/null"), 1);
+  EXPECT_FALSE(fs::exists("x") || fs::exists("x.moon"));
+  EXPECT_EQ(WEXITSTATUS(std::system(("PATH=/nowhere " + std::string(CLOTHSIM_FILM) + " " + small +
+                                     "--seconds 0.1 --video x.mp4 2>/dev/null")
+                                        .c_str())),
+            1);  // no ffmpeg
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -32,8 +32,9 @@ constexpr const char* cloth_keys =
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
     testing::Values(
-        Mistake{"clothes=1",
-                "clothes: got an unknown key, expected one of cloth, colliders, simulation"},
+        Mistake{
+            "clothes=1",
+            "clothes: got an unknown key, expected one of cloth, colliders, simulation, motions"},
         Mistake{"cloth.springs.bend=true",
                 "cloth.springs.bend: got an unknown key, expected one of structural, shear, "
                 "bending"},

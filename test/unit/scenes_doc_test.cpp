@@ -61,6 +61,14 @@ const std::vector<Map> fixed_maps = {
     {{"colliders", "colliders: capsule"}, "{cloth: {}, colliders: [{shape: capsule, ", "}]}"},
     {{"colliders", "colliders: box"}, "{cloth: {}, colliders: [{shape: box, ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
+    {{"motions: frame"}, "{cloth: {}, motions: [{frame: a, position: [0, 0, 0], ", "}]}"},
+    {{"motions: file"}, "{cloth: {}, motions: [{file: a.csv, frame: a, ", "}]}"},
+    {{"motions: attach"}, "{cloth: {}, motions: [{attach: a, points: [1], ", "}]}"},
+    {{"motions: detach"}, "{cloth: {}, motions: [{detach: a, ", "}]}"},
+    {{"motions: enable"},
+     "{cloth: {}, colliders: [{shape: sphere, name: a}], motions: [{enable: a, ",
+     "}]}"},
+    {{"motions: set"}, "{cloth: {}, motions: [{set: {}, ", "}]}"},
 };
 
 /// Those, and one for each method that has parameters.

@@ -16,6 +16,7 @@
 #include <set>
 #include <sstream>
 
+#include "clothsim/model/npz.h"
 #include "temporary_folder.h"
 
 namespace {
@@ -116,6 +117,56 @@ TEST_F(Simulate, WritesWhatItPromises) {
   EXPECT_FALSE(report["diverged"].as<bool>());
 }
 
+TEST_F(Simulate, GoesOnFromAStateToTheSameBits) {
+  const auto out = [&](const std::string& name) { return (folder_ / name).string(); };
+  const auto runs = [&](const std::string& arguments) {
+    const Result result = run(scene_ + arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  runs(" --seconds 0.4 --every 0.2 --output " + out("whole"));
+  runs(" --seconds 0.2 --output " + out("first"));
+  EXPECT_EQ(runs(" --seconds 0.2 --from " + out("first/final.npz") + " --output " + out("second")),
+            "");
+  EXPECT_EQ(read(folder_ / "second/final.csv"), read(folder_ / "whole/final.csv"));
+
+  // The frames hold the same states; of another cloth it goes on without a memory.
+  const auto frames = clothsim::read_npz(folder_ / "whole" / "frames.npz");
+  EXPECT_EQ(frames.at("positions").shape, (std::vector<std::size_t>{3, 30, 3}));
+  EXPECT_EQ(frames.at("triangles").shape, (std::vector<std::size_t>{40, 3}));
+  EXPECT_NEAR(frames.at("times").values[2], 0.4, 1e-12);
+  const auto last = clothsim::read_npz(folder_ / "whole" / "final.npz").at("positions").values;
+  EXPECT_TRUE(std::equal(last.begin(), last.end(), frames.at("positions").values.begin() + 2 * 90));
+  EXPECT_FALSE(fs::exists(folder_ / "whole" / "frames.npz.times.part"));
+  EXPECT_NE(runs(" --seconds 0.1 --set simulation.method=bdf2 --from " + out("first/final.npz"))
+                .find("without a memory"),
+            std::string::npos);
+
+  for (const auto& [set, message] :
+       {std::pair("cloth.columns=7", "positions: got 30 points"), std::pair("cloth.ks=500", "")}) {
+    const Result result =
+        run(scene_ + " --seconds 0.1 --from " + out("first/final.npz") + " --set " + set);
+    EXPECT_EQ(result.exit_code, *message ? 1 : 0);
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+  }
+  EXPECT_NE(run(scene_ + " --seconds 0.1 --from " + scene_).err.find("expected an NPZ file"),
+            std::string::npos);
+}
+
+TEST_F(Simulate, PlaysMotions) {
+  const std::string scene =
+      write("moving.yaml",
+            "cloth: {columns: 6, rows: 5, pinned: [{point: [0, 0], frame: hand}]}\n"
+            "motions: [{frame: hand, position: [0, 0, 1]}, {file: up.csv, frame: hand}]\n");
+  write("up.csv", "time,x,y,z\n0.3,0,0,1.25\n");
+  const Result result = run(scene + " --output " + folder_.string());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(YAML::Load(result.out)["frames"].as<int>(), 27);
+  EXPECT_EQ(clothsim::read_npz(folder_ / "final.npz").at("positions").values[2], 1.25);
+  EXPECT_NE(run(scene_).err.find("--seconds: got nothing"), std::string::npos);
+}
+
 TEST_F(Simulate, FramesAreThoseOfTheLastRun) {
   const auto frames_of = [&](const char* seconds) {
     const Result result =
@@ -138,13 +189,13 @@ TEST_F(Simulate, FramesArePlyOfTheGrid) {
   const size_t body = ply.find(end) + end.size();
   EXPECT_NE(ply.find("element vertex 30\n"), std::string::npos);
   EXPECT_NE(ply.find("element face 40\n"), std::string::npos);
-  ASSERT_EQ(ply.size(), body + 30 * 12 + 40 * 13);
+  ASSERT_EQ(ply.size(), body + 30 * 24 + 40 * 13);
 
-  std::array<float, 3> last;
-  std::memcpy(last.data(), ply.data() + body + 29 * 12, 12);
-  EXPECT_EQ(last, (std::array<float, 3>{1, 1, 1}));
+  std::array<double, 3> last;
+  std::memcpy(last.data(), ply.data() + body + 29 * 24, 24);
+  EXPECT_EQ(last, (std::array<double, 3>{1, 1, 1}));
   for (size_t face = 0; face < 40; ++face) {
-    const char* bytes = ply.data() + body + 30 * 12 + face * 13;
+    const char* bytes = ply.data() + body + 30 * 24 + face * 13;
     std::array<int, 3> ids;
     std::memcpy(ids.data(), bytes + 1, 12);
     EXPECT_EQ(bytes[0], 3);
@@ -195,7 +246,7 @@ TEST_F(Simulate, RefusesBadInputWithExitOneAndAMessage) {
     std::string message;  // part of standard error
   } cases[] = {
       {"", "required"},
-      {scene_, "--seconds is required"},
+      {scene_, "--seconds: got nothing, expected a time [s], as the scene has no motions"},
       {"--seconds 1", "scene is required"},
       {good + " --fast", "--fast"},
       {"no_such.yaml --seconds 1", "no_such.yaml: got No such file or directory, expected"},

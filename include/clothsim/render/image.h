@@ -57,4 +57,10 @@ void check_image_ending(const std::string& path, const std::string& key);
 /// file cannot be written.
 void save_image(const std::string& path, const Image& image);
 
+/// Write a PNG of 16 bits, depth [m] in whole millimetres with 0 for infinity and beyond 65.535 m,
+/// and one of 8 bits. Top row first. Throw as save_image().
+void save_depth(const std::string& path, int width, int height, const std::vector<float>& depth);
+void save_mask(const std::string& path, int width, int height,
+               const std::vector<std::uint8_t>& mask);
+
 }  // namespace clothsim

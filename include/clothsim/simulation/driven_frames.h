@@ -14,8 +14,8 @@ namespace clothsim {
 /// A frame that is told where to be some frames of simulation later.
 class FrameMotion {
  public:
-  /// At rest.
-  explicit FrameMotion(const Pose& pose) : pose_(pose), way_(pose) {}
+  explicit FrameMotion(const Pose& pose, const Twist& twist = {})
+      : pose_(pose), twist_(twist), way_(pose) {}
 
   /// Sets out for `target`, to be there after `frames` frames of `frame_duration` [s] each.
   void aim(const FrameTarget& target, int frames, double frame_duration);
@@ -52,6 +52,10 @@ class DrivenFrames {
   /// nothing; keys begin with the frame.
   void aim(const std::map<std::string, FrameTarget>& targets, int frames, Simulator&);
 
+  /// Puts a frame at a pose, with what follows it. It has `twist` for the next aim(). Throws
+  /// InvalidValue and changes nothing.
+  void place(const std::string& frame, const Pose&, const Twist&, Simulator&);
+
   /// Hands the next poses to the simulator: to be called before each Simulator::step().
   void move(Simulator&);
 
@@ -72,7 +76,8 @@ class DrivenFrames {
     std::vector<Follower> followers;
   };
 
-  Driven& take(const std::string& frame, const FrameTarget&, Simulator&);
+  static void put(const Driven&, const Pose&, Simulator&);
+  Driven& take(const std::string& frame, const Pose& if_new, Simulator&);
 
   std::map<std::string, Driven> driven_;  // by frame
 };

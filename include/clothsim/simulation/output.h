@@ -1,8 +1,12 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/npz.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
@@ -11,7 +15,36 @@ namespace clothsim {
 /// back the same doubles.
 std::string to_csv(const State&);
 
-/// The surface as binary PLY: float positions [m] and triangles.
+/// The surface as binary PLY: positions [m] in double precision, and triangles.
 std::string to_ply(const Cloth&, const Points& positions);
+
+/// A state to go on from: positions and velocities [N, 3], time, and the simulator's memory.
+struct StateFile {
+  State state;
+  std::vector<double> memory;  // empty: none
+};
+
+/// As NPZ. Throws std::runtime_error where it cannot be written.
+void write_state(const std::filesystem::path&, const StateFile&);
+
+/// The arrays of a state from an NPZ file; without a time it is 0. Of a file of frames the last
+/// one. Throws InvalidValue with the path as first key.
+StateFile read_state(const std::filesystem::path&);
+
+/// The frames of a run as one NPZ file: positions and velocities [F, N, 3], times [F], and of the
+/// cloth triangles [T, 3], springs [S, 3] (two points and the family) and pinned points. Frames
+/// wait on disk beside the file until finish(). Throws std::runtime_error where it cannot be
+/// written.
+class FramesFile {
+ public:
+  FramesFile(std::filesystem::path path, const Cloth&);
+  void append(const State&);
+  void finish();
+
+ private:
+  std::filesystem::path path_;
+  std::map<std::string, std::string> topology_;  // as NPY
+  GrowingNpy positions_, velocities_, times_;
+};
 
 }  // namespace clothsim

@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/collider.h"
+#include "clothsim/simulation/motion.h"
 
 namespace clothsim {
 
@@ -38,6 +39,7 @@ struct Scene {
   ClothSpec cloth;
   std::vector<ColliderSpec> colliders;
   SimulationSpec simulation;
+  std::vector<MotionEntry> motions;  // for a MotionPlayer; a simulator itself does not play them
 };
 
 /// Throws InvalidValue with the key {"method"} unless it is `auto` or a name of method_names().

@@ -19,6 +19,13 @@ Scene read_scene(const YAML::Node& root);
 /// InvalidValue.
 void read_springs(const YAML::Node&, std::array<bool, 3>& springs);
 
+/// Reads the list `motions` of a scene, but not the files it names. Throws InvalidValue.
+std::vector<MotionEntry> read_motions(const YAML::Node&);
+
+/// Reads a rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, as
+/// in URDF. Throws InvalidValue.
+Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node&);
+
 /// Reads a map of what may change while a cloth moves: the keys of the material and those of
 /// `simulation` but its seed. What is left out keeps its value, but parameters go with their
 /// method. Throws InvalidValue for keys and types; the values may then have changed in part.

@@ -110,6 +110,9 @@ class Simulator {
   /// Moves pin `index` (of scene().cloth.pinned) to `target` [m] during the next frame.
   void move_pin(int index, const Vector3& target);
 
+  /// Puts pin `index` at `position` [m] at once, at rest.
+  void place_pin(int index, const Vector3& position);
+
   /// From the next frame on, `points` follow a frame of that name, now at `pose`, with the offsets
   /// that they have in it. Beyond `tear_force` [N] on the frame, the mean of one step(), it lets go
   /// of all its points; of calls for one frame the last one's holds. Until reset(). Throws

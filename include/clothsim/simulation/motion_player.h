@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "clothsim/simulation/driven_frames.h"
+#include "clothsim/simulation/motion.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim {
+
+/// Reads key frames from a .csv or .npz file: times [s], places [m], and orientations where it has
+/// them. Throws InvalidValue with the path as key.
+std::vector<MotionEntry> read_key_frames(const std::filesystem::path&, const std::string& frame);
+
+/// Plays the motions of a scene. Times are rounded to whole frames of simulation, and a frame moves
+/// from key frame to key frame as DrivenFrames has it, which is as ~step has it. The first one is
+/// reached from where the frame is at the start; at time 0 the frame is put there.
+class MotionPlayer {
+ public:
+  /// Files are looked for from `folder` on. Throws InvalidValue with keys from {"motions"} on, also
+  /// for two key frames of one frame within one frame of simulation.
+  MotionPlayer(const Simulator&, const std::filesystem::path& folder);
+
+  /// Does what is due before the next frame: to be called before each Simulator::step(). Throws
+  /// InvalidValue where the cloth does not have what an entry asks for.
+  void play(Simulator&);
+
+  /// When the last entry has its effect [s].
+  double duration() const { return duration_; }
+
+ private:
+  /// An entry of the scene, before the frame of simulation that it comes before.
+  template <class Action>
+  struct Due {
+    long long frame;
+    std::size_t item;
+    Action action;
+  };
+  template <class Action>
+  struct Track {
+    std::vector<Due<Action>> entries;  // by time
+    std::size_t next = 0;
+
+    std::size_t sort_in(Due<Action>);  // returns its place
+  };
+
+  void sort_in(const Simulator&, const MotionEntry&, std::size_t item);
+  void aim(const std::string& frame, Track<FrameTarget>&, Simulator&);
+  void act(const MotionAction&, Simulator&);
+  void attach(const AttachPoints&, Simulator&) const;
+
+  DrivenFrames driven_;
+  std::map<std::string, Track<FrameTarget>> keys_;  // by frame's name
+  Track<MotionAction> events_;
+  long long frame_ = 0;
+  double duration_ = 0;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,151 @@
+#include <utility>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim {
+namespace {
+
+ReadValue into_points(std::vector<int>& points) {
+  return [&points](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) { points.push_back(read_int(item)); });
+  };
+}
+
+/// A number that replaces another.
+ReadValue into_change(std::optional<double>& target) {
+  return [&target](const YAML::Node& node) { target = read_number(node); };
+}
+
+/// A quaternion [x, y, z, w] of any length.
+Eigen::Quaterniond read_quaternion(const YAML::Node& node) {
+  constexpr double shortest = 1e-6;  // below, it is no more than rounding
+  Eigen::Vector4d xyzw = Eigen::Vector4d::Zero();
+  const bool has_four = node.IsSequence() && node.size() == 4;
+  int i = 0;
+  if (has_four) read_list(node, [&](const YAML::Node& item) { xyzw[i++] = read_number(item); });
+  if (!has_four || !(xyzw.stableNorm() >= shortest)) {
+    throw InvalidValue({}, describe(node), "a quaternion [x, y, z, w]");
+  }
+  return Eigen::Quaterniond(Eigen::Vector4d(xyzw.stableNormalized()));
+}
+
+// The keys of each kind of entry, beside its own and `time`.
+
+std::vector<Field> fields(KeyFrame& key) {
+  FrameTarget& target = key.target;
+  const auto twist = [&target](Vector3 Twist::*part) {
+    return [&target, part](const YAML::Node& node) {
+      if (!target.twist) target.twist = Twist();
+      (*target.twist).*part = read_vector(node);
+    };
+  };
+  return {
+      {"position", into(target.pose.position)},
+      {"rpy", [&](const YAML::Node& node) { target.pose.orientation = read_roll_pitch_yaw(node); }},
+      {"orientation",
+       [&](const YAML::Node& node) { target.pose.orientation = read_quaternion(node); }},
+      {"linear", twist(&Twist::linear)},
+      {"angular", twist(&Twist::angular)}};
+}
+
+std::vector<Field> fields(KeyFrameFile& file) { return {{"frame", into(file.frame)}}; }
+
+std::vector<Field> fields(AttachPoints& attach) {
+  return {{"points", into_points(attach.points)},
+          {"radius", into(attach.radius)},
+          {"tear_force", into(attach.tear_force)}};
+}
+
+std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points(detach.points)}}; }
+
+std::vector<Field> fields(SwitchCollider&) { return {}; }
+std::vector<Field> fields(LiveValues&) { return {}; }
+
+void read_live_values(const YAML::Node& node, LiveValues& values) {
+  const auto read_limit = [&](const YAML::Node& value) {
+    std::optional<double> limit;
+    into(limit)(value);
+    values.strain_limit = limit;
+  };
+  const auto read_springs = [&](const YAML::Node& map) {
+    std::vector<Field> families;
+    for (std::size_t i = 0; i < spring_family_names.size(); ++i) {
+      families.push_back({spring_family_names[i], [&values, i](const YAML::Node& value) {
+                            values.springs[i] = read_switch(value);
+                          }});
+    }
+    read_map(map, families);
+  };
+  read_map(node,
+           {{"ks", into_change(values.ks)},
+            {"density", into_change(values.density)},
+            {"damping", into_change(values.damping)},
+            {"strain_limit", read_limit},
+            {"springs", read_springs},
+            {"gravity", [&](const YAML::Node& value) { values.gravity = read_vector(value); }}});
+}
+
+/// A kind of entry: the key it is told by, and what reads that.
+struct Kind {
+  std::string key;
+  MotionAction action;
+  void (*read)(const YAML::Node&, MotionAction&);
+};
+
+template <auto member>
+void read_name(const YAML::Node& node, MotionAction& action) {
+  std::visit(
+      [&](auto& kind) {
+        if constexpr (std::is_invocable_v<decltype(member), decltype(kind)>)
+          into(kind.*member)(node);
+      },
+      action);
+}
+
+/// In this order: a file has a `frame` beside it.
+std::vector<Kind> kinds() {
+  const auto read_set = [](const YAML::Node& node, MotionAction& action) {
+    read_live_values(node, std::get<LiveValues>(action));
+  };
+  return {{"file", KeyFrameFile(), read_name<&KeyFrameFile::file>},
+          {"frame", KeyFrame(), read_name<&KeyFrame::frame>},
+          {"attach", AttachPoints(), read_name<&AttachPoints::frame>},
+          {"detach", DetachPoints(), read_name<&DetachPoints::frame>},
+          {"enable", SwitchCollider{"", true}, read_name<&SwitchCollider::collider>},
+          {"disable", SwitchCollider{"", false}, read_name<&SwitchCollider::collider>},
+          {"set", LiveValues(), read_set}};
+}
+
+MotionEntry read_entry(const YAML::Node& node) {
+  if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
+  std::vector<std::string> known;
+  for (Kind& kind : kinds()) {
+    known.push_back(kind.key);
+    if (!node[kind.key].IsDefined()) continue;
+    MotionEntry entry{0, std::move(kind.action)};
+    std::vector<Field> all = std::visit([](auto& action) { return fields(action); }, entry.action);
+    all.push_back({kind.key, [&](const YAML::Node& value) { kind.read(value, entry.action); }});
+    if (kind.key != "file") all.push_back({"time", into(entry.time)});
+    read_map(node, all);
+    if (kind.key == "frame" && !node["position"].IsDefined()) {
+      throw InvalidValue({"position"}, "nothing", "a list of three numbers");
+    }
+    if (node["rpy"].IsDefined() && node["orientation"].IsDefined()) {
+      throw InvalidValue({"rpy"}, "an orientation again", "rpy or orientation");
+    }
+    return entry;
+  }
+  throw InvalidValue({}, "none of them", "one of the keys " + join(known));
+}
+
+}  // namespace
+
+std::vector<MotionEntry> read_motions(const YAML::Node& node) {
+  std::vector<MotionEntry> motions;
+  read_list(node, [&](const YAML::Node& item) { motions.push_back(read_entry(item)); });
+  return motions;
+}
+
+}  // namespace clothsim
