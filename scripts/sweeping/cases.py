@@ -1,0 +1,149 @@
+"""Runs cases, each in a folder that is there when the case is done."""
+
+import importlib.util
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import time
+import traceback
+
+import yaml
+
+RESULT = "result.json"
+INTERRUPTED = 130  # exit code of simulate
+
+# A line of what went wrong, in the table.
+LONGEST_MESSAGE = 500
+
+# Of a simulation that is killed, and the pause before the next [s].
+MOST_ATTEMPTS = 3
+PAUSE = 2.0
+
+
+class Store:
+    """The folder of a sweep. A case is done when its folder has its name; until then it is hidden."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder).resolve()
+        self.cases = self.folder / "cases"
+
+    def open(self, plan):
+        """Claims the folder for a sweep; what another one left there is not touched."""
+        self.cases.mkdir(parents=True, exist_ok=True)
+        mark = self.folder / "sweep.json"
+        ours = {"fingerprint": plan.fingerprint(), "cases": len(plan.cases)}
+        if not mark.exists():
+            write_whole(mark, json.dumps(ours))
+        if json.loads(mark.read_text()) != ours:
+            raise SystemExit("sweep: %s: holds another sweep, or files of this one have changed since; "
+                             "take another folder" % self.folder)
+
+    def path(self, number):
+        return self.cases / ("%06d" % number)
+
+    def done(self):
+        """Numbers of the cases that are done, also those that failed."""
+        return {int(entry.name) for entry in os.scandir(self.cases) if entry.name.isdigit()}
+
+    def result(self, number):
+        return json.loads((self.path(number) / RESULT).read_text())
+
+    def forget(self, number):
+        shutil.rmtree(self.path(number))
+
+    def forget_unfinished(self):
+        """What runs that were killed have left, once all cases are done."""
+        for entry in os.scandir(self.cases):
+            if entry.name.startswith("."):
+                shutil.rmtree(entry.path, ignore_errors=True)
+
+
+def write_whole(path, text):
+    part = path.with_name(".%s.%d.part" % (path.name, os.getpid()))
+    part.write_text(text)
+    part.rename(path)
+
+
+def assignments(settings):
+    return [word for key, value in settings.items()
+            for word in ("--set", "%s=%s" % (key, json.dumps(value)))]
+
+
+def command(simulate, plan, number, folder):
+    words = [str(simulate), str(plan.scene), "--output", str(folder), *assignments(plan.settings(number))]
+    for name, value in plan.times.items():
+        words += ["--" + name, repr(value)]
+    if plan.start:
+        words += ["--from", str(plan.start)]
+    return words
+
+
+def flat(values, prefix=""):
+    """Numbers and texts of nested maps, keys joined by dots."""
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from flat(value, prefix + key + ".")
+        elif isinstance(value, (bool, int, float, str)):
+            yield prefix + key, value
+
+
+def load_measure(path):
+    spec = importlib.util.spec_from_file_location("measure", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.measure
+
+
+def run_simulate(simulate, plan, number, part):
+    """Runs it in an empty folder. One that was killed may have been in the way of others, for memory,
+    or this process may be about to be killed as well: it is given a pause and tried again."""
+    for attempt in range(MOST_ATTEMPTS):
+        time.sleep(attempt * PAUSE)
+        shutil.rmtree(part, ignore_errors=True)
+        part.mkdir()
+        run = subprocess.run(command(simulate, plan, number, part), stdin=subprocess.DEVNULL,
+                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        if run.returncode != -signal.SIGKILL:
+            break
+    return run
+
+
+def run_case(simulate, plan, store, number):
+    """Runs a case, unless another process is faster. Its result, or None where it was interrupted."""
+    begin = time.monotonic()
+    part = store.cases / (".%06d.%s.%d.part" % (number, os.uname().nodename, os.getpid()))
+    run = run_simulate(simulate, plan, number, part)
+    if run.returncode == INTERRUPTED:
+        shutil.rmtree(part)
+        return None
+    result = {"case": number, "parameters": plan.cases[number], "results": {}}
+    result["status"] = {0: "done", 2: "diverged"}.get(run.returncode, "failed")
+    result["message"] = run.stderr.strip()[-LONGEST_MESSAGE:] if run.returncode else ""
+    if run.returncode < 0:
+        result["message"] = "simulate: killed by signal %d" % -run.returncode
+    report = part / "report.yaml"
+    if report.exists():
+        values = yaml.load(report.read_text(), Loader=LOADER)
+        result["results"] = {key: value for key, value in flat(values) if key != "scene"}
+    if plan.measure and result["status"] == "done":
+        try:
+            measured = load_measure(plan.measure)(part)
+            result["results"].update(flat(json.loads(json.dumps(dict(measured)))))
+        except Exception:  # the user's own code
+            result["status"] = "failed"
+            result["message"] = traceback.format_exc()[-LONGEST_MESSAGE:]
+    result["case_seconds"] = time.monotonic() - begin
+    (part / RESULT).write_text(json.dumps(result))
+    try:
+        part.rename(store.path(number))
+    except OSError:
+        shutil.rmtree(part)  # another process was faster
+        if not store.path(number).exists():
+            raise
+    return result
+
+
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -1,0 +1,52 @@
+"""Runs cases on this machine, one thread each, by joblib's pool of processes."""
+
+import collections
+import concurrent.futures
+
+from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky.process_executor import BrokenProcessPool
+
+from sweeping.cases import run_case
+
+# A case whose worker dies so often is at fault itself.
+MOST_ATTEMPTS = 3
+
+# Cases that wait in the pool for each worker: none is idle, and little is lost when it breaks.
+AHEAD = 4
+
+
+def run_here(simulate, plan, store, numbers, jobs, progress):
+    """Runs the cases with these numbers, and calls progress(result) for each."""
+    waiting = collections.deque(numbers)
+    attempts = collections.Counter()
+    running = {}
+
+    def submit(pool):
+        while waiting and len(running) < AHEAD * jobs:
+            number = waiting.popleft()
+            attempts[number] += 1
+            running[pool.submit(run_case, simulate, plan, store, number)] = number
+
+    while waiting or running:
+        pool = get_reusable_executor(max_workers=jobs, timeout=60)
+        try:
+            submit(pool)
+            while running:
+                done, _ = concurrent.futures.wait(
+                    running, return_when=concurrent.futures.FIRST_COMPLETED)
+                for future in done:
+                    result = future.result()
+                    del running[future]
+                    if result is None:
+                        raise KeyboardInterrupt
+                    progress(result)
+                submit(pool)
+        except BrokenProcessPool:
+            # A worker was killed: all that ran begins anew.
+            lost = [number for number in running.values() if number not in store.done()]
+            running.clear()
+            for number in lost:
+                if attempts[number] >= MOST_ATTEMPTS:
+                    raise SystemExit("sweep: case %d: its worker was killed %d times" %
+                                     (number, attempts[number])) from None
+            waiting.extendleft(reversed(lost))
