@@ -112,7 +112,7 @@ ExitCode take_pictures(const Options& options) {
   return done;
 }
 
-void check(const Options& options) {
+void check_options(const Options& options) {
   constexpr Range time{0, 1e6, "s"};
   for (const double seconds : options.seconds) check_range("--seconds", seconds, time);
   if (!std::is_sorted(options.seconds.begin(), options.seconds.end()))
@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   clothsim::add_options(app, options);
   try {
     app.parse(argc, argv);
-    clothsim::check(options);
+    clothsim::check_options(options);
     return clothsim::take_pictures(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? clothsim::done : clothsim::bad_input;
