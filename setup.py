@@ -14,7 +14,7 @@ from setuptools.command.build_ext import build_ext
 CLONE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path("build/pip")  # beside what scripts/build makes
 MODULES = ("_core", "_render")
-DATA = ("shaders", "config/textures")  # that pictures need
+DATA = ("shaders", "config/textures", "config/fabrics")  # that pictures and fabrics need
 
 
 class BuildByCMake(build_ext):

@@ -22,6 +22,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
   const double e = drag.decay;
   Scalars gain = Scalars::Constant(n, h);  // displacement per change of velocity [s]
   Scalars weights = Scalars::Zero(n);      // inertia against displacement [N/m]
+  bool all_have_history = has_last;
   for (int i = 0; i < n; ++i) {
     auto x = state.positions.row(i);
     auto v = state.velocities.row(i);
@@ -38,13 +39,16 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
     } else {
       v = e * v + time * loads.gravity.transpose();
       x += h * v;
+      all_have_history = false;
     }
     weights[i] = cloth.mass[i] / (gain[i] * time);
   }
+  const Past past = all_have_history ? past_of(cloth, start.positions, last_.positions, h)
+                                     : past_of(cloth, start.positions, h);
   last_ = start;
 
   // How springs change that.
-  solver_.solve(cloth, weights, state.positions, displacement_);
+  solver_.solve(cloth, weights, state.positions, displacement_, past);
   state.positions += displacement_;
   state.velocities.array() += displacement_.array().colwise() / gain.array();
   returned_ = state;

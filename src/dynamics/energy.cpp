@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -44,6 +45,9 @@ double elastic_energy(const Cloth& cloth, const Points& positions) {
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     const double stretch = (positions.row(b) - positions.row(a)).norm() - run.rest_length;
     energy += run.stiffness * stretch * stretch / 2;
+  });
+  for_each_bend(cloth, [&](const Bend& bend) {
+    energy += bend.stiffness * bend.of(positions).squaredNorm() / 2;
   });
   return energy;
 }

@@ -1,6 +1,7 @@
 #include "clothsim/dynamics/force_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -66,6 +67,75 @@ CLOTHSIM_TARGET_CLONES
 void pull(Columns<float> p, int offset, int count, double rest_length, double stiffness, float* fx,
           float* fy, float* fz) {
   pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
+}
+
+/// What acts between points i and i + offset of a fabric, see PairBand, and its internal damping
+/// [s]: of springs, of bends.
+struct Pairs {
+  const double* spring;
+  const double* bend;
+  double rest_length;
+  std::array<double, 2> damping;
+};
+
+/// Forces of pairs (i, i + offset), i in [0, count), on their first points. `v`: velocities where
+/// `damped`.
+template <bool sprung, bool damped, typename Real>
+[[gnu::always_inline]] inline void pull_pairs_of(const Pairs& pairs, Columns<Real> p,
+                                                 Columns<Real> v, int offset, int count,
+                                                 Real* __restrict fx, Real* __restrict fy,
+                                                 Real* __restrict fz) {
+  const double* const spring = pairs.spring;
+  const double* const bend = pairs.bend;
+  const auto rest_length = static_cast<Real>(pairs.rest_length);
+  const auto of_springs = static_cast<Real>(pairs.damping[0]);
+  const auto of_bends = static_cast<Real>(pairs.damping[1]);
+  for (int i = 0; i < count; ++i) {
+    const Real dx = p.x[i + offset] - p.x[i];
+    const Real dy = p.y[i + offset] - p.y[i];
+    const Real dz = p.z[i + offset] - p.z[i];
+    const Real ex = damped ? v.x[i + offset] - v.x[i] : Real{0};
+    const Real ey = damped ? v.y[i + offset] - v.y[i] : Real{0};
+    const Real ez = damped ? v.z[i + offset] - v.z[i] : Real{0};
+    const auto w = static_cast<Real>(bend[i]);
+    Real s = w;
+    if constexpr (sprung) {
+      const auto k = static_cast<Real>(spring[i]);
+      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
+      s += k - k * rest_length * inverse;
+      if constexpr (damped) {
+        const Real rate = (dx * inverse * ex + dy * inverse * ey + dz * inverse * ez) * inverse;
+        s += of_springs * k * rate;
+      }
+    }
+    const Real t = of_bends * w;
+    fx[i] = damped ? s * dx + t * ex : s * dx;
+    fy[i] = damped ? s * dy + t * ey : s * dy;
+    fz[i] = damped ? s * dz + t * ez : s * dz;
+  }
+}
+
+template <typename Real>
+[[gnu::always_inline]] inline void pull_any_pairs_of(const Pairs& pairs, Columns<Real> p,
+                                                     Columns<Real> v, int offset, int count,
+                                                     Real* fx, Real* fy, Real* fz) {
+  const bool sprung = pairs.spring != nullptr;
+  const bool damped = v.x != nullptr;
+  if (sprung && damped) return pull_pairs_of<true, true>(pairs, p, v, offset, count, fx, fy, fz);
+  if (sprung) return pull_pairs_of<true, false>(pairs, p, v, offset, count, fx, fy, fz);
+  if (damped) return pull_pairs_of<false, true>(pairs, p, v, offset, count, fx, fy, fz);
+  pull_pairs_of<false, false>(pairs, p, v, offset, count, fx, fy, fz);
+}
+
+CLOTHSIM_TARGET_CLONES
+void pull_pairs(const Pairs& pairs, Columns<double> p, Columns<double> v, int offset, int count,
+                double* fx, double* fy, double* fz) {
+  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
+}
+CLOTHSIM_TARGET_CLONES
+void pull_pairs(const Pairs& pairs, Columns<float> p, Columns<float> v, int offset, int count,
+                float* fx, float* fy, float* fz) {
+  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
 }
 
 CLOTHSIM_TARGET_CLONES
@@ -158,15 +228,21 @@ int padded(int count) {
 
 template <typename Real>
 ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Points& positions,
-                               int begin, int end)
-    : cloth_(cloth), loads_(loads), positions_(positions), first_(begin), end_(end) {
+                               int begin, int end, const Points* velocities)
+    : cloth_(cloth),
+      loads_(loads),
+      positions_(positions),
+      first_(begin),
+      end_(end),
+      velocities_(is_damped(cloth) ? velocities : nullptr),
+      rates_{} {
   group();
   take_points();
 
   constexpr int apart = lines_apart * static_cast<int>(line / sizeof(Real));
   const int kept = padded<Real>(std::min(block, end - begin)) + apart;
   Eigen::Index size = line / sizeof(Real);
-  for (const Direction& d : directions_) size += 3 * (padded<Real>(d.run->offset) + kept);
+  for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
   buffer_.resize(size);
 
   // What springs of the points before `begin` pull.
@@ -174,7 +250,7 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
   std::size_t bytes = static_cast<std::size_t>(size) * sizeof(Real);
   Real* free = static_cast<Real*>(std::align(line, sizeof(Real), aligned, bytes));
   for (Direction& d : directions_) {
-    const int offset = d.run->offset;
+    const int offset = d.offset;
     for (Real*& force : d.force) {
       force = free + padded<Real>(offset);
       free = force + kept;
@@ -187,8 +263,14 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
 template <typename Real>
 void ForceBlocks<Real>::group() {
   directions_.reserve(most);
+  for (const PairBand& pairs : cloth_.pairs) {
+    directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
+  }
+  if (!cloth_.pairs.empty()) return;
   for_each_band(cloth_, [&](const SpringBand& band) {
-    if (band.begin->stiffness != 0) directions_.push_back({band.begin, band.end, {}});
+    if (band.begin->stiffness != 0) {
+      directions_.push_back({band.begin->offset, nullptr, band.begin, band.end, {}});
+    }
   });
 }
 
@@ -197,24 +279,51 @@ void ForceBlocks<Real>::group() {
 template <typename Real>
 void ForceBlocks<Real>::take_points() {
   if constexpr (std::is_same_v<Real, double>) {
-    for (int axis = 0; axis < 3; ++axis) points_[axis] = &positions_(0, axis);
+    for (int axis = 0; axis < 3; ++axis) {
+      points_[axis] = &positions_(0, axis);
+      if (velocities_ != nullptr) rates_[axis] = &(*velocities_)(0, axis);
+    }
   } else {
     int farthest = 0;
-    for (const Direction& d : directions_) farthest = std::max(farthest, d.run->offset);
+    for (const Direction& d : directions_) farthest = std::max(farthest, d.offset);
     const int n = cloth_.num_points();
     const int from = std::max(0, first_ - farthest);
     const int count = std::min(n, end_ + farthest) - from;
-    narrowed_.resize(3 * count);
+    narrowed_.resize((velocities_ != nullptr ? 6 : 3) * count);
     for (int axis = 0; axis < 3; ++axis) {
       Real* const column = narrowed_.data() + axis * count;
       narrow(&positions_(from, axis), positions_(n / 2, axis), count, column);
       points_[axis] = column - from;
+      if (velocities_ == nullptr) continue;
+      narrow(&(*velocities_)(from, axis), 0, count, column + 3 * count);
+      rates_[axis] = column + 3 * count - from;
     }
   }
 }
 
 template <typename Real>
+void ForceBlocks<Real>::fill_pairs(const PairBand& pairs, int first, int count,
+                                   Real* const force[3]) const {
+  const int end = first + count;
+  const int from = std::clamp(0, first, end);
+  const int to = std::clamp(static_cast<int>(pairs.bend.size()), from, end);
+  for (int axis = 0; axis < 3; ++axis) {
+    std::fill(force[axis], force[axis] + (from - first), Real{0});
+    std::fill(force[axis] + (to - first), force[axis] + count, Real{0});
+  }
+  if (from == to) return;
+  const Pairs some{pairs.spring.size() > 0 ? &pairs.spring[from] : nullptr, &pairs.bend[from],
+                   pairs.rest_length, cloth_.internal_damping};
+  Columns<Real> v{};
+  if (velocities_ != nullptr) v = {rates_[0] + from, rates_[1] + from, rates_[2] + from};
+  const int skip = from - first;
+  pull_pairs(some, {points_[0] + from, points_[1] + from, points_[2] + from}, v, pairs.offset,
+             to - from, force[0] + skip, force[1] + skip, force[2] + skip);
+}
+
+template <typename Real>
 void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
+  if (d.pairs != nullptr) return fill_pairs(*d.pairs, first, count, force);
   const auto clear = [&](int from, int to) {
     for (int axis = 0; axis < 3; ++axis) {
       std::fill(force[axis] + (from - first), force[axis] + (to - first), Real{0});
@@ -228,7 +337,7 @@ void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const for
   clear(first, from);
   if (from < to) {
     const int skip = from - first;
-    pull(Columns<Real>{points_[0] + from, points_[1] + from, points_[2] + from}, d.run->offset,
+    pull(Columns<Real>{points_[0] + from, points_[1] + from, points_[2] + from}, d.offset,
          to - from, d.run->rest_length, d.run->stiffness, force[0] + skip, force[1] + skip,
          force[2] + skip);
   }
@@ -250,7 +359,7 @@ bool ForceBlocks<Real>::next() {
 template <typename Real>
 void ForceBlocks<Real>::keep_history() {
   for (Direction& d : directions_) {
-    const int offset = d.run->offset;
+    const int offset = d.offset;
     for (Real* force : d.force) {
       std::memmove(force - offset, force + count_ - offset,
                    static_cast<std::size_t>(offset) * sizeof(Real));
@@ -276,7 +385,7 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
   for (const Direction& d : directions_) {
     if (n == most) add();
     force[n] = d.force[axis];
-    offset[n++] = d.run->offset;
+    offset[n++] = d.offset;
   }
   if (n > 0 || !has_begun) add();
 }

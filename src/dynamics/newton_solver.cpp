@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/hessian.h"
@@ -23,15 +24,27 @@ constexpr double shared_inertia = 0.9;
 /// Shortest step tried, of Newton's. Below, rounding decides.
 constexpr double shortest_step = 1e-6;
 
+/// Longest spring [m], or of bends alone the distance of two neighbours.
+double longest_link(const Cloth& cloth) {
+  if (!cloth.springs.empty()) return longest_rest_length(cloth);
+  const BendRun& run = cloth.bends.front();
+  return (cloth.rest_positions.row(run.first + run.a) - cloth.rest_positions.row(run.first)).norm();
+}
+
 }  // namespace
 
 struct NewtonSolver::Impl {
   explicit Impl(const Parameters& p) : parameters(p) {}
 
-  int solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
+  int solve(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
+            Points& d);
   void share_inertia(const Cloth& cloth, const Scalars& weights);
-  bool find_step(const Cloth& cloth, const Scalars& weights);
-  bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d);
+  bool find_step(const Cloth& cloth, const Scalars& weights, const Past& past);
+  void add_springs(const Cloth& cloth, const Past& past);
+  void add_bends(const Cloth& cloth, const Past& past);
+  void add_between(const Cloth& cloth, int id, int a, int b, const Eigen::Matrix3d& block);
+  bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
+               Points& d);
 
   Parameters parameters;
   bool ran_out = false;
@@ -59,30 +72,55 @@ void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weight
                       std::numeric_limits<double>::infinity());
 }
 
+/// `block` to both points, -`block` between them, but for pins.
+void NewtonSolver::Impl::add_between(const Cloth& cloth, int id, int a, int b,
+                                     const Eigen::Matrix3d& block) {
+  const bool free_a = cloth.inv_mass[a] > 0;
+  const bool free_b = cloth.inv_mass[b] > 0;
+  if (free_a && free_b) {
+    system.add_pair(id, a, b, block);
+  } else if (free_a || free_b) {
+    system.add_to_point(free_a ? a : b, block);
+  }
+}
+
+void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
+  int id = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Vector3 between = positions.row(b) - positions.row(a);
+    DampedSpring spring{run.stiffness, run.rest_length};
+    if (!past.empty()) {
+      spring = damped(run, cloth.internal_damping[0], past.lengths[static_cast<std::size_t>(id)],
+                      past.time);
+    }
+    // What the ends' inertia has left for each spring bears some push across it.
+    const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
+    const double least_across = spring.stiffness > 0 ? -bearable / spring.stiffness : 0;
+    add_between(cloth, id, a, b,
+                spring_hessian(spring.stiffness, spring.rest_length, between, least_across));
+    ++id;
+  });
+}
+
+/// Their pairs follow the springs. Some push, but all together are positive semidefinite.
+void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
+  const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
+  int id = cloth.num_springs();
+  for_each_bent_pair(cloth, [&](double w, int a, int b) {
+    add_between(cloth, id, a, b, w * (1 + share) * Eigen::Matrix3d::Identity());
+    ++id;
+  });
+}
+
 /// Newton's step from `positions` and `gradient`. False where the numbers leave none.
-bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights) {
+bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, const Past& past) {
   system.begin(cloth);
   for (int i = 0; i < cloth.num_points(); ++i) {
     const double inertia = cloth.inv_mass[i] > 0 ? weights[i] : 1.0;
     system.add_to_point(i, inertia * Eigen::Matrix3d::Identity());
   }
-  int id = 0;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const Vector3 between = positions.row(b) - positions.row(a);
-    // What the ends' inertia has left for each spring bears some push across it.
-    const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
-    const double least_across = run.stiffness > 0 ? -bearable / run.stiffness : 0;
-    const Eigen::Matrix3d block =
-        spring_hessian(run.stiffness, run.rest_length, between, least_across);
-    const bool free_a = cloth.inv_mass[a] > 0;
-    const bool free_b = cloth.inv_mass[b] > 0;
-    if (free_a && free_b) {
-      system.add_spring(id, a, b, block);
-    } else if (free_a || free_b) {
-      system.add_to_point(free_a ? a : b, block);
-    }
-    ++id;
-  });
+  add_springs(cloth, past);
+  add_bends(cloth, past);
   if (!system.factorize()) return false;
 
   rhs = -gradient.transpose();
@@ -93,13 +131,13 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights) {
 
 /// Takes as much of `step` as makes the potential fall. False where none does.
 bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, const Points& y,
-                                 Points& d) {
-  const double before = incremental_potential(cloth, weights, y, d);
+                                 const Past& past, Points& d) {
+  const double before = incremental_potential(cloth, weights, y, d, past);
   const double slope = gradient.cwiseProduct(step).sum();
   const double rounding = 1e-13 * before;
   for (double share = 1; share >= shortest_step; share /= 2) {
     trial = d + share * step;
-    const double after = incremental_potential(cloth, weights, y, trial);
+    const double after = incremental_potential(cloth, weights, y, trial, past);
     if (after <= before + least_fall * share * slope + rounding) {
       std::swap(d, trial);
       return true;
@@ -109,18 +147,18 @@ bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, con
 }
 
 int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const Points& y,
-                              Points& d) {
+                              const Past& past, Points& d) {
   d.setZero(cloth.num_points(), 3);
   ran_out = false;
-  if (cloth.springs.empty()) return 0;
+  if (!cloth.has_forces()) return 0;
 
   share_inertia(cloth, weights);
   gradient.resize(cloth.num_points(), 3);
-  const double small = parameters.tolerance * longest_rest_length(cloth);
+  const double small = parameters.tolerance * longest_link(cloth);
   for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {
     positions = y + d;
-    potential_gradient(cloth, weights, positions, d, gradient);
-    if (!find_step(cloth, weights)) {
+    potential_gradient(cloth, weights, positions, d, gradient, past);
+    if (!find_step(cloth, weights, past)) {
       d.setConstant(std::numeric_limits<double>::quiet_NaN());
       return iteration;
     }
@@ -128,7 +166,7 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
       d += step;
       return iteration;
     }
-    if (!descend(cloth, weights, y, d)) {
+    if (!descend(cloth, weights, y, past, d)) {
       ran_out = true;
       return iteration;
     }
@@ -143,8 +181,9 @@ NewtonSolver::~NewtonSolver() = default;
 NewtonSolver::NewtonSolver(NewtonSolver&&) noexcept = default;
 NewtonSolver& NewtonSolver::operator=(NewtonSolver&&) noexcept = default;
 
-int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d) {
-  return impl_->steps = impl_->solve(cloth, weights, y, d);
+int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d,
+                        const Past& past) {
+  return impl_->steps = impl_->solve(cloth, weights, y, past, d);
 }
 
 bool NewtonSolver::ran_out() const { return impl_->ran_out; }

@@ -59,13 +59,13 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   const Points& x0 = state.positions;
   const Points& v0 = state.velocities;
   // The forces at x, then what follows from them, point by point.
-  const auto stage = [&](const Points& x, const auto& update) {
-    compute_forces(cloth, loads, x, forces_, workers);
+  const auto stage = [&](const Points& x, const Points& v, const auto& update) {
+    compute_forces(cloth, loads, x, forces_, workers, &v);
     workers.share(cloth.num_points(), [&](int begin, int end) { update(Band{cloth, begin, end}); });
   };
 
   // Slopes at the start.
-  stage(x0, [&](const Band& band) {
+  stage(x0, v0, [&](const Band& band) {
     band.advance(h / 6, x0, v0, end_positions_);
     band.kick(whole, h / 6 * whole, v0, forces_, end_velocities_);
     band.advance(h / 2, x0, v0, x_);
@@ -73,7 +73,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   });
 
   // In the middle, by those.
-  stage(x_, [&](const Band& band) {
+  stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
     band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
     band.advance(h / 2, x0, v_, x_);
@@ -81,7 +81,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   });
 
   // In the middle again.
-  stage(x_, [&](const Band& band) {
+  stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
     band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
     band.advance(h, x0, v_, x_);
@@ -89,7 +89,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   });
 
   // At the end.
-  stage(x_, [&](const Band& band) {
+  stage(x_, v_, [&](const Band& band) {
     band.advance(h / 6, end_positions_, v_, state.positions);
     band.kick(1, h / 6, end_velocities_, forces_, state.velocities);
   });

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <vector>
@@ -203,10 +204,43 @@ double largest_eigenvalue(const Matrices<double>& s, int i) {
   return solver.eigenvalues()[2];
 }
 
-}  // namespace
+/// omega_b^2 of the bends.
+double bends_omega2(const Cloth& cloth) {
+  Scalars sums = Scalars::Zero(cloth.num_points());
+  for (const PairBand& band : cloth.pairs) {  // off the diagonal, and what that adds to it
+    const auto count = band.bend.size();
+    sums.head(count) += band.bend.cwiseAbs() + band.bend;
+    sums.tail(count) += band.bend.cwiseAbs() + band.bend;
+  }
+  return sums.cwiseProduct(cloth.inv_mass).maxCoeff();
+}
 
-double omega_max_bound(const Cloth& cloth, const Points& positions, double least,
-                       const Workers& workers) {
+/// What bends and internal damping make of the springs' frequencies.
+struct Beside {
+  explicit Beside(const Cloth& cloth)
+      : bends(cloth.bends.empty() ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
+
+  /// Is there anything?
+  bool any() const { return bends > 0 || damping != std::array<double, 2>{}; }
+
+  /// The frequency for springs of omega_s^2 = `springs`.
+  double with(double springs) const {
+    const double rate = damping[0] * springs + damping[1] * bends;
+    return (rate + std::sqrt(rate * rate + 4 * (springs + bends))) / 2;
+  }
+
+  /// Of the springs where `with` gives `omega`; zero where bends alone have more.
+  double without(double omega) const {
+    const double left = omega * omega - bends * (1 + damping[1] * omega);
+    return std::sqrt(std::max(left, 0.0) / (1 + damping[0] * omega));
+  }
+
+  double bends;  // omega_b^2
+  std::array<double, 2> damping;
+};
+
+double springs_bound(const Cloth& cloth, const Points& positions, double least,
+                     const Workers& workers) {
   if (least > 0 && are_surely_below(cloth, positions, least, workers)) return least;
 
   const int n = cloth.num_points();
@@ -228,7 +262,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double least
   return omega2 > least * least ? std::sqrt(omega2 * (1 + share)) : least;
 }
 
-double omega_max_bound(const Cloth& cloth) {
+double springs_bound(const Cloth& cloth) {
   Scalars stiffness = Scalars::Zero(cloth.num_points());
   for_each_band(cloth, [&](const SpringBand& band) {  // and what is none between runs
     stiffness.segment(band.first(), band.count()).array() += band.begin->stiffness;
@@ -236,6 +270,22 @@ double omega_max_bound(const Cloth& cloth) {
         band.begin->stiffness;
   });
   return std::sqrt(2 * stiffness.cwiseProduct(cloth.inv_mass).maxCoeff());
+}
+
+}  // namespace
+
+double omega_max_bound(const Cloth& cloth, const Points& positions, double least,
+                       const Workers& workers) {
+  const Beside beside(cloth);
+  if (!beside.any()) return springs_bound(cloth, positions, least, workers);
+  const double springs = springs_bound(cloth, positions, beside.without(least), workers);
+  return std::max(beside.with(springs * springs), least);
+}
+
+double omega_max_bound(const Cloth& cloth) {
+  const double springs = springs_bound(cloth);
+  const Beside beside(cloth);
+  return beside.any() ? beside.with(springs * springs) : springs;
 }
 
 }  // namespace clothsim

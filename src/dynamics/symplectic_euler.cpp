@@ -22,7 +22,7 @@ void kick_and_drift(int count, double h, double time, double decay,
 void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                            const Workers& workers) {
   forces_.resize(cloth.num_points(), 3);
-  compute_forces(cloth, loads, state.positions, forces_, workers);
+  compute_forces(cloth, loads, state.positions, forces_, workers, &state.velocities);
 
   const Drag drag(cloth.damping, h);
   workers.share(cloth.num_points(), [&](int begin, int end) {

@@ -99,12 +99,19 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   middle.resize(n, 3);
   forces.resize(n);
 
+  // Internal damping asks for velocities, of the next band too.
+  const Points* velocities = nullptr;
+  if (is_damped(cloth)) {
+    if (workers.threads() > 1) velocities_ = state.velocities;
+    velocities = workers.threads() > 1 ? &velocities_ : &state.velocities;
+  }
+
   workers.share(n, [&](int begin, int end) {
     drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
           {state.positions, begin}, {middle, begin});
   });
   workers.share(n, [&](int begin, int end) {
-    for (ForceBlocks<Real> blocks(cloth, loads, middle, begin, end); blocks.next();) {
+    for (ForceBlocks<Real> blocks(cloth, loads, middle, begin, end, velocities); blocks.next();) {
       const int i = blocks.first();
       for (int axis = 0; axis < 3; ++axis) {
         Real* f = &forces[i];  // of this axis

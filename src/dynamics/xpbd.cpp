@@ -1,6 +1,7 @@
 #include "clothsim/dynamics/xpbd.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -9,31 +10,103 @@
 
 namespace clothsim {
 
-/// Colours springs in their order, each with the first colour that neither of its points has yet:
-/// at most twice the springs of a point, less one.
+namespace {
+
+/// Sorts constraints by colour, in their order each with the first colour that none of its points
+/// has yet: of springs at most twice those of a point, less one, and of bends, of which a point has
+/// ten, no more than the bits of a word.
+template <typename Constraint>
+class Colouring {
+ public:
+  explicit Colouring(const Cloth& cloth) : taken_(static_cast<std::size_t>(cloth.num_points())) {}
+
+  template <typename Ids>
+  void add(const Constraint& constraint, const Ids& points) {
+    std::uint64_t taken = 0;
+    for (const int i : points) taken |= taken_[static_cast<std::size_t>(i)];
+    std::size_t colour = 0;
+    while (taken >> colour & 1) ++colour;
+    for (const int i : points) taken_[static_cast<std::size_t>(i)] |= std::uint64_t{1} << colour;
+    if (colour == colours_.size()) colours_.emplace_back();
+    colours_[colour].push_back(constraint);
+  }
+
+  void move_to(std::vector<Constraint>& constraints, std::vector<int>& ends) const {
+    constraints.clear();
+    ends.clear();
+    for (const std::vector<Constraint>& colour : colours_) {
+      constraints.insert(constraints.end(), colour.begin(), colour.end());
+      ends.push_back(static_cast<int>(constraints.size()));
+    }
+  }
+
+ private:
+  std::vector<std::uint64_t> taken_;  // by point, a bit for each colour
+  std::vector<std::vector<Constraint>> colours_;
+};
+
+/// Calls visit(c) for each constraint, those of a colour after those of the one before.
+template <typename Visitor>
+void share_by_colour(const std::vector<int>& ends, const Workers& workers, Visitor&& visit) {
+  int first = 0;
+  for (const int end : ends) {
+    workers.share(end - first, [&](int from, int to) {
+      for (int c = first + from; c < first + to; ++c) visit(static_cast<std::size_t>(c));
+    });
+    first = end;
+  }
+}
+
+}  // namespace
+
 void Xpbd::build(const Cloth& cloth, double h) {
+  build_springs(cloth, h);
+  build_bends(cloth, h);
+}
+
+void Xpbd::build_springs(const Cloth& cloth, double h) {
   const double time2 = h * Drag(cloth.damping, h).distance;
-  std::vector<std::vector<Constraint>> colours;
-  std::vector<std::uint64_t> taken(static_cast<std::size_t>(cloth.num_points()), 0);
+  const double damped = 1 + cloth.internal_damping[0] / h;
+  Colouring<Constraint> colouring(cloth);
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     const double inv_mass = cloth.inv_mass[a] + cloth.inv_mass[b];
     if (run.stiffness == 0 || inv_mass == 0) return;
-    std::uint64_t& of_a = taken[static_cast<std::size_t>(a)];
-    std::uint64_t& of_b = taken[static_cast<std::size_t>(b)];
-    std::size_t colour = 0;
-    while ((of_a | of_b) >> colour & 1) ++colour;
-    of_a |= std::uint64_t{1} << colour;
-    of_b |= std::uint64_t{1} << colour;
-    if (colour == colours.size()) colours.emplace_back();
-    const double compliance = 1 / (run.stiffness * time2);
-    colours[colour].push_back({a, b, run.rest_length, compliance, 1 / (inv_mass + compliance)});
+    const double compliance = 1 / (run.stiffness * damped * time2);
+    colouring.add({a, b, run.rest_length, compliance, 1 / (inv_mass + compliance), run.rest_length},
+                  std::array<int, 2>{a, b});
   });
+  colouring.move_to(constraints_, colour_ends_);
+}
 
-  constraints_.clear();
-  colour_ends_.clear();
-  for (const std::vector<Constraint>& colour : colours) {
-    constraints_.insert(constraints_.end(), colour.begin(), colour.end());
-    colour_ends_.push_back(static_cast<int>(constraints_.size()));
+void Xpbd::build_bends(const Cloth& cloth, double h) {
+  const double time2 = h * Drag(cloth.damping, h).distance;
+  const double damped = 1 + cloth.internal_damping[1] / h;
+  Colouring<BendConstraint> colouring(cloth);
+  for_each_bend(cloth, [&](const Bend& bend) {
+    double inv_mass = 0;
+    for (std::size_t k = 0; k < bend.points.size(); ++k) {
+      for (std::size_t l = 0; l < bend.points.size(); ++l) {  // those in the middle may be one
+        if (bend.points[k] != bend.points[l]) continue;
+        inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficients[k] * Bend::coefficients[l];
+      }
+    }
+    if (inv_mass == 0) return;
+    const double compliance = 1 / (bend.stiffness * damped * time2);
+    colouring.add({bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
+                  bend.points);
+  });
+  colouring.move_to(bends_, bend_colour_ends_);
+}
+
+/// What constraints of a step from `positions` aim at, between rest and where they are.
+void Xpbd::aim(const Cloth& cloth, double h, const Points& positions) {
+  const auto& [of_springs, of_bends] = cloth.internal_damping;
+  for (Constraint& spring : constraints_) {
+    const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
+    spring.aim = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
+  }
+  for (BendConstraint& c : bends_) {
+    c.aim = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
   }
 }
 
@@ -43,20 +116,25 @@ void Xpbd::sweep(const Cloth& cloth, Points& positions, const Workers& workers) 
     const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
     const double length = d.norm();
     if (length == 0) return;  // has no direction
-    const double change =
-        (spring.rest_length - length - spring.compliance * lambda_[c]) * spring.share;
+    const double change = (spring.aim - length - spring.compliance * lambda_[c]) * spring.share;
     lambda_[c] += change;
     const Eigen::RowVector3d push = (change / length) * d.transpose();
     positions.row(spring.a) -= cloth.inv_mass[spring.a] * push;
     positions.row(spring.b) += cloth.inv_mass[spring.b] * push;
   };
-  int first = 0;
-  for (const int end : colour_ends_) {
-    workers.share(end - first, [&](int from, int to) {
-      for (int c = first + from; c < first + to; ++c) sweep_one(static_cast<std::size_t>(c));
-    });
-    first = end;
-  }
+  share_by_colour(colour_ends_, workers, sweep_one);
+}
+
+void Xpbd::sweep_bends(const Cloth& cloth, Points& positions, const Workers& workers) {
+  share_by_colour(bend_colour_ends_, workers, [&](std::size_t id) {
+    BendConstraint& c = bends_[id];
+    const Vector3 change = c.share * (c.aim - c.bend.of(positions) - c.compliance * c.lambda);
+    c.lambda += change;
+    for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
+      const int i = c.bend.points[k];
+      positions.row(i) += cloth.inv_mass[i] * Bend::coefficients[k] * change.transpose();
+    }
+  });
 }
 
 /// With r the way to start + w sum of lambda u: points go r / (1 + 2 w sum of |lambda| / l), since
@@ -78,19 +156,28 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
     turn_[spring.a] += 2 * w_a * std::abs(push);
     turn_[spring.b] += 2 * w_b * std::abs(push);
   }
+  for (const BendConstraint& c : bends_) {
+    for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
+      const int i = c.bend.points[k];
+      target_.row(i) += cloth.inv_mass[i] * Bend::coefficients[k] * c.lambda.transpose();
+    }
+  }
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
 }
 
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                 const Workers& workers) {
   if (watch_.changed(cloth, h)) build(cloth, h);
+  if (is_damped(cloth)) aim(cloth, h, state.positions);
 
   coast(cloth, loads, h, state);
   start_ = state.positions;
   lambda_.assign(constraints_.size(), 0);
+  for (BendConstraint& c : bends_) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
     sweep(cloth, state.positions, workers);
+    sweep_bends(cloth, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;
 }

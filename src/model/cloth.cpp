@@ -1,11 +1,58 @@
 #include "clothsim/model/cloth.h"
 
+#include <algorithm>
+#include <cstdlib>
+
 namespace clothsim {
+namespace {
+
+/// The first band of an offset, or of springs that long, made where there is none.
+PairBand& band_of(int offset, std::optional<double> rest_length, int num_points,
+                  std::vector<PairBand>& bands) {
+  const auto found = std::find_if(bands.begin(), bands.end(), [&](const PairBand& band) {
+    return band.offset == offset && (!rest_length || band.rest_length == *rest_length);
+  });
+  if (found != bands.end()) return *found;
+  bands.push_back({offset, rest_length.value_or(0), {}, Scalars::Zero(num_points - offset)});
+  return bands.back();
+}
+
+/// |e . x|^2 of coefficients e whose sum is zero is the sum of -e_i e_j |x_i - x_j|^2 over pairs.
+void add_pairs(const BendRun& run, int num_points, std::vector<PairBand>& bands) {
+  const auto add = [&](int from, int to, double coefficient) {
+    if (from == to) return;
+    const int offset = std::abs(to - from);
+    band_of(offset, {}, num_points, bands)
+        .bend.segment(run.first + std::min(from, to), run.count) +=
+        Scalars::Constant(run.count, coefficient * run.stiffness);
+  };
+  const int end = run.a + run.b;
+  for (const int middle : {run.a, run.b}) {
+    add(0, middle, 1);
+    add(middle, end, 1);
+  }
+  add(0, end, -1);
+  add(run.a, run.b, -1);
+}
+
+}  // namespace
 
 int Cloth::num_springs() const {
   int count = 0;
   for (const SpringRun& run : springs) count += run.count;
   return count;
+}
+
+std::vector<PairBand> pair_bands(const Cloth& cloth) {
+  const int n = cloth.num_points();
+  std::vector<PairBand> bands;
+  for (const SpringRun& run : cloth.springs) {
+    PairBand& band = band_of(run.offset, run.rest_length, n, bands);
+    if (band.spring.size() == 0) band.spring.setZero(n - run.offset);
+    band.spring.segment(run.first, run.count).array() += run.stiffness;
+  }
+  for (const BendRun& run : cloth.bends) add_pairs(run, n, bands);
+  return bands;
 }
 
 }  // namespace clothsim

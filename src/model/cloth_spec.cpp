@@ -8,6 +8,9 @@ namespace clothsim {
 namespace {
 
 constexpr Range ks_range{0, 1e12, "N/m"};
+constexpr Range bending_stiffness_range{0, 1e9, "N m"};
+constexpr Range internal_damping_range{0, 1e6, "s"};
+constexpr Range drag_range{0, 1e3, ""};
 constexpr Range density_range{1e-6, 1e9, "kg/m^2"};
 constexpr Range damping_range{0, 1e6, "1/s"};
 constexpr Range strain_limit_range{0, 1000, ""};
@@ -64,12 +67,51 @@ void check_pins(const ClothSpec& spec) {
   }
 }
 
+/// A number given for both directions has the key of the whole.
+void check_pair(const std::string& key, const std::array<double, 2>& pair, const Range& range) {
+  if (pair[0] == pair[1]) return check_range(key, pair[0], range);
+  inside(key, [&] {
+    check_range("0", pair[0], range);
+    check_range("1", pair[1], range);
+  });
+}
+
+void validate(const Fabric& fabric) {
+  check_pair("stretch_stiffness", fabric.stretch_stiffness, ks_range);
+  check_range("shear_stiffness", fabric.shear_stiffness, ks_range);
+  check_pair("bending_stiffness", fabric.bending_stiffness, bending_stiffness_range);
+  check_pair("internal_damping", fabric.internal_damping, internal_damping_range);
+}
+
+/// The diagonals of a cell of w x h add G w^2 / h^2 to the stiffness along w. Springs along w have
+/// the rest, which must not be less than nothing; where no stretch stiffness is asked for, there
+/// are none.
+void check_shear(const ClothSpec& spec) {
+  if (!spec.material.fabric || spec.columns < 2 || spec.rows < 2) return;
+  if (!spec.material.springs[static_cast<std::size_t>(SpringFamily::shear)]) return;
+  const Fabric& fabric = *spec.material.fabric;
+  const double ratio =
+      (spec.width / (spec.columns - 1)) / (spec.height / (spec.rows - 1));  // of a cell
+  const std::array<double, 2> added{fabric.shear_stiffness * ratio * ratio,
+                                    fabric.shear_stiffness / (ratio * ratio)};
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const double stretch = fabric.stretch_stiffness[i];
+    if (stretch == 0 || stretch >= added[i]) continue;
+    throw InvalidValue({"shear_stiffness"}, to_text(fabric.shear_stiffness),
+                       "so little that the diagonals of a cell, " + to_text(ratio) +
+                           " times as wide as it is high, give no more than stretch_stiffness " +
+                           to_text(stretch) + " [N/m]: they give " + to_text(added[i]));
+  }
+}
+
 }  // namespace
 
 void validate(const Material& material) {
   check_range("ks", material.ks, ks_range);
+  if (material.fabric) validate(*material.fabric);
   check_range("density", material.density, density_range);
   check_range("damping", material.damping, damping_range);
+  check_pair("drag", material.drag, drag_range);
   if (material.strain_limit)
     check_range("strain_limit", *material.strain_limit, strain_limit_range);
 }
@@ -81,6 +123,7 @@ void validate(const ClothSpec& spec) {
   check_range("origin", spec.origin, origin_range);
   check_pins(spec);
   validate(spec.material);
+  check_shear(spec);
   check_range("thickness", spec.thickness, thickness_range);
   check_range("friction", spec.friction, friction_range);
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {

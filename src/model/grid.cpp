@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "clothsim/model/fabric.h"
+
 namespace clothsim {
 namespace {
 
@@ -49,6 +51,19 @@ void append_runs(const ClothSpec& spec, const Direction& d, const Eigen::Vector2
   }
 }
 
+/// Springs of the families switched on, and equal masses.
+void add_classic(const ClothSpec& spec, const Eigen::Vector2d& spacing, Cloth& cloth) {
+  for (const Direction& d : directions) {
+    if (spec.material.springs[static_cast<std::size_t>(d.family)]) {
+      append_runs(spec, d, spacing, cloth.springs);
+    }
+  }
+  const double point_mass =
+      spec.width * spec.height * spec.material.density / (spec.columns * spec.rows);
+  cloth.mass.setConstant(point_mass);
+  cloth.inv_mass.setConstant(1 / point_mass);
+}
+
 /// Points of a cloth that touch at less than this many edge lengths leave room for others to pass.
 constexpr double least_touch = 0.9;
 
@@ -69,7 +84,9 @@ SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2
   const double weight = spec.material.density * spec.height * edge * gravity;
   const double touch = 2 * spec.thickness / edge;
   const bool dense = touch >= least_touch && touch <= most_touch;
-  const bool stiff = weight <= most_pressed * spec.material.ks * edge;
+  const auto& fabric = spec.material.fabric;
+  const double stiffness = fabric ? fabric->stretch_stiffness[1] : spec.material.ks;
+  const bool stiff = weight <= most_pressed * stiffness * edge;
   const bool has_surface = spec.columns > 1 && spec.rows > 1;
   return (dense && stiff) || !has_surface ? SelfCollision::points : SelfCollision::surface;
 }
@@ -115,17 +132,15 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
     }
   }
 
-  // Springs of the families switched on.
-  for (const Direction& d : directions) {
-    if (spec.material.springs[static_cast<std::size_t>(d.family)]) {
-      append_runs(spec, d, spacing, cloth.springs);
-    }
+  cloth.mass.resize(n);
+  cloth.inv_mass.resize(n);
+  if (spec.material.fabric) {
+    add_fabric(spec, cloth);
+  } else {
+    add_classic(spec, spacing, cloth);
   }
 
-  // Masses; a pin is a point of infinite mass.
-  const double point_mass = spec.width * spec.height * spec.material.density / n;
-  cloth.mass = Scalars::Constant(n, point_mass);
-  cloth.inv_mass = Scalars::Constant(n, 1 / point_mass);
+  // A pin is a point of infinite mass.
   for (const Pin& pin : spec.pinned) {
     cloth.pinned.push_back(pin.row * spec.columns + pin.column);
     cloth.inv_mass[cloth.pinned.back()] = 0;

@@ -1,8 +1,24 @@
 #include "clothsim/ros/live_values.h"
 
+#include <array>
 #include <vector>
 
 namespace clothsim_ros {
+namespace {
+
+/// What the components of a value are called.
+std::string component_name(const std::string& value, std::size_t index) {
+  using Names = std::array<const char*, 2>;
+  if (value == "color" || value == "background") return std::string(1, "rgb"[index]);
+  if (value == "stretch_stiffness" || value == "bending_stiffness") {
+    return Names{"warp", "weft"}.at(index);
+  }
+  if (value == "internal_damping") return Names{"stretch", "bending"}.at(index);
+  if (value == "drag") return Names{"across", "along"}.at(index);
+  return std::string(1, "xyz"[index]);
+}
+
+}  // namespace
 
 std::string live_message(const clothsim::InvalidValue& error, const std::string& ns) {
   const std::vector<std::string>& key = error.key();
@@ -10,8 +26,7 @@ std::string live_message(const clothsim::InvalidValue& error, const std::string&
   const bool is_component = key.size() >= 2 && (name == "0" || name == "1" || name == "2");
   if (is_component) {
     const std::string& vector = key[key.size() - 2];
-    const bool is_color = vector == "color" || vector == "background";
-    name = vector + "_" + (is_color ? "rgb" : "xyz")[std::stoul(name)];
+    name = vector + "_" + component_name(vector, std::stoul(name));
   }
   const std::string message = error.message("", "/");
   return ns + "/" + name + message.substr(message.find(": got"));

@@ -61,6 +61,7 @@ Node::Node()
                                    })),
       state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_,
                       parameters_.save_limit, [this] { jump(); }),
+      wind_listener_(node_, simulator_, tf_),
       diagnostics_(node_, parameters_.limits) {
   simulator_.set_interrupt([] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);

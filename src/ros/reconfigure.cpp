@@ -2,6 +2,7 @@
 
 #include <clothsim/ClothSimConfig.h>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/ros/live_values.h"
 
 namespace clothsim_ros {
@@ -9,10 +10,46 @@ namespace {
 
 using Config = clothsim::ClothSimConfig;
 
+/// Calls visit(of the configuration, of the material) for each of a fabric's values.
+template <typename Config, typename Fabric, typename Visit>
+void for_each_value(Config& config, Fabric& fabric, Visit&& visit) {
+  visit(config.stretch_stiffness_warp, fabric.stretch_stiffness[0]);
+  visit(config.stretch_stiffness_weft, fabric.stretch_stiffness[1]);
+  visit(config.shear_stiffness, fabric.shear_stiffness);
+  visit(config.bending_stiffness_warp, fabric.bending_stiffness[0]);
+  visit(config.bending_stiffness_weft, fabric.bending_stiffness[1]);
+  visit(config.internal_damping_stretch, fabric.internal_damping[0]);
+  visit(config.internal_damping_bending, fabric.internal_damping[1]);
+}
+
+/// The fabric of `config` where there is one in `material`. Throws where values are of the other
+/// kind of cloth.
+void set_stiffness(const Config& config, clothsim::Material& material) {
+  if (material.fabric) {
+    if (config.ks != material.ks) {
+      throw clothsim::InvalidValue({"ks"}, clothsim::to_text(config.ks),
+                                   "no change: the cloth is a fabric, of a stretch_stiffness");
+    }
+    for_each_value(config, *material.fabric, [](double given, double& value) { value = given; });
+    return;
+  }
+  material.ks = config.ks;
+  const clothsim::Fabric none;
+  for_each_value(config, none, [](double given, double) {
+    if (given == 0) return;
+    throw clothsim::InvalidValue({"fabric"}, "a value of a fabric",
+                                 "none: the cloth is of springs, of a stiffness ks");
+  });
+}
+
 /// `config` with the values of `scene`. A strain limit that is off keeps its number.
 Config from_scene(const clothsim::Scene& scene, Config config) {
   const clothsim::Material& material = scene.cloth.material;
   config.ks = material.ks;
+  const clothsim::Fabric fabric = material.fabric.value_or(clothsim::Fabric());
+  for_each_value(config, fabric, [](double& shown, double value) { shown = value; });
+  config.drag_across = material.drag[0];
+  config.drag_along = material.drag[1];
   config.density = material.density;
   config.damping = material.damping;
   config.structural = material.springs[static_cast<size_t>(clothsim::SpringFamily::structural)];
@@ -25,6 +62,11 @@ Config from_scene(const clothsim::Scene& scene, Config config) {
   config.gravity_x = simulation.gravity.x();
   config.gravity_y = simulation.gravity.y();
   config.gravity_z = simulation.gravity.z();
+  const clothsim::Vector3 wind = simulation.wind.value_or(clothsim::Vector3::Zero());
+  config.wind_x = wind.x();
+  config.wind_y = wind.y();
+  config.wind_z = wind.z();
+  config.gusts = simulation.gusts;
   config.frames_per_second = simulation.frames_per_second;
   config.substeps = simulation.substeps.value_or(0);
   config.method = simulation.method;
@@ -37,11 +79,17 @@ dynamic_reconfigure::Config to_message(const Config& config) {
   return msg;
 }
 
-/// `scene` with the values of `config`. The method of `start` has its parameters from there.
-clothsim::Scene to_scene(const Config& config, const clothsim::SimulationSpec& start,
-                         clothsim::Scene scene) {
+clothsim::Vector3 wind_of(const Config& config) {
+  return {config.wind_x, config.wind_y, config.wind_z};
+}
+
+/// `scene` with the values of `config`, but for a wind that is that of `last`: there may be another
+/// one from ~wind. The method of `start` has its parameters from there.
+clothsim::Scene to_scene(const Config& config, const Config& last,
+                         const clothsim::SimulationSpec& start, clothsim::Scene scene) {
   clothsim::Material& material = scene.cloth.material;
-  material.ks = config.ks;
+  set_stiffness(config, material);
+  material.drag = {config.drag_across, config.drag_along};
   material.density = config.density;
   material.damping = config.damping;
   material.springs = {config.structural, config.shear, config.bending};
@@ -49,6 +97,8 @@ clothsim::Scene to_scene(const Config& config, const clothsim::SimulationSpec& s
 
   clothsim::SimulationSpec& simulation = scene.simulation;
   simulation.gravity = {config.gravity_x, config.gravity_y, config.gravity_z};
+  if (wind_of(config) != wind_of(last)) simulation.wind = wind_of(config);
+  simulation.gusts = config.gusts;
   simulation.frames_per_second = config.frames_per_second;
   simulation.substeps.reset();
   if (config.substeps < 0) {
@@ -70,11 +120,13 @@ clothsim::Scene to_scene(const Config& config, const clothsim::SimulationSpec& s
 
 struct Reconfigure::Impl {
   Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator, Changes& changes)
-      : values(node, from_scene(simulator.scene(), Config::__getDefault__()),
+      : last(from_scene(simulator.scene(), Config::__getDefault__())),
+        values(node, last,
                [this, &simulator, &changes,
                 start = simulator.scene().simulation](const Config& config) {
-                 const clothsim::Scene scene = to_scene(config, start, simulator.scene());
+                 const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
                  simulator.set(scene.cloth.material, scene.simulation);
+                 last = config;
                  if (!serving) return;
                  clothsim::Change change;
                  change.values = to_message(config);
@@ -84,6 +136,7 @@ struct Reconfigure::Impl {
   }
 
   bool serving = false;  // the start is no call
+  Config last;           // that was accepted
   LiveValues<Config> values;
 };
 

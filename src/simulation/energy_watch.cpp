@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 
@@ -44,6 +45,21 @@ double fastest_boundary(const Cloth& cloth, const State& before, const State& af
   return fastest;
 }
 
+/// Work of pins that move for dt against their bends [J], likewise.
+double work_on_bends(const Cloth& cloth, double dt, const State& before, const State& after) {
+  double work = 0;
+  for_each_bend(cloth, [&](const Bend& bend) {
+    double way = 0;  // of the stencil
+    for (std::size_t k = 0; k < bend.points.size(); ++k) {
+      const int i = bend.points[k];
+      if (cloth.inv_mass[i] == 0) way += dt * after.velocities.row(i).norm();
+    }
+    if (way == 0) return;
+    work += bend.stiffness * (bend.of(before.positions).norm() * way + way * way / 2);
+  });
+  return work;
+}
+
 /// Work of pins that move for dt against their springs [J]: F s + k s^2 / 2 with the force at
 /// first.
 double work_on_springs(const Cloth& cloth, double dt, const State& before, const State& after) {
@@ -57,7 +73,7 @@ double work_on_springs(const Cloth& cloth, double dt, const State& before, const
       work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
     }
   });
-  return work;
+  return work + work_on_bends(cloth, dt, before, after);
 }
 
 }  // namespace
@@ -76,7 +92,8 @@ void EnergyWatch::read(MemoryReader& memory) {
 
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
-                          const std::vector<MovingCollider>& colliders, double push_out) {
+                          const std::vector<MovingCollider>& colliders, double push_out,
+                          double wind) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
   const Eigen::RowVector3d extent =
@@ -89,7 +106,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   }
 
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
-  const double speed = fastest_boundary(cloth, before, after, colliders) + push_out;
+  const double speed = std::max(fastest_boundary(cloth, before, after, colliders), wind) + push_out;
   const double work = mass * (2 * speed * speed + g * speed * dt);
   given_ += work;
   const double kinetic_before = kinetic_energy(cloth, before);

@@ -19,6 +19,25 @@ Vector3 pull(const SpringRun& run, const Vector3& at, const Vector3& to) {
   return run.stiffness * (length - run.rest_length) / length * d;
 }
 
+/// What pairs of a fabric do to a point [N].
+Vector3 pull_of_pairs(const Cloth& cloth, const State& state, int i) {
+  Vector3 force = Vector3::Zero();
+  for (const PairBand& band : cloth.pairs) {
+    for (const int first : {i, i - band.offset}) {
+      if (first < 0 || first >= static_cast<int>(band.bend.size())) continue;
+      const int other = first == i ? i + band.offset : first;
+      const Vector3 d = row(state.positions, other) - row(state.positions, i);
+      const Vector3 rate = row(state.velocities, other) - row(state.velocities, i);
+      force += band.bend[first] * (d + cloth.internal_damping[1] * rate);
+      if (band.spring.size() == 0 || d.norm() == 0) continue;
+      const Vector3 u = d.normalized();
+      force += band.spring[first] *
+               (d.norm() - band.rest_length + cloth.internal_damping[0] * u.dot(rate)) * u;
+    }
+  }
+  return force;
+}
+
 }  // namespace
 
 std::vector<int> free_points_near(const Cloth& cloth, const Points& positions,
@@ -138,12 +157,17 @@ void Grips::weigh(const Cloth& cloth, const Vector3& gravity, double dt, const P
   }
 }
 
-void Grips::add_spring_impulses(const Cloth& cloth, double h, const Points& positions,
+void Grips::add_spring_impulses(const Cloth& cloth, double h, const State& state,
                                 Points& impulses) const {
+  const Points& positions = state.positions;
   const auto at = [&](int i) { return Vector3(positions.row(i).transpose()); };
   for (const auto& [frame, grip] : all_) {
     for (const Grip::Held& held : grip.held) {
       const int i = held.point;
+      if (!cloth.pairs.empty()) {
+        impulses.row(i) += h * pull_of_pairs(cloth, state, i).transpose();
+        continue;
+      }
       for (const SpringRun& run : cloth.springs) {
         for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
           if (first < run.first || first >= run.first + run.count) continue;

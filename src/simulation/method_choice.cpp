@@ -202,7 +202,7 @@ const std::vector<Candidate>& candidates() {
 }
 
 double limit_cost(const SimulationSpec& spec, const Cloth& cloth) {
-  if (!cloth.strain_limit) return 0;
+  if (!cloth.strain_limit || cloth.springs.empty()) return 0;
   const SpringRun& run = cloth.springs.front();
   const double strength = run.stiffness * *cloth.strain_limit * run.rest_length * cloth.columns;
   const double weight = cloth.mass.sum() * spec.gravity.norm();
@@ -238,7 +238,7 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
   if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
   const int needed =
       count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
-  const bool is_free = cloth.springs.empty() || !has_impulses(cloth, colliders);
+  const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
   const double most = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
   return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), most)));
@@ -295,7 +295,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     const double limit = stability_limit_of(spec.method);
     return {spec.method, usual_substeps(limit, spec, cloth, colliders), Reason::named_by_scene};
   }
-  if (cloth.springs.empty()) {
+  if (!cloth.has_forces()) {
     return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
   }
 

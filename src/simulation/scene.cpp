@@ -11,6 +11,8 @@ namespace clothsim {
 namespace {
 
 constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
+constexpr Range wind_range{-300, 300, "m/s"};
+constexpr Range gusts_range{0, 300, "m/s"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
 constexpr Range threads_range{1, max_threads, ""};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
@@ -173,6 +175,8 @@ void check_method(const std::string& method) {
 
 void validate(const SimulationSpec& spec) {
   check_range("gravity", spec.gravity, gravity_range);
+  if (spec.wind) check_range("wind", *spec.wind, wind_range);
+  check_range("gusts", spec.gusts, gusts_range);
   check_range("frames_per_second", spec.frames_per_second, frames_per_second_range);
   if (spec.substeps && (*spec.substeps < 1 || *spec.substeps > max_substeps)) {
     throw InvalidValue({"substeps"}, std::to_string(*spec.substeps),

@@ -1,6 +1,7 @@
 #include "clothsim/simulation/scene_yaml.h"
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/fabric_yaml.h"
 #include "clothsim/simulation/yaml_values.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and where their values go.
@@ -50,40 +51,39 @@ Pin read_pin(const YAML::Node& node) {
   return pin;
 }
 
-std::vector<Field> material_fields(Material& material) {
-  return {{"springs", [&material](const YAML::Node& map) { read_springs(map, material.springs); }},
-          {"ks", into(material.ks)},
-          {"density", into(material.density)},
-          {"damping", into(material.damping)},
-          {"strain_limit", into(material.strain_limit)}};
-}
-
 void append(std::vector<Field> more, std::vector<Field>& fields) {
   for (Field& field : more) fields.push_back(std::move(field));
 }
 
 ClothSpec read_cloth(const YAML::Node& node) {
   ClothSpec cloth;
+  Material& material = cloth.material;
   const auto read_orientation = [&](const YAML::Node& value) {
     cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
   };
   const auto read_pins = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
   };
-  std::vector<Field> fields = {{"width", into(cloth.width)},
-                               {"height", into(cloth.height)},
-                               {"columns", into(cloth.columns)},
-                               {"rows", into(cloth.rows)},
-                               {"orientation", read_orientation},
-                               {"origin", into(cloth.origin)},
-                               {"pinned", read_pins}};
-  append(material_fields(cloth.material), fields);
-  append({{"thickness", into(cloth.thickness)},
-          {"self_collision",
-           [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }},
-          {"friction", into(cloth.friction)}},
-         fields);
+  std::vector<Field> fields = {
+      {"width", into(cloth.width)},
+      {"height", into(cloth.height)},
+      {"columns", into(cloth.columns)},
+      {"rows", into(cloth.rows)},
+      {"orientation", read_orientation},
+      {"origin", into(cloth.origin)},
+      {"pinned", read_pins},
+      {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
+      {"ks", into(material.ks)},
+      {"fabric", [](const YAML::Node&) {}},  // which the others follow
+      {"self_collision",
+       [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};
+  append(material_fields(cloth), fields);
+  const bool is_fabric = names_fabric(node);
+  if (is_fabric) start_fabric(node, cloth);
+  if (!is_fabric) material.fabric.emplace();  // for the keys to be known
+  append(fabric_fields(*material.fabric), fields);
   read_map(node, fields);
+  if (!is_fabric) material.fabric.reset();
   return cloth;
 }
 
@@ -204,6 +204,8 @@ void read_simulation(const YAML::Node& node, std::vector<Field> others, Simulati
   const std::string last_method = spec.method;
   std::vector<Field> fields = {
       {"gravity", into(spec.gravity)},
+      {"wind", [&](const YAML::Node& value) { into(spec.wind.emplace())(value); }},
+      {"gusts", into(spec.gusts)},
       {"frames_per_second", into(spec.frames_per_second)},
       {"substeps", [&](const YAML::Node& value) { read_substeps(value, spec.substeps); }},
       {"strain_tolerance", into(spec.strain_tolerance)},
@@ -236,7 +238,7 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
 }
 
 void read_live_values(const YAML::Node& node, Material& material, SimulationSpec& simulation) {
-  read_simulation(node, material_fields(material), simulation);
+  read_simulation(node, live_fields(material), simulation);
 }
 
 Scene read_scene(const YAML::Node& root) {

@@ -23,6 +23,9 @@ constexpr double overpulled = 0.05;
 /// hundredfold every frame 4 tears springs in 3 of 10000 frames, 16 in none of 54000.
 constexpr int most_for_parting = 16;
 
+/// Share of the velocity against it that air may take in a substep: explicit steps bear twice all.
+constexpr double most_air_share = 0.5;
+
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
 bool are_near(const double* numbers, Eigen::Index count) {
@@ -134,6 +137,13 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   const std::optional<Tension> tension_now = tension();
   int at_speed = substeps_at_speed(cloth, contact_speed(dt), dt);
   if (tension_now) at_speed = std::max(at_speed, substeps_for_parting(dt));
+  if (has_air()) {
+    const SimulationSpec& spec = scene.simulation;
+    wind = wind_at(spec.wind.value_or(Vector3::Zero()), {spec.gusts, spec.seed}, before.time);
+    const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
+    const double steps = std::min(std::ceil(dt * rate / most_air_share), double{max_substeps});
+    at_speed = std::max(at_speed, static_cast<int>(steps));
+  }
   int steps =
       method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
   report.predicted_error = method->choice.predicted_error;
@@ -192,7 +202,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     return true;
   }
   return energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders,
-                              recovers ? recovery_speed : 0);
+                              recovers ? recovery_speed : 0, has_air() ? wind.norm() : 0);
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -255,6 +265,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches()) start = state.positions;
   if (touches() && strain_limit) start_velocities = state.velocities;
 
+  if (has_air()) blow(h);
   const Loads loads{scene.simulation.gravity};
   std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
@@ -266,6 +277,12 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return !budget.is_spent();
+}
+
+void Simulator::Impl::blow(double h) {
+  const Points& forces = air.compute(cloth, scene.cloth.material.drag, wind, state, workers);
+  state.velocities += h * (forces.array().colwise() * cloth.inv_mass.array()).matrix();
+  if (!grips.empty()) impulses += h * forces;
 }
 
 Simulator::Simulator(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -321,6 +338,13 @@ void Simulator::set_material(const Material& material) { set(material, impl_->sc
 
 void Simulator::set_simulation(const SimulationSpec& simulation) {
   set(impl_->scene.cloth.material, simulation);
+}
+
+void Simulator::set_wind(const Vector3& wind) {
+  SimulationSpec changed = impl_->scene.simulation;
+  changed.wind = wind;
+  validate(changed);
+  impl_->scene.simulation = changed;
 }
 
 void Simulator::move_collider(int index, const Pose& target) {

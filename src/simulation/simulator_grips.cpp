@@ -25,7 +25,7 @@ void Simulator::Impl::hold_points() {
 }
 
 void Simulator::Impl::add_impulses(double h) {
-  grips.add_spring_impulses(cloth, h, state.positions, impulses);
+  grips.add_spring_impulses(cloth, h, state, impulses);
   // Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
   // forces through the substep they would be that much larger.
   const double scale = h / Drag(cloth.damping, h).distance;

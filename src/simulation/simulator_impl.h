@@ -8,6 +8,7 @@
 #include "clothsim/constraints/collider_contacts.h"
 #include "clothsim/constraints/self_contacts.h"
 #include "clothsim/constraints/strain_limit.h"
+#include "clothsim/dynamics/air.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/model/checks.h"
@@ -183,6 +184,11 @@ struct Simulator::Impl {
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
   }
+  /// Gives the points what air does in h [s].
+  void blow(double h);
+  bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
+  /// Fastest that the wind of this frame and the cloth move against each other [m/s].
+  double air_speed() const { return wind.norm() + longest_row(state.velocities); }
   template <typename Visitor>
   void visit_self_contacts(Visitor&& visit) {
     if (self_contacts) std::visit(visit, *self_contacts);
@@ -226,6 +232,8 @@ struct Simulator::Impl {
   EnergyWatch energy_watch;
   WorkBudget budget;                     // left of a frame's
   double allowed = 0;                    // visits of it, as it began
+  AirForces air;
+  Vector3 wind{0, 0, 0};                 // of this frame [m/s], where there is air
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 

@@ -209,10 +209,13 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   for (const auto& [frame, grip] : saved.grips.all()) {
     held += sizeof(Grip) + bytes(frame) + bytes(grip.held);
   }
+  std::size_t bytes_of_pairs = bytes(cloth.pairs);
+  for (const PairBand& band : cloth.pairs) bytes_of_pairs += bytes(band.spring) + bytes(band.bend);
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
-         bytes(cloth.springs) + bytes(cloth.mass) + bytes(cloth.inv_mass) + bytes(cloth.pinned) +
-         bytes(saved.state.positions) + bytes(saved.state.velocities) + bytes(saved.memory) +
-         bytes(saved.colliders) + bytes(saved.pin_targets);
+         bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
+         bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
+         bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
+         bytes(saved.pin_targets);
 }
 
 void Simulator::restore(const Saved& saved) {

@@ -205,6 +205,17 @@ ReadValue into(Vector3& target) {
   return [&target](const YAML::Node& node) { target = read_vector(node); };
 }
 
+ReadValue into(std::array<double, 2>& target) {
+  return [&target](const YAML::Node& node) {
+    if (node.IsSequence() && node.size() == 2) {
+      std::size_t i = 0;
+      read_list(node, [&](const YAML::Node& item) { target[i++] = read_number(item); });
+    } else {
+      target.fill(read_number(node, "a finite number or a list of two"));
+    }
+  };
+}
+
 ReadValue into(std::optional<double>& target) {
   return [&target](const YAML::Node& node) {
     if (is_word(node, "off") || is_word(node, "false")) {  // YAML 1.1 reads off as false

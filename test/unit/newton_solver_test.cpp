@@ -83,7 +83,7 @@ TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
     int id = 0;
     for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
       const Vector3 d = x.row(b) - x.row(a);
-      system.add_spring(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
+      system.add_pair(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
     });
     ASSERT_TRUE(system.factorize());
     const Eigen::VectorXd rhs = random_points(n, 1, 2).reshaped();

@@ -26,8 +26,9 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 }
 
 constexpr const char* cloth_keys =
-    "width, height, columns, rows, orientation, origin, pinned, springs, ks, density, damping, "
-    "strain_limit, thickness, self_collision, friction";
+    "width, height, columns, rows, orientation, origin, pinned, springs, ks, fabric, "
+    "self_collision, density, damping, drag, strain_limit, thickness, friction, "
+    "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
 
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
@@ -47,11 +48,43 @@ INSTANTIATE_TEST_SUITE_P(
                 "colliders.0.normal: got an unknown key, expected one of name, shape, friction, "
                 "frame, enabled, center, radius"},
         Mistake{"simulation.fps=30",
-                "simulation.fps: got an unknown key, expected one of gravity, frames_per_second, "
-                "substeps, strain_tolerance, tolerance, method, method_parameters, seed, threads"},
+                "simulation.fps: got an unknown key, expected one of gravity, wind, gusts, "
+                "frames_per_second, substeps, strain_tolerance, tolerance, method, "
+                "method_parameters, seed, threads"},
         Mistake{"simulation={method: bdf2, method_parameters: {iterations: 3}}",
                 "simulation.method_parameters.iterations: got an unknown key, expected one of "
                 "tolerance, max_iterations"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    FabricAndWind, SceneMistake,
+    testing::Values(
+        Mistake{"cloth.stretch_stiffness=500",
+                "cloth.ks: got 5000, expected none beside a fabric: its stiffness is "
+                "stretch_stiffness"},
+        Mistake{"cloth={stretch_stiffness: [500, -1]}",
+                "cloth.stretch_stiffness.1: got -1, expected a number of at least 0 [N/m]"},
+        Mistake{"cloth={stretch_stiffness: [500, 1, 1]}",
+                "cloth.stretch_stiffness: got [500, 1, 1], expected a finite number or a list of "
+                "two"},
+        Mistake{"cloth={stretch_stiffness: -1}",
+                "cloth.stretch_stiffness: got -1, expected a number of at least 0 [N/m]"},
+        Mistake{"cloth={shear_stiffness: [1, 2]}",
+                "cloth.shear_stiffness: got [1, 2], expected a finite number"},
+        Mistake{"cloth={bending_stiffness: 1e10}",
+                "cloth.bending_stiffness: got 1e+10, expected a number of at most 1e+09 [N m]"},
+        Mistake{"cloth={internal_damping: [0, .inf]}",
+                "cloth.internal_damping.1: got .inf, expected a finite number"},
+        Mistake{"cloth={width: 4.0, columns: 11, rows: 11, stretch_stiffness: 100, "
+                "shear_stiffness: 10}",
+                "cloth.shear_stiffness: got 10, expected so little that the diagonals of a cell, "
+                "4 times as wide as it is high, give no more than stretch_stiffness 100 [N/m]: "
+                "they give 160"},
+        Mistake{"cloth.drag=-1", "cloth.drag: got -1, expected a number of at least 0"},
+        Mistake{"simulation.wind=5", "simulation.wind: got 5, expected a list of three numbers"},
+        Mistake{"simulation.wind=[0, 0, 400]",
+                "simulation.wind.2: got 400, expected a number of at most 300 [m/s]"},
+        Mistake{"simulation.gusts=-1",
+                "simulation.gusts: got -1, expected a number of at least 0 [m/s]"}));
 
 INSTANTIATE_TEST_SUITE_P(
     CapsuleAndBox, SceneMistake,

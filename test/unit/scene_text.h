@@ -76,6 +76,16 @@ inline std::string print(const Scene& scene) {
   out << material.ks << ' ' << material.density << ' ' << material.damping << ' '
       << material.strain_limit.value_or(-1) << ' ';
   for (const bool on : material.springs) out << on;
+  if (material.fabric) {
+    const Fabric& fabric = *material.fabric;
+    out << " fabric " << fabric.stretch_stiffness[0] << ' ' << fabric.stretch_stiffness[1] << ' '
+        << fabric.shear_stiffness << ' ' << fabric.bending_stiffness[0] << ' '
+        << fabric.bending_stiffness[1] << ' ' << fabric.internal_damping[0] << ' '
+        << fabric.internal_damping[1];
+  }
+  if (material.drag != Material().drag) {
+    out << " drag " << material.drag[0] << ' ' << material.drag[1];
+  }
   for (const ColliderSpec& collider : scene.colliders) {
     out << " collider " << collider.name << ' ' << collider.friction << ' ' << collider.frame
         << ' ';

@@ -23,6 +23,9 @@ namespace clothsim {
 ///
 /// Drag: v is replaced by exp(c t) v, and the force's weight 2 h / 3 by (1 - e)(3 - e) / 3 c with
 /// e = exp(-c h), so that drag alone and the end speed of a fall are exact for velocities.
+///
+/// Internal damping takes rates by the formula in steps in which all free points have a history,
+/// else over the one step.
 class Bdf2 {
  public:
   static constexpr const char* name = "bdf2";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
@@ -10,8 +11,8 @@ namespace clothsim {
 /// holds.
 class ClothWatch {
  public:
-  /// Do springs, masses, pins, drag or the step h [s] differ from those of the last call? True at
-  /// the first call.
+  /// Do springs, bends, masses, pins, drag or the step h [s] differ from those of the last call?
+  /// True at the first call.
   bool changed(const Cloth&, double h);
 
   /// The same question, which leaves the last call as it is.
@@ -23,6 +24,8 @@ class ClothWatch {
   Scalars mass_;
   Scalars inv_mass_;
   std::vector<SpringRun> springs_;
+  std::vector<BendRun> bends_;
+  std::array<double, 2> internal_damping_{};
 };
 
 }  // namespace clothsim

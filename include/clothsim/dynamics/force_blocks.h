@@ -6,7 +6,8 @@
 
 namespace clothsim {
 
-/// Gravity and spring forces on points [begin, end) of a cloth, a block of points at a time:
+/// Gravity and the forces of springs and bends on points [begin, end) of a cloth, a block of points
+/// at a time:
 ///
 ///   for (ForceBlocks<double> blocks(cloth, loads, positions, begin, end); blocks.next();) {
 ///     blocks.sum(axis, f);  // f[i] acts on point blocks.first() + i, i < blocks.count()
@@ -22,8 +23,10 @@ namespace clothsim {
 template <typename Real>
 class ForceBlocks {
  public:
-  /// All three must outlive this. `positions`: N x 3 [m].
-  ForceBlocks(const Cloth&, const Loads&, const Points& positions, int begin, int end);
+  /// All must outlive this. `positions`: N x 3 [m]. `velocities`: likewise [m/s], for internal
+  /// damping; none leaves it out.
+  ForceBlocks(const Cloth&, const Loads&, const Points& positions, int begin, int end,
+              const Points* velocities = nullptr);
 
   /// Goes to the next block; false where none is left.
   bool next();
@@ -35,8 +38,11 @@ class ForceBlocks {
   void sum(int axis, Real* forces) const;
 
  private:
-  /// Springs of one offset, length and stiffness: neighbours in cloth.springs, ascending.
+  /// What acts between points of one offset: springs of one length and stiffness, neighbours in
+  /// cloth.springs, ascending; or all of a fabric's `pairs`.
   struct Direction {
+    int offset;
+    const PairBand* pairs;
     const SpringRun* run;  // the first that may reach into the block
     const SpringRun* end;
     Real* force[3];  // on the first points of the block's springs, after those of points before
@@ -45,6 +51,7 @@ class ForceBlocks {
   void group();
   void take_points();
   void fill(Direction&, int first, int count, Real* const force[3]) const;
+  void fill_pairs(const PairBand&, int first, int count, Real* const force[3]) const;
   void keep_history();
 
   const Cloth& cloth_;
@@ -54,7 +61,9 @@ class ForceBlocks {
   int count_ = 0;
   int end_;
   std::vector<Direction> directions_;
+  const Points* velocities_;                         // none where nothing is damped
   const Real* points_[3];                            // columns of positions
+  const Real* rates_[3];                             // of velocities, where there are some
   Eigen::Matrix<Real, Eigen::Dynamic, 1> narrowed_;  // these, where Real is not double
   Eigen::Matrix<Real, Eigen::Dynamic, 1> buffer_;    // of all directions
 };

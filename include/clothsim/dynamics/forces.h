@@ -11,10 +11,13 @@ struct Loads {
   Vector3 gravity{0, 0, -9.8};  // [m/s^2]
 };
 
-/// Writes gravity and spring forces [N] at `positions` to `forces`, both N x 3.
+/// Writes gravity and the forces of springs and bends [N] at `positions` to `forces`, both N x 3.
 /// Hooke's law: k (l - L0) (x_b - x_a) / l on point a, the opposite on b. A spring of zero length
-/// has no direction and gives no force.
+/// has no direction and gives no force. Bends: minus the gradient of their energy, see BendRun.
+///
+/// `velocities` [m/s], N x 3: adds what internal damping makes of them, k tau_0 times the rate of a
+/// spring's length, and the force of bends at tau_1 times the velocities. None: leaves that out.
 void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
-                    const Workers& = {});
+                    const Workers& = {}, const Points* velocities = nullptr);
 
 }  // namespace clothsim

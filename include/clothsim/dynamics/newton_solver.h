@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clothsim/dynamics/internal_damping.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/cloth.h"
 
@@ -9,7 +10,7 @@ namespace clothsim {
 
 /// Finds where springs pull points that inertia holds: the displacements d of the free points that
 /// minimise the incremental potential
-///   sum_i w_i |d_i|^2 / 2 + sum over springs k (l(y + d) - L0)^2 / 2,
+///   sum_i w_i |d_i|^2 / 2 + sum over springs k (l(y + d) - L0)^2 / 2 + what bends have,
 /// as every implicit step does (Martin et al. 2011, "Example-based elastic materials", 3.2).
 ///
 /// Newton's method with clamped spring Hessians, so that the matrix is positive definite, and
@@ -35,9 +36,10 @@ class NewtonSolver {
   NewtonSolver& operator=(NewtonSolver&&) noexcept;
 
   /// `weights` [N/m] by point, above zero at free points; `y` [m], N x 3. Writes d [m], N x 3, zero
-  /// at pins; not a number where the numbers given leave no positive definite matrix. Returns the
-  /// Newton steps taken.
-  int solve(const Cloth&, const Scalars& weights, const Points& y, Points& d);
+  /// at pins; not a number where the numbers given leave no positive definite matrix. `past`: for
+  /// internal damping; empty leaves it out. Returns the Newton steps taken.
+  int solve(const Cloth&, const Scalars& weights, const Points& y, Points& d,
+            const Past& past = {});
 
   /// Whether the last solve() ended before a step was as small as `tolerance`: the iterations ran
   /// out, or no share of a step made the potential fall.

@@ -15,7 +15,8 @@ namespace clothsim {
 /// since the last one; kick, drift, kick (its conjugate, with the same limit and frequency) would
 /// need a second. Drag is solved exactly within each drift, and with it a force that is constant: a
 /// cloth falls as it should, and drag alone gives v0 exp(-c t) and x0 + v0 (1 - exp(-c t)) / c,
-/// whatever the step. Pins move at their own velocity.
+/// whatever the step. Pins move at their own velocity. Internal damping follows the velocities that
+/// the step begins with: half a step late, so of first order in what it takes.
 class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
@@ -48,8 +49,9 @@ class VelocityVerlet {
   void step_by(Forces&, const Cloth&, const Loads&, double h, State&, const Workers&);
 
   Parameters parameters_;
-  Points middle_;   // positions in the middle of the step [m], N x 3; with one thread none
-  Scalars forces_;  // along one axis [N], N; none in single precision
+  Points middle_;      // positions in the middle of the step [m], N x 3; with one thread none
+  Points velocities_;  // before the step [m/s], N x 3; only with threads and internal damping
+  Scalars forces_;     // along one axis [N], N; none in single precision
   Eigen::VectorXf single_forces_;  // these then
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/model/checks.h"
@@ -22,6 +23,10 @@ namespace clothsim {
 /// As published, a push stays where a spring pointed when it was given, and the limit of many
 /// iterations is not quite implicit Euler's. So each iteration but the first brings points to where
 /// the multipliers put them along the springs as they point now.
+///
+/// A bend is a constraint on the three components of its stencil; its direction never turns.
+/// Internal damping makes constraints stiffer, towards what they were when the step began: see
+/// DampedSpring.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
@@ -54,9 +59,21 @@ class Xpbd {
     double rest_length;  // [m]
     double compliance;   // 1 / (k h^2), [m/J]
     double share;        // 1 / (w_a + w_b + compliance)
+    double aim;          // [m], of a step: the rest length without internal damping
+  };
+  struct BendConstraint {
+    Bend bend;
+    double compliance;  // as above
+    double share;       // 1 / (sum of w times squared coefficient + compliance)
+    Vector3 aim;        // [m], of a step
+    Vector3 lambda;
   };
 
   void build(const Cloth&, double h);
+  void build_springs(const Cloth&, double h);
+  void build_bends(const Cloth&, double h);
+  void aim(const Cloth&, double h, const Points& positions);
+  void sweep_bends(const Cloth&, Points& positions, const Workers&);
   void sweep(const Cloth&, Points& positions, const Workers&);
   void realign(const Cloth&, Points& positions);
 
@@ -65,6 +82,8 @@ class Xpbd {
   std::vector<Constraint> constraints_;  // by colour
   std::vector<int> colour_ends_;         // in constraints_
   std::vector<double> lambda_;           // as constraints_
+  std::vector<BendConstraint> bends_;    // by colour
+  std::vector<int> bend_colour_ends_;    // in bends_
   Points start_;                         // positions before the sweeps [m], N x 3
   Points target_;                        // where multipliers put the points [m], N x 3
   Scalars turn_;                         // stiffness against turning, times inverse mass, N

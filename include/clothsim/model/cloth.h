@@ -20,6 +20,28 @@ struct SpringRun {
   double stiffness;    // [N/m]
 };
 
+/// `count` equal stencils of bending, first + k for k in [0, count): stencil i has the energy
+/// k |x_i - x_{i+a} - x_{i+b} + x_{i+a+b}|^2 / 2. With a = b that is a second difference along a
+/// line, with one step along a row and one along a column the twist of a cell. It is zero for any
+/// flat cloth that is stretched or sheared evenly.
+struct BendRun {
+  int first;
+  int a;
+  int b;
+  int count;
+  double stiffness;  // [N/m]
+};
+
+/// All that acts between points i and i + offset of a fabric, i in [0, N - offset): a spring, and
+/// what the stencils of bending come to between two points, which is no more than linear in their
+/// difference: energy k (l - L0)^2 / 2 + w l^2 / 2.
+struct PairBand {
+  int offset;          // > 0
+  double rest_length;  // [m]
+  Scalars spring;      // k [N/m], zero where there is none; empty: there are none
+  Scalars bend;        // w [N/m], of either sign
+};
+
 /// What a cloth is: topology, rest lengths, masses. Immutable while it moves.
 struct Cloth {
   int columns = 0;
@@ -28,10 +50,13 @@ struct Cloth {
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates in [0, 1], N x 2
   std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from the front
   std::vector<SpringRun> springs;               // of the families switched on
+  std::vector<BendRun> bends;                   // of a fabric
+  std::vector<PairBand> pairs;                  // of a fabric: see pair_bands()
   Scalars mass;                                 // [kg], N
   Scalars inv_mass;                             // [1/kg], N; zero at pins
   std::vector<int> pinned;                      // point ids, ascending
   double damping = 0;                           // [1/s]
+  std::array<double, 2> internal_damping{};     // [s] of springs and of bends, see Fabric
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // of the cloth on itself
@@ -39,6 +64,17 @@ struct Cloth {
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
+
+  /// Whether anything acts between its points.
+  bool has_forces() const { return !springs.empty() || !bends.empty(); }
 };
+
+/// Whether it has internal damping.
+inline bool is_damped(const Cloth& cloth) {
+  return cloth.internal_damping != std::array<double, 2>{};
+}
+
+/// Springs and bends of a cloth, summed up by pairs of points: what forces are computed from.
+std::vector<PairBand> pair_bands(const Cloth&);
 
 }  // namespace clothsim

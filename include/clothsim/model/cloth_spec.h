@@ -15,11 +15,28 @@ enum class SpringFamily { structural, shear, bending };
 inline constexpr std::array<const char*, 3> spring_family_names = {"structural", "shear",
                                                                    "bending"};
 
+/// A fabric as an orthotropic sheet with its threads along the grid, warp along rows and weft along
+/// columns. Values are of the material, per width, and do not depend on the grid.
+struct Fabric {
+  /// Tension by strain of one thread direction while the other is held [N/m], C11 and C22. That the
+  /// width may follow takes G^2 / C of it, with G the shear stiffness.
+  std::array<double, 2> stretch_stiffness{};
+  double shear_stiffness = 0;  // [N/m] shear force by angle; also C12, as springs are
+  std::array<double, 2> bending_stiffness{};  // [N m] moment per width by curvature
+  /// Of stretch and shear, and of bending: viscosity by stiffness [s]. What swings at omega loses
+  /// the share omega tau / 2 of critical damping; what moves or turns as a whole loses nothing.
+  std::array<double, 2> internal_damping{};
+};
+
 /// What may change while a cloth moves; applied between frames.
 struct Material {
-  double ks = 5000;                               // [N/m] stiffness of structural and shear springs
-  double density = 150;                           // [kg/m^2]
-  double damping = 5.4;                           // [1/s] drag rate c in m x'' = F - c m x'
+  double ks = 5000;              // [N/m] stiffness of structural and shear springs
+  std::optional<Fabric> fabric;  // instead of ks
+  double density = 150;          // [kg/m^2]
+  double damping = 5.4;          // [1/s] drag rate c in m x'' = F - c m x'
+  /// Of the surface in air, for the wind across and along it: see Air. A square plate across the
+  /// wind has 1.17 (Hoerner 1965, Fluid-Dynamic Drag, 3-16); both sides of one along it some 0.02.
+  std::array<double, 2> drag{1.17, 0.02};
   std::optional<double> strain_limit = 0.1;       // longest spring = (1 + limit) * rest length
   std::array<bool, 3> springs{true, true, true};  // families switched on, by SpringFamily
 };

@@ -9,7 +9,8 @@
 namespace clothsim {
 
 /// The grid cloth of `spec`: point (column, row) has index row * columns + column. Each point has
-/// the mass width * height * density / (columns * rows). `gravity` [m/s^2], its size, tells whether
+/// the mass width * height * density / (columns * rows), or with a fabric that of the area it owns,
+/// see add_fabric(). `gravity` [m/s^2], its size, tells whether
 /// points are enough for automatic self collision. Throws InvalidValue.
 Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 

@@ -28,6 +28,7 @@
 #include "clothsim/ros/time_shares.h"
 #include "clothsim/ros/timed_callbacks.h"
 #include "clothsim/ros/view_reconfigure.h"
+#include "clothsim/ros/wind_listener.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
@@ -94,6 +95,7 @@ class Node {
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
   StateServices state_services_;
+  WindListener wind_listener_;
   Diagnostics diagnostics_;
   ChoiceLog choice_log_;
   ros::SteadyTime next_diagnostics_;

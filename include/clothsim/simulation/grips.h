@@ -71,8 +71,8 @@ class Grips {
   void weigh(const Cloth&, const Vector3& gravity, double dt, const Points& impulses,
              const State& before, const State& after);
 
-  /// Adds what springs give the held points in h [s] at `positions`.
-  void add_spring_impulses(const Cloth&, double h, const Points& positions, Points& impulses) const;
+  /// Adds what springs and bends give the held points in h [s] in `state`.
+  void add_spring_impulses(const Cloth&, double h, const State&, Points& impulses) const;
 
   /// The points of grips that pull harder than they hold.
   std::vector<int> torn() const;

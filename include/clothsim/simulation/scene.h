@@ -24,6 +24,8 @@ inline constexpr std::size_t max_colliders = 254;
 
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
+  std::optional<Vector3> wind;      // [m/s], the mean; empty: there is no air but for gusts
+  double gusts = 0;                 // [m/s] most that each component of the wind is off the mean
   double frames_per_second = 90;    // [Hz]
   std::optional<int> substeps;      // a frame; empty: as many as the method needs
   double strain_tolerance = 0.004;  // stretch allowed over cloth.strain_limit, of the rest length

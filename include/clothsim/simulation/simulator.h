@@ -92,6 +92,9 @@ class Simulator {
   void set_material(const Material&);
   void set_simulation(const SimulationSpec&);
 
+  /// Sets the mean wind [m/s] alone. Throws InvalidValue with keys {"wind", "0"} and so on.
+  void set_wind(const Vector3& wind);
+
   // Poses and points to move to: throw InvalidValue and change nothing beyond 1e12 m, for numbers
   // that are not finite, and for an orientation that is no unit quaternion; std::out_of_range for
   // an index or a frame that there is not.

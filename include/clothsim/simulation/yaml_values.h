@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -55,6 +56,7 @@ ReadValue into(std::uint64_t& target);
 ReadValue into(bool& target);
 ReadValue into(std::string& target);
 ReadValue into(Vector3& target);
+ReadValue into(std::array<double, 2>& target);  // a list of two numbers, or a number for both
 ReadValue into(std::optional<double>& target);  // a number, or off: empty
 
 }  // namespace clothsim

@@ -1,0 +1,140 @@
+#include "clothsim/dynamics/air.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "clothsim/model/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// Waves of gusts along each axis, and their lowest and highest frequency [Hz]. The period of all
+/// is far longer than a scene runs, since the ratios of the frequencies are irrational.
+constexpr int waves = 12;
+constexpr double slowest = 0.1;
+constexpr double fastest = 3;
+
+/// Added to squared areas [m^4] and speeds [m^2/s^2] that are divided by, or rooted.
+constexpr double least = 1e-60;
+
+struct Columns {
+  const double* x;
+  const double* y;
+  const double* z;
+};
+
+Columns columns_of(const Points& points, int i) {
+  return {&points(i, 0), &points(i, 1), &points(i, 2)};
+}
+
+/// Forces on each corner of the triangles (i, i + b, i + c), i in [0, count): see AirForces.
+CLOTHSIM_TARGET_CLONES
+void push(Columns p, Columns v, int b, int c, int count, double across, double along, double wind_x,
+          double wind_y, double wind_z, double* __restrict fx, double* __restrict fy,
+          double* __restrict fz) {
+  constexpr double third = 1.0 / 3;
+  for (int i = 0; i < count; ++i) {
+    const double ax = p.x[i + b] - p.x[i], ay = p.y[i + b] - p.y[i], az = p.z[i + b] - p.z[i];
+    const double bx = p.x[i + c] - p.x[i], by = p.y[i + c] - p.y[i], bz = p.z[i + c] - p.z[i];
+    const double nx = (ay * bz - az * by) / 2;
+    const double ny = (az * bx - ax * bz) / 2;
+    const double nz = (ax * by - ay * bx) / 2;
+    const double area2 = nx * nx + ny * ny + nz * nz + least;
+    const double area = std::sqrt(area2);
+    const double wx = wind_x - third * (v.x[i] + v.x[i + b] + v.x[i + c]);
+    const double wy = wind_y - third * (v.y[i] + v.y[i + b] + v.y[i + c]);
+    const double wz = wind_z - third * (v.z[i] + v.z[i + b] + v.z[i + c]);
+    const double through = (wx * nx + wy * ny + wz * nz) / area2;  // w_n = through N
+    const double tx = wx - through * nx, ty = wy - through * ny, tz = wz - through * nz;
+    const double slip = std::sqrt(tx * tx + ty * ty + tz * tz + least);
+    const double normal = across * area2 * std::abs(through) * through;
+    const double tangential = along * area * slip;
+    fx[i] = normal * nx + tangential * tx;
+    fy[i] = normal * ny + tangential * ty;
+    fz[i] = normal * nz + tangential * tz;
+  }
+}
+
+/// Sums for points [0, count) what triangles do to them, of which columns of cells begin there.
+CLOTHSIM_TARGET_CLONES
+void gather(const double* lower, const double* upper, int columns, int count,
+            double* __restrict forces) {
+  for (int i = 0; i < count; ++i) {
+    forces[i] = lower[i] + lower[i - 1] + lower[i - columns - 1] + upper[i] +
+                upper[i - columns - 1] + upper[i - columns];
+  }
+}
+
+}  // namespace
+
+Vector3 wind_at(const Vector3& mean, const Gusts& gusts, double time) {
+  if (gusts.most == 0) return mean;
+  std::mt19937_64 engine(gusts.seed);
+  Vector3 wind = mean;
+  for (int axis = 0; axis < 3; ++axis) {
+    double sum = 0, amplitudes = 0;
+    for (int k = 0; k < waves; ++k) {
+      const double frequency = slowest * std::pow(fastest / slowest, (k + 0.5) / waves);
+      // A power of f^-5/3 df in bands that are as wide as they are high.
+      const double amplitude = std::pow(frequency, -1.0 / 3);
+      const double phase = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
+      sum += amplitude * std::sin(2 * M_PI * (frequency * time + phase));
+      amplitudes += amplitude;
+    }
+    wind[axis] += gusts.most * sum / amplitudes;
+  }
+  return wind;
+}
+
+const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>& drag,
+                                 const Vector3& wind, const State& state, const Workers& workers) {
+  const int n = cloth.num_points();
+  const int columns = cloth.columns;
+  forces_.setZero(n, 3);
+  if (cloth.triangles.empty()) return forces_;
+
+  // Triangles by the first point of their cell, with room before it for points without one.
+  const int before = columns + 1;
+  for (Points* points : {&lower_, &upper_}) {
+    if (points->rows() != before + n) points->setZero(before + n, 3);
+  }
+  const double across = air_density / 2 * drag[0] / 3;
+  const double along = air_density / 2 * drag[1] / 3;
+  workers.share(cloth.rows - 1, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) {
+      const int i = row * columns;
+      const Columns p = columns_of(state.positions, i);
+      const Columns v = columns_of(state.velocities, i);
+      const auto push_all = [&](int b, int c, Points& forces) {
+        double* const f = &forces(before + i, 0);
+        const auto stride = forces.rows();
+        push(p, v, b, c, columns - 1, across, along, wind.x(), wind.y(), wind.z(), f, f + stride,
+             f + 2 * stride);
+      };
+      push_all(1, columns + 1, lower_);
+      push_all(columns + 1, columns, upper_);
+    }
+  });
+  workers.share(n, [&](int begin, int end) {
+    for (int axis = 0; axis < 3; ++axis) {
+      gather(&lower_(before + begin, axis), &upper_(before + begin, axis), columns, end - begin,
+             &forces_(begin, axis));
+    }
+  });
+  return forces_;
+}
+
+double air_rate(const Cloth& cloth, const std::array<double, 2>& drag, double speed) {
+  if (cloth.triangles.empty()) return 0;
+  const auto& [a, b, c] = cloth.triangles.front();
+  const Vector3 corner = row(cloth.rest_positions, a);
+  const double cell =
+      (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
+  const double area = cell * (cloth.rows - 1) * (cloth.columns - 1);
+  const double mass_per_area = cloth.mass.sum() / area;
+  // The square's derivative has the factor 2.
+  return air_density * std::max(drag[0], drag[1]) * speed / mass_per_area;
+}
+
+}  // namespace clothsim

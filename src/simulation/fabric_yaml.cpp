@@ -1,0 +1,98 @@
+#include "clothsim/simulation/fabric_yaml.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/model/package.h"
+#include "clothsim/simulation/scene_yaml.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 5> fabric_keys = {
+    "fabric", "stretch_stiffness", "shear_stiffness", "bending_stiffness", "internal_damping"};
+
+/// A fabric's file: its values, and where they are from.
+void read_fabric_file(const std::string& path, ClothSpec& cloth) {
+  std::string source, date;
+  std::vector<Field> fields = {{"source", into(source)}, {"date", into(date)}};
+  for (auto& list : {fabric_fields(cloth.material.fabric.value()), material_fields(cloth)}) {
+    fields.insert(fields.end(), list.begin(), list.end());
+  }
+  const YAML::Node map = load_scene_file(path);
+  inside(path, [&] {
+    read_map(map, fields);
+    for (const auto& [key, text] : {std::pair("source", source), std::pair("date", date)}) {
+      if (text.empty()) throw InvalidValue({key}, "nothing", "where its values are from");
+    }
+    validate(cloth.material);
+  });
+}
+
+}  // namespace
+
+std::vector<Field> material_fields(ClothSpec& cloth) {
+  Material& material = cloth.material;
+  return {{"density", into(material.density)},  {"damping", into(material.damping)},
+          {"drag", into(material.drag)},        {"strain_limit", into(material.strain_limit)},
+          {"thickness", into(cloth.thickness)}, {"friction", into(cloth.friction)}};
+}
+
+std::vector<Field> fabric_fields(Fabric& fabric) {
+  return {{"stretch_stiffness", into(fabric.stretch_stiffness)},
+          {"shear_stiffness", into(fabric.shear_stiffness)},
+          {"bending_stiffness", into(fabric.bending_stiffness)},
+          {"internal_damping", into(fabric.internal_damping)}};
+}
+
+std::vector<Field> live_fields(Material& material) {
+  std::vector<Field> fields = {
+      {"springs", [&material](const YAML::Node& map) { read_springs(map, material.springs); }},
+      {"density", into(material.density)},
+      {"damping", into(material.damping)},
+      {"drag", into(material.drag)},
+      {"strain_limit", into(material.strain_limit)}};
+  if (!material.fabric) {
+    fields.push_back({"ks", into(material.ks)});
+    return fields;
+  }
+  for (Field& field : fabric_fields(*material.fabric)) fields.push_back(std::move(field));
+  return fields;
+}
+
+bool names_fabric(const YAML::Node& cloth) {
+  return cloth.IsMap() && std::any_of(fabric_keys.begin(), fabric_keys.end(),
+                                      [&](const char* key) { return cloth[key].IsDefined(); });
+}
+
+void start_fabric(const YAML::Node& map, ClothSpec& cloth) {
+  if (map["ks"]) {
+    throw InvalidValue({"ks"}, describe(map["ks"]),
+                       "none beside a fabric: its stiffness is stretch_stiffness");
+  }
+  cloth.material.fabric.emplace();
+  cloth.material.damping = 0;
+  cloth.material.strain_limit.reset();
+  if (!map["fabric"]) return;
+  inside("fabric", [&] { read_fabric_file(fabric_file(read_text(map["fabric"])), cloth); });
+}
+
+std::string fabric_file(const std::string& name) {
+  const std::string ending = ".yaml";
+  if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending) {
+    return name;
+  }
+  std::vector<std::string> known;
+  for (const auto& entry : fs::directory_iterator(package_folder("config/fabrics"))) {
+    if (entry.path().extension() != ending) continue;
+    if (entry.path().stem() == name) return entry.path().string();
+    known.push_back(entry.path().stem().string());
+  }
+  std::sort(known.begin(), known.end());
+  throw InvalidValue({}, '"' + name + '"', "one of " + join(known) + ", or a path of a .yaml file");
+}
+
+}  // namespace clothsim

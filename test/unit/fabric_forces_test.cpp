@@ -1,0 +1,148 @@
+// The forces of a fabric against plain loops over its springs and stencils.
+
+#include <cmath>
+
+#include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/force_blocks.h"
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/internal_damping.h"
+#include "clothsim/dynamics/springs.h"
+#include "verification/fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, const Points& v) {
+  Points forces = cloth.mass * loads.gravity.transpose();
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Eigen::RowVector3d d = x.row(b) - x.row(a);
+    if (d.norm() == 0) return;
+    const Eigen::RowVector3d u = d.normalized();
+    const double rate = u.dot(v.row(b) - v.row(a));
+    const double tension =
+        run.stiffness * (d.norm() - run.rest_length + cloth.internal_damping[0] * rate);
+    forces.row(a) += tension * u;
+    forces.row(b) -= tension * u;
+  });
+  for_each_bend(cloth, [&](const Bend& bend) {
+    const Vector3 pull = bend.stiffness * (bend.of(x) + cloth.internal_damping[1] * bend.of(v));
+    for (std::size_t k = 0; k < 4; ++k) {
+      forces.row(bend.points[k]) -= Bend::coefficients[k] * pull.transpose();
+    }
+  });
+  return forces;
+}
+
+ClothSpec damped_spec(int columns, int rows) {
+  ClothSpec spec = fabric_spec(columns, rows, 0.02, 0.01);
+  spec.material.fabric->bending_stiffness = {3e-2, 1e-2};  // as strong as springs
+  spec.material.fabric->internal_damping = {0.03, 0.05};
+  return spec;
+}
+
+TEST(FabricForces, EqualThePlainLoops) {
+  const Loads loads{Vector3(1, -2, 3)};
+  for (const auto& [columns, rows] :
+       {std::pair(1, 2), std::pair(1, 9), std::pair(9, 1), std::pair(2, 2), std::pair(2, 3),
+        std::pair(3, 2), std::pair(3, 3), std::pair(5, 7), std::pair(50, 52), std::pair(2, 1500),
+        std::pair(3000, 2)}) {
+    for (int mask = 0; mask < 8; ++mask) {
+      ClothSpec spec = damped_spec(columns, rows);
+      spec.material.springs = {(mask & 1) != 0, (mask & 2) != 0, (mask & 4) != 0};
+      const Cloth cloth = make_grid(spec);
+      const Points x = shaken(cloth, 0.01, 1);
+      const Points v = random_points(cloth.num_points(), 0.1, 2);
+      const Points expected = plain_forces(cloth, loads, x, v);
+      Points forces;
+      compute_forces(cloth, loads, x, forces, {}, &v);
+      // Sums of differences that cancel, of up to 13 terms, each 8 times the largest stiffness.
+      const double scale = expected.cwiseAbs().maxCoeff();
+      EXPECT_LE(farthest(forces, expected), 1e-12 * scale)
+          << columns << " x " << rows << ", families " << mask;
+    }
+  }
+}
+
+TEST(FabricForces, HaveTheSameBitsWhereverBlocksBegin) {
+  const Loads loads{};
+  const Cloth cloth = make_grid(damped_spec(67, 80));
+  const Points x = shaken(cloth, 0.005, 4);
+  const Points v = random_points(cloth.num_points(), 0.1, 2);
+  const int n = cloth.num_points();
+  Points whole;
+  compute_forces(cloth, loads, x, whole, {}, &v);
+  for (const int split : {1, 66, 67, 133, 134, 135, 2559, 2560, 2561, n - 1}) {
+    Points parts = Points::Constant(n, 3, 7);
+    for (const auto& [begin, end] : {std::pair(split, n), std::pair(0, split)}) {
+      for (ForceBlocks<double> blocks(cloth, loads, x, begin, end, &v); blocks.next();) {
+        for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &parts(blocks.first(), axis));
+      }
+    }
+    EXPECT_EQ(parts, whole) << "split at " << split;
+  }
+}
+
+TEST(FabricForces, InSinglePrecisionAreOffByItsRoundings) {
+  const Loads loads{};
+  const Cloth cloth = make_grid(damped_spec(20, 30));
+  const Points x = shaken(cloth, 0.005, 4).rowwise() + Eigen::RowVector3d(100, -200, 50);
+  const Points v = random_points(cloth.num_points(), 0.1, 2);
+  const int n = cloth.num_points();
+  Points expected;
+  compute_forces(cloth, loads, x, expected, {}, &v);
+  double stiffest = 0;
+  for (const PairBand& band : cloth.pairs) {
+    stiffest = std::max(stiffest, band.bend.cwiseAbs().maxCoeff());
+    if (band.spring.size() > 0) stiffest = std::max(stiffest, band.spring.maxCoeff());
+  }
+  for (ForceBlocks<float> blocks(cloth, loads, x, 0, n, &v); blocks.next();) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::VectorXf f(blocks.count());
+      blocks.sum(axis, f.data());
+      const double off = (f.cast<double>() - expected.col(axis)).cwiseAbs().maxCoeff();
+      EXPECT_LT(off, 12 * 4 * 6e-8 * stiffest * 0.4);  // of 0.4 m
+      EXPECT_GT(off, 0);
+    }
+  }
+}
+
+TEST(FabricForces, AreMinusTheGradientOfTheEnergyAndOfDamping) {
+  // Central differences, to some 1e-6 of the largest force.
+  const Cloth cloth = make_grid(damped_spec(4, 5));
+  const Points start = shaken(cloth, 0.002, 2);
+  Points x = shaken(cloth, 0.002, 3);
+  const Past past = past_of(cloth, start, 0.01);
+  Points forces, gradient = Points::Zero(cloth.num_points(), 3);
+  compute_forces(cloth, Loads{Vector3::Zero()}, x, forces);
+  add_damping_gradient(cloth, past, x, gradient);
+  const double h = 1e-7;
+  const auto difference = [&](int i, int axis, const auto& potential) {
+    const double at = x(i, axis);
+    x(i, axis) = at + h;
+    const double more = potential();
+    x(i, axis) = at - h;
+    const double less = potential();
+    x(i, axis) = at;
+    return (more - less) / (2 * h);
+  };
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double elastic = difference(i, axis, [&] { return elastic_energy(cloth, x); });
+      EXPECT_NEAR(forces(i, axis), -elastic, 1e-6 * forces.cwiseAbs().maxCoeff());
+      const double damping = difference(i, axis, [&] { return damping_potential(cloth, past, x); });
+      EXPECT_NEAR(gradient(i, axis), damping, 1e-6 * gradient.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+TEST(FabricForces, OfAFlatClothAtRestAreItsWeightAlone) {
+  const Cloth cloth = make_grid(damped_spec(10, 8));
+  Points forces;
+  compute_forces(cloth, Loads{}, cloth.rest_positions, forces);
+  EXPECT_LT(farthest(forces, cloth.mass * Loads{}.gravity.transpose()), 1e-10);
+}
+
+}  // namespace
+}  // namespace clothsim

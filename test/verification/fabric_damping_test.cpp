@@ -1,0 +1,162 @@
+// What methods make of a fabric: internal damping, stable steps, Newton's matrix.
+
+#include <cmath>
+
+#include "clothsim/dynamics/incremental_potential.h"
+#include "clothsim/dynamics/newton_solver.h"
+#include "clothsim/dynamics/spectrum.h"
+#include "verification/fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+template <typename Method>
+class FabricDamping : public ::testing::Test {};
+TYPED_TEST_SUITE(FabricDamping, EachMethod);
+
+// ---- Internal damping
+
+/// A strip without weight, its end pushed aside by a thousandth of its length.
+State bent_strip(const ClothSpec& spec, const Cloth& cloth) {
+  State state = start_state(spec, cloth, 1);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] == 0) continue;
+    const double clamp = cloth.rest_positions(1, 0) / 2;
+    const double s = (state.positions(i, 0) - clamp) / strip_length;
+    state.positions(i, 2) = 1e-3 * strip_length * s * s * (3 - s) / 2;  // nearly the first mode
+  }
+  return state;
+}
+
+TYPED_TEST(FabricDamping, InternalDampingTakesItsShareOfTheFirstMode) {
+  // z'' + tau omega^2 z' + omega^2 z = 0: a swing decays by exp(-tau omega^2 t / 2). With omega =
+  // 3.516 sqrt(B / rho) / L^2 of a clamped strip.
+  if (std::is_same_v<TypeParam, ImplicitEuler> || std::is_same_v<TypeParam, Xpbd>) {
+    return;  // damp by themselves
+  }
+  ClothSpec spec = strip(10, 16, false);
+  Fabric& fabric = *spec.material.fabric;
+  fabric.stretch_stiffness = {500, 500};
+  fabric.shear_stiffness = 50;
+  const double omega = 3.516 * std::sqrt(fabric.bending_stiffness[0] / spec.material.density) /
+                       std::pow(strip_length, 2);
+  const double tau = 0.1 / omega;  // 5 % of critical
+  fabric.internal_damping = {0, tau};
+  const Cloth cloth = make_grid(spec);
+  State state = bent_strip(spec, cloth);
+  TypeParam method = converged<TypeParam>();
+  const Loads none{Vector3::Zero()};
+  const bool is_explicit = std::isfinite(TypeParam::stability_limit);
+  const double h = is_explicit ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth)
+                               : 2 * M_PI / omega / 400;
+  // Peaks of the swing after one period and after four.
+  const int period = static_cast<int>(2 * M_PI / omega / h + 0.5);
+  const int end = cloth.columns + cloth.columns - 1;
+  double first = 0, fourth = 0;
+  for (int i = 0; i < 5 * period; ++i) {
+    method.step(cloth, none, h, state);
+    const double height = std::abs(state.positions(end, 2));
+    const double periods = double(i) / period;
+    if (periods > 0.8 && periods < 1.2) first = std::max(first, height);
+    if (periods > 3.7 && periods < 4.3) fourth = std::max(fourth, height);
+  }
+  const double rate = std::log(first / fourth) / (3 * 2 * M_PI / omega);
+  EXPECT_NEAR(rate, tau * omega * omega / 2, 0.05 * tau * omega * omega / 2);
+}
+
+TYPED_TEST(FabricDamping, InternalDampingLetsAClothFallAndTurnFreely) {
+  // Any motion of a rigid body of a flat cloth: its centre of mass falls, its spin stays.
+  ClothSpec spec = fabric_spec(6, 5, 0.02, 0.02);
+  spec.material.fabric->internal_damping = {1e-3, 5e-2};
+  const Cloth cloth = make_grid(spec);
+  State state = start_state(spec, cloth, 1);
+  const Vector3 spin(0.2, -0.1, 0.5);
+  const Vector3 centre = state.positions.transpose() * cloth.mass / cloth.mass.sum();
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    state.velocities.row(i) =
+        spin.cross(row(state.positions, i) - centre).transpose() + Eigen::RowVector3d(1, 0, 0);
+  }
+  const Vector3 before = angular_momentum(cloth, state);
+  const State start = state;
+  TypeParam method = converged<TypeParam>();
+  const double h = std::isfinite(TypeParam::stability_limit)
+                       ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth)
+                       : 1e-3;
+  const int steps = static_cast<int>(0.2 / h);
+  run(method, cloth, Loads{Vector3::Zero()}, h, steps, state);
+  EXPECT_LT((momentum(cloth, state) - momentum(cloth, start)).norm(),
+            1e-9 * momentum(cloth, start).norm());
+  EXPECT_LT((angular_momentum(cloth, state) - before).norm(), 2e-3 * before.norm());
+}
+
+// ---- Spectrum
+
+TEST(FabricSteps, ExplicitStepsAreStableUpToTheBound) {
+  // Bends as stiff as springs, and damping that takes as much of the limit as they do.
+  for (const auto& damping : {std::array<double, 2>{0, 0}, {0, 1e-4}, {1e-4, 0}, {3e-5, 3e-5}}) {
+    ClothSpec spec = fabric_spec(8, 8, 0.01, 0.01);
+    spec.material.fabric->stretch_stiffness = {200, 200};
+    spec.material.fabric->bending_stiffness = {5e-3, 5e-3};
+    spec.material.fabric->internal_damping = damping;
+    const Cloth cloth = make_grid(spec);
+    const auto energy_after = [&](double share) {
+      State state{shaken(cloth, 1e-7, 3), Points::Zero(cloth.num_points(), 3), 0};
+      VelocityVerlet method;
+      run(method, cloth, Loads{Vector3::Zero()},
+          share * 2 / omega_max_bound(cloth, cloth.rest_positions), 3000, state);
+      return total_energy(cloth, Loads{Vector3::Zero()}, state);
+    };
+    const double start = elastic_energy(cloth, shaken(cloth, 1e-7, 3));
+    EXPECT_LT(energy_after(0.98), 100 * start) << damping[0] << " " << damping[1];
+    EXPECT_FALSE(energy_after(1.8) < 1e6 * start) << damping[0] << " " << damping[1];
+  }
+}
+
+// ---- Newton's method
+
+TEST(FabricSteps, NewtonsStepIsThatOfTheExactHessian) {
+  // Stretched everywhere, so that nothing is clamped: one iteration from d = 0 is -H^-1 g with H by
+  // central differences of the gradient.
+  ClothSpec spec = fabric_spec(5, 4, 0.02, 0.02);
+  spec.pinned = {{0, 0, ""}, {4, 3, ""}};
+  spec.material.fabric->bending_stiffness = {1e-2, 2e-2};
+  spec.material.fabric->internal_damping = {2e-3, 4e-3};
+  const Cloth cloth = make_grid(spec);
+  const int n = cloth.num_points();
+  const Points y = 1.2 * shaken(cloth, 5e-4, 1);
+  const Past past = past_of(cloth, 1.1 * shaken(cloth, 5e-4, 2), 1e-2);
+  Scalars weights = (cloth.inv_mass.array() > 0).select(cloth.mass.array() / 1e-4, 0);
+  const auto gradient_at = [&](const Points& d) {
+    Points gradient(n, 3);
+    potential_gradient(cloth, weights, y + d, d, gradient, past);
+    return Eigen::VectorXd(gradient.reshaped());
+  };
+  Eigen::MatrixXd hessian(3 * n, 3 * n);
+  const double e = 1e-7;
+  for (int k = 0; k < 3 * n; ++k) {
+    Points d = Points::Zero(n, 3);
+    d(k % n, k / n) = e;
+    hessian.col(k) = (gradient_at(d) - gradient_at(-d)) / (2 * e);
+    const bool held = cloth.inv_mass[k % n] == 0;
+    if (held) {
+      hessian.col(k).setZero();
+      hessian.row(k).setZero();
+      hessian(k, k) = 1;
+    }
+  }
+  for (const int pin : cloth.pinned) {
+    for (int axis = 0; axis < 3; ++axis) hessian.row(axis * n + pin).setZero();
+    for (int axis = 0; axis < 3; ++axis) hessian(axis * n + pin, axis * n + pin) = 1;
+  }
+  const Eigen::VectorXd expected = -hessian.lu().solve(gradient_at(Points::Zero(n, 3)));
+  NewtonSolver::Parameters once;
+  once.max_iterations = 1;
+  Points d;
+  NewtonSolver(once).solve(cloth, weights, y, d, past);
+  EXPECT_LT((d.reshaped() - expected).norm(), 1e-5 * expected.norm());
+}
+
+}  // namespace
+}  // namespace clothsim
