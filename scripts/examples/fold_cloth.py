@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """Two hands take a cloth by two corners, lift them, fold it in half and lay it down.
 
-A hand is nothing but a tf frame. Made for config/scenes/grasp.yaml:
+A hand is nothing but a tf frame. Made for config/scenes/grasp.yaml and towel.yaml, square cloths with
+a corner at the origin. ~side [m] is that of the cloth, 1 if it is not set:
 
     roslaunch clothsim grasp.launch
+    roslaunch clothsim towel.launch
 """
 
 import math
@@ -16,12 +18,12 @@ from geometry_msgs.msg import TransformStamped, WrenchStamped
 from clothsim.msg import ClothState
 from clothsim.srv import Attach, Detach
 
-HANDS = {"left_hand": 0.0, "right_hand": 1.0}  # tf frame: x of its corner [m]
-GRASP = 0.02  # the hands take what is this near [m]
+HANDS = {"left_hand": 0.0, "right_hand": 1.0}  # tf frame: x of its corner, of the side
+GRASP = 0.02  # the hands take what is this near, of the side
 SPEED = 0.5  # [m/s] in simulated time
 RATE = 90  # [Hz] of the broadcasts at least
 
-# Where both hands go, y and z [m]: up, over the middle, down beside the far edge.
+# Where both hands go, y and z, of the side: up, over the middle, down beside the far edge.
 TAKE = (0.0, 0.0)
 PATH = [(0.0, 0.1), (0.15, 0.4), (0.5, 0.55), (0.85, 0.4), (1.01, 0.1), (1.03, 0.04)]
 
@@ -32,6 +34,7 @@ class Hands:
 
     def __init__(self):
         self.world = rospy.get_param("clothsim/world_frame", "map")
+        self.side = rospy.get_param("~side", 1.0)  # [m]
         self.place = TAKE
         self.stamp = rospy.Time()
         self.lock = threading.Lock()
@@ -54,8 +57,9 @@ class Hands:
             for frame, x in HANDS.items():
                 t = TransformStamped()
                 t.header.stamp, t.header.frame_id, t.child_frame_id = self.stamp, self.world, frame
-                t.transform.translation.x = x
-                t.transform.translation.y, t.transform.translation.z = self.place
+                y, z = self.place
+                t.transform.translation.x = x * self.side
+                t.transform.translation.y, t.transform.translation.z = y * self.side, z * self.side
                 t.transform.rotation.w = 1
                 transforms.append(t)
             self.broadcaster.sendTransform(transforms)
@@ -81,7 +85,7 @@ class Hands:
 
     def go(self, target):
         """In a straight line at SPEED."""
-        start, duration = self.place, math.dist(self.place, target) / SPEED
+        start, duration = self.place, math.dist(self.place, target) * self.side / SPEED
         for passed in self.passed(duration):
             self.place = tuple(a + (b - a) * passed / duration for a, b in zip(start, target))
             self.send()
@@ -96,7 +100,7 @@ def main():
     hands = Hands()
     hands.wait(1)  # the cloth comes to rest
     for frame in HANDS:
-        answer = attach(frame=frame, radius=GRASP)
+        answer = attach(frame=frame, radius=GRASP * hands.side)
         if not answer.success:
             raise SystemExit(answer.message)
         rospy.loginfo("%s holds points %s", frame, list(answer.points))
@@ -106,7 +110,7 @@ def main():
     hands.wait(2)  # it hangs still
     for frame in HANDS:
         wrench = rospy.wait_for_message("clothsim/wrench/" + frame, WrenchStamped)
-        rospy.loginfo("%s carries %.1f N", frame, -wrench.wrench.force.z)
+        rospy.loginfo("%s carries %.2f N", frame, -wrench.wrench.force.z)
     for place in PATH[3:]:
         hands.go(place)
 
