@@ -1,0 +1,198 @@
+// Scenes of fabric, as a whole.
+
+#include <cmath>
+#include <complex>
+
+#include "verification/fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// A towel that hangs by two corners.
+Scene hanging_towel(int side = 12) {
+  Scene scene;
+  scene.cloth = fabric_spec(side, side, 0.4 / (side - 1), 0.4 / (side - 1));
+  scene.cloth.orientation = Orientation::vertical;
+  scene.cloth.pinned = {{0, side - 1, ""}, {side - 1, side - 1, ""}};
+  scene.cloth.material.fabric->internal_damping = {1e-5, 5e-3};
+  return scene;
+}
+
+TEST(FabricScene, ZeroOfAnyValueWorks) {
+  const auto runs = [](const std::function<void(Material&)>& change) {
+    Scene scene = hanging_towel(8);
+    change(scene.cloth.material);
+    for (const std::string& method : method_names()) {
+      scene.simulation.method = method;
+      Simulator simulator(scene);
+      run(simulator, 0.2);
+      EXPECT_TRUE(simulator.state().positions.allFinite()) << method;
+    }
+    scene.simulation.method = "auto";
+    Simulator simulator(scene);
+    run(simulator, 0.2);
+  };
+  runs([](Material& m) { m.fabric->stretch_stiffness = {0, 0}; });
+  runs([](Material& m) { m.fabric->stretch_stiffness = {0, 500}; });
+  runs([](Material& m) { m.fabric->shear_stiffness = 0; });
+  runs([](Material& m) { m.fabric->bending_stiffness = {0, 0}; });
+  runs([](Material& m) { m.fabric->bending_stiffness = {0, 1e-5}; });
+  runs([](Material& m) { m.fabric->internal_damping = {0, 0}; });
+  runs([](Material& m) { m.fabric = Fabric(); });
+  runs([](Material& m) { m.springs = {false, false, true}; });
+  runs([](Material& m) { m.springs = {false, false, false}; });
+  runs([](Material& m) { m.drag = {0, 0}; });
+}
+
+/// A towel in a gusty wind, with contact and grips' worth of everything.
+Scene windy_towel(const std::string& method) {
+  Scene scene = hanging_towel(40);
+  scene.simulation.wind = Vector3(0, 3, 0);
+  scene.simulation.gusts = 1;
+  scene.simulation.method = method;
+  return scene;
+}
+
+TEST(FabricScene, HasTheSameBitsFromAnyNumberOfThreads) {
+  for (const char* method : {"verlet", "xpbd", "rk4", "symplectic_euler"}) {
+    Scene scene = windy_towel(method);
+    scene.simulation.substeps = 130;
+    Simulator one(scene);
+    scene.simulation.threads = 3;
+    Simulator three(scene);
+    run(one, 0.1);
+    run(three, 0.1);
+    EXPECT_EQ(one.state().positions, three.state().positions) << method;
+    EXPECT_EQ(one.state().velocities, three.state().velocities) << method;
+  }
+}
+
+TEST(FabricScene, GoesOnToTheSameBits) {
+  for (const char* method : {"auto", "xpbd", "bdf2"}) {
+    Scene scene = windy_towel(method);
+    scene.cloth.columns = scene.cloth.rows = 10;
+    scene.cloth.pinned = {{0, 9, ""}};
+    scene.cloth.material.strain_limit = 0.02;
+    Simulator simulator(scene);
+    run(simulator, 0.2);
+    const auto saved = simulator.save();
+    run(simulator, 0.2);
+    const State expected = simulator.state();
+    simulator.restore(*saved);
+    run(simulator, 0.2);
+    EXPECT_EQ(simulator.state().positions, expected.positions) << method;
+    EXPECT_EQ(simulator.state().velocities, expected.velocities) << method;
+  }
+}
+
+TEST(FabricScene, KeepsItsStrainLimit) {
+  Scene scene = hanging_towel();
+  scene.cloth.material.fabric->stretch_stiffness = {5, 5};
+  scene.cloth.material.fabric->shear_stiffness = 1;
+  scene.cloth.material.strain_limit = 0.05;
+  Simulator simulator(scene);
+  EXPECT_LT(run(simulator, 2).worst_stretch, 0.05 + 0.01);
+}
+
+TEST(FabricScene, TakesValuesWhileItRuns) {
+  Scene scene = hanging_towel();
+  scene.cloth.material.damping = 10;  // to come to rest
+  Simulator simulator(scene);
+  run(simulator, 0.5);
+  Material material = simulator.scene().cloth.material;
+  material.fabric->stretch_stiffness = {50, 50};
+  material.fabric->shear_stiffness = 5;
+  material.fabric->internal_damping = {0, 0};
+  simulator.set_material(material);
+  const double soft = run(simulator, 2).worst_stretch;
+  material.fabric->stretch_stiffness = {2000, 2000};
+  simulator.set_material(material);
+  EXPECT_GT(soft, 2 * run(simulator, 2).worst_stretch);
+  material.fabric->bending_stiffness[1] = -1;
+  EXPECT_THROW(simulator.set_material(material), InvalidValue);
+  EXPECT_THROW(simulator.set_wind(Vector3(0, 0, std::nan(""))), InvalidValue);
+  EXPECT_FALSE(simulator.scene().simulation.wind);
+  simulator.set_wind(Vector3(0, 5, 0));
+  run(simulator, 1);
+  const Points& x = simulator.state().positions;
+  EXPECT_GT(x.col(1).mean(), 0.05) << "it blows out";
+}
+
+TEST(FabricScene, IsCarriedByItsWeight) {
+  // Two hands that move evenly bear it once it hangs still: drag against the world there is none.
+  Scene scene = hanging_towel();
+  scene.cloth.pinned.clear();
+  scene.cloth.material.fabric->internal_damping = {1e-4, 2e-2};
+  Simulator simulator(scene);
+  const double weight = 9.8 * simulator.cloth().mass.sum();
+  const std::vector<int> corners = {11 * 12, 12 * 12 - 1};
+  Pose left, right;
+  left.position = row(simulator.state().positions, corners[0]);
+  right.position = row(simulator.state().positions, corners[1]);
+  simulator.attach("left", left, {corners[0]});
+  simulator.attach("right", right, {corners[1]});
+  const auto move = [&](double seconds, double speed) {
+    Vector3 sum = Vector3::Zero();
+    const int frames = static_cast<int>(seconds * 90);
+    for (int frame = 0; frame < frames; ++frame) {
+      left.position.y() += speed / 90;
+      right.position.y() += speed / 90;
+      simulator.move_grip("left", left);
+      simulator.move_grip("right", right);
+      simulator.step();
+      for (const char* hand : {"left", "right"}) {
+        sum += simulator.grips().at(hand).wrench.force / frames;
+      }
+    }
+    return sum;
+  };
+  move(4, 0.3);
+  const Vector3 force = move(8, 0.3);  // over many swings
+  EXPECT_NEAR(-force.z(), weight, 0.03 * weight);
+  EXPECT_NEAR(force.y(), 0, 0.03 * weight);
+}
+
+/// The frequency at which the free edge of a flag moves most across the wind [Hz].
+double flapping_frequency(double speed) {
+  Scene scene = shipped_scene("flag");
+  scene.cloth.columns = 24;
+  scene.cloth.rows = 16;
+  scene.cloth.pinned.clear();
+  for (int row = 0; row < 16; row += 3) scene.cloth.pinned.push_back({0, row, ""});
+  scene.simulation.wind = Vector3(speed, 0.05 * speed, 0);
+  scene.simulation.gusts = 0;
+  scene.simulation.gravity = Vector3(0, 0, 0);
+  Simulator simulator(scene);
+  run(simulator, 4);
+  std::vector<double> across;
+  double mean = 0;
+  constexpr int frames = 900;
+  for (int frame = 0; frame < frames; ++frame) {
+    simulator.step();
+    across.push_back(point(simulator.cloth(), simulator.state().positions, 23, 8).y());
+    mean += across.back() / frames;
+  }
+  double best = 0, frequency = 0;
+  for (double f = 0.3; f < 20; f += 0.05) {
+    std::complex<double> sum = 0;
+    for (int i = 0; i < frames; ++i) {
+      sum += (across[static_cast<std::size_t>(i)] - mean) * std::polar(1.0, -2 * M_PI * f * i / 90);
+    }
+    if (std::abs(sum) > best) {
+      best = std::abs(sum);
+      frequency = f;
+    }
+  }
+  return frequency;
+}
+
+TEST(FabricScene, AFlagFlapsAsFastAsTheWind) {
+  const double slow = flapping_frequency(4);
+  const double fast = flapping_frequency(8);
+  EXPECT_NEAR(fast / slow, 2, 0.5) << slow << " and " << fast << " Hz";
+}
+
+}  // namespace
+}  // namespace clothsim
