@@ -230,8 +230,8 @@ struct Simulator::Impl {
   std::vector<Vector3> pin_targets;
   Grips grips;
   EnergyWatch energy_watch;
-  WorkBudget budget;                     // left of a frame's
-  double allowed = 0;                    // visits of it, as it began
+  WorkBudget budget;   // left of a frame's
+  double allowed = 0;  // visits of it, as it began
   AirForces air;
   Vector3 wind{0, 0, 0};                 // of this frame [m/s], where there is air
   std::function<bool()> is_interrupted;  // none: nobody asks
