@@ -2,72 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+
+#include "clothsim/model/surface.h"
 
 namespace clothsim {
 namespace {
 
-/// A turn within a step that is so small is taken as a straight way in the collider's frame [rad].
-constexpr double smallest_turn = 0.1;
+/// What moved by less between two steps is where it was, as far as it may be from a surface.
+constexpr double still = surface_offset / 4;
 
-Vector3 to_world(const Pose& pose, const Vector3& local) {
-  return pose.position + pose.orientation * local;
-}
-
-/// Bounds of a cloth on its way through a step.
-Eigen::AlignedBox3d bounds(const Points& start, const Points& end) {
-  Eigen::AlignedBox3d box(start.colwise().minCoeff().transpose(),
-                          start.colwise().maxCoeff().transpose());
-  box.extend(Vector3(end.colwise().minCoeff().transpose()));
-  box.extend(Vector3(end.colwise().maxCoeff().transpose()));
-  return box;
-}
-
-/// Where a point that may have passed through the shape in one step came in, in the collider's own
-/// frame at the step's end.
-std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3& from,
-                                   const Vector3& to, double offset) {
-  const double depth = safe_depth(collider.shape());
-  const double turn = collider.last_turn();
-  if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
-  if (turn <= smallest_turn) return entry_point(collider.shape(), from, to, offset);
-
-  // Its way is bent in a frame that turns: piece by piece.
-  const Vector3 start = to_world(collider.previous(), from), end = to_world(collider.pose(), to);
-  const int pieces = static_cast<int>(std::ceil(turn / smallest_turn));
-  Vector3 last = from;
-  for (int i = 1; i <= pieces; ++i) {
-    const double share = static_cast<double>(i) / pieces;
-    const Vector3 next = to_local(collider.pose_at(share), start + share * (end - start));
-    const auto entry = entry_point(collider.shape(), last, next, offset);
-    if (entry) return entry;
-    last = next;
-  }
-  return std::nullopt;
-}
-
-/// Distance of a point from the surface at the step's start, 0 where it was outside [m].
-double depth_before(const Shape& shape, const Vector3& from) {
-  return std::min(0.0, signed_distance(shape, from, from).value);
-}
-
-/// Direction in which a piece of cloth, of which `held` are the points, leaves a solid about the
-/// origin: square to the piece, away from the middle.
-Vector3 way_out(const Cloth& cloth, const Points& points, const std::vector<char>& held) {
-  Vector3 normal(0, 0, 0), middle(0, 0, 0);
-  for (const auto& [a, b, c] : cloth.triangles) {
-    if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
-        !held[static_cast<std::size_t>(c)]) {
-      continue;
-    }
-    normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
-  }
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (held[static_cast<std::size_t>(i)]) middle += row(points, i);
-  }
-  if (normal.norm() == 0) normal = middle;
-  if (normal.norm() == 0) normal = Vector3::UnitZ();
-  return (normal.dot(middle) < 0 ? -1 : 1) * normal.normalized();
+/// Distance of the farthest point [m].
+double farthest_from(const Vector3& origin, const Points& points) {
+  return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
 }
 
 }  // namespace
@@ -77,11 +23,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
   stretch_ = step.stretch;
-  last_.swap(contacts_);
-  contacts_.clear();
-  next_last_ = 0;
   faces_.start_over();
-  escapes_.clear();
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
   if (colliders.empty()) return;
@@ -95,12 +37,19 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       escape(c, collider, cloth, step, state.positions);
     }
   }
-  resume(cloth, scale, state.velocities);
+
+  for (Side& s : sides_) {
+    s.slots.close();
+    for (const int block : s.slots.active()) s.room.wake(block);  // what touches, does not sleep
+    s.slots.resume(cloth, scale, state.velocities);
+  }
+  faces_.resume(cloth, scale, state.velocities);
+  pinches_.sweep(state.velocities);
 }
 
 double ColliderContacts::Caught::depth() const {
   double deepest = 0;
-  for (const CaughtPoint& point : points) deepest = std::max(deepest, point.depth);
+  for (const auto& point : points) deepest = std::max(deepest, point.second);
   for (const CaughtFace& face : faces) deepest = std::max(deepest, face.depth);
   return deepest;
 }
@@ -108,181 +57,86 @@ double ColliderContacts::Caught::depth() const {
 std::vector<ColliderContacts::Caught> ColliderContacts::find(
     const std::vector<MovingCollider>& colliders, const Cloth& cloth, const ContactStep& step,
     State& state) {
-  std::vector<Caught> result;
-  const Eigen::AlignedBox3d box = bounds(step.start, state.positions);
-  const double fastest = longest_row(state.velocities);
-  const double fastest_drift = longest_row(step.drifted);
+  sides_.resize(colliders.size());
+  travel_.begin(step.start, state.positions);
   local_.edge = longest_edge_within_limit(cloth, step.stretch);
+  const double speed = longest_row(state.velocities), drift = longest_row(step.drifted);
+  std::vector<Caught> result;
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
+    Side& s = side(k);
+    s.slots.start_over();
+    s.way_out.reset();
+    s.near.clear();
+    s.has_faces = false;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
-    const Clearance keeps = clearance(collider.shape(), cloth, step.stretch);
-    const double of_surface = collider.fastest_in(box);
-    const double margin = step.h * (fastest + of_surface) + keeps.points;
-    if (!collider.reaches(box, margin)) continue;
-
-    Caught caught{k, {}, {}};
-    local_.place(collider, step.start, state.positions);
-    local_.place_middle(collider, step, state.positions);
-    const double reach =
-        margin + step.reach * step.h * (fastest_drift + of_surface) + local_.longest;
-    find_points(k, collider, cloth, step, keeps.points, reach, state, caught.points);
-    if (keeps.faces) {
-      faces_.find(k, collider, cloth, step, margin, local_, state, caught.faces);
+    if (!collider.enabled()) {
+      s.is_clear = false;
+      continue;
     }
-    result.push_back(std::move(caught));
+    Caught caught{k, {}, {}};
+    find_at(s, collider, cloth, step, speed, drift, state, caught);
+    if (!s.near.empty() || s.has_faces) result.push_back(std::move(caught));
   }
   return result;
 }
 
-void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders,
-                                    const Cloth& cloth, const Points& positions,
-                                    std::vector<Caught>& caught) {
-  const auto point = [&](std::size_t i) { return contacts_[i].point; };
-  const auto side = [&](const Contact& c) -> Pinches::Side {
-    return {c.impulse, colliders[static_cast<std::size_t>(c.collider)]};
-  };
-  for_each_two(contacts_.size(), static_cast<std::size_t>(cloth.num_points()), point,
-               [&](auto i, auto j) {
-                 const Contact &a = contacts_[i], &b = contacts_[j];
-                 if (!Pinches::leave_no_room(a.impulse, b.impulse)) return;
-                 pinches_.add(a.point, row(positions, a.point), side(a), side(b), cloth);
-               });
-  const auto of_point = [&](int collider, int p) -> const ContactImpulse* {
-    const auto id = std::make_tuple(collider, p);
-    const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), id,
-                                    [](const Contact& a, const auto& b) { return a.id() < b; });
-    return c != contacts_.end() && c->id() == id ? &c->impulse : nullptr;
-  };
-  faces_.find_pinched(colliders, of_point, cloth, positions, pinches_);
-  if (pinches_.count() == 0) return;
-
-  // Nothing else pushes them about.
-  for (Contact& c : contacts_) {
-    if (pinches_.holds(c.point)) c.impulse.let_go();
+void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
+                               const ContactStep& step, double speed, double drift, State& state,
+                               Caught& caught) {
+  if (!s.room.is_of(ContactSlots::num_blocks(cloth))) {
+    s.room.reset(ContactSlots::num_blocks(cloth));
   }
-  faces_.leave_to(pinches_, cloth);
-  const auto drop = [](auto& list, const auto& is_held) {
-    list.erase(std::remove_if(list.begin(), list.end(), is_held), list.end());
-  };
-  for (Caught& c : caught) {
-    drop(c.points, [&](const CaughtPoint& p) { return pinches_.holds(p.point); });
-    drop(c.faces, [&](const CaughtFace& f) {
-      return pinches_.holds_any(cloth.triangles[static_cast<std::size_t>(f.triangle)]);
-    });
+  follow(s, collider, state.positions);
+
+  // Nothing farther away can touch it.
+  const Clearance keeps = clearance(collider.shape(), cloth, step.stretch);
+  const double of_surface = s.moved / step.h;
+  const double margin = step.h * (speed + of_surface) + keeps.points;
+  const double to_middle = step.reach * step.h * (drift + of_surface);
+  s.room.find_near(travel_.total(), margin + to_middle + keeps.points, s.near);
+  if (keeps.faces && std::isinf(local_.edge)) {
+    local_.edge = longest_edge(state.positions, cloth.triangles);
   }
-}
+  s.has_faces = is_near_faces(s, keeps, margin);
+  if (s.near.empty() && !s.has_faces) return;
 
-void ColliderContacts::resume(const Cloth& cloth, double scale, Points& velocities) {
-  for (Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
-    c.impulse.resume(c.impulse, scale);
-    velocities.row(c.point) += c.impulse.total().transpose();
+  if (!s.slots.fits(cloth)) s.slots.reset(cloth);
+  if (s.has_faces) {
+    local_.place(collider, step.start, state.positions);
+    local_.place_middle(collider, step, state.positions);
   }
-  faces_.resume(cloth, scale, velocities);
-  pinches_.sweep(velocities);
-}
-
-void ColliderContacts::find_points(int index, const MovingCollider& collider, const Cloth& cloth,
-                                   const ContactStep& step, double offset, double reach,
-                                   State& state, std::vector<CaughtPoint>& caught) {
-  const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] == 0) continue;
-
-    // The last step's impulse, if it was in contact.
-    const auto id = std::make_tuple(index, i);
-    while (next_last_ < last_.size() && last_[next_last_].id() < id) ++next_last_;
-    const bool held = next_last_ < last_.size() && last_[next_last_].id() == id &&
-                      last_[next_last_].impulse.push > 0;
-    if (!held && local_.distance[i] > reach) continue;
-    const Vector3 from = row(local_.from, i);
-    Vector3 to = row(local_.to, i);
-
-    // A point that may have passed through stops where it came in.
-    const auto entry = swept_entry(collider, from, to, offset);
-    if (entry) {
-      to = *entry;
-      local_.to.row(i) = to.transpose();
-      state.positions.row(i) = to_world(collider.pose(), to).transpose();
-    }
-
-    // The gap this step would leave if the point only followed the surface. What is held, as it
-    // lies where impulses act.
-    Distance d = signed_distance(collider.shape(), to, from);
-    local_.distance[i] = d.value;
-    const double depth = d.value < 0 ? -depth_before(collider.shape(), from) : 0;
-    const bool at_middle = held && depth == 0 && !entry;
-    if (at_middle) d = signed_distance(collider.shape(), row(local_.middle, i), from);
-    const Vector3 normal = turn * d.normal;
-    const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
-    const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
-    const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
-    const double gap = d.value - offset - (at_middle ? 0 : step.reach * step.h * drift);
-    const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
-    // The impulse that ends its approach will carry it on to where it came in.
-    if (entry && drift < 0)
-      state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
-
-    // Others may yet push a point on the surface into it.
-    if (!held && rate >= slowest && gap > 0) continue;
-
-    if (depth > 0) caught.push_back({i, depth});
-    contacts_.push_back(
-        {index,
-         i,
-         {normal, surface_velocity, slowest + way_out_speed(depth), collider.friction()}});
-    if (held) contacts_.back().impulse.resume(last_[next_last_].impulse, 1);
-  }
-}
-
-void ColliderContacts::escape(const Caught& caught, const MovingCollider& collider,
-                              const Cloth& cloth, const ContactStep& step,
-                              const Points& positions) {
-  const int index = caught.collider;
-  Escape out{index, {}, std::vector<char>(static_cast<std::size_t>(cloth.num_points()), 0)};
-  for (const CaughtPoint& p : caught.points) out.held[static_cast<std::size_t>(p.point)] = 1;
-  for (const CaughtFace& face : caught.faces) {
-    for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
-      out.held[static_cast<std::size_t>(i)] = 1;
+  const ContactSlots::Seeker seeker(collider, keeps.points);
+  s.friction = collider.friction();
+  for (const int block : s.near) {
+    s.slots.find(block, seeker, cloth, step, state);
+    if (!s.is_close) continue;
+    for (int i = ContactSlots::first_of(block); i < ContactSlots::end_of(block, cloth); ++i) {
+      if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
     }
   }
-  local_.place(collider, step.start, positions);
-  out.direction = way_out(cloth, local_.from, out.held);
+  if (s.has_faces) {
+    faces_.find(caught.collider, collider, cloth, step, margin, local_, state, caught.faces);
+  }
+}
 
-  // All its points go that way, those outside too.
-  const Vector3 direction = collider.pose().orientation * out.direction;
-  std::vector<char> missing = out.held;
-  for (Contact& c : contacts_) {
-    const auto point = static_cast<std::size_t>(c.point);
-    if (c.collider != index || !out.held[point]) continue;
-    c.impulse.normal = direction;
-    c.impulse.slowest = recovery_speed;
-    missing[point] = 0;
-  }
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (!missing[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
-    contacts_.push_back({index,
-                         i,
-                         {direction, collider.velocity_at(row(positions, i)), recovery_speed,
-                          collider.friction()}});
-  }
-  std::sort(contacts_.begin(), contacts_.end(),
-            [](const Contact& p, const Contact& q) { return p.id() < q.id(); });
-  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction);
-  escapes_.push_back(std::move(out));
+void ColliderContacts::follow(Side& s, const MovingCollider& collider,
+                              const Points& positions) const {
+  const bool turns = collider.last_turn() > 0 ||
+                     collider.pose().orientation.coeffs() != s.room.pose().orientation.coeffs();
+  const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
+  const double jumped = s.room.follow(collider.previous(), radius) + travel_.between_steps();
+  s.moved = s.room.follow(collider.pose(), radius);
+  s.is_clear = s.is_clear && jumped <= still;
+  s.is_close = !s.is_clear || travel_.in_step() + s.moved > safe_depth(collider.shape());
+}
+
+bool ColliderContacts::is_near_faces(const Side& s, const Clearance& keeps, double reach) const {
+  return keeps.faces && s.room.is_near(travel_.total(), reach + local_.edge / std::sqrt(3));
 }
 
 double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
-  for (Contact& c : contacts_) {
-    Vector3 velocity = row(velocities, c.point);
-    if (velocity == c.left) continue;
-    const Vector3 change = c.impulse.update(velocity, 1);
-    velocity += change;
-    velocities.row(c.point) = velocity.transpose();
-    c.left = velocity;
-    residual2 = std::max(residual2, change.squaredNorm());
-  }
+  for (Side& s : sides_) residual2 = std::max(residual2, s.slots.sweep(s.friction, velocities));
   const double on_faces = faces_.sweep(cloth, velocities);
   return std::max({std::sqrt(residual2), on_faces, pinches_.sweep(velocities)}) * h_;
 }
@@ -290,67 +144,84 @@ double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
 void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                const Points& start, Points& positions) {
   pinches_.correct(start, positions);
-  const Eigen::AlignedBox3d box = bounds(start, positions);
-  for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
-    const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
-    const Clearance keeps = clearance(collider.shape(), cloth, stretch_);
-    if (!collider.reaches(box, keeps.points)) continue;
-
-    const auto escape = std::find_if(escapes_.begin(), escapes_.end(),
-                                     [&](const Escape& e) { return e.collider == k; });
-    local_.place(collider, start, positions);
-    std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-    for (int i = 0; i < cloth.num_points(); ++i) {
-      const bool escapes = escape != escapes_.end() && escape->held[static_cast<std::size_t>(i)];
-      if (!escapes && local_.distance[i] > keeps.points + local_.longest) continue;
-      const Vector3 from = row(local_.from, i);
-      Vector3 to = row(local_.to, i);
-      const auto entry =
-          cloth.inv_mass[i] > 0 ? swept_entry(collider, from, to, keeps.points) : std::nullopt;
-      if (entry) to = *entry;
-      const Distance d = signed_distance(collider.shape(), to, from);
-      local_.distance[i] = d.value;
-      if (cloth.inv_mass[i] == 0 || pinches_.holds(i)) continue;
-
-      if (escapes) {
-        const double way = escape->direction.dot(to - from);
-        to += std::max(0.0, recovery_speed * h_ - way) * escape->direction;
-      } else if (d.value < keeps.points) {
-        const double before = depth_before(collider.shape(), from);
-        const double wanted = required_distance(before, keeps.points, h_);
-        to += std::max(0.0, wanted - d.value) * d.normal;
-      } else if (!entry) {
-        continue;
-      }
-      local_.to.row(i) = to.transpose();
-      local_.distance[i] = signed_distance(collider.shape(), to, from).value;
-      moved[static_cast<std::size_t>(i)] = 1;
-    }
-    if (keeps.faces) {
-      std::vector<char> held = pinches_.held();
-      if (escape != escapes_.end()) {
-        held.resize(escape->held.size());
-        std::transform(held.begin(), held.end(), escape->held.begin(), held.begin(),
-                       [](char a, char b) { return a | b; });
-      }
-      faces_.correct(collider, cloth, h_, held, local_, moved);
-    }
-    for (int i = 0; i < cloth.num_points(); ++i) {
-      if (!moved[static_cast<std::size_t>(i)]) continue;
-      positions.row(i) = to_world(collider.pose(), row(local_.to, i)).transpose();
+  travel_.go_on(start, positions);
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!colliders[k].enabled()) continue;
+    const double way = correct_at(sides_[k], colliders[k], cloth, start, positions);
+    travel_.add(way);
+    // It may have been moved into another one.
+    for (std::size_t other = 0; other < k && way > still; ++other) {
+      sides_[other].is_clear = false;
     }
   }
+  travel_.end(positions);
 }
 
-int ColliderContacts::points_count() const {
-  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const Contact& c) { return c.impulse.push > 0; }));
+double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
+                                    const Points& start, Points& positions) {
+  const Clearance keeps = clearance(collider.shape(), cloth, stretch_);
+  s.room.find_near(travel_.total(), 2 * keeps.points, s.near);
+  s.is_close = s.is_close || travel_.in_step() + s.moved > safe_depth(collider.shape());
+  s.is_clear = pinches_.count() == 0;
+  const ContactSlots::Seeker seeker(collider, keeps.points);
+  double longest = 0;
+  for (const int block : s.near) {
+    const int first = ContactSlots::first_of(block), end = ContactSlots::end_of(block, cloth);
+    double free[ContactSlots::block];
+    const double* can_move = &cloth.inv_mass[first];
+    if (s.is_close || pinches_.count() > 0) {
+      for (int i = first; i < end; ++i) {
+        double& is_free = free[i - first];
+        is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
+        if (!s.is_close || is_free == 0) continue;
+        const auto way = correct_closely(s, i, seeker, start, positions);
+        if (!way) continue;
+        longest = std::max(longest, *way);
+        is_free = 0;
+      }
+      can_move = free;
+    }
+    const auto pushed = ContactSlots::push_out(block, seeker, can_move, start, positions);
+    longest = std::max(longest, pushed.most);
+    if (!s.slots.has_active(block)) s.room.keep(block, pushed.least, travel_.total());
+  }
+  if (is_near_faces(s, keeps, surface_offset)) {
+    longest = std::max(longest, correct_faces(s, collider, cloth, start, positions));
+  }
+  return longest;
 }
 
-int ColliderContacts::count() const { return points_count() + faces_.count() + pinches_.count(); }
+double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, const Cloth& cloth,
+                                       const Points& start, Points& positions) {
+  std::vector<char> held = pinches_.held();
+  if (s.way_out) {
+    held.resize(s.leaves.size());
+    std::transform(held.begin(), held.end(), s.leaves.begin(), held.begin(),
+                   [](char a, char b) { return a | b; });
+  }
+  local_.place(collider, start, positions);
+  std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
+  faces_.correct(collider, cloth, h_, held, local_, moved);
+  double longest = 0;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (!moved[static_cast<std::size_t>(i)]) continue;
+    const Vector3 to = to_world(collider.pose(), row(local_.to, i));
+    longest = std::max(longest, (to - row(positions, i)).norm());
+    positions.row(i) = to.transpose();
+    s.is_clear = s.is_clear && local_.distance[i] >= surface_offset / 2;
+  }
+  return longest;
+}
+
+int ColliderContacts::count() const {
+  int points = 0;
+  for (const Side& s : sides_) points += s.slots.count();
+  return points + faces_.count() + pinches_.count();
+}
 
 void ColliderContacts::reset() {
-  contacts_.clear();
+  sides_.clear();
+  travel_ = {};
   faces_.reset();
   pinches_.start_over(0);
   recovers_ = false;
@@ -359,12 +230,15 @@ void ColliderContacts::reset() {
 
 void ColliderContacts::write(MemoryWriter& memory) const {
   memory.add(h_);
-  memory.add(points_count());
-  for (const Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
-    memory.add(c.collider);
-    memory.add(c.point);
-    c.impulse.write(memory);
+  int points = 0;
+  for (const Side& s : sides_) points += s.slots.count();
+  memory.add(points);
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    sides_[k].slots.for_each_held([&](int point, const ContactImpulse& impulse) {
+      memory.add(static_cast<double>(k));
+      memory.add(point);
+      impulse.write(memory);
+    });
   }
   faces_.write(memory);
   pinches_.write(memory);
@@ -373,13 +247,15 @@ void ColliderContacts::write(MemoryWriter& memory) const {
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
   reset();
+  sides_.resize(colliders);
   h_ = std::max(0.0, memory.number());
   for (std::size_t left = memory.count(); left > 0; --left) {
-    Contact c{};
-    c.collider = memory.index(colliders);
-    c.point = memory.index(static_cast<std::size_t>(cloth.num_points()));
-    c.impulse.read(memory);
-    contacts_.push_back(c);
+    ContactSlots& slots = side(memory.index(colliders)).slots;
+    const int point = memory.index(static_cast<std::size_t>(cloth.num_points()));
+    if (!slots.fits(cloth)) slots.reset(cloth);
+    ContactImpulse impulse;
+    impulse.read(memory);
+    slots.hold(point, impulse);
   }
   faces_.read(memory, colliders, cloth);
   pinches_.read(memory, cloth);

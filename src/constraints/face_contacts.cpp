@@ -307,7 +307,7 @@ std::optional<ContactImpulse> FaceContacts::under(const Contact& c, int other,
   for (std::size_t k = 0; k < 3; ++k) {
     if (c.weights[k] == 0) continue;
     const int corner = cloth.triangles[static_cast<std::size_t>(c.id.triangle)][k];
-    const ContactImpulse* of_corner = of_point(other, corner);
+    const std::optional<ContactImpulse> of_corner = of_point(other, corner);
     if (!of_corner) return {};
     all.normal += c.weights[k] * of_corner->normal;
     all.surface_velocity += c.weights[k] * of_corner->surface_velocity;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "clothsim/shapes/signed_distances.h"
+
 namespace clothsim {
 namespace {
 
@@ -29,7 +31,11 @@ double curvature(const Plane&) { return std::numeric_limits<double>::infinity();
 void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
   move_into(collider.previous(), start, from);
   move_into(collider.pose(), end, to);
-  distance = signed_distances(collider.shape(), to, from);
+  distance.resize(to.rows());
+  Points normals(to.rows(), 3);
+  signed_distances(collider.shape(), Frame(collider.pose()), run_from(end, 0),
+                   Frame(collider.previous()), run_from(start, 0), static_cast<int>(to.rows()),
+                   distance.data(), run_from(normals, 0));
   longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
 }
 

@@ -4,66 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "near_surface.h"
+
 namespace clothsim {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// The point of a capsule's axis nearest to `point`.
-Vector3 nearest_on_axis(const Capsule& capsule, const Vector3& point) {
-  return {0, 0, std::clamp(point.z(), -capsule.length / 2, capsule.length / 2)};
-}
-
-// ---- Signed distance
-
-Distance distance(const Sphere& sphere, const Vector3& point, const Vector3&) {
-  const double r = point.norm();
-  return {r - sphere.radius, r > 0 ? Vector3(point / r) : Vector3::UnitZ()};
-}
-
-Distance distance(const Plane& plane, const Vector3& point, const Vector3& side) {
-  const double sign = plane.two_sided && side.z() < 0 ? -1 : 1;
-  return {sign * point.z(), sign * Vector3::UnitZ()};
-}
-
-Distance distance(const Capsule& capsule, const Vector3& point, const Vector3&) {
-  const Vector3 from_axis = point - nearest_on_axis(capsule, point);
-  const double r = from_axis.norm();
-  return {r - capsule.radius, r > 0 ? Vector3(from_axis / r) : Vector3::UnitX()};
-}
-
-Distance distance(const Cuboid& box, const Vector3& point, const Vector3&) {
-  const Vector3 sign = point.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
-  const Vector3 beyond = point.cwiseAbs() - box.size / 2;  // of the faces on its side
-  Eigen::Index axis = 0;
-  const double nearest = beyond.maxCoeff(&axis);
-  if (nearest <= 0) return {nearest, sign[axis] * Vector3::Unit(axis)};
-  const Vector3 out = beyond.cwiseMax(0.0);
-  const double r = out.norm();
-  return {r, sign.cwiseProduct(out / r)};
-}
-
-// ---- The same of many points: vectorised
-
-Scalars distances(const Sphere& sphere, const Points& points, const Points&) {
-  return points.rowwise().norm().array() - sphere.radius;
-}
-
-Scalars distances(const Plane& plane, const Points& points, const Points& sides) {
-  if (!plane.two_sided) return points.col(2);
-  return (sides.col(2).array() < 0).select(-points.col(2), points.col(2));
-}
-
-Scalars distances(const Capsule& capsule, const Points& points, const Points&) {
-  const auto beyond_end = (points.col(2).array().abs() - capsule.length / 2).max(0.0);
-  return (points.leftCols<2>().rowwise().squaredNorm().array() + beyond_end.square()).sqrt() -
-         capsule.radius;
-}
-
-Scalars distances(const Cuboid& box, const Points& points, const Points&) {
-  const Points beyond = points.cwiseAbs().rowwise() - box.size.transpose() / 2;
-  return beyond.cwiseMax(0.0).rowwise().norm() + beyond.rowwise().maxCoeff().cwiseMin(0.0);
-}
 
 // ---- Share of the way `from` -> `from` + d after which a point is within offset, if it ever is
 
@@ -133,11 +79,10 @@ double bounds(const Cuboid& box) { return box.size.norm() / 2; }
 }  // namespace
 
 Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3& side) {
-  return std::visit([&](const auto& s) { return distance(s, point, side); }, shape);
-}
-
-Scalars signed_distances(const Shape& shape, const Points& points, const Points& sides) {
-  return std::visit([&](const auto& s) { return distances(s, points, sides); }, shape);
+  const NearSurface near = std::visit(
+      [&](const auto& s) { return near_surface(s, point.x(), point.y(), point.z(), side.z()); },
+      shape);
+  return {near.value, {near.x, near.y, near.z}};
 }
 
 std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, const Vector3& to,

@@ -1,13 +1,14 @@
 #pragma once
 
-#include <limits>
-#include <tuple>
+#include <optional>
+#include <utility>
 #include <vector>
 
-#include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/contact_slots.h"
 #include "clothsim/constraints/face_contacts.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
+#include "clothsim/constraints/room.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -58,69 +59,77 @@ class ColliderContacts {
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
  private:
-  struct Contact {
-    int collider;
-    int point;
-    ContactImpulse impulse;
-    // What the last pass left the point with: none needs another until it changes [m/s].
-    Vector3 left = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
-
-    std::tuple<int, int> id() const { return {collider, point}; }
+  /// What a collider has to do with the cloth.
+  struct Side {
+    ContactSlots slots;
+    Room room;
+    std::vector<int> near;  // blocks that may touch it now, ascending
+    double friction = 0;
+    double moved = 0;                // by its surface in this step, at most [m]
+    bool has_faces = false;          // whether triangles may touch it in this step
+    bool is_clear = false;           // no free point was in it as the last step ended
+    bool is_close = false;           // whether this step looks at its points one by one
+    std::optional<Vector3> way_out;  // of what leaves it together, in its own frame, unit
+    std::vector<char> leaves;        // by point, with way_out
   };
 
-  /// Points that leave a collider together.
-  struct Escape {
-    int collider;
-    Vector3 direction;       // unit, in the collider's own frame
-    std::vector<char> held;  // by point
-  };
-
-  int points_count() const;
-
-  /// A point that was in a collider when a step began.
-  struct CaughtPoint {
-    int point;
-    double depth;  // [m] at the step's start
-  };
-
-  /// What was in a collider when a step began.
+  /// What was in a collider when a step began: points and how deep [m], and triangles.
   struct Caught {
     int collider;
-    std::vector<CaughtPoint> points;
+    std::vector<std::pair<int, double>> points;
     std::vector<CaughtFace> faces;
 
     double depth() const;  // greatest [m], 0 where nothing was
   };
 
-  /// Finds the contacts of all colliders in reach; one Caught for each of these.
+  /// Finds the contacts of all colliders; one Caught for each in reach.
   std::vector<Caught> find(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
                            State&);
+  void find_at(Side&, const MovingCollider&, const Cloth&, const ContactStep&, double speed,
+               double drift, State&, Caught&);
 
-  /// Adds the point contacts of a collider. Nothing further than `reach` [m] from it can touch it.
-  void find_points(int index, const MovingCollider&, const Cloth&, const ContactStep&,
-                   double offset, double reach, State&, std::vector<CaughtPoint>&);
+  /// Tells the side where the collider is in this step.
+  void follow(Side&, const MovingCollider&, const Points& positions) const;
+
+  /// Can triangles come within `reach` [m] of the collider?
+  bool is_near_faces(const Side&, const Clearance&, double reach) const;
+
+  /// Finds the contact of a point anew if the step may have taken it through the shape, or if it
+  /// was in it when the step began.
+  void look_closely(Side&, int point, const ContactSlots::Seeker&, const ContactStep&, State&,
+                    Caught&);
 
   /// Holds what colliders leave no room, and takes it out of what they caught.
   void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const Points& positions,
                     std::vector<Caught>&);
+  void pinch_points(const std::vector<MovingCollider>&, const Cloth&, const Points& positions);
 
   /// Sends what is caught in a collider out in one direction.
   void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
-  /// Gives the contacts the impulses of the last step, `scale` times as large.
-  void resume(const Cloth&, double scale, Points& velocities);
+  /// Moves what is in one collider out. Returns the longest way of a point [m].
+  double correct_at(Side&, const MovingCollider&, const Cloth&, const Points& start,
+                    Points& positions);
 
-  double stretch_ = 0;             // of the step, see ContactStep
-  double h_ = 0;                   // step of the impulses [s]
-  std::vector<Contact> contacts_;  // by collider, then point
-  std::vector<Contact> last_;
-  std::size_t next_last_ = 0;
+  /// The same of a point that needs a close look; nothing for one that does not.
+  std::optional<double> correct_closely(Side&, int point, const ContactSlots::Seeker&,
+                                        const Points& start, Points& positions);
+
+  /// The same of triangles.
+  double correct_faces(Side&, const MovingCollider&, const Cloth&, const Points& start,
+                       Points& positions);
+
+  Side& side(int collider) { return sides_[static_cast<std::size_t>(collider)]; }
+
+  double stretch_ = 0;       // of the step, see ContactStep
+  double h_ = 0;             // step of the impulses [s]
+  std::vector<Side> sides_;  // by collider
+  Travel travel_;
   FaceContacts faces_;
   Pinches pinches_;
-  std::vector<Escape> escapes_;  // by collider
   bool recovers_ = false;
-  LocalCloth local_;
+  LocalCloth local_;  // about a collider whose faces count
 };
 
 }  // namespace clothsim

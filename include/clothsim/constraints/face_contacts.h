@@ -40,8 +40,8 @@ class FaceContacts {
   /// Gives the contacts the impulses of the last step, `scale` times as large.
   void resume(const Cloth&, double scale, Points& velocities);
 
-  /// The contact of a point with a collider; null: none.
-  using PointContacts = std::function<const ContactImpulse*(int collider, int point)>;
+  /// The contact of a point with a collider, if there is one.
+  using PointContacts = std::function<std::optional<ContactImpulse>(int collider, int point)>;
 
   /// Finds triangles that two colliders leave no room, one of them perhaps by their corners' own
   /// contacts: their corners, at `positions` [m, N x 3], are pinched.

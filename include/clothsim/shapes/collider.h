@@ -18,6 +18,11 @@ inline Vector3 to_local(const Pose& pose, const Vector3& point) {
   return pose.orientation.conjugate() * (point - pose.position);
 }
 
+/// A point of the frame at `pose` in the world.
+inline Vector3 to_world(const Pose& pose, const Vector3& local) {
+  return pose.position + pose.orientation * local;
+}
+
 /// A collider as a scene describes it.
 struct ColliderSpec {
   std::string name;

@@ -40,6 +40,9 @@ class MovingCollider {
   /// Angle that it turned by in the last advance() [rad].
   double last_turn() const { return last_turn_.norm(); }
 
+  const Vector3& velocity() const { return velocity_; }                  // [m/s]
+  const Vector3& angular_velocity() const { return angular_velocity_; }  // [rad/s], world
+
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
 

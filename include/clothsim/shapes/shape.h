@@ -50,9 +50,6 @@ using Shape = std::variant<Sphere, Plane, Capsule, Cuboid>;
 /// on the axis of a capsule, the first axis of those nearest in a box.
 Distance signed_distance(const Shape&, const Vector3& point, const Vector3& side);
 
-/// Their values alone for `points` that came from `sides`, N x 3 both, at once: to rounding [m].
-Scalars signed_distances(const Shape&, const Points& points, const Points& sides);
-
 /// Where a point that moves in a straight line `from` -> `to`, in the shape's own frame, comes
 /// within `offset` [m] of the surface from outside; `from` where it is that near already and moves
 /// in. Empty where it stays out or starts in the solid. A box is grown by the offset without

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/contact_step.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+#include "clothsim/shapes/moving_collider.h"
+#include "clothsim/shapes/signed_distances.h"
+
+namespace clothsim {
+
+/// Contacts of the points of a cloth with one collider, a slot for each point: loops over blocks of
+/// points vectorise, and impulses stay where they are from step to step.
+///
+/// What it does to a point is what ContactImpulse does, whose update() is the same law. Blocks none
+/// of whose points touch are not looked at. No result depends on how points make blocks.
+class ContactSlots {
+ public:
+  /// Points of a block: few enough that those that touch fill it, enough for vector units.
+  static constexpr int block = 16;
+
+  static int num_blocks(const Cloth& cloth) { return (cloth.num_points() + block - 1) / block; }
+
+  static int first_of(int b) { return b * block; }
+  static int end_of(int b, const Cloth& cloth) {
+    return std::min((b + 1) * block, cloth.num_points());
+  }
+
+  /// No contacts, with as many slots as the cloth has points.
+  void reset(const Cloth&);
+
+  bool fits(const Cloth& cloth) const { return push_.size() == cloth.num_points(); }
+
+  /// What finds contacts in a step.
+  struct Seeker {
+    Seeker(const MovingCollider&, double offset);
+
+    const MovingCollider& collider;
+    Frame frame;
+    Frame before;   // at the step's start
+    double offset;  // that points keep from the surface [m]
+  };
+
+  /// Keeps the contacts of the last step as those to resume.
+  void start_over();
+
+  /// Finds the contacts of a block. Blocks in ascending order.
+  void find(int block, const Seeker&, const Cloth&, const ContactStep&, const State&);
+
+  /// The contact of one point, whether it was found or not: at the surface that faces `normal`,
+  /// which it may not leave slower than at `slowest` [m/s].
+  void put(int point, const Vector3& normal, const Vector3& surface_velocity, double slowest);
+
+  /// Ends a contact that there is.
+  void remove(int point);
+
+  /// To be called when all contacts of a step have been found: drops the others' impulses.
+  void close();
+
+  /// Gives the points the impulses of the last step, `scale` times as large.
+  void resume(const Cloth&, double scale, Points& velocities);
+
+  /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
+  double sweep(double friction, Points& velocities);
+
+  /// What push_out() tells of a block.
+  struct Pushed {
+    double least;  // distance from the surface before [m]
+    double most;   // way of a point [m]
+  };
+
+  /// Moves points of a block, at `positions` after a step from `start`, to the offset. Points that
+  /// are not `free` (count of the block, or of the cloth from the block's first point on) stay.
+  static Pushed push_out(int block, const Seeker&, const double* free, const Points& start,
+                         Points& positions);
+
+  /// Does a contact of this step touch it?
+  bool touches(int point) const {
+    return has_active(point / block) && slowest_[point] > -std::numeric_limits<double>::infinity();
+  }
+  /// Had it an impulse in the last step?
+  bool was_held(int point) const { return push_[point] > 0; }
+  bool has_active(int b) const {
+    return !is_active_.empty() && is_active_[static_cast<std::size_t>(b)] != 0;
+  }
+
+  /// Blocks with contacts, ascending.
+  const std::vector<int>& active() const { return active_; }
+
+  ContactImpulse contact(int point, double friction) const;
+
+  /// Contacts that carry an impulse.
+  int count() const;
+  /// Calls visit(point, impulse) for each of these.
+  template <typename Visit>
+  void for_each_held(Visit&& visit) const {
+    for (const int b : active_) {
+      for (int i = first_of(b); i < end_of(b); ++i) {
+        if (push_[i] > 0) visit(i, contact(i, 0));
+      }
+    }
+  }
+  /// Calls visit(point) for each that touches this collider and the `other` one.
+  template <typename Visit>
+  void for_each_touching_both(const ContactSlots& other, Visit&& visit) const {
+    for (const int b : active_) {
+      if (!other.has_active(b)) continue;
+      for (int i = first_of(b); i < end_of(b); ++i) {
+        if (touches(i) && other.touches(i)) visit(i);
+      }
+    }
+  }
+
+  /// An impulse to resume. Points in ascending order.
+  void hold(int point, const ContactImpulse&);
+
+ private:
+  int end_of(int b) const { return std::min((b + 1) * block, static_cast<int>(push_.size())); }
+  void activate(int b);
+  void clear(int b);
+
+  Points normal_;            // into free space
+  Points surface_velocity_;  // [m/s]
+  Scalars slowest_;          // -infinity: no contact, as in ContactImpulse::let_go()
+  Scalars push_;             // 0 but in blocks that are active
+  Points drag_;              // likewise
+  std::vector<int> active_;  // blocks with contacts
+  std::vector<int> last_active_;
+  std::vector<char> is_active_;  // by block
+};
+
+}  // namespace clothsim

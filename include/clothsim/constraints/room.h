@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "clothsim/model/types.h"
+#include "clothsim/shapes/collider.h"
+
+namespace clothsim {
+
+/// How far any point of a cloth may have moved.
+class Travel {
+ public:
+  /// A step has brought the points from `start` to `now`.
+  void begin(const Points& start, const Points& now);
+
+  /// What followed in the step has brought them to `now`.
+  void go_on(const Points& start, const Points& now);
+
+  /// They moved on by `way` [m] at most.
+  void add(double way) { total_ += way; }
+
+  /// The step ends with the points at `now`.
+  void end(const Points& now) { seen_ = now; }
+
+  /// Where they are is not known.
+  void forget() { seen_.resize(0, 3); }
+
+  /// No point has moved farther since ever [m]; infinity: it is not known.
+  double total() const { return total_; }
+
+  /// Longest way of a point within the step [m].
+  double in_step() const { return in_step_; }
+
+  /// Longest way of a point between the last step's end and this one's start [m].
+  double between_steps() const { return between_steps_; }
+
+ private:
+  Points seen_;  // at the last step's end; none: not known
+  double total_ = 0;
+  double at_start_ = 0;  // total at the step's start
+  double in_step_ = 0;
+  double between_steps_ = 0;
+};
+
+/// Which blocks of points are too far from a collider to touch it. The distance from a surface
+/// changes no faster than point and surface move, whatever the shape: a block sleeps until both
+/// together may have used up the least distance of its points.
+class Room {
+ public:
+  /// Nothing is known of so many blocks.
+  void reset(int blocks);
+
+  bool is_of(int blocks) const { return used_up_at_.size() == static_cast<std::size_t>(blocks); }
+
+  /// The collider is at `pose` now, and no point is farther from its origin than `radius` [m],
+  /// which matters only if it turned. Returns how far its surface can have moved since the last
+  /// call [m].
+  double follow(const Pose& pose, double radius);
+
+  /// Pose that it was seen at.
+  const Pose& pose() const { return pose_; }
+
+  /// No point of a block is nearer to the surface than `distance` [m], after a way of `travelled`.
+  void keep(int block, double distance, double travelled) {
+    const double at = travelled + moved_ + distance;
+    used_up_at_[static_cast<std::size_t>(block)] = at;
+    least_ = std::min(least_, at);
+  }
+  void wake(int block) {
+    used_up_at_[static_cast<std::size_t>(block)] = least_ =
+        -std::numeric_limits<double>::infinity();
+  }
+
+  /// Can a point be within `reach` [m] of the surface?
+  bool is_near(double travelled, double reach) const {
+    return !(least_ > travelled + moved_ + reach);
+  }
+
+  /// The blocks of which points can be within `reach` [m] of the surface, ascending.
+  void find_near(double travelled, double reach, std::vector<int>& blocks);
+
+ private:
+  std::vector<double> used_up_at_;                           // by block: travelled + moved_
+  double least_ = -std::numeric_limits<double>::infinity();  // of these, or less
+  double moved_ = 0;                                         // way of the surface since ever [m]
+  bool is_seen_ = false;
+  Pose pose_;
+};
+
+}  // namespace clothsim

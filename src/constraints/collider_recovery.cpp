@@ -1,0 +1,199 @@
+// What is rare where a cloth meets colliders, point by point: steps that may have taken a point
+// through a shape, what a shape was put upon, and what two shapes leave no room.
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/constraints/collider_contacts.h"
+
+namespace clothsim {
+namespace {
+
+/// A turn within a step that is so small is taken as a straight way in the collider's frame [rad].
+constexpr double smallest_turn = 0.1;
+
+/// Where a point that may have passed through the shape in one step came in, in the collider's own
+/// frame at the step's end.
+std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3& from,
+                                   const Vector3& to, double offset) {
+  const double depth = safe_depth(collider.shape());
+  const double turn = collider.last_turn();
+  if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
+  if (turn <= smallest_turn) return entry_point(collider.shape(), from, to, offset);
+
+  // Its way is bent in a frame that turns: piece by piece.
+  const Vector3 start = to_world(collider.previous(), from), end = to_world(collider.pose(), to);
+  const int pieces = static_cast<int>(std::ceil(turn / smallest_turn));
+  Vector3 last = from;
+  for (int i = 1; i <= pieces; ++i) {
+    const double share = static_cast<double>(i) / pieces;
+    const Vector3 next = to_local(collider.pose_at(share), start + share * (end - start));
+    const auto entry = entry_point(collider.shape(), last, next, offset);
+    if (entry) return entry;
+    last = next;
+  }
+  return std::nullopt;
+}
+
+/// Distance of a point from the surface at the step's start, 0 where it was outside [m].
+double depth_before(const Shape& shape, const Vector3& from) {
+  return std::min(0.0, signed_distance(shape, from, from).value);
+}
+
+/// Direction in which a piece of cloth, of which `held` are the points, leaves a solid about the
+/// origin: square to the piece, away from the middle.
+Vector3 direction_out(const Cloth& cloth, const Points& points, const std::vector<char>& held) {
+  Vector3 normal(0, 0, 0), middle(0, 0, 0);
+  for (const auto& [a, b, c] : cloth.triangles) {
+    if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
+        !held[static_cast<std::size_t>(c)]) {
+      continue;
+    }
+    normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
+  }
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (held[static_cast<std::size_t>(i)]) middle += row(points, i);
+  }
+  if (normal.norm() == 0) normal = middle;
+  if (normal.norm() == 0) normal = Vector3::UnitZ();
+  return (normal.dot(middle) < 0 ? -1 : 1) * normal.normalized();
+}
+
+}  // namespace
+
+void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& seeker,
+                                    const ContactStep& step, State& state, Caught& caught) {
+  const MovingCollider& collider = seeker.collider;
+  const Shape& shape = collider.shape();
+  const Vector3 from = to_local(collider.previous(), row(step.start, i));
+  Vector3 to = to_local(collider.pose(), row(state.positions, i));
+
+  // A point that may have passed through stops where it came in.
+  const auto entry = swept_entry(collider, from, to, seeker.offset);
+  if (entry) {
+    to = *entry;
+    state.positions.row(i) = to_world(collider.pose(), to).transpose();
+  }
+  const Distance d = signed_distance(shape, to, from);
+  const double depth = d.value < 0 ? -depth_before(shape, from) : 0;
+  if (!entry && depth == 0) return;
+  if (s.has_faces) {
+    local_.to.row(i) = to.transpose();
+    local_.distance[i] = d.value;
+  }
+
+  // The gap this step would leave if the point only followed the surface.
+  const Vector3 normal = seeker.frame.turn * d.normal;
+  const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
+  const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
+  const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
+  const double gap = d.value - seeker.offset - step.reach * step.h * drift;
+  const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
+  // The impulse that ends its approach will carry it on to where it came in.
+  if (entry && drift < 0)
+    state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
+
+  if (!s.slots.was_held(i) && rate >= slowest && gap > 0) {
+    if (s.slots.touches(i)) s.slots.remove(i);
+    return;
+  }
+  if (depth > 0) caught.points.emplace_back(i, depth);
+  s.slots.put(i, normal, surface_velocity, slowest + way_out_speed(depth));
+}
+
+void ColliderContacts::pinch_points(const std::vector<MovingCollider>& colliders,
+                                    const Cloth& cloth, const Points& positions) {
+  for (std::size_t l = 1; l < sides_.size(); ++l) {
+    for (std::size_t k = l; k-- > 0;) {
+      const ContactSlots &a = sides_[k].slots, &b = sides_[l].slots;
+      a.for_each_touching_both(b, [&](int point) {
+        const ContactImpulse of_a = a.contact(point, colliders[k].friction());
+        const ContactImpulse of_b = b.contact(point, colliders[l].friction());
+        if (!Pinches::leave_no_room(of_a, of_b)) return;
+        pinches_.add(point, row(positions, point), {of_a, colliders[k]}, {of_b, colliders[l]},
+                     cloth);
+      });
+    }
+  }
+}
+
+void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders,
+                                    const Cloth& cloth, const Points& positions,
+                                    std::vector<Caught>& caught) {
+  pinch_points(colliders, cloth, positions);
+  const auto of_point = [&](int collider, int point) -> std::optional<ContactImpulse> {
+    const auto k = static_cast<std::size_t>(collider);
+    if (!sides_[k].slots.touches(point)) return {};
+    return sides_[k].slots.contact(point, colliders[k].friction());
+  };
+  faces_.find_pinched(colliders, of_point, cloth, positions, pinches_);
+  if (pinches_.count() == 0) return;
+
+  // Nothing else pushes them about.
+  for (Side& s : sides_) {
+    s.slots.for_each_touching_both(s.slots, [&](int point) {
+      if (pinches_.holds(point)) s.slots.remove(point);
+    });
+  }
+  faces_.leave_to(pinches_, cloth);
+  const auto drop = [](auto& list, const auto& is_held) {
+    list.erase(std::remove_if(list.begin(), list.end(), is_held), list.end());
+  };
+  for (Caught& c : caught) {
+    drop(c.points, [&](const auto& point) { return pinches_.holds(point.first); });
+    drop(c.faces, [&](const CaughtFace& f) {
+      return pinches_.holds_any(cloth.triangles[static_cast<std::size_t>(f.triangle)]);
+    });
+  }
+}
+
+void ColliderContacts::escape(const Caught& caught, const MovingCollider& collider,
+                              const Cloth& cloth, const ContactStep& step,
+                              const Points& positions) {
+  Side& s = side(caught.collider);
+  s.leaves.assign(static_cast<std::size_t>(cloth.num_points()), 0);
+  for (const auto& point : caught.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
+  for (const CaughtFace& face : caught.faces) {
+    for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
+      s.leaves[static_cast<std::size_t>(i)] = 1;
+    }
+  }
+  local_.place(collider, step.start, positions);
+  s.way_out = direction_out(cloth, local_.from, s.leaves);
+  s.is_close = true;
+
+  // All its points go that way, those outside too.
+  const Vector3 direction = collider.pose().orientation * *s.way_out;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
+    s.slots.put(i, direction, collider.velocity_at(row(positions, i)), recovery_speed);
+  }
+  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction);
+}
+
+std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
+                                                        const ContactSlots::Seeker& seeker,
+                                                        const Points& start, Points& positions) {
+  const MovingCollider& collider = seeker.collider;
+  const Vector3 from = to_local(collider.previous(), row(start, i));
+  Vector3 to = to_local(collider.pose(), row(positions, i));
+  const auto entry = swept_entry(collider, from, to, seeker.offset);
+  if (entry) to = *entry;
+  const Distance d = signed_distance(collider.shape(), to, from);
+  if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
+    const double way = s.way_out->dot(to - from);
+    to += std::max(0.0, recovery_speed * h_ - way) * *s.way_out;
+  } else {
+    const double before = depth_before(collider.shape(), from);
+    if (!entry && before == 0) return std::nullopt;
+    to += std::max(0.0, required_distance(before, seeker.offset, h_) - d.value) * d.normal;
+  }
+  const double ends = signed_distance(collider.shape(), to, from).value;
+  s.is_clear = s.is_clear && ends >= surface_offset / 2;
+  const Vector3 end = to_world(collider.pose(), to);
+  const double way = (end - row(positions, i)).norm();
+  positions.row(i) = end.transpose();
+  return way;
+}
+
+}  // namespace clothsim

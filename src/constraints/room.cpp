@@ -1,0 +1,76 @@
+#include "clothsim/constraints/room.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace clothsim {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Longest way of a point [m].
+double longest_way(const Points& from, const Points& to) {
+  return std::sqrt((to - from).rowwise().squaredNorm().maxCoeff());
+}
+
+/// To the same bits; by far quicker than to measure.
+bool are_same(const Points& a, const Points& b) {
+  const auto bytes = static_cast<std::size_t>(a.size()) * sizeof(double);
+  return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), bytes) == 0;
+}
+
+/// Angle between two orientations [rad].
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  const Eigen::Quaterniond turn = b * a.conjugate();
+  return 2 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
+}
+
+}  // namespace
+
+void Travel::begin(const Points& start, const Points& now) {
+  const bool is_known = seen_.rows() == start.rows();
+  between_steps_ = !is_known ? infinity : (are_same(seen_, start) ? 0 : longest_way(seen_, start));
+  at_start_ = total_ + (is_known ? between_steps_ : 0);
+  go_on(start, now);
+}
+
+void Travel::go_on(const Points& start, const Points& now) {
+  in_step_ = longest_way(start, now);
+  total_ = at_start_ + in_step_;
+}
+
+void Room::reset(int blocks) {
+  used_up_at_.assign(static_cast<std::size_t>(blocks), -infinity);
+  least_ = -infinity;
+  moved_ = 0;
+  is_seen_ = false;
+}
+
+double Room::follow(const Pose& pose, double radius) {
+  double moved = infinity;
+  if (is_seen_) {
+    moved = (pose.position - pose_.position).norm();
+    if (pose.orientation.coeffs() != pose_.orientation.coeffs()) {
+      moved += radius * angle_between(pose_.orientation, pose.orientation);
+    }
+    moved_ += moved;
+  }
+  is_seen_ = true;
+  pose_ = pose;
+  return moved;
+}
+
+void Room::find_near(double travelled, double reach, std::vector<int>& blocks) {
+  blocks.clear();
+  if (!is_near(travelled, reach)) return;
+  const double most = travelled + moved_ + reach;
+  least_ = infinity;
+  for (int b = 0; b < static_cast<int>(used_up_at_.size()); ++b) {
+    const double at = used_up_at_[static_cast<std::size_t>(b)];
+    least_ = std::min(least_, at);
+    if (!(at > most)) blocks.push_back(b);
+  }
+}
+
+}  // namespace clothsim

@@ -1,0 +1,65 @@
+#include "clothsim/shapes/signed_distances.h"
+
+#include <tuple>
+
+#include "clothsim/model/target_clones.h"
+#include "near_surface.h"
+
+namespace clothsim {
+namespace {
+
+/// What all of these loops are given but the shape.
+struct Run {
+  const Frame& frame;
+  PointRun points;
+  const Frame& before;
+  PointRun sides;
+  int count;
+  double* distances;
+  MutablePointRun normals;
+};
+
+template <typename Solid>
+[[gnu::always_inline]] inline void distances_of(const Solid& solid, const Run& run) {
+  const Eigen::Matrix3d turn = run.frame.turn;
+  const Vector3 origin = run.frame.origin;
+  const Vector3 side_axis = run.before.turn.col(2), side_origin = run.before.origin;
+  const auto [points, sides, normals] = std::tuple(run.points, run.sides, run.normals);
+  double* const distances = run.distances;
+#pragma GCC ivdep
+  for (int i = 0; i < run.count; ++i) {
+    const double dx = points.x[i] - origin[0];
+    const double dy = points.y[i] - origin[1];
+    const double dz = points.z[i] - origin[2];
+    const double side = side_axis[0] * (sides.x[i] - side_origin[0]) +
+                        side_axis[1] * (sides.y[i] - side_origin[1]) +
+                        side_axis[2] * (sides.z[i] - side_origin[2]);
+    const NearSurface near =
+        near_surface(solid, turn(0, 0) * dx + turn(1, 0) * dy + turn(2, 0) * dz,
+                     turn(0, 1) * dx + turn(1, 1) * dy + turn(2, 1) * dz,
+                     turn(0, 2) * dx + turn(1, 2) * dy + turn(2, 2) * dz, side);
+    distances[i] = near.value;
+    normals.x[i] = turn(0, 0) * near.x + turn(0, 1) * near.y + turn(0, 2) * near.z;
+    normals.y[i] = turn(1, 0) * near.x + turn(1, 1) * near.y + turn(1, 2) * near.z;
+    normals.z[i] = turn(2, 0) * near.x + turn(2, 1) * near.y + turn(2, 2) * near.z;
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+void find(const Sphere& sphere, const Run& run) { distances_of(sphere, run); }
+CLOTHSIM_TARGET_CLONES
+void find(const Plane& plane, const Run& run) { distances_of(plane, run); }
+CLOTHSIM_TARGET_CLONES
+void find(const Capsule& capsule, const Run& run) { distances_of(capsule, run); }
+CLOTHSIM_TARGET_CLONES
+void find(const Cuboid& box, const Run& run) { distances_of(box, run); }
+
+}  // namespace
+
+void signed_distances(const Shape& shape, const Frame& frame, PointRun points, const Frame& before,
+                      PointRun sides, int count, double* distances, MutablePointRun normals) {
+  const Run run{frame, points, before, sides, count, distances, normals};
+  std::visit([&](const auto& solid) { find(solid, run); }, shape);
+}
+
+}  // namespace clothsim
