@@ -212,14 +212,14 @@ void ContactSlots::find(int b, const Seeker& seeker, const Cloth& cloth, const C
   go_back(count, way, {collider.velocity(), collider.angular_velocity(), seeker.frame.origin},
           &push_[first], run_from(state.positions, first), drifted,
           run_from(surface_velocity_, first), from.run());
-  signed_distances(collider.shape(), seeker.frame, read_only(from.run()), seeker.before,
+  signed_distances(collider.shape(), seeker.frame, from.run(), seeker.before,
                    run_from(step.start, first), count, distance, run_from(normal_, first));
-  const long touching = mark_touching(
-      count,
-      {step.h, way, seeker.offset, &cloth.inv_mass[first], &push_[first], distance,
-       read_only(run_from(normal_, first)), read_only(run_from(surface_velocity_, first)),
-       run_from(state.velocities, first), drifted},
-      &slowest_[first]);
+  const long touching =
+      mark_touching(count,
+                    {step.h, way, seeker.offset, &cloth.inv_mass[first], &push_[first], distance,
+                     run_from(normal_, first), run_from(surface_velocity_, first),
+                     run_from(state.velocities, first), drifted},
+                    &slowest_[first]);
   if (touching > 0) {
     is_active_[static_cast<std::size_t>(b)] = 1;
     active_.push_back(b);
@@ -300,10 +300,9 @@ ContactSlots::Pushed ContactSlots::push_out(int b, const Seeker& seeker, const d
   const int first = b * block, count = std::min(block, static_cast<int>(start.rows()) - first);
   double distance[most], lift[most];
   BlockPoints normal;
-  signed_distances(seeker.collider.shape(), seeker.frame, read_only(run_from(positions, first)),
-                   seeker.before, run_from(start, first), count, distance, normal.run());
-  lift_out(count, seeker.offset, free, distance, read_only(normal.run()),
-           run_from(positions, first), lift);
+  signed_distances(seeker.collider.shape(), seeker.frame, run_from(positions, first), seeker.before,
+                   run_from(start, first), count, distance, normal.run());
+  lift_out(count, seeker.offset, free, distance, normal.run(), run_from(positions, first), lift);
   return {*std::min_element(distance, distance + count), *std::max_element(lift, lift + count)};
 }
 

@@ -6,14 +6,20 @@ namespace clothsim {
 
 /// Consecutive points of N x 3, where each coordinate's column goes on from the first of them: what
 /// a vector loop over some of the points takes.
-template <typename Real>
-struct RunOf {
-  Real* x;
-  Real* y;
-  Real* z;
+struct PointRun {
+  const double* x;
+  const double* y;
+  const double* z;
 };
-using PointRun = RunOf<const double>;
-using MutablePointRun = RunOf<double>;
+
+/// The same, to be written.
+struct MutablePointRun {
+  double* x;
+  double* y;
+  double* z;
+
+  operator PointRun() const { return {x, y, z}; }
+};
 
 inline PointRun run_from(const Points& points, int first) {
   return {&points(first, 0), &points(first, 1), &points(first, 2)};
@@ -21,6 +27,5 @@ inline PointRun run_from(const Points& points, int first) {
 inline MutablePointRun run_from(Points& points, int first) {
   return {&points(first, 0), &points(first, 1), &points(first, 2)};
 }
-inline PointRun read_only(const MutablePointRun& run) { return {run.x, run.y, run.z}; }
 
 }  // namespace clothsim

@@ -1,0 +1,199 @@
+#include "clothsim/constraints/contact_slots.h"
+
+#include <cmath>
+
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double h = 1e-3;        // [s]
+constexpr double reach = 0.5;     // of a step
+constexpr double friction = 0.4;  // of all
+constexpr double offset = surface_offset;
+
+const Shape shapes[] = {Sphere{0.3}, Plane{}, Plane{true}, Capsule{0.8, 0.1},
+                        Cuboid{{0.8, 0.3, 0.4}}};
+
+/// A cloth of loose points about the shape, some of them pinned.
+Cloth loose(int count) {
+  ClothSpec spec = chain_spec(count, 1, 0);
+  spec.pinned = {{0, 3, ""}, {0, 17, ""}};
+  return make_grid(spec);
+}
+
+/// That moves and turns.
+MovingCollider moving(const Shape& shape) {
+  ColliderSpec spec;
+  spec.shape = shape;
+  spec.friction = friction;
+  spec.pose = {{0.1, 0.05, -0.1}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3::UnitX()))};
+  MovingCollider collider(spec);
+  collider.aim({{0.1, 0.06, -0.09}, Eigen::Quaterniond(Eigen::AngleAxisd(0.51, Vector3::UnitX()))},
+               10 * h);
+  collider.advance(h);
+  return collider;
+}
+
+/// One point at a time: what ContactSlots does, by signed_distance() and ContactImpulse.
+struct Twin {
+  void find(const MovingCollider& c, const Cloth& cloth, const ContactStep& step,
+            const State& state) {
+    held.resize(static_cast<std::size_t>(cloth.num_points()));
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      std::optional<ContactImpulse> last = held[static_cast<std::size_t>(i)];
+      const bool was_held = last && last->push > 0;
+      held[static_cast<std::size_t>(i)].reset();
+      if (cloth.inv_mass[i] == 0) continue;
+
+      const Vector3 x = row(state.positions, i), u = c.velocity_at(x);
+      const Vector3 back = step.reach * h * (row(step.drifted, i) - u);
+      const Vector3 from = to_local(c.previous(), row(step.start, i));
+      const Distance d =
+          signed_distance(c.shape(), to_local(c.pose(), was_held ? x - back : x), from);
+      ContactImpulse contact;
+      contact.normal = c.pose().orientation * d.normal;
+      contact.surface_velocity = u;
+      contact.friction = c.friction();
+      const double gap = d.value - offset - (was_held ? 0 : contact.normal.dot(back));
+      contact.slowest = -std::max(gap, 0.0) / h;
+      const double rate = contact.normal.dot(row(state.velocities, i) - u);
+      if (!was_held && rate >= contact.slowest && gap > 0) continue;
+      if (was_held) contact.resume(*last, 1);
+      held[static_cast<std::size_t>(i)] = contact;
+    }
+  }
+
+  void resume(double scale, Points& velocities) {
+    for_each([&](int i, ContactImpulse& c) {
+      c.resume(c, scale);
+      velocities.row(i) += c.total().transpose();
+    });
+  }
+
+  void sweep(Points& velocities) {
+    for_each([&](int i, ContactImpulse& c) {
+      velocities.row(i) += c.update(row(velocities, i), 1).transpose();
+    });
+  }
+
+  static void push_out(const MovingCollider& c, const Cloth& cloth, const Points& start,
+                       Points& positions) {
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      if (cloth.inv_mass[i] == 0) continue;
+      const Distance d = signed_distance(c.shape(), to_local(c.pose(), row(positions, i)),
+                                         to_local(c.previous(), row(start, i)));
+      positions.row(i) +=
+          std::max(0.0, offset - d.value) * (c.pose().orientation * d.normal).transpose();
+    }
+  }
+
+  template <typename Visit>
+  void for_each(const Visit& visit) {
+    for (int i = 0; i < static_cast<int>(held.size()); ++i) {
+      if (held[static_cast<std::size_t>(i)]) visit(i, *held[static_cast<std::size_t>(i)]);
+    }
+  }
+
+  std::vector<std::optional<ContactImpulse>> held;
+};
+
+TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
+  constexpr int count = 16 * 12 + 5;
+  const Cloth cloth = loose(count);
+  for (const Shape& shape : shapes) {
+    MovingCollider collider = moving(shape);
+    State state{random_points(count, 0.35, 1), random_points(count, 3, 2), 0};
+    State other = state;
+    ContactSlots slots;
+    slots.reset(cloth);
+    Twin twin;
+    int touched = 0, slid = 0;
+    for (int k = 0; k < 30; ++k) {
+      collider.advance(h);
+      const Points start = state.positions, other_start = other.positions;
+      for (State* s : {&state, &other}) s->positions += h * s->velocities;
+      const Points drifted = state.velocities, other_drifted = other.velocities;
+      const ContactStep step{h, reach, start, drifted, Workers()};
+      const ContactStep other_step{h, reach, other_start, other_drifted, Workers()};
+      const double scale = k % 2 == 0 ? 1.0 : 0.7;
+
+      const ContactSlots::Seeker seeker(collider, offset);
+      slots.start_over();
+      for (int b = 0; b < ContactSlots::num_blocks(cloth); ++b) {
+        slots.find(b, seeker, cloth, step, state);
+      }
+      slots.close();
+      slots.resume(cloth, scale, state.velocities);
+      for (int sweep = 0; sweep < 3; ++sweep) slots.sweep(friction, state.velocities);
+      for (int b = 0; b < ContactSlots::num_blocks(cloth); ++b) {
+        ContactSlots::push_out(b, seeker, &cloth.inv_mass[ContactSlots::first_of(b)], start,
+                               state.positions);
+      }
+
+      twin.find(collider, cloth, other_step, other);
+      twin.resume(scale, other.velocities);
+      for (int sweep = 0; sweep < 3; ++sweep) twin.sweep(other.velocities);
+      Twin::push_out(collider, cloth, other_start, other.positions);
+
+      ASSERT_LT((state.velocities - other.velocities).cwiseAbs().maxCoeff(), 1e-11) << k;
+      ASSERT_LT((state.positions - other.positions).cwiseAbs().maxCoeff(), 1e-13) << k;
+      int held = 0;
+      twin.for_each([&](int i, const ContactImpulse& c) {
+        held += c.push > 0;
+        slid += c.push > 0 && c.drag.norm() > 0.999 * friction * c.push;
+        EXPECT_EQ(slots.touches(i), true);
+      });
+      EXPECT_EQ(slots.count(), held);
+      touched += held;
+      // Pressed on again.
+      for (State* s : {&state, &other}) {
+        s->velocities += random_points(count, 1, 10 + k) - 10 * s->positions;
+      }
+    }
+    EXPECT_GT(touched, 40);
+    EXPECT_GT(slid, 10);
+  }
+}
+
+TEST(ContactSlots, ASweepTellsTheLargestChange) {
+  const Cloth cloth = loose(21);
+  ContactSlots slots;
+  slots.reset(cloth);
+  const Vector3 up(0, 0, 1), still(0, 0, 0);
+  Points velocities = Points::Zero(21, 3);
+  velocities(5, 2) = -3;
+  velocities(20, 2) = -4;
+  for (const int point : {5, 20}) slots.put(point, up, still, 0);
+  slots.close();
+  EXPECT_EQ(slots.sweep(0, velocities), 16);
+  EXPECT_EQ(slots.sweep(0, velocities), 0);
+  EXPECT_EQ(velocities, Points::Zero(21, 3));
+  EXPECT_EQ(slots.count(), 2);
+}
+
+TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
+  const Cloth cloth = loose(40);
+  ContactSlots slots;
+  slots.reset(cloth);
+  ContactImpulse impulse;
+  impulse.push = 2;
+  for (const int point : {3, 5, 30}) slots.hold(point, impulse);  // 3 is pinned
+  EXPECT_EQ(slots.count(), 3);
+  const MovingCollider plane(ColliderSpec{"", Plane{}});
+  const Points at = Points::Constant(40, 3, offset), still = Points::Zero(40, 3);
+  State state{at, still, 0};
+  slots.start_over();
+  slots.find(1, ContactSlots::Seeker(plane, offset), cloth, {h, reach, at, still, Workers()},
+             state);
+  slots.close();
+  slots.resume(cloth, 0.5, state.velocities);
+  EXPECT_EQ(slots.count(), 1) << "the other two are in a block that nobody looked at";
+  EXPECT_EQ(state.velocities.cwiseAbs().sum(), 1);
+  EXPECT_EQ(state.velocities(30, 2), 1);
+}
+
+}  // namespace
+}  // namespace clothsim

@@ -1,0 +1,93 @@
+#include "clothsim/constraints/room.h"
+
+#include <random>
+
+#include "clothsim/shapes/signed_distances.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+TEST(Room, NoBlockSleepsThatHasAPointInReach) {
+  // Random ways of points and of shapes that turn, a block of each point: those that Room leaves
+  // out are farther than the reach, and most of those far are left out.
+  constexpr int count = 60;
+  constexpr double reach = 0.05;
+  for (const Shape& shape : {Shape(Sphere{0.2}), Shape(Plane{}), Shape(Capsule{0.6, 0.1}),
+                             Shape(Cuboid{{0.4, 0.8, 0.2}})}) {
+    std::mt19937_64 engine(7);
+    std::normal_distribution<double> draw(0, 0.002);
+    Points x = random_points(count, 1, 3);
+    Pose pose;
+    Travel travel;
+    Room room;
+    room.reset(count);
+    std::vector<int> near;
+    int asleep = 0, far = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Points start = x;
+      for (int i = 0; i < x.size(); ++i) x.data()[i] += draw(engine);
+      pose.position += Vector3(draw(engine), draw(engine), draw(engine));
+      pose.orientation =
+          (Eigen::AngleAxisd(draw(engine), Vector3(0.6, 0, 0.8)) * pose.orientation).normalized();
+      travel.begin(start, x);
+      room.follow(pose, longest_row(x.rowwise() - pose.position.transpose()));
+      room.find_near(travel.total(), reach, near);
+
+      Scalars distance(count);
+      Points normals(count, 3);
+      signed_distances(shape, Frame(pose), run_from(x, 0), Frame(pose), run_from(x, 0), count,
+                       distance.data(), run_from(normals, 0));
+      std::vector<char> is_near(count, 0);
+      for (const int b : near) is_near[static_cast<std::size_t>(b)] = 1;
+      for (int i = 0; i < count; ++i) {
+        if (is_near[static_cast<std::size_t>(i)]) {
+          room.keep(i, distance[i], travel.total());
+        } else {
+          ASSERT_GT(distance[i], reach) << i << " in step " << k;
+          ++asleep;
+        }
+        far += distance[i] > reach;
+      }
+      travel.end(x);
+    }
+    EXPECT_GT(asleep, 0.8 * far);
+  }
+}
+
+TEST(Room, WhatMovedBetweenStepsCounts) {
+  Points x = Points::Zero(3, 3);
+  Travel travel;
+  travel.begin(x, x);
+  EXPECT_EQ(travel.between_steps(), std::numeric_limits<double>::infinity());
+  travel.end(x);
+  const double before = travel.total();
+  x(1, 2) = 0.3;
+  Points next = x;
+  next(2, 0) = -0.1;
+  travel.begin(x, next);
+  EXPECT_EQ(travel.between_steps(), 0.3);
+  EXPECT_EQ(travel.in_step(), 0.1);
+  EXPECT_NEAR(travel.total() - before, 0.4, 1e-15);
+  next(2, 0) = -0.25;
+  travel.go_on(x, next);
+  EXPECT_NEAR(travel.total() - before, 0.55, 1e-15) << "from the step's start";
+
+  Room room;
+  room.reset(1);
+  Pose pose;
+  room.follow(pose, 1);
+  room.keep(0, 1, 0);
+  std::vector<int> near;
+  room.find_near(0, 0.9, near);
+  EXPECT_TRUE(near.empty());
+  pose.position.x() = 0.2;
+  EXPECT_EQ(room.follow(pose, 1), 0.2);
+  room.find_near(0, 0.9, near);
+  EXPECT_EQ(near.size(), 1u);
+}
+
+}  // namespace
+}  // namespace clothsim
