@@ -93,7 +93,7 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
   if (entry && drift < 0)
     state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
 
-  if (!s.slots.was_held(i) && rate >= slowest && gap > 0) {
+  if (!s.slots.is_held(i) && rate >= slowest && gap > 0) {
     if (s.slots.touches(i)) s.slots.remove(i);
     return;
   }

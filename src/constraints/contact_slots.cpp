@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 
 #include "clothsim/model/lanes.h"
@@ -12,15 +13,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most = ContactSlots::block;
-
-/// Numbers of the points of a block, with room for all.
-struct BlockPoints {
-  double x[most];
-  double y[most];
-  double z[most];
-
-  MutablePointRun run() { return {x, y, z}; }
-};
+using Triples = ContactSlots::Triples;
+using Block = ContactSlots::Block;
 
 /// Velocity of a solid about `origin`, in the world.
 struct Motion {
@@ -91,18 +85,9 @@ long mark_touching(int count, const Approach& a, double* slowest) {
   return touching;
 }
 
-/// Contacts of some points, from the first on.
-struct Slots {
-  MutablePointRun normal;
-  MutablePointRun surface;
-  double* slowest;
-  double* push;
-  MutablePointRun drag;
-};
-
 /// See ContactImpulse::resume().
 CLOTHSIM_TARGET_CLONES
-void resume_all(int count, double scale, const double* inv_mass, Slots s, MutablePointRun v) {
+void resume_all(int count, double scale, const double* inv_mass, Block& s, MutablePointRun v) {
 #pragma GCC ivdep
   for (int i = 0; i < count; ++i) {
     const double kept = inv_mass[i] > 0 ? scale : 0;
@@ -117,12 +102,13 @@ void resume_all(int count, double scale, const double* inv_mass, Slots s, Mutabl
     v.x[i] += push * nx + s.drag.x[i];
     v.y[i] += push * ny + s.drag.y[i];
     v.z[i] += push * nz + s.drag.z[i];
+    s.left.x[i] = std::numeric_limits<double>::quiet_NaN();
   }
 }
 
 /// ContactImpulse::update() of slot i on a point alone. Returns the square of the change.
-[[gnu::always_inline]] inline double update(const Slots& s, double friction,
-                                            const MutablePointRun& v, int i) {
+[[gnu::always_inline]] inline double update(Block& s, double friction, const MutablePointRun& v,
+                                            int i) {
   const double nx = s.normal.x[i], ny = s.normal.y[i], nz = s.normal.z[i];
   const double vx = v.x[i] - s.surface.x[i];
   const double vy = v.y[i] - s.surface.y[i];
@@ -150,25 +136,41 @@ void resume_all(int count, double scale, const double* inv_mass, Slots s, Mutabl
   s.drag.x[i] = dx;
   s.drag.y[i] = dy;
   s.drag.z[i] = dz;
-  v.x[i] += cx;
-  v.y[i] += cy;
-  v.z[i] += cz;
+  s.left.x[i] = v.x[i] += cx;
+  s.left.y[i] = v.y[i] += cy;
+  s.left.z[i] = v.z[i] += cz;
   return cx * cx + cy * cy + cz * cz;
 }
 
-/// The same of all slots of a block. `largest`: of the squares so far, by lane.
-CLOTHSIM_TARGET_CLONES
-void update_all(int count, double friction, Slots s, MutablePointRun v, double* largest) {
-  int first = 0;
-  for (; first + num_lanes <= count; first += num_lanes) {
+/// Bits of eight numbers, see Lanes: where they differ is quicker to gather than whether they do.
+using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias));
+[[gnu::always_inline]] inline const Bits& bits(const double* numbers) {
+  return *reinterpret_cast<const Bits*>(numbers);
+}
+
+/// The same of a block whose points have changed since the last pass. `largest`: of the squares so
+/// far, by lane.
+[[gnu::always_inline]] inline void update_block(Block& s, double friction, const MutablePointRun& v,
+                                                double* largest) {
+  const Bits differ =
+      (bits(v.x) ^ bits(s.left.x)) | (bits(v.y) ^ bits(s.left.y)) | (bits(v.z) ^ bits(s.left.z));
+  std::uint64_t changed = 0;
+  for (int i = 0; i < most; ++i) changed |= differ[i];
+  if (changed == 0) return;
 #pragma GCC ivdep
-    for (int lane = 0; lane < num_lanes; ++lane) {
-      const double change2 = update(s, friction, v, first + lane);
-      largest[lane] = change2 > largest[lane] ? change2 : largest[lane];
-    }
+  for (int i = 0; i < most; ++i) {
+    const double change2 = update(s, friction, v, i);
+    largest[i] = change2 > largest[i] ? change2 : largest[i];
   }
-  for (; first < count; ++first) {
-    largest[0] = std::max(largest[0], update(s, friction, v, first));
+}
+
+/// The same of all these blocks, none of which ends beyond `v`.
+CLOTHSIM_TARGET_CLONES
+void update_blocks(const int* blocks, std::size_t count, double friction, Block* slots,
+                   MutablePointRun v, double* largest) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const int first = blocks[k] * most;
+    update_block(slots[blocks[k]], friction, {v.x + first, v.y + first, v.z + first}, largest);
   }
 }
 
@@ -193,33 +195,32 @@ ContactSlots::Seeker::Seeker(const MovingCollider& c, double kept)
     : collider(c), frame(c.pose()), before(c.previous()), offset(kept) {}
 
 void ContactSlots::reset(const Cloth& cloth) {
-  const int n = cloth.num_points();
-  for (Points* points : {&normal_, &surface_velocity_, &drag_}) points->setZero(n, 3);
-  slowest_.setConstant(n, -infinity);
-  push_.setZero(n);
+  points_ = cloth.num_points();
+  Block empty{};
+  std::fill(std::begin(empty.slowest), std::end(empty.slowest), -infinity);
+  blocks_.assign(static_cast<std::size_t>(num_blocks(cloth)), empty);
+  is_active_.assign(blocks_.size(), 0);
   active_.clear();
-  is_active_.assign(static_cast<std::size_t>(num_blocks(cloth)), 0);
 }
 
 void ContactSlots::find(int b, const Seeker& seeker, const Cloth& cloth, const ContactStep& step,
                         const State& state) {
-  const int first = b * block, count = end_of(b) - first;
+  const int first = first_of(b), count = end_of(b) - first;
   const MovingCollider& collider = seeker.collider;
   const double way = step.reach * step.h;
   const PointRun drifted = run_from(step.drifted, first);
-  BlockPoints from;
+  Block& s = at(b);
+  Triples from;
   double distance[most];
   go_back(count, way, {collider.velocity(), collider.angular_velocity(), seeker.frame.origin},
-          &push_[first], run_from(state.positions, first), drifted,
-          run_from(surface_velocity_, first), from.run());
+          s.push, run_from(state.positions, first), drifted, s.surface.run(), from.run());
   signed_distances(collider.shape(), seeker.frame, from.run(), seeker.before,
-                   run_from(step.start, first), count, distance, run_from(normal_, first));
+                   run_from(step.start, first), count, distance, s.normal.run());
   const long touching =
       mark_touching(count,
-                    {step.h, way, seeker.offset, &cloth.inv_mass[first], &push_[first], distance,
-                     run_from(normal_, first), run_from(surface_velocity_, first),
-                     run_from(state.velocities, first), drifted},
-                    &slowest_[first]);
+                    {step.h, way, seeker.offset, &cloth.inv_mass[first], s.push, distance,
+                     s.normal.run(), s.surface.run(), run_from(state.velocities, first), drifted},
+                    s.slowest);
   if (touching > 0) {
     is_active_[static_cast<std::size_t>(b)] = 1;
     active_.push_back(b);
@@ -233,10 +234,7 @@ void ContactSlots::start_over() {
 }
 
 void ContactSlots::clear(int b) {
-  const int first = b * block, count = end_of(b) - first;
-  slowest_.segment(first, count).setConstant(-infinity);
-  push_.segment(first, count).setZero();
-  drag_.middleRows(first, count).setZero();
+  for (int i = first_of(b); i < end_of(b); ++i) remove(i);
 }
 
 void ContactSlots::activate(int b) {
@@ -249,15 +247,19 @@ void ContactSlots::activate(int b) {
 void ContactSlots::put(int point, const Vector3& normal, const Vector3& surface_velocity,
                        double slowest) {
   activate(point / block);
-  normal_.row(point) = normal.transpose();
-  surface_velocity_.row(point) = surface_velocity.transpose();
-  slowest_[point] = slowest;
+  Block& s = at(point / block);
+  const int i = point % block;
+  s.normal.set(i, normal);
+  s.surface.set(i, surface_velocity);
+  s.slowest[i] = slowest;
 }
 
 void ContactSlots::remove(int point) {
-  slowest_[point] = -infinity;
-  push_[point] = 0;
-  drag_.row(point).setZero();
+  Block& s = at(point / block);
+  const int i = point % block;
+  s.slowest[i] = -infinity;
+  s.push[i] = 0;
+  s.drag.set(i, Vector3::Zero());
 }
 
 void ContactSlots::close() {
@@ -269,37 +271,39 @@ void ContactSlots::close() {
 
 void ContactSlots::hold(int point, const ContactImpulse& impulse) {
   activate(point / block);
-  push_[point] = impulse.push;
-  drag_.row(point) = impulse.drag.transpose();
+  at(point / block).push[point % block] = impulse.push;
+  at(point / block).drag.set(point % block, impulse.drag);
 }
 
 void ContactSlots::resume(const Cloth& cloth, double scale, Points& velocities) {
   for (const int b : active_) {
-    const int first = b * block;
-    resume_all(end_of(b) - first, scale, &cloth.inv_mass[first],
-               {run_from(normal_, first), run_from(surface_velocity_, first), &slowest_[first],
-                &push_[first], run_from(drag_, first)},
+    const int first = first_of(b);
+    resume_all(end_of(b) - first, scale, &cloth.inv_mass[first], at(b),
                run_from(velocities, first));
   }
 }
 
 double ContactSlots::sweep(double friction, Points& velocities) {
-  double largest2[num_lanes] = {};
-  for (const int b : active_) {
-    const int first = b * block;
-    update_all(end_of(b) - first, friction,
-               {run_from(normal_, first), run_from(surface_velocity_, first), &slowest_[first],
-                &push_[first], run_from(drag_, first)},
-               run_from(velocities, first), largest2);
+  if (active_.empty()) return 0;
+  double largest2[most] = {};
+  const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
+  update_blocks(active_.data(), active_.size() - ends_short, friction, blocks_.data(),
+                run_from(velocities, 0), largest2);
+  if (ends_short) {  // with slots that no point has: they never touch
+    const int b = active_.back(), first = first_of(b), zero = 0;
+    Triples v{};
+    for (int i = first; i < points_; ++i) v.set(i - first, row(velocities, i));
+    update_blocks(&zero, 1, friction, &at(b), v.run(), largest2);
+    for (int i = first; i < points_; ++i) velocities.row(i) = v.get(i - first).transpose();
   }
   return *std::max_element(std::begin(largest2), std::end(largest2));
 }
 
 ContactSlots::Pushed ContactSlots::push_out(int b, const Seeker& seeker, const double* free,
                                             const Points& start, Points& positions) {
-  const int first = b * block, count = std::min(block, static_cast<int>(start.rows()) - first);
+  const int first = first_of(b), count = std::min(block, static_cast<int>(start.rows()) - first);
   double distance[most], lift[most];
-  BlockPoints normal;
+  Triples normal;
   signed_distances(seeker.collider.shape(), seeker.frame, run_from(positions, first), seeker.before,
                    run_from(start, first), count, distance, normal.run());
   lift_out(count, seeker.offset, free, distance, normal.run(), run_from(positions, first), lift);
@@ -307,13 +311,15 @@ ContactSlots::Pushed ContactSlots::push_out(int b, const Seeker& seeker, const d
 }
 
 ContactImpulse ContactSlots::contact(int point, double friction) const {
+  const Block& s = at(point / block);
+  const int i = point % block;
   ContactImpulse result;
-  result.normal = row(normal_, point);
-  result.surface_velocity = row(surface_velocity_, point);
-  result.slowest = slowest_[point];
+  result.normal = s.normal.get(i);
+  result.surface_velocity = s.surface.get(i);
+  result.slowest = s.slowest[i];
   result.friction = friction;
-  result.push = push_[point];
-  result.drag = row(drag_, point);
+  result.push = s.push[i];
+  result.drag = s.drag.get(i);
   return result;
 }
 

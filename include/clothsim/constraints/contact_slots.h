@@ -7,6 +7,7 @@
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/state.h"
 #include "clothsim/shapes/moving_collider.h"
 #include "clothsim/shapes/signed_distances.h"
@@ -20,8 +21,8 @@ namespace clothsim {
 /// of whose points touch are not looked at. No result depends on how points make blocks.
 class ContactSlots {
  public:
-  /// Points of a block: few enough that those that touch fill it, enough for vector units.
-  static constexpr int block = 16;
+  /// Points of a block: as many as the widest vector unit takes.
+  static constexpr int block = num_lanes;
 
   static int num_blocks(const Cloth& cloth) { return (cloth.num_points() + block - 1) / block; }
 
@@ -30,10 +31,36 @@ class ContactSlots {
     return std::min((b + 1) * block, cloth.num_points());
   }
 
+  /// Vectors of the points of a block.
+  struct Triples {
+    alignas(64) double x[block];
+    alignas(64) double y[block];
+    alignas(64) double z[block];
+
+    MutablePointRun run() { return {x, y, z}; }
+    Vector3 get(int i) const { return {x[i], y[i], z[i]}; }
+    void set(int i, const Vector3& v) {
+      x[i] = v.x();
+      y[i] = v.y();
+      z[i] = v.z();
+    }
+  };
+
+  /// Contacts of the points of a block, see ContactImpulse.
+  struct Block {
+    Triples normal;
+    Triples surface;                    // its velocity [m/s]
+    alignas(64) double slowest[block];  // -infinity: no contact, as of one that is let go
+    alignas(64) double push[block];     // 0 but in blocks that are active
+    Triples drag;                       // likewise
+    // Velocities that the last pass left the points with: none needs another until they change.
+    Triples left;
+  };
+
   /// No contacts, with as many slots as the cloth has points.
   void reset(const Cloth&);
 
-  bool fits(const Cloth& cloth) const { return push_.size() == cloth.num_points(); }
+  bool fits(const Cloth& cloth) const { return points_ == cloth.num_points(); }
 
   /// What finds contacts in a step.
   struct Seeker {
@@ -80,10 +107,11 @@ class ContactSlots {
 
   /// Does a contact of this step touch it?
   bool touches(int point) const {
-    return has_active(point / block) && slowest_[point] > -std::numeric_limits<double>::infinity();
+    return has_active(point / block) &&
+           at(point / block).slowest[point % block] > -std::numeric_limits<double>::infinity();
   }
-  /// Had it an impulse in the last step?
-  bool was_held(int point) const { return push_[point] > 0; }
+  /// Has it an impulse, before resume() that of the last step?
+  bool is_held(int point) const { return at(point / block).push[point % block] > 0; }
   bool has_active(int b) const {
     return !is_active_.empty() && is_active_[static_cast<std::size_t>(b)] != 0;
   }
@@ -100,7 +128,7 @@ class ContactSlots {
   void for_each_held(Visit&& visit) const {
     for (const int b : active_) {
       for (int i = first_of(b); i < end_of(b); ++i) {
-        if (push_[i] > 0) visit(i, contact(i, 0));
+        if (is_held(i)) visit(i, contact(i, 0));
       }
     }
   }
@@ -119,15 +147,14 @@ class ContactSlots {
   void hold(int point, const ContactImpulse&);
 
  private:
-  int end_of(int b) const { return std::min((b + 1) * block, static_cast<int>(push_.size())); }
+  int end_of(int b) const { return std::min((b + 1) * block, points_); }
+  Block& at(int b) { return blocks_[static_cast<std::size_t>(b)]; }
+  const Block& at(int b) const { return blocks_[static_cast<std::size_t>(b)]; }
   void activate(int b);
   void clear(int b);
 
-  Points normal_;            // into free space
-  Points surface_velocity_;  // [m/s]
-  Scalars slowest_;          // -infinity: no contact, as in ContactImpulse::let_go()
-  Scalars push_;             // 0 but in blocks that are active
-  Points drag_;              // likewise
+  int points_ = 0;
+  std::vector<Block> blocks_;
   std::vector<int> active_;  // blocks with contacts
   std::vector<int> last_active_;
   std::vector<char> is_active_;  // by block
