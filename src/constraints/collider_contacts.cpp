@@ -107,10 +107,11 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   }
   const ContactSlots::Seeker seeker(collider, keeps.points);
   s.friction = collider.friction();
-  for (const int block : s.near) {
-    s.slots.find(block, seeker, cloth, step, state);
+  for (const Span& span : s.near) {
+    s.slots.find(span, seeker, cloth, step, state);
     if (!s.is_close) continue;
-    for (int i = ContactSlots::first_of(block); i < ContactSlots::end_of(block, cloth); ++i) {
+    const int end = ContactSlots::end_of(span.end - 1, cloth);
+    for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
       if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
     }
   }
@@ -165,25 +166,19 @@ double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, con
   s.is_clear = pinches_.count() == 0;
   const ContactSlots::Seeker seeker(collider, keeps.points);
   double longest = 0;
-  for (const int block : s.near) {
-    const int first = ContactSlots::first_of(block), end = ContactSlots::end_of(block, cloth);
-    double free[ContactSlots::block];
-    const double* can_move = &cloth.inv_mass[first];
+  for (const Span& span : s.near) {
+    const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
+    double free[Span::longest * ContactSlots::block], least[Span::longest];
     if (s.is_close || pinches_.count() > 0) {
-      for (int i = first; i < end; ++i) {
-        double& is_free = free[i - first];
-        is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
-        if (!s.is_close || is_free == 0) continue;
-        const auto way = correct_closely(s, i, seeker, start, positions);
-        if (!way) continue;
-        longest = std::max(longest, *way);
-        is_free = 0;
-      }
+      const double way = correct_closely(s, span, seeker, cloth, start, positions, free);
+      longest = std::max(longest, way);
       can_move = free;
     }
-    const auto pushed = ContactSlots::push_out(block, seeker, can_move, start, positions);
-    longest = std::max(longest, pushed.most);
-    if (!s.slots.has_active(block)) s.room.keep(block, pushed.least, travel_.total());
+    const double way = ContactSlots::push_out(span, seeker, can_move, start, positions, least);
+    longest = std::max(longest, way);
+    for (int b = span.begin; b < span.end; ++b) {
+      if (!s.slots.has_active(b)) s.room.keep(b, least[b - span.begin], travel_.total());
+    }
   }
   if (is_near_faces(s, keeps, surface_offset)) {
     longest = std::max(longest, correct_faces(s, collider, cloth, start, positions));

@@ -171,6 +171,23 @@ void ColliderContacts::escape(const Caught& caught, const MovingCollider& collid
   for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction);
 }
 
+double ColliderContacts::correct_closely(Side& s, const Span& span,
+                                         const ContactSlots::Seeker& seeker, const Cloth& cloth,
+                                         const Points& start, Points& positions, double* free) {
+  double longest = 0;
+  const int first = ContactSlots::first_of(span.begin);
+  for (int i = first; i < ContactSlots::end_of(span.end - 1, cloth); ++i) {
+    double& is_free = free[i - first];
+    is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
+    if (!s.is_close || is_free == 0) continue;
+    const auto way = correct_closely(s, i, seeker, start, positions);
+    if (!way) continue;
+    longest = std::max(longest, *way);
+    is_free = 0;
+  }
+  return longest;
+}
+
 std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
                                                         const ContactSlots::Seeker& seeker,
                                                         const Points& start, Points& positions) {

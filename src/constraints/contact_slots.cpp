@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -27,22 +26,25 @@ struct Motion {
 /// followed the surface from there on, `way` [s] back along the velocity that brought it to x.
 /// Others may yet pass by: as they lie at x.
 CLOTHSIM_TARGET_CLONES
-void go_back(int count, double way, const Motion& motion, const double* push, PointRun x,
-             PointRun drifted, MutablePointRun surface, MutablePointRun from) {
+void go_back(int count, double way, const Motion& motion, PointRun x, PointRun drifted,
+             Block* slots, MutablePointRun from) {
   const Vector3 v = motion.velocity, w = motion.angular, origin = motion.origin;
-#pragma GCC ivdep
-  for (int i = 0; i < count; ++i) {
-    const double rx = x.x[i] - origin[0], ry = x.y[i] - origin[1], rz = x.z[i] - origin[2];
-    const double ux = v[0] + (w[1] * rz - w[2] * ry);
-    const double uy = v[1] + (w[2] * rx - w[0] * rz);
-    const double uz = v[2] + (w[0] * ry - w[1] * rx);
-    const double back = push[i] > 0 ? way : 0;
-    surface.x[i] = ux;
-    surface.y[i] = uy;
-    surface.z[i] = uz;
-    from.x[i] = x.x[i] - back * (drifted.x[i] - ux);
-    from.y[i] = x.y[i] - back * (drifted.y[i] - uy);
-    from.z[i] = x.z[i] - back * (drifted.z[i] - uz);
+  for (int first = 0; first < count; first += most, ++slots) {
+    Block& s = *slots;
+    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+      const int i = first + lane;
+      const double rx = x.x[i] - origin[0], ry = x.y[i] - origin[1], rz = x.z[i] - origin[2];
+      const double ux = v[0] + (w[1] * rz - w[2] * ry);
+      const double uy = v[1] + (w[2] * rx - w[0] * rz);
+      const double uz = v[2] + (w[0] * ry - w[1] * rx);
+      const double back = s.push[lane] > 0 ? way : 0;
+      s.surface.x[lane] = ux;
+      s.surface.y[lane] = uy;
+      s.surface.z[lane] = uz;
+      from.x[i] = x.x[i] - back * (drifted.x[i] - ux);
+      from.y[i] = x.y[i] - back * (drifted.y[i] - uy);
+      from.z[i] = x.z[i] - back * (drifted.z[i] - uz);
+    });
   }
 }
 
@@ -52,61 +54,74 @@ struct Approach {
   double way;     // [s] see go_back()
   double offset;  // that points keep from the surface [m]
   const double* inv_mass;
-  const double* push;
   const double* distance;  // [m]
   PointRun normal;
-  PointRun surface;   // velocity [m/s]
   PointRun velocity;  // [m/s]
   PointRun drifted;   // [m/s]
 };
 
 /// Which points touch, and how slowly they may leave: no faster towards the surface than they would
-/// use up the gap, the one this step would leave if they only followed it. Returns how many.
+/// use up the gap, the one this step would leave if they only followed it. `touching`: how many of
+/// each block.
 CLOTHSIM_TARGET_CLONES
-long mark_touching(int count, const Approach& a, double* slowest) {
+void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
   const double h = a.h, way = a.way, offset = a.offset;
-  const auto [n, u, v, drifted] = std::tuple(a.normal, a.surface, a.velocity, a.drifted);
-  const double *const inv_mass = a.inv_mass, *const push = a.push, *const distance = a.distance;
-  long touching = 0;
-#pragma GCC ivdep
-  for (int i = 0; i < count; ++i) {
-    const double rate =
-        n.x[i] * (v.x[i] - u.x[i]) + n.y[i] * (v.y[i] - u.y[i]) + n.z[i] * (v.z[i] - u.z[i]);
-    const double drift = n.x[i] * (drifted.x[i] - u.x[i]) + n.y[i] * (drifted.y[i] - u.y[i]) +
-                         n.z[i] * (drifted.z[i] - u.z[i]);
-    const bool held = push[i] > 0;
-    const double gap = distance[i] - offset - (held ? 0 : way * drift);
-    const double least = -(gap > 0 ? gap : 0) / h;
-    // Others may yet push a point on the surface into it.
-    const bool touches = (inv_mass[i] > 0) & (held | (rate < least) | (gap <= 0));
-    slowest[i] = touches ? least : -infinity;
-    touching += touches;
+  const PointRun n = a.normal, v = a.velocity, drifted = a.drifted;
+  const double *const inv_mass = a.inv_mass, *const distance = a.distance;
+  for (int first = 0; first < count; first += most, ++slots, ++touching) {
+    Block& s = *slots;
+    long here = 0;
+    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+      const int i = first + lane;
+      const double ux = s.surface.x[lane], uy = s.surface.y[lane], uz = s.surface.z[lane];
+      const double rate = n.x[i] * (v.x[i] - ux) + n.y[i] * (v.y[i] - uy) + n.z[i] * (v.z[i] - uz);
+      const double drift = n.x[i] * (drifted.x[i] - ux) + n.y[i] * (drifted.y[i] - uy) +
+                           n.z[i] * (drifted.z[i] - uz);
+      const bool held = s.push[lane] > 0;
+      const double gap = distance[i] - offset - (held ? 0 : way * drift);
+      const double least = -(gap > 0 ? gap : 0) / h;
+      // Others may yet push a point on the surface into it.
+      const bool touches = (inv_mass[i] > 0) & (held | (rate < least) | (gap <= 0));
+      s.normal.x[lane] = n.x[i];
+      s.normal.y[lane] = n.y[i];
+      s.normal.z[lane] = n.z[i];
+      s.slowest[lane] = touches ? least : -infinity;
+      here += touches;
+    });
+    *touching = here;
   }
-  return touching;
 }
 
-/// See ContactImpulse::resume().
+/// ContactImpulse::resume() of these blocks, and what it gives to velocities.
 CLOTHSIM_TARGET_CLONES
-void resume_all(int count, double scale, const double* inv_mass, Block& s, MutablePointRun v) {
-#pragma GCC ivdep
-  for (int i = 0; i < count; ++i) {
-    const double kept = inv_mass[i] > 0 ? scale : 0;
-    const double push = kept * s.push[i];
-    const double nx = s.normal.x[i], ny = s.normal.y[i], nz = s.normal.z[i];
-    const double dx = kept * s.drag.x[i], dy = kept * s.drag.y[i], dz = kept * s.drag.z[i];
-    const double along = nx * dx + ny * dy + nz * dz;
-    s.push[i] = push;
-    s.drag.x[i] = dx - along * nx;
-    s.drag.y[i] = dy - along * ny;
-    s.drag.z[i] = dz - along * nz;
-    v.x[i] += push * nx + s.drag.x[i];
-    v.y[i] += push * ny + s.drag.y[i];
-    v.z[i] += push * nz + s.drag.z[i];
-    s.left.x[i] = std::numeric_limits<double>::quiet_NaN();
+void resume_all(const std::vector<int>& blocks, int points, double scale, const double* inv_mass,
+                Block* slots, MutablePointRun v) {
+  for (const int b : blocks) {
+    Block& s = slots[b];
+    const int first = b * most;
+    for_each_lane(std::min(most, points - first), [&](int lane) CLOTHSIM_INLINE {
+      const int i = first + lane;
+      const double kept = inv_mass[i] > 0 ? scale : 0;
+      const double push = kept * s.push[lane];
+      const double nx = s.normal.x[lane], ny = s.normal.y[lane], nz = s.normal.z[lane];
+      const double dx = kept * s.drag.x[lane], dy = kept * s.drag.y[lane],
+                   dz = kept * s.drag.z[lane];
+      const double along = nx * dx + ny * dy + nz * dz;
+      s.push[lane] = push;
+      s.drag.x[lane] = dx - along * nx;
+      s.drag.y[lane] = dy - along * ny;
+      s.drag.z[lane] = dz - along * nz;
+      v.x[i] += push * nx + s.drag.x[lane];
+      v.y[i] += push * ny + s.drag.y[lane];
+      v.z[i] += push * nz + s.drag.z[lane];
+      s.left.x[lane] = std::numeric_limits<double>::quiet_NaN();
+    });
   }
 }
 
-/// ContactImpulse::update() of slot i on a point alone. Returns the square of the change.
+/// ContactImpulse::update() of slot i on a point alone, if its velocity has changed since the last
+/// pass: what others in its block do makes no difference to the last bit. Returns the square of the
+/// change.
 [[gnu::always_inline]] inline double update(Block& s, double friction, const MutablePointRun& v,
                                             int i) {
   const double nx = s.normal.x[i], ny = s.normal.y[i], nz = s.normal.z[i];
@@ -128,14 +143,15 @@ void resume_all(int count, double scale, const double* inv_mass, Block& s, Mutab
   dy *= share;
   dz *= share;
 
+  const bool rests = (v.x[i] == s.left.x[i]) & (v.y[i] == s.left.y[i]) & (v.z[i] == s.left.z[i]);
   const double more = push - s.push[i];
-  const double cx = more * nx + dx - s.drag.x[i];
-  const double cy = more * ny + dy - s.drag.y[i];
-  const double cz = more * nz + dz - s.drag.z[i];
-  s.push[i] = push;
-  s.drag.x[i] = dx;
-  s.drag.y[i] = dy;
-  s.drag.z[i] = dz;
+  const double cx = rests ? 0 : more * nx + dx - s.drag.x[i];
+  const double cy = rests ? 0 : more * ny + dy - s.drag.y[i];
+  const double cz = rests ? 0 : more * nz + dz - s.drag.z[i];
+  s.push[i] = rests ? s.push[i] : push;
+  s.drag.x[i] = rests ? s.drag.x[i] : dx;
+  s.drag.y[i] = rests ? s.drag.y[i] : dy;
+  s.drag.z[i] = rests ? s.drag.z[i] : dz;
   s.left.x[i] = v.x[i] += cx;
   s.left.y[i] = v.y[i] += cy;
   s.left.z[i] = v.z[i] += cz;
@@ -174,20 +190,35 @@ void update_blocks(const int* blocks, std::size_t count, double friction, Block*
   }
 }
 
-/// Lifts free points that are less than `offset` away from the surface to it; `lift`: by how much.
+/// Lifts free points that are less than `offset` away from the surface to it. `highest`: by how
+/// much at most, by lane.
 CLOTHSIM_TARGET_CLONES
 void lift_out(int count, double offset, const double* free, const double* distance, PointRun n,
-              MutablePointRun x, double* lift) {
-#pragma GCC ivdep
-  for (int i = 0; i < count; ++i) {
-    const double missing = offset - distance[i];
-    const double way = (free[i] > 0) & (missing > 0) ? missing : 0;
-    x.x[i] += way * n.x[i];
-    x.y[i] += way * n.y[i];
-    x.z[i] += way * n.z[i];
-    lift[i] = way;
+              MutablePointRun x, double* highest) {
+  for (int first = 0; first < count; first += most) {
+    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+      const int i = first + lane;
+      const double missing = offset - distance[i];
+      const double way = (free[i] > 0) & (missing > 0) ? missing : 0;
+      x.x[i] += way * n.x[i];
+      x.y[i] += way * n.y[i];
+      x.z[i] += way * n.z[i];
+      highest[lane] = way > highest[lane] ? way : highest[lane];
+    });
   }
 }
+
+/// Distances and normals of the points of a span.
+struct SpanDistances {
+  static constexpr int room = Span::longest * most;
+
+  double value[room];
+  double x[room];
+  double y[room];
+  double z[room];
+
+  MutablePointRun normals() { return {x, y, z}; }
+};
 
 }  // namespace
 
@@ -203,25 +234,25 @@ void ContactSlots::reset(const Cloth& cloth) {
   active_.clear();
 }
 
-void ContactSlots::find(int b, const Seeker& seeker, const Cloth& cloth, const ContactStep& step,
-                        const State& state) {
-  const int first = first_of(b), count = end_of(b) - first;
+void ContactSlots::find(const Span& span, const Seeker& seeker, const Cloth& cloth,
+                        const ContactStep& step, const State& state) {
+  const int first = first_of(span.begin), count = end_of(span.end - 1) - first;
   const MovingCollider& collider = seeker.collider;
   const double way = step.reach * step.h;
   const PointRun drifted = run_from(step.drifted, first);
-  Block& s = at(b);
-  Triples from;
-  double distance[most];
+  double x[SpanDistances::room], y[SpanDistances::room], z[SpanDistances::room];
+  SpanDistances distances;
   go_back(count, way, {collider.velocity(), collider.angular_velocity(), seeker.frame.origin},
-          s.push, run_from(state.positions, first), drifted, s.surface.run(), from.run());
-  signed_distances(collider.shape(), seeker.frame, from.run(), seeker.before,
-                   run_from(step.start, first), count, distance, s.normal.run());
-  const long touching =
-      mark_touching(count,
-                    {step.h, way, seeker.offset, &cloth.inv_mass[first], s.push, distance,
-                     s.normal.run(), s.surface.run(), run_from(state.velocities, first), drifted},
-                    s.slowest);
-  if (touching > 0) {
+          run_from(state.positions, first), drifted, &at(span.begin), {x, y, z});
+  signed_distances(collider.shape(), seeker.frame, {x, y, z}, seeker.before,
+                   run_from(step.start, first), count, distances.value, distances.normals());
+  long touching[Span::longest];
+  mark_touching(count,
+                {step.h, way, seeker.offset, &cloth.inv_mass[first], distances.value,
+                 distances.normals(), run_from(state.velocities, first), drifted},
+                &at(span.begin), touching);
+  for (int b = span.begin; b < span.end; ++b) {
+    if (touching[b - span.begin] == 0) continue;
     is_active_[static_cast<std::size_t>(b)] = 1;
     active_.push_back(b);
   }
@@ -263,7 +294,7 @@ void ContactSlots::remove(int point) {
 }
 
 void ContactSlots::close() {
-  std::sort(active_.begin(), active_.end());
+  if (!std::is_sorted(active_.begin(), active_.end())) std::sort(active_.begin(), active_.end());
   for (const int b : last_active_) {
     if (!has_active(b)) clear(b);
   }
@@ -276,11 +307,9 @@ void ContactSlots::hold(int point, const ContactImpulse& impulse) {
 }
 
 void ContactSlots::resume(const Cloth& cloth, double scale, Points& velocities) {
-  for (const int b : active_) {
-    const int first = first_of(b);
-    resume_all(end_of(b) - first, scale, &cloth.inv_mass[first], at(b),
-               run_from(velocities, first));
-  }
+  if (active_.empty()) return;
+  resume_all(active_, points_, scale, cloth.inv_mass.data(), blocks_.data(),
+             run_from(velocities, 0));
 }
 
 double ContactSlots::sweep(double friction, Points& velocities) {
@@ -299,15 +328,21 @@ double ContactSlots::sweep(double friction, Points& velocities) {
   return *std::max_element(std::begin(largest2), std::end(largest2));
 }
 
-ContactSlots::Pushed ContactSlots::push_out(int b, const Seeker& seeker, const double* free,
-                                            const Points& start, Points& positions) {
-  const int first = first_of(b), count = std::min(block, static_cast<int>(start.rows()) - first);
-  double distance[most], lift[most];
-  Triples normal;
+double ContactSlots::push_out(const Span& span, const Seeker& seeker, const double* free,
+                              const Points& start, Points& positions, double* least) {
+  const int first = first_of(span.begin);
+  const int count = std::min(first_of(span.end), static_cast<int>(start.rows())) - first;
+  SpanDistances distances;
   signed_distances(seeker.collider.shape(), seeker.frame, run_from(positions, first), seeker.before,
-                   run_from(start, first), count, distance, normal.run());
-  lift_out(count, seeker.offset, free, distance, normal.run(), run_from(positions, first), lift);
-  return {*std::min_element(distance, distance + count), *std::max_element(lift, lift + count)};
+                   run_from(start, first), count, distances.value, distances.normals());
+  double highest[most] = {};
+  lift_out(count, seeker.offset, free, distances.value, distances.normals(),
+           run_from(positions, first), highest);
+  for (int i = 0; i < count; i += most) {
+    least[i / most] =
+        *std::min_element(distances.value + i, distances.value + std::min(i + most, count));
+  }
+  return *std::max_element(std::begin(highest), std::end(highest));
 }
 
 ContactImpulse ContactSlots::contact(int point, double friction) const {

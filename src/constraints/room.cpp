@@ -61,15 +61,22 @@ double Room::follow(const Pose& pose, double radius) {
   return moved;
 }
 
-void Room::find_near(double travelled, double reach, std::vector<int>& blocks) {
-  blocks.clear();
+void Room::find_near(double travelled, double reach, std::vector<Span>& spans) {
+  spans.clear();
   if (!is_near(travelled, reach)) return;
   const double most = travelled + moved_ + reach;
   least_ = infinity;
   for (int b = 0; b < static_cast<int>(used_up_at_.size()); ++b) {
     const double at = used_up_at_[static_cast<std::size_t>(b)];
     least_ = std::min(least_, at);
-    if (!(at > most)) blocks.push_back(b);
+    if (at > most) continue;
+    const bool follows =
+        !spans.empty() && spans.back().end == b && b - spans.back().begin < Span::longest;
+    if (follows) {
+      ++spans.back().end;
+    } else {
+      spans.push_back({b, b + 1});
+    }
   }
 }
 

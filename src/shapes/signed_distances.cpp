@@ -1,7 +1,6 @@
 #include "clothsim/shapes/signed_distances.h"
 
-#include <tuple>
-
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 #include "near_surface.h"
 
@@ -24,10 +23,10 @@ template <typename Solid>
   const Eigen::Matrix3d turn = run.frame.turn;
   const Vector3 origin = run.frame.origin;
   const Vector3 side_axis = run.before.turn.col(2), side_origin = run.before.origin;
-  const auto [points, sides, normals] = std::tuple(run.points, run.sides, run.normals);
+  const PointRun points = run.points, sides = run.sides;
+  const MutablePointRun normals = run.normals;
   double* const distances = run.distances;
-#pragma GCC ivdep
-  for (int i = 0; i < run.count; ++i) {
+  for_each_lane(run.count, [&](int i) CLOTHSIM_INLINE {
     const double dx = points.x[i] - origin[0];
     const double dy = points.y[i] - origin[1];
     const double dz = points.z[i] - origin[2];
@@ -42,7 +41,7 @@ template <typename Solid>
     normals.x[i] = turn(0, 0) * near.x + turn(0, 1) * near.y + turn(0, 2) * near.z;
     normals.y[i] = turn(1, 0) * near.x + turn(1, 1) * near.y + turn(1, 2) * near.z;
     normals.z[i] = turn(2, 0) * near.x + turn(2, 1) * near.y + turn(2, 2) * near.z;
-  }
+  });
 }
 
 CLOTHSIM_TARGET_CLONES

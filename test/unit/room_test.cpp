@@ -24,7 +24,7 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
     Travel travel;
     Room room;
     room.reset(count);
-    std::vector<int> near;
+    std::vector<Span> near;
     int asleep = 0, far = 0;
     for (int k = 0; k < 200; ++k) {
       const Points start = x;
@@ -41,7 +41,10 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
       signed_distances(shape, Frame(pose), run_from(x, 0), Frame(pose), run_from(x, 0), count,
                        distance.data(), run_from(normals, 0));
       std::vector<char> is_near(count, 0);
-      for (const int b : near) is_near[static_cast<std::size_t>(b)] = 1;
+      for (const Span& span : near) {
+        std::fill(is_near.begin() + span.begin, is_near.begin() + span.end, 1);
+        EXPECT_LE(span.end - span.begin, Span::longest);
+      }
       for (int i = 0; i < count; ++i) {
         if (is_near[static_cast<std::size_t>(i)]) {
           room.keep(i, distance[i], travel.total());
@@ -80,7 +83,7 @@ TEST(Room, WhatMovedBetweenStepsCounts) {
   Pose pose;
   room.follow(pose, 1);
   room.keep(0, 1, 0);
-  std::vector<int> near;
+  std::vector<Span> near;
   room.find_near(0, 0.9, near);
   EXPECT_TRUE(near.empty());
   pose.position.x() = 0.2;

@@ -63,7 +63,7 @@ class ColliderContacts {
   struct Side {
     ContactSlots slots;
     Room room;
-    std::vector<int> near;  // blocks that may touch it now, ascending
+    std::vector<Span> near;  // blocks that may touch it now, ascending
     double friction = 0;
     double moved = 0;                // by its surface in this step, at most [m]
     bool has_faces = false;          // whether triangles may touch it in this step
@@ -111,6 +111,11 @@ class ColliderContacts {
   /// Moves what is in one collider out. Returns the longest way of a point [m].
   double correct_at(Side&, const MovingCollider&, const Cloth&, const Points& start,
                     Points& positions);
+
+  /// The same of the points of a span that need a close look. `free`: those of the span that move,
+  /// 0 where they do not or have been moved. Returns the longest way of a point [m].
+  double correct_closely(Side&, const Span&, const ContactSlots::Seeker&, const Cloth&,
+                         const Points& start, Points& positions, double* free);
 
   /// The same of a point that needs a close look; nothing for one that does not.
   std::optional<double> correct_closely(Side&, int point, const ContactSlots::Seeker&,

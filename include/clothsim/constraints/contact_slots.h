@@ -6,6 +6,7 @@
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/room.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/state.h"
@@ -75,8 +76,8 @@ class ContactSlots {
   /// Keeps the contacts of the last step as those to resume.
   void start_over();
 
-  /// Finds the contacts of a block. Blocks in ascending order.
-  void find(int block, const Seeker&, const Cloth&, const ContactStep&, const State&);
+  /// Finds the contacts of some blocks. To be called in ascending order.
+  void find(const Span&, const Seeker&, const Cloth&, const ContactStep&, const State&);
 
   /// The contact of one point, whether it was found or not: at the surface that faces `normal`,
   /// which it may not leave slower than at `slowest` [m/s].
@@ -94,16 +95,11 @@ class ContactSlots {
   /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
   double sweep(double friction, Points& velocities);
 
-  /// What push_out() tells of a block.
-  struct Pushed {
-    double least;  // distance from the surface before [m]
-    double most;   // way of a point [m]
-  };
-
-  /// Moves points of a block, at `positions` after a step from `start`, to the offset. Points that
-  /// are not `free` (count of the block, or of the cloth from the block's first point on) stay.
-  static Pushed push_out(int block, const Seeker&, const double* free, const Points& start,
-                         Points& positions);
+  /// Moves points of some blocks, at `positions` after a step from `start`, to the offset. Those
+  /// that are not `free`, from the first on, stay. `least`: of each block, how near to the surface
+  /// a point was [m]. Returns the longest way of a point [m].
+  static double push_out(const Span&, const Seeker&, const double* free, const Points& start,
+                         Points& positions, double* least);
 
   /// Does a contact of this step touch it?
   bool touches(int point) const {

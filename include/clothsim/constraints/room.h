@@ -9,6 +9,14 @@
 
 namespace clothsim {
 
+/// Blocks that follow one another, at most so many: what a loop over their points takes at once.
+struct Span {
+  static constexpr int longest = 16;
+
+  int begin;
+  int end;
+};
+
 /// How far any point of a cloth may have moved.
 class Travel {
  public:
@@ -79,7 +87,7 @@ class Room {
   }
 
   /// The blocks of which points can be within `reach` [m] of the surface, ascending.
-  void find_near(double travelled, double reach, std::vector<int>& blocks);
+  void find_near(double travelled, double reach, std::vector<Span>& spans);
 
  private:
   std::vector<double> used_up_at_;                           // by block: travelled + moved_

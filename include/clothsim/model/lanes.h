@@ -12,4 +12,17 @@ inline const Lanes& lanes_at(const double* numbers) {
   return *reinterpret_cast<const Lanes*>(numbers);
 }
 
+/// Calls body(i) for i in [0, count), in loops of eight that a compiler turns into vectors: bodies
+/// must not depend on each other, and be inlined: [&](int i) CLOTHSIM_INLINE { ... }.
+#define CLOTHSIM_INLINE __attribute__((always_inline))
+template <typename Body>
+[[gnu::always_inline]] inline void for_each_lane(int count, const Body& body) {
+  int first = 0;
+  for (; first + num_lanes <= count; first += num_lanes) {
+#pragma GCC ivdep
+    for (int lane = 0; lane < num_lanes; ++lane) body(first + lane);
+  }
+  for (int i = first; i < count; ++i) body(i);
+}
+
 }  // namespace clothsim
