@@ -20,12 +20,6 @@ void move_into(const Pose& pose, const Points& points, Points& local) {
   local.noalias() = (points.rowwise() - pose.position.transpose()) * turn;
 }
 
-/// Radius of curvature, 0 where a shape has edges, infinite where it is flat [m].
-double curvature(const Sphere& sphere) { return sphere.radius; }
-double curvature(const Capsule& capsule) { return capsule.radius; }
-double curvature(const Cuboid&) { return 0; }
-double curvature(const Plane&) { return std::numeric_limits<double>::infinity(); }
-
 }  // namespace
 
 void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
@@ -64,7 +58,7 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
-  const double radius = std::visit([](const auto& s) { return curvature(s); }, shape);
+  const double radius = least_curvature_radius(shape);
   if (cloth.triangles.empty() || std::isinf(radius)) return {surface_offset, false};
   // A triangle lies within edge / sqrt(3) of its circumcentre.
   const double kept = radius + surface_offset;

@@ -313,25 +313,43 @@ std::optional<FaceDistance> distance(const Round& shape, const Triangle& t, doub
 
 std::optional<FaceDistance> distance(const Plane&, const Triangle&, double) { return std::nullopt; }
 
-}  // namespace
+// ---- Straight lines of a shape's core that support it along `normal`: visit(one end, other end,
+// radius about it)
 
-namespace {
-
-/// Calls visit(one end, other end) for the straight lines of a shape's core that support it along
-/// `normal`.
 template <class Visit>
-void for_each_supporting_line(const Shape& shape, const Vector3& normal, Visit visit) {
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
-    const Vector3 end(0, 0, capsule->length / 2);
-    visit(Vector3(-end), end, capsule->radius);
-  } else if (const auto* box = std::get_if<Cuboid>(&shape)) {
-    const Vector3 support = box_corner(box->size / 2, normal);
-    for (int axis = 0; axis < 3; ++axis) {
-      Vector3 other = support;
-      other[axis] *= -1;
-      visit(support, other, 0.0);
-    }
+void for_each_supporting_line(const Sphere&, const Vector3&, Visit) {}
+
+template <class Visit>
+void for_each_supporting_line(const Plane&, const Vector3&, Visit) {}
+
+template <class Visit>
+void for_each_supporting_line(const Capsule& capsule, const Vector3&, Visit visit) {
+  const Vector3 end(0, 0, capsule.length / 2);
+  visit(Vector3(-end), end, capsule.radius);
+}
+
+template <class Visit>
+void for_each_supporting_line(const Cuboid& box, const Vector3& normal, Visit visit) {
+  const Vector3 support = box_corner(box.size / 2, normal);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector3 other = support;
+    other[axis] *= -1;
+    visit(support, other, 0.0);
   }
+}
+
+// ---- touches_between_corners()
+
+template <class Round>
+bool may_touch_between(const Round&, const Triangle&, double) {
+  return true;
+}
+
+bool may_touch_between(const Plane&, const Triangle&, double) { return false; }
+
+bool may_touch_between(const Cuboid& box, const Triangle& t, double reach) {
+  return is_near_edge(box.size / 2, t[0].cwiseMin(t[1]).cwiseMin(t[2]),
+                      t[0].cwiseMax(t[1]).cwiseMax(t[2]), reach);
 }
 
 }  // namespace
@@ -340,26 +358,24 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const
                                                        const FaceDistance& nearest, double reach) {
   std::array<std::optional<FaceDistance>, 3> found;
   const double farthest = reach + 2 * std::max(0.0, -nearest.value);
-  for_each_supporting_line(
-      shape, nearest.normal, [&](const Vector3& low, const Vector3& high, double radius) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          const SegmentParameters where = closest_on_segments(t[i], t[(i + 1) % 3], low, high);
-          if (where.s <= 0 || where.s >= 1) continue;
-          const Weights weights = on_edge(i, where.s);
-          const Vector3 gap = at(t, weights) - low - where.t * (high - low);
-          if (gap.norm() - radius > farthest) continue;
-          const double value = nearest.normal.dot(gap) - radius;
-          if (found[i] && found[i]->value <= value) continue;
-          found[i] = FaceDistance{value, nearest.normal, weights};
-        }
-      });
+  const auto add_line = [&](const Vector3& low, const Vector3& high, double radius) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const SegmentParameters where = closest_on_segments(t[i], t[(i + 1) % 3], low, high);
+      if (where.s <= 0 || where.s >= 1) continue;
+      const Weights weights = on_edge(i, where.s);
+      const Vector3 gap = at(t, weights) - low - where.t * (high - low);
+      if (gap.norm() - radius > farthest) continue;
+      const double value = nearest.normal.dot(gap) - radius;
+      if (found[i] && found[i]->value <= value) continue;
+      found[i] = FaceDistance{value, nearest.normal, weights};
+    }
+  };
+  std::visit([&](const auto& s) { for_each_supporting_line(s, nearest.normal, add_line); }, shape);
   return found;
 }
 
 bool touches_between_corners(const Shape& shape, const Triangle& t, double reach) {
-  const auto* box = std::get_if<Cuboid>(&shape);
-  return !box || is_near_edge(box->size / 2, t[0].cwiseMin(t[1]).cwiseMin(t[2]),
-                              t[0].cwiseMax(t[1]).cwiseMax(t[2]), reach);
+  return std::visit([&](const auto& s) { return may_touch_between(s, t, reach); }, shape);
 }
 
 std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& triangle,

@@ -76,6 +76,12 @@ double bounds(const Plane&) { return infinity; }
 double bounds(const Capsule& capsule) { return capsule.length / 2 + capsule.radius; }
 double bounds(const Cuboid& box) { return box.size.norm() / 2; }
 
+/// Radius of curvature, 0 where a shape has edges, infinite where it is flat [m].
+double radius_of(const Sphere& sphere) { return sphere.radius; }
+double radius_of(const Plane&) { return infinity; }
+double radius_of(const Capsule& capsule) { return capsule.radius; }
+double radius_of(const Cuboid&) { return 0; }
+
 }  // namespace
 
 Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3& side) {
@@ -87,7 +93,7 @@ Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3
 
 std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, const Vector3& to,
                                    double offset) {
-  if (std::holds_alternative<Plane>(shape)) return std::nullopt;
+  if (std::isinf(safe_depth(shape))) return std::nullopt;  // it has no far side
   const Distance start = signed_distance(shape, from, from);
   const Vector3 d = to - from;
   // The distance along a line has no second minimum: what moves away does not come back.
@@ -100,6 +106,10 @@ std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, cons
 
 double safe_depth(const Shape& shape) {
   return std::visit([](const auto& s) { return depth(s); }, shape);
+}
+
+double least_curvature_radius(const Shape& shape) {
+  return std::visit([](const auto& s) { return radius_of(s); }, shape);
 }
 
 double bounding_radius(const Shape& shape) {

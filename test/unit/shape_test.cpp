@@ -243,6 +243,10 @@ TEST(Shape, BoundsHoldTheSolid) {
   EXPECT_LE(safe_depth(rod), 0.2);
   EXPECT_LE(safe_depth(crate), 0.2);
   for (const Shape& shape : solids) EXPECT_GT(safe_depth(shape), 0);
+  EXPECT_EQ(least_curvature_radius(ball), 0.5);
+  EXPECT_TRUE(std::isinf(least_curvature_radius(ground)));
+  EXPECT_EQ(least_curvature_radius(rod), 0.2);
+  EXPECT_EQ(least_curvature_radius(crate), 0);
 }
 
 }  // namespace

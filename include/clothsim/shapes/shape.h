@@ -61,6 +61,9 @@ std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vect
 /// How far into the shape the nearest surface is still the one a point came through [m].
 double safe_depth(const Shape&);
 
+/// Least radius of curvature of the surface: 0 where it has edges, infinite where it is flat [m].
+double least_curvature_radius(const Shape&);
+
 /// Radius about the origin of its own frame that holds the solid; infinite for a plane [m].
 double bounding_radius(const Shape&);
 
