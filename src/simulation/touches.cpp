@@ -15,8 +15,9 @@ constexpr double touch_reach = surface_offset;
 void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
                  const Points& local, Touch& touch) {
   const double reach = keeps.points + touch_reach;
-  const Scalars distances = signed_distances(shape, local, local);
+  Scalars distances(cloth.num_points());
   for (int i = 0; i < cloth.num_points(); ++i) {
+    distances[i] = signed_distance(shape, row(local, i), row(local, i)).value;
     if (distances[i] > reach) continue;
     ++touch.count;
     touch.middle += row(local, i);
