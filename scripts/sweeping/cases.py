@@ -67,18 +67,18 @@ def write_whole(path, text):
     part.rename(path)
 
 
-def assignments(settings):
-    return [word for key, value in settings.items()
-            for word in ("--set", "%s=%s" % (key, json.dumps(value)))]
+class Case:
+    """All that a process needs to run one case of a plan."""
 
-
-def command(simulate, plan, number, folder):
-    words = [str(simulate), str(plan.scene), "--output", str(folder), *assignments(plan.settings(number))]
-    for name, value in plan.times.items():
-        words += ["--" + name, repr(value)]
-    if plan.start:
-        words += ["--from", str(plan.start)]
-    return words
+    def __init__(self, simulate, plan, number):
+        self.number, self.parameters, self.measure = number, plan.cases[number], plan.measure
+        self.command = [str(simulate), str(plan.scene)]
+        for key, value in plan.settings(number).items():
+            self.command += ["--set", "%s=%s" % (key, json.dumps(value))]
+        for name, value in plan.times.items():
+            self.command += ["--" + name, repr(value)]
+        if plan.start:
+            self.command += ["--from", str(plan.start)]
 
 
 def flat(values, prefix=""):
@@ -97,29 +97,29 @@ def load_measure(path):
     return module.measure
 
 
-def run_simulate(simulate, plan, number, part):
+def run_simulate(command, part):
     """Runs it in an empty folder. One that was killed may have been in the way of others, for memory,
     or this process may be about to be killed as well: it is given a pause and tried again."""
     for attempt in range(MOST_ATTEMPTS):
         time.sleep(attempt * PAUSE)
         shutil.rmtree(part, ignore_errors=True)
         part.mkdir()
-        run = subprocess.run(command(simulate, plan, number, part), stdin=subprocess.DEVNULL,
+        run = subprocess.run([*command, "--output", str(part)], stdin=subprocess.DEVNULL,
                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
         if run.returncode != -signal.SIGKILL:
             break
     return run
 
 
-def run_case(simulate, plan, store, number):
+def run_case(case, store):
     """Runs a case, unless another process is faster. Its result, or None where it was interrupted."""
     begin = time.monotonic()
-    part = store.cases / (".%06d.%s.%d.part" % (number, os.uname().nodename, os.getpid()))
-    run = run_simulate(simulate, plan, number, part)
+    part = store.cases / (".%06d.%s.%d.part" % (case.number, os.uname().nodename, os.getpid()))
+    run = run_simulate(case.command, part)
     if run.returncode == INTERRUPTED:
         shutil.rmtree(part)
         return None
-    result = {"case": number, "parameters": plan.cases[number], "results": {}}
+    result = {"case": case.number, "parameters": case.parameters, "results": {}}
     result["status"] = {0: "done", 2: "diverged"}.get(run.returncode, "failed")
     result["message"] = run.stderr.strip()[-LONGEST_MESSAGE:] if run.returncode else ""
     if run.returncode < 0:
@@ -128,9 +128,9 @@ def run_case(simulate, plan, store, number):
     if report.exists():
         values = yaml.load(report.read_text(), Loader=LOADER)
         result["results"] = {key: value for key, value in flat(values) if key != "scene"}
-    if plan.measure and result["status"] == "done":
+    if case.measure and result["status"] == "done":
         try:
-            measured = load_measure(plan.measure)(part)
+            measured = load_measure(case.measure)(part)
             result["results"].update(flat(json.loads(json.dumps(dict(measured)))))
         except Exception:  # the user's own code
             result["status"] = "failed"
@@ -138,10 +138,10 @@ def run_case(simulate, plan, store, number):
     result["case_seconds"] = time.monotonic() - begin
     (part / RESULT).write_text(json.dumps(result))
     try:
-        part.rename(store.path(number))
+        part.rename(store.path(case.number))
     except OSError:
         shutil.rmtree(part)  # another process was faster
-        if not store.path(number).exists():
+        if not store.path(case.number).exists():
             raise
     return result
 

@@ -6,7 +6,7 @@ import concurrent.futures
 from joblib.externals.loky import get_reusable_executor
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
-from sweeping.cases import run_case
+from sweeping.cases import Case, run_case
 
 # A case whose worker dies so often is at fault itself.
 MOST_ATTEMPTS = 3
@@ -25,7 +25,7 @@ def run_here(simulate, plan, store, numbers, jobs, progress):
         while waiting and len(running) < AHEAD * jobs:
             number = waiting.popleft()
             attempts[number] += 1
-            running[pool.submit(run_case, simulate, plan, store, number)] = number
+            running[pool.submit(run_case, Case(simulate, plan, number), store)] = number
 
     while waiting or running:
         pool = get_reusable_executor(max_workers=jobs, timeout=60)
