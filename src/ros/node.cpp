@@ -31,6 +31,13 @@ const ros::WallDuration master_patience(0.001);
 /// ok() is false when all is closed, isShuttingDown() true when closing begins.
 bool is_running() { return !is_interrupted() && ros::ok() && !ros::isShuttingDown(); }
 
+/// Says what a scene has and a node leaves to others.
+void warn_of_motions(const clothsim::Scene& scene) {
+  if (scene.motions.empty()) return;
+  ROS_WARN(
+      "The node does not play the scene's motions: give ~step targets, or broadcast tf frames");
+}
+
 /// The private node handle whose callbacks go to `queue`.
 ros::NodeHandle private_node(ros::CallbackQueueInterface& queue) {
   ros::NodeHandle node("~");
@@ -67,6 +74,7 @@ Node::Node()
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);
+  warn_of_motions(parameters_.scene);
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
@@ -275,6 +283,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
     response.message = error.message(node_.getNamespace() + "/", "/");
     return true;
   }
+  warn_of_motions(simulator_.scene());
   changes_.publish("load_scene");
   targets_.reset(simulator_.scene());
   follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);

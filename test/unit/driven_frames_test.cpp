@@ -129,6 +129,18 @@ TEST(DrivenFrames, ACopyGoesOnToTheSameBits) {
   expect_same(once, simulator.state());
 }
 
+TEST(DrivenFrames, APinThatIsPlacedStaysThere) {
+  Simulator simulator(followers());
+  const Vector3 place(0.01, 0.02, 1.03);
+  simulator.place_pin(0, place);
+  EXPECT_EQ(simulator.state().positions.row(0).transpose(), place);
+  simulator.step();
+  EXPECT_EQ(simulator.state().positions.row(0).transpose(), place);
+  EXPECT_TRUE(simulator.state().velocities.row(0).isZero(0));
+  EXPECT_THROW(simulator.place_pin(0, Vector3(0, 1e13, 0)), InvalidValue);
+  EXPECT_THROW(simulator.place_pin(2, place), std::out_of_range);
+}
+
 TEST(DrivenFrames, RefuseWhatIsNoTargetAndChangeNothing) {
   Simulator simulator(followers());
   DrivenFrames driven;

@@ -165,6 +165,13 @@ TEST_F(Simulate, PlaysMotions) {
   EXPECT_EQ(YAML::Load(result.out)["frames"].as<int>(), 27);
   EXPECT_EQ(clothsim::read_npz(folder_ / "final.npz").at("positions").values[2], 1.25);
   EXPECT_NE(run(scene_).err.find("--seconds: got nothing"), std::string::npos);
+
+  // Pins that were moved stay where the state has them.
+  const Result on =
+      run(scene + " --seconds 0.05 --set motions=[] --from " + (folder_ / "final.npz").string() +
+          " --output " + (folder_ / "on").string());
+  ASSERT_EQ(on.exit_code, 0) << on.err;
+  EXPECT_EQ(clothsim::read_npz(folder_ / "on" / "final.npz").at("positions").values[2], 1.25);
 }
 
 TEST_F(Simulate, FramesAreThoseOfTheLastRun) {
