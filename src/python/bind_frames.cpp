@@ -28,8 +28,7 @@ void place_frame(Simulation& simulation, const std::string& frame, const py::obj
 /// Where the frame is; throws InvalidValue where nothing tells.
 clothsim::Pose pose_now(const Run& run, const std::string& frame) {
   if (const clothsim::Pose* driven = run.frames.pose(frame)) return *driven;
-  const auto grip = run.simulator.grips().find(frame);
-  if (grip != run.simulator.grips().end()) return grip->second.pose;
+  if (const auto pose = clothsim::followed_pose(frame, run.simulator)) return *pose;
   throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
 }
 

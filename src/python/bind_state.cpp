@@ -8,6 +8,7 @@ namespace {
 struct SavedState {
   std::shared_ptr<const clothsim::Simulator::Saved> saved;
   clothsim::DrivenFrames frames;
+  clothsim::MotionPlayer motions;
 };
 
 /// The state as it is with what is given in its place.
@@ -35,13 +36,16 @@ py::array velocities(const Simulation& simulation) {
 }
 
 SavedState save(Simulation& simulation) {
-  return simulation.with([](Run& run) { return SavedState{run.simulator.save(), run.frames}; });
+  return simulation.with([](Run& run) {
+    return SavedState{run.simulator.save(), run.frames, run.motions};
+  });
 }
 
 void restore(Simulation& simulation, const SavedState& state) {
   simulation.with([&](Run& run) {
     run.simulator.restore(*state.saved);
     run.frames = state.frames;
+    run.motions = state.motions;
   });
 }
 
@@ -93,8 +97,8 @@ void bind_state(SimulationClass& simulator) {
            "are. Raises InvalidValue and changes nothing: for shapes, numbers that are not finite "
            "or far too large, a held point elsewhere, the memory of another cloth or method.")
       .def("save", &save,
-           "A copy of all that moves, colliders, frames and attached points too. Live values are "
-           "not in it.")
+           "A copy of all that moves, colliders, frames, motions and attached points too. Live "
+           "values are not in it.")
       .def(
           "restore", &restore, py::arg("state"),
           "Back to what save() gave, here or in a simulator of an equal scene; goes on to the same "

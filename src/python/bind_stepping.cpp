@@ -21,10 +21,7 @@ void set(Simulation& simulation, const py::kwargs& values) {
 }
 
 void reset(Simulation& simulation) {
-  simulation.with([](Run& run) {
-    run.simulator.reset();
-    run.frames.reset();
-  });
+  simulation.with([](Run& run) { run.reset(); });
 }
 
 py::object report(Simulation& simulation) {
@@ -50,8 +47,9 @@ void bind_stepping(SimulationClass& simulator) {
            "frames to where they are to be at its end: a pose [x, y, z, qx, qy, qz, qw] [m, unit "
            "quaternion], or [x, y, z] of a frame that is not turned; or two poses, (start, end): "
            "then the frame is put at the start first. They move evenly, and with them colliders, "
-           "pins and points that follow them. Raises InvalidValue and steps not at all; Diverged, "
-           "at the last good frame.")
+           "pins and points that follow them. The scene's motions are played. Raises InvalidValue "
+           "and steps not at all, but where a motion asks for what is not there; Diverged, at the "
+           "last good frame.")
       .def(
           "load", [](Simulation& self, const py::object& scene) { self.load(to_scene(scene)); },
           py::arg("scene"),
@@ -59,7 +57,7 @@ void bind_stepping(SimulationClass& simulator) {
           "Raises InvalidValue and goes on as before.")
       .def("reset", &reset,
            "Back to the scene's start at time 0, with the present live values. What was attached "
-           "is let go.")
+           "is let go, motions begin anew.")
       .def(
           "set", &set,
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "

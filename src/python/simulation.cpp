@@ -44,7 +44,10 @@ class Watched {
 
 }  // namespace
 
-Run::Run(const SceneObject& object) : simulator(object.scene) {
+Run::Run(const SceneObject& object)
+    : simulator(object.scene),
+      folder(std::filesystem::path(object.file).parent_path()),
+      motions(simulator, folder) {
   report.scene = object.file;
   report.overrides = object.overrides;
   report.last_frame.method = object.scene.simulation.method;
@@ -54,9 +57,16 @@ Run::Run(const SceneObject& object) : simulator(object.scene) {
 void Run::step(int count) {
   const Stopwatch stopwatch(report);
   for (int i = 0; i < count; ++i) {
+    motions.play(simulator);
     frames.move(simulator);
     report.add(simulator.step());
   }
+}
+
+void Run::reset() {
+  simulator.reset();
+  frames.reset();
+  motions = clothsim::MotionPlayer(simulator, folder);
 }
 
 void Simulation::load(const SceneObject& scene) {

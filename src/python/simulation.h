@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <yaml-cpp/yaml.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "arrays.h"
 #include "clothsim/simulation/driven_frames.h"
+#include "clothsim/simulation/motion_player.h"
 #include "clothsim/simulation/report.h"
 #include "clothsim/simulation/simulator.h"
 #include "gate.h"
@@ -34,11 +36,15 @@ struct Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Moves frames and steps. Throws what Simulator::step() does.
+  /// Plays motions, moves frames and steps. Throws what these do.
   void step(int frames);
 
+  void reset();
+
   clothsim::Simulator simulator;
-  clothsim::DrivenFrames frames;
+  std::filesystem::path folder;    // that the scene's files are in
+  clothsim::MotionPlayer motions;  // of the scene
+  clothsim::DrivenFrames frames;   // that the program moves
   clothsim::RunReport report;
   SignalWatch* watch = nullptr;    // of the call under way
   std::shared_ptr<void> pictures;  // what the module that draws keeps with it

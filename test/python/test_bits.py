@@ -41,6 +41,58 @@ def test_a_run_is_that_of_simulate(scene, tmp_path):
     assert ours["scene"] == str(scenes.SCENES / scene)
 
 
+MOTIONS = [
+    {"time": 0, "frame": "finger", "position": [1, 1, 1]},
+    {"time": 0.05, "attach": "finger", "radius": 0.2},
+    {"time": 0.4, "frame": "finger", "position": [0.8, 0.8, 1.3], "rpy": [0, 0, 0.5]},
+    {"time": 0.2, "frame": "ball", "position": [0.5, 0.5, 0.75]},
+    {"time": 0.5, "frame": "ball", "position": [0.4, 0.5, 0.85]},
+    {"time": 0.3, "set": {"damping": 20}},
+    {"time": 0.45, "detach": "finger"},
+]
+
+
+def test_motions_are_played_as_by_simulate(tmp_path):
+    scene = {**scenes.busy(), "motions": MOTIONS}
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(scene))
+    subprocess.run([SIMULATE, tmp_path / "scene.yaml", "--seconds", "0.6", "--output", tmp_path],
+                   check=True, stdout=subprocess.DEVNULL)
+    table = np.loadtxt(tmp_path / "final.csv", delimiter=",", skiprows=1)
+    simulator = Simulator(tmp_path / "scene.yaml")
+    simulator.step(20)
+    saved = simulator.save()
+    simulator.step(34)
+    assert np.array_equal(simulator.positions, table[:, :3])
+    assert not np.array_equal(simulator.positions, run_without_motions(54))
+
+    simulator.set(damping=5.4)  # live values are not in what was saved
+    simulator.restore(saved)
+    simulator.step(34)
+    assert np.array_equal(simulator.positions, table[:, :3])
+    simulator.set(damping=5.4)
+    simulator.reset()
+    simulator.step(54)
+    assert np.array_equal(simulator.positions, table[:, :3])
+
+
+def run_without_motions(frames):
+    simulator = Simulator(scenes.busy())
+    simulator.step(frames)
+    return simulator.positions
+
+
+def test_files_of_motions_are_beside_the_scene(tmp_path):
+    scene = {**scenes.busy(), "motions": [{"frame": "ball", "file": "way.csv"}]}
+    path = tmp_path / "scene.yaml"
+    path.write_text(yaml.safe_dump(scene))
+    with pytest.raises(clothsim.InvalidValue):
+        Simulator(path)
+    (tmp_path / "way.csv").write_text("time,x,y,z\n0,0.5,0.5,0.6\n0.5,0.5,0.5,0.9\n")
+    simulator = Simulator(path)
+    simulator.step(45)
+    assert np.allclose(simulator.colliders["ball"]["pose"][:3], [0.5, 0.5, 0.9])
+
+
 def test_threads_of_python_do_not_change_bits():
     def run(simulator):
         for i in range(30):
