@@ -43,6 +43,12 @@ int Cloth::num_springs() const {
   return count;
 }
 
+int Cloth::num_bends() const {
+  int count = 0;
+  for (const BendRun& run : bends) count += run.count;
+  return count;
+}
+
 std::vector<PairBand> pair_bands(const Cloth& cloth) {
   const int n = cloth.num_points();
   std::vector<PairBand> bands;

@@ -265,8 +265,9 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const double stability_limit = stability_limit_of(c.method);
   const int needed = usual_substeps(stability_limit, spec, cloth, colliders);
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
-  const double step_cost =  // contact aside
-      c.cost(cloth.num_springs(), cloth.num_points()) + limit_cost(spec, cloth);
+  const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
+  const double step_cost =                                    // contact aside
+      c.cost(links, cloth.num_points()) + limit_cost(spec, cloth);
   const double affordable_steps = real_time_share / (spec.frames_per_second * step_cost);
 
   int n = needed;

@@ -64,6 +64,7 @@ struct Cloth {
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
+  int num_bends() const;
 
   /// Whether anything acts between its points.
   bool has_forces() const { return !springs.empty() || !bends.empty(); }
