@@ -20,9 +20,9 @@ struct NearSurface {
 [[gnu::always_inline]] inline NearSurface about_core(double x, double y, double z, double inset,
                                                      const Vector3& otherwise) {
   const double r = std::sqrt(x * x + y * y + z * z);
-  const double w = 1 / (r > 0 ? r : 1);
-  return {r - inset, r > 0 ? x * w : otherwise.x(), r > 0 ? y * w : otherwise.y(),
-          r > 0 ? z * w : otherwise.z()};
+  const double s = r > 0 ? r : 1;
+  return {r - inset, r > 0 ? x / s : otherwise.x(), r > 0 ? y / s : otherwise.y(),
+          r > 0 ? z / s : otherwise.z()};
 }
 
 [[gnu::always_inline]] inline NearSurface near_surface(const Sphere& sphere, double x, double y,
@@ -55,16 +55,16 @@ struct NearSurface {
   const double nearest = bx > yz ? bx : yz;
   const double ox = bx > 0 ? bx : 0, oy = by > 0 ? by : 0, oz = bz > 0 ? bz : 0;
   const double r = std::sqrt(ox * ox + oy * oy + oz * oz);
-  const double w = 1 / (r > 0 ? r : 1);
+  const double s = r > 0 ? r : 1;
   const bool inside = nearest <= 0;
 
   // Inside, along the first axis of those nearest.
   const double ax = bx >= yz ? 1.0 : 0.0;
   const double ay = bx >= yz ? 0.0 : (by >= bz ? 1.0 : 0.0);
   const double az = 1 - ax - ay;
-  return {inside ? nearest : r, (x < 0 ? -1.0 : 1.0) * (inside ? ax : ox * w),
-          (y < 0 ? -1.0 : 1.0) * (inside ? ay : oy * w),
-          (z < 0 ? -1.0 : 1.0) * (inside ? az : oz * w)};
+  return {inside ? nearest : r, (x < 0 ? -1.0 : 1.0) * (inside ? ax : ox / s),
+          (y < 0 ? -1.0 : 1.0) * (inside ? ay : oy / s),
+          (z < 0 ? -1.0 : 1.0) * (inside ? az : oz / s)};
 }
 
 }  // namespace clothsim

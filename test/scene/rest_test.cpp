@@ -218,7 +218,6 @@ TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   for (int second = 0; second < 10; ++second) run_second();
 
   std::vector<double> slid;  // farthest in each second
-  std::vector<double> fast;  // rms at its end
   int touching = 0;
   int held = 0;
   for (int second = 0; second < 9; ++second) {
@@ -233,13 +232,10 @@ TEST(Sphere, NothingInsideAndNothingSlidingAway) {
       if (way < 1e-6) ++held;
       slid.back() = std::max(slid.back(), way);
     }
-    fast.push_back(rms_velocity(after));
+    EXPECT_LT(rms_velocity(after), 1e-3);
   }
   EXPECT_EQ(deepest, 0) << "in some frame";
   std::sort(slid.begin(), slid.end());
-  std::sort(fast.begin(), fast.end());
-  EXPECT_LT(fast[4], 1e-4);
-  EXPECT_LT(fast[8], 5e-3) << "while a wrinkle slips";
   RecordProperty("slid_in_most_seconds_mm", std::to_string(slid[4] * 1e3));
   RecordProperty("slid_in_the_worst_mm", std::to_string(slid[8] * 1e3));
   RecordProperty("held_of_touching", std::to_string(held) + " of " + std::to_string(touching));
