@@ -177,7 +177,10 @@ double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, con
     const double way = ContactSlots::push_out(span, seeker, can_move, start, positions, least);
     longest = std::max(longest, way);
     for (int b = span.begin; b < span.end; ++b) {
-      if (!s.slots.has_active(b)) s.room.keep(b, least[b - span.begin], travel_.total());
+      const double nearest = least[b - span.begin];
+      if (!s.slots.has_active(b)) s.room.keep(b, nearest, travel_.total());
+      // A pin in the solid may be let go.
+      if (nearest < surface_offset / 2 && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
     }
   }
   if (is_near_faces(s, keeps, surface_offset)) {

@@ -253,6 +253,30 @@ TEST(ColliderContacts, APointAtTheCentreOfASphereComesOut) {
   EXPECT_LE(fastest(state), recovery_speed + 1e-12);
 }
 
+TEST(ColliderContacts, APinThatIsLetGoInASolidComesOutNoFaster) {
+  ClothSpec spec = chain_spec(2, 1, 0);
+  spec.pinned = {{0, 0, ""}};
+  const Cloth pinned = make_grid(spec), free = loose(2);
+  for (const Shape& shape : {Shape(Sphere{0.2}), Shape(Plane{}), Shape(Cuboid{{0.4, 0.4, 0.4}})}) {
+    auto colliders = one(shape);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    state.positions.row(0) << 0, 0.01, -0.1;
+    state.positions.row(1) << 9, 9, 9;
+    ColliderContacts contacts;
+    for (int k = 0; k < 3; ++k) step(contacts, colliders, pinned, state);
+    EXPECT_EQ(state.positions(0, 2), -0.1);
+    int steps = 0;
+    do {
+      const Vector3 before = state.positions.row(0);
+      step(contacts, colliders, free, state);
+      const double moved = (state.positions.row(0).transpose() - before).norm();
+      ASSERT_LE(moved, 2 * recovery_speed * h) << "in step " << steps;
+    } while (contacts.recovers() && ++steps < 400);
+    EXPECT_GT(steps, 0.09 / (recovery_speed * h));
+    EXPECT_LT(steps, 400);
+  }
+}
+
 TEST(ColliderContacts, ResetForgetsTheImpulses) {
   auto colliders = one(Plane{}, 0.5);
   const Cloth cloth = loose(2);

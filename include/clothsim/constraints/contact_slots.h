@@ -32,6 +32,11 @@ class ContactSlots {
     return std::min((b + 1) * block, cloth.num_points());
   }
 
+  static bool has_pin(int b, const Cloth& cloth) {
+    const int first = first_of(b);
+    return cloth.inv_mass.segment(first, end_of(b, cloth) - first).minCoeff() == 0;
+  }
+
   /// Vectors of the points of a block.
   struct Triples {
     alignas(64) double x[block];

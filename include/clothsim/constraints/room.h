@@ -32,16 +32,14 @@ class Travel {
   /// The step ends with the points at `now`.
   void end(const Points& now) { seen_ = now; }
 
-  /// Where they are is not known.
-  void forget() { seen_.resize(0, 3); }
-
-  /// No point has moved farther since ever [m]; infinity: it is not known.
+  /// The longest ways of a point in all steps and between them together [m].
   double total() const { return total_; }
 
   /// Longest way of a point within the step [m].
   double in_step() const { return in_step_; }
 
-  /// Longest way of a point between the last step's end and this one's start [m].
+  /// Longest way of a point between the last step's end and this one's start [m]; infinity for the
+  /// first.
   double between_steps() const { return between_steps_; }
 
  private:
