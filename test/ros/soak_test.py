@@ -189,9 +189,9 @@ class Soak(unittest.TestCase):
             for phase in (self.storm, self.storm_of_all, self.comers, self.stalled, self.states,
                           self.lost_frame, self.quiet):
                 reached, memory, said = self.run_phase(phase)
-                # Each state brought back starts the pace anew: no factor is measured across it.
-                too_slow = phase == self.states and SLOWER > 1
-                if reached < KEPT * FRAMES_PER_SECOND and not too_slow:
+                # Each state brought back starts the pace anew: no factor is measured across it, so
+                # that the node cannot say why it is slow.
+                if reached < KEPT * FRAMES_PER_SECOND and phase != self.states:
                     self.assertTrue([m for m in said if m.startswith("real-time factor")],
                                     "%s at %.1f Hz, and it said %s" % (phase.__name__, reached, said))
             afterwards.append(memory)
