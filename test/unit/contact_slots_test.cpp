@@ -182,7 +182,8 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   impulse.push = 2;
   for (const int point : {3, 5, 30}) slots.hold(point, impulse);  // 3 is pinned
   EXPECT_EQ(slots.count(), 3);
-  const MovingCollider plane(ColliderSpec{"", Plane{}});
+  const MovingCollider plane(
+      {"", Plane{}, {Vector3::Zero(), Eigen::Quaterniond::Identity()}, 0, ""});
   const Points at = Points::Constant(40, 3, offset), still = Points::Zero(40, 3);
   State state{at, still, 0};
   slots.start_over();
