@@ -127,7 +127,11 @@ class FirstHour(unittest.TestCase):
                         'rosservice call /clothsim/attach "{frame: sphere, points: [0]}"'])
         topics = {name: kind for name, kind in rospy.get_published_topics()
                   if name.startswith(("/clothsim/", "/diagnostics"))}
-        _, _, provided = rosgraph.Master("/first_hour").getSystemState()
+        master = rosgraph.Master("/first_hour")
+        _, heard, provided = master.getSystemState()
+        kinds = dict(master.getTopicTypes())
+        topics.update({name: kinds[name] for name, nodes in heard
+                       if "/clothsim" in nodes and name.startswith("/clothsim/")})
         services = {name: rosservice.get_service_type(name) for name, nodes in provided
                     if "/clothsim" in nodes}
         # What libraries add.
