@@ -248,7 +248,8 @@ class Here(Sweeps):
         self.write({"axes": {"cloth.ks": {"range": [500, 900], "count": 30}}, "seconds": 2})
         run = self.start()
         self.wait_for_cases(3)
-        parts = list((self.out / "cases").glob(".*.part"))
+        while not (parts := list((self.out / "cases").glob(".*.part"))):  # between two cases
+            self.assertIsNone(run.poll())
         os.kill(int(parts[0].name.split(".")[-2]), signal.SIGKILL)  # a worker, by the name of its folder
         self.assertIn("", run.communicate(timeout=PATIENCE)[1])
         self.assertEqual(run.returncode, 0)
