@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import os
 
 import h5py
 import numpy as np
@@ -43,7 +44,7 @@ def write_table(folder, rows, columns):
     writer.writeheader()
     writer.writerows(rows)
     write_whole(folder / "results.csv", text.getvalue())
-    part = folder / ".results.h5.part"
+    part = folder / (".results.h5.%d.part" % os.getpid())
     with h5py.File(part, "w") as file:
         for name in columns:
             values = column(rows, name)
