@@ -233,8 +233,11 @@ double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& collide
 int usual_substeps(double stability_limit, const SimulationSpec& spec, const Cloth& cloth,
                    const std::vector<ColliderSpec>& colliders) {
   const double dt = 1 / spec.frames_per_second;
-  const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt,
-                                    touches(cloth, colliders));
+  // Explicit methods follow the strain limit's tension, from none on.
+  std::optional<Tension> tension;
+  if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
+  const int needed =
+      count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
   const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
   const double most = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene

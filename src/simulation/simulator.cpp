@@ -45,7 +45,7 @@ void check_feasible(const SimulationSpec& spec, const Cloth& cloth,
                     const std::vector<std::string>& key) {
   if (spec.substeps) return;
   const Method method(spec, cloth, colliders);
-  if (method.substeps(spec, cloth, positions, false) < max_substeps) return;
+  if (method.substeps(spec, cloth, positions) < max_substeps) return;
   throw InvalidValue(
       key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
       "a softer or heavier one, or more frames per second, or a count of substeps");
@@ -134,18 +134,18 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report = {};
   report.recoveries = recoveries;
   report.method = method->choice.method;
-  int least = substeps_at_speed(cloth, contact_speed(dt), dt);
-  if (strain_limit && !collider_contacts.recovers()) {
-    least = std::max({least, substeps_for_parting(dt), substeps_under_tension(dt)});
-  }
+  const std::optional<Tension> tension_now = tension();
+  int at_speed = substeps_at_speed(cloth, contact_speed(dt), dt);
+  if (tension_now) at_speed = std::max(at_speed, substeps_for_parting(dt));
   if (has_air()) {
     const SimulationSpec& spec = scene.simulation;
     wind = wind_at(spec.wind.value_or(Vector3::Zero()), {spec.gusts, spec.seed}, before.time);
     const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
     const double steps = std::min(std::ceil(dt * rate / most_air_share), double{max_substeps});
-    least = std::max(least, static_cast<int>(steps));
+    at_speed = std::max(at_speed, static_cast<int>(steps));
   }
-  int steps = method->substeps(scene.simulation, cloth, state.positions, touches(), least, workers);
+  int steps =
+      method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
   report.predicted_error = method->choice.predicted_error;
   report.reasons = method->choice.reasons;
   const bool is_unstable = scene.simulation.substeps && is_beyond_stability(dt / steps);
@@ -162,12 +162,14 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   grips.set_out(dt, state);
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
 
+  const double weight = weight_frequency(cloth, scene.simulation.gravity);
   for (double h = dt / steps; steps > 0; --steps, ++report.substeps) {
     // More and shorter ones where tension has come.
-    const double left = h * steps;
-    const int needed =
-        report.substeps > 0 ? substeps_under_tension(left * (1 << method->halvings)) : 1;
-    if (needed > steps && !collider_contacts.recovers()) h = left / (steps = needed);
+    if (const std::optional<Tension> now = report.substeps > 0 ? tension() : std::nullopt) {
+      const double left = h * steps;
+      const int needed = substeps_under_tension(weight, *now, left * (1 << method->halvings));
+      if (needed > steps) h = left / (steps = needed);
+    }
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
@@ -225,15 +227,13 @@ bool Simulator::Impl::recover() {
   return false;
 }
 
-int Simulator::Impl::substeps_under_tension(double dt) const {
-  const bool follows =
-      strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
-  if (!follows) return 1;
-  const Vector3& gravity = scene.simulation.gravity;
-  if (touches() || strain_limit->yields()) {
-    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt);
-  }
-  return substeps_at_share(cloth, gravity, strain_limit->inertia().share(cloth, dt), dt);
+std::optional<Tension> Simulator::Impl::tension() {
+  // Implicit methods keep to one step: to change it costs them a factorisation or their history.
+  // What is being pushed out of a collider is no tension.
+  const bool follows = strain_limit && !scene.simulation.substeps &&
+                       std::isfinite(method->stability_limit()) && !collider_contacts.recovers();
+  if (!follows) return {};
+  return Tension{strain_limit->tension_frequency(), touches()};
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
@@ -260,13 +260,6 @@ double Simulator::Impl::contact_speed(double dt) const {
   return fastest;
 }
 
-const Cloth& Simulator::Impl::weigh(double h) {
-  // Implicit methods hold tension by themselves; where contact passes impacts on, steps follow it.
-  if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
-  strain_limit->inertia().weigh(cloth, h, state, weighed.inv_mass);
-  return weighed;
-}
-
 bool Simulator::Impl::substep(double h, StepReport& report) {
   for (MovingCollider& collider : colliders) collider.advance(h);
   if (touches()) start = state.positions;
@@ -274,18 +267,14 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
   if (has_air()) blow(h);
   const Loads loads{scene.simulation.gravity};
-  const Cloth& inert = weigh(h);
-  if (&inert == &weighed) {
-    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(cloth, h));
-  }
-  std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
+  std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
   const int newton_steps =
       std::visit([](const auto& m) { return m.newton_steps(); }, method->integrator);
   spend(1 + newton_steps * visits_of_newton_step());
 
   if (touches() && !is_good(state)) return false;  // numbers to sort by
-  if (strain_limit || touches()) constrain(inert, h, report);
+  if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return !budget.is_spent();
 }

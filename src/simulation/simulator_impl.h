@@ -52,13 +52,14 @@ struct Method {
         omega_max(omega_max_bound(cloth)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
+  /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               bool touches, int at_speed = 1, const Workers& workers = {}) const {
+               int at_speed = 1, std::optional<Tension> tension = {},
+               const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                                      1 / spec.frames_per_second, touches,
-                                      std::max(choice.least_substeps, at_speed), workers);
-    return std::min(needed << halvings, max_substeps);
+                                      1 / spec.frames_per_second, tension, workers);
+    return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
   }
 
   double stability_limit() const {
@@ -142,9 +143,7 @@ struct Simulator::Impl {
 
   void build_strain_limit() {
     strain_limit.reset();
-    if (!cloth.strain_limit || cloth.springs.empty()) return;
-    strain_limit.emplace(cloth, &budget);
-    weighed = cloth;
+    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth, &budget);
   }
 
   int pin_point(std::size_t pin) const {
@@ -180,8 +179,7 @@ struct Simulator::Impl {
   bool recover();
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
-  /// `inert`: the cloth with the inertia of this step.
-  void constrain(const Cloth& inert, double h, StepReport&);
+  void constrain(double h, StepReport&);
   /// Takes from the frame's budget so many visits to each point.
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
@@ -197,7 +195,7 @@ struct Simulator::Impl {
   }
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
-  void repair(const Cloth&, bool solved, StepReport&);
+  void repair(bool solved, StepReport&);
   /// Sets the budget of a frame of dt [s], with all that is tried.
   void allow_work(double dt);
   /// For each point.
@@ -208,8 +206,6 @@ struct Simulator::Impl {
   double least_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
-  /// Substeps of `dt` [s] that the tension of now asks for.
-  int substeps_under_tension(double dt) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything?
@@ -217,14 +213,13 @@ struct Simulator::Impl {
     return self_contacts || std::any_of(colliders.begin(), colliders.end(),
                                         [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// The cloth with the inertia that tension adds in a step of h [s].
-  const Cloth& weigh(double h);
+  /// Where substeps follow it.
+  std::optional<Tension> tension();
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 
   Scene scene;
   Cloth cloth;
-  Cloth weighed;  // with the inertia that tension adds; empty without strain limit
   State state;
   std::optional<Method> method;
   std::optional<StrainLimit> strain_limit;

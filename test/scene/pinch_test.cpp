@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
@@ -182,24 +181,16 @@ TEST(Pinch, SlipsOutOfFingersWithoutFriction) {
 }
 
 TEST(Pinch, SlipsOutOfFingersThatPullItFromItsPins) {
-  // Held at all corners, it cannot follow so far. Its springs carry many times its weight then. At
-  // -0.07 one of twenty runs that differ in the last bits stays so taut in the fingers that passes
-  // run out and it trembles: of three, two must rest.
+  // Held at all corners, it cannot follow so far. Its springs carry many times its weight then.
   for (const double z : {-0.07, -0.1, -0.12}) {
-    std::vector<double> moving;
-    for (const double nudge : {0.0, 1e-9, 2e-9}) {
-      SCOPED_TRACE(z - nudge);
-      Gripper gripper(fingers[0], 0.5, 0.5, true);
-      gripper.go(-0.002, 0.3, 0, 60);
-      gripper.go(-0.002, z - nudge, 0, 120);
-      gripper.wait(180);
-      EXPECT_LT(gripper.fastest_yet(), 10);
-      EXPECT_LT(gripper.report().worst_stretch, 0.15);
-      moving.push_back(rms_velocity(gripper.simulator().state()));
-    }
-    std::sort(moving.begin(), moving.end());
-    EXPECT_LT(moving[1], 0.05) << z;
-    EXPECT_LT(moving[2], 0.1) << z;
+    SCOPED_TRACE(z);
+    Gripper gripper(fingers[0], 0.5, 0.5, true);
+    gripper.go(-0.002, 0.3, 0, 60);
+    gripper.go(-0.002, z, 0, 120);
+    gripper.wait(180);
+    EXPECT_LT(gripper.fastest_yet(), 10);
+    EXPECT_LT(gripper.report().worst_stretch, 0.15);
+    EXPECT_LT(rms_velocity(gripper.simulator().state()), 0.05);
   }
 }
 

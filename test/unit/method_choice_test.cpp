@@ -50,9 +50,8 @@ TEST(MethodChoice, TakesAnotherWhereExplicitDoesNotFit) {
   Scene scene = swinging(5e8);
   scene.simulation.method = "verlet";
   const Cloth cloth = make_grid(scene.cloth);
-  EXPECT_GT(
-      count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90, false),
-      1500);
+  EXPECT_GT(count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90),
+            1500);
 }
 
 TEST(MethodChoice, ATighterToleranceTakesMoreSubstepsThenAHigherOrder) {
@@ -316,7 +315,7 @@ TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
     fine.simulation.method = c.tolerance < 1e-6 ? "rk4" : "verlet";
     const Cloth cloth = make_grid(scene.cloth);
     const int needed =
-        count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90, false);
+        count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90);
     fine.simulation.substeps = chosen.method == "xpbd" ? needed : 8 * chosen.least_substeps;
     const double measured = error_between(frames(scene), frames(fine));
     const std::string what = chosen.method + " ks " + std::to_string(c.ks) + " side " +
