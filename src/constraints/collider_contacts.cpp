@@ -183,7 +183,7 @@ double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, con
       if (nearest < surface_offset / 2 && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
     }
   }
-  if (is_near_faces(s, keeps, surface_offset)) {
+  if (is_near_faces(s, keeps, keeps.points)) {
     longest = std::max(longest, correct_faces(s, collider, cloth, start, positions));
   }
   return longest;

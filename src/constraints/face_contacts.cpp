@@ -157,11 +157,11 @@ Approach approach(const MovingCollider& collider, const Cloth& cloth, const Corn
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
     auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                     to_world(collider.pose(), to), surface_offset);
+                                     to_world(collider.pose(), to), cloth.offset);
     if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
-      result.swept = swept->value < surface_offset;
+      result.swept = swept->value < cloth.offset;
     }
   }
   return result;
@@ -234,15 +234,14 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
   if (swept) {
     // Back to where it came in, less what the impulse that ends its approach will move it.
-    const double back =
-        surface_offset - distance.value + step.reach * step.h * std::min(0.0, drift);
+    const double back = cloth.offset - distance.value + step.reach * step.h * std::min(0.0, drift);
     spread(cloth, corners, weights, back / yield * normal, state.positions);
     spread(cloth, corners, weights, back / yield * distance.normal, local.to);
   }
 
   // The gap this step would leave if the triangle only followed the surface.
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
-  const double gap = distance.value - surface_offset;
+  const double gap = distance.value - cloth.offset;
   const double slowest = swept ? 0 : -std::max(gap, 0.0) / step.h;
   const Contact* last = last_of(id);
   if (!last && rate >= slowest && gap > 0 && depth == 0) return;
@@ -346,11 +345,11 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
   for (int pass = 1; pass <= max_passes; ++pass) {
     bool again = false;
-    for_each_near(collider.shape(), cloth, local, surface_offset, [&](int, const Corners& corners) {
+    for_each_near(collider.shape(), cloth, local, cloth.offset, [&](int, const Corners& corners) {
       // In the first pass all, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
-      const Approach found = approach(collider, cloth, corners, local, surface_offset);
+      const Approach found = approach(collider, cloth, corners, local, cloth.offset);
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;
@@ -358,10 +357,10 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       if (yield == 0) return;
       const double in_reach = lever_of(cloth, corners, weights) * h;
       const double wanted = found.before < 0
-                                ? required_distance(found.before, surface_offset, in_reach)
-                                : raised(now, surface_offset);
+                                ? required_distance(found.before, cloth.offset, in_reach)
+                                : raised(now, cloth.offset);
       const bool must = now < wanted - grace * surface_offset;
-      if (!must && (pass > 1 || now >= surface_offset)) return;
+      if (!must && (pass > 1 || now >= cloth.offset)) return;
       spread(cloth, corners, weights, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;

@@ -9,8 +9,13 @@
 namespace clothsim {
 namespace {
 
-/// Most that points may stand off a round shape for their chords, of the cloth's thickness.
-constexpr double highest_lift = 0.1;
+/// Longest edge of triangles whose corners keep them off a round shape, of its radius: an edge e
+/// lifts them by e^2 / (6 r), here a sixteenth of itself at most.
+constexpr double longest_chord = 0.375;
+
+/// A strain limit for those that have none: how far points are lifted is to change with springs
+/// only where they stretch further.
+constexpr double usual_limit = 0.1;
 
 /// How much longer than its limit lets it an edge is thought to get while others pull it.
 constexpr double overstretch = 1.05;
@@ -41,9 +46,7 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
 }
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {
-  if (!cloth.strain_limit || cloth.triangles.empty()) {
-    return std::numeric_limits<double>::infinity();
-  }
+  if (cloth.triangles.empty()) return std::numeric_limits<double>::infinity();
   // All triangles of a grid are alike. Without shear springs nothing but its sides holds a cell.
   const auto& [a, b, c] = cloth.triangles.front();
   const auto length = [&](int i, int j) {
@@ -54,20 +57,19 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   });
   const double edge =
       sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
-  return std::max(overstretch * (1 + *cloth.strain_limit), 1 + stretch) * edge;
+  const double limit = cloth.strain_limit.value_or(usual_limit);
+  return std::max(overstretch * (1 + limit), 1 + stretch) * edge;
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
   const double radius = least_curvature_radius(shape);
-  if (cloth.triangles.empty() || std::isinf(radius)) return {surface_offset, false};
+  if (cloth.triangles.empty() || std::isinf(radius)) return {cloth.offset, false};
   // A triangle lies within edge / sqrt(3) of its circumcentre.
-  const double kept = radius + surface_offset;
+  const double kept = radius + cloth.offset;
   const double edge = longest_edge_within_limit(cloth, stretch);
   const double lifted = std::sqrt(kept * kept + edge * edge / 3) - radius;
-  if (radius > 0 && lifted - surface_offset <= highest_lift * cloth.thickness) {
-    return {lifted, false};
-  }
-  return {surface_offset, true};
+  if (edge <= longest_chord * radius) return {lifted, false};
+  return {cloth.offset, true};
 }
 
 }  // namespace clothsim

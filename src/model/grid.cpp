@@ -105,6 +105,7 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   cloth.damping = spec.material.damping;
   cloth.strain_limit = spec.material.strain_limit;
   cloth.thickness = spec.thickness;
+  if (spec.material.fabric) cloth.offset = std::max(surface_offset, spec.thickness);
   cloth.self_collision = resolve_self_collision(spec, spacing, gravity);
   cloth.friction = spec.friction;
 

@@ -135,7 +135,9 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report.recoveries = recoveries;
   report.method = method->choice.method;
   const std::optional<Tension> tension_now = tension();
-  int at_speed = substeps_at_speed(cloth, contact_speed(dt), dt);
+  approach_speed = contact_speed(dt);
+  int at_speed = substeps_at_speed(cloth, approach_speed, dt);
+  is_fast = at_speed > 1;
   if (tension_now) at_speed = std::max(at_speed, substeps_for_parting(dt));
   if (has_air()) {
     const SimulationSpec& spec = scene.simulation;
@@ -152,7 +154,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   if (is_unstable) report.reasons.add(Reason::beyond_stability);
   const bool has_recovered = collider_contacts.recovers();
   recovers = repairs_ran_out = is_overpulled = false;
-  stretch = strain_limit && !colliders.empty() ? worst_stretch(cloth, state.positions) : 0;
+  stretch = colliders.empty() ? 0 : worst_stretch(cloth, state.positions);
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -277,6 +279,14 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
   return !budget.is_spent();
+}
+
+double Simulator::Impl::stretch_after(double h) const {
+  if (approach_speed == 0) return stretch;
+  const bool is_kept = strain_limit && substeps_at_speed(cloth, approach_speed, h) == 1;
+  if (is_kept) return stretch;  // the limit takes back what so little parts
+  const double so_far = is_fast ? worst_stretch(cloth, state.positions) : stretch;
+  return so_far + approach_speed * h / shortest_rest_length(cloth);
 }
 
 void Simulator::Impl::blow(double h) {

@@ -86,7 +86,7 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
                                  workers,
                                  &collider_contacts.pinches(),
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
-                                 stretch,
+                                 colliders.empty() ? 0 : stretch_after(h),
                                  &budget};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);

@@ -186,6 +186,10 @@ struct Simulator::Impl {
   }
   /// Gives the points what air does in h [s].
   void blow(double h);
+
+  /// How far springs may be stretched at the end of a substep of `h` [s], l / L0 - 1: as they are,
+  /// and what colliders may part their ends by meanwhile.
+  double stretch_after(double h) const;
   bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
   /// Fastest that the wind of this frame and the cloth move against each other [m/s].
   double air_speed() const { return wind.norm() + longest_row(state.velocities); }
@@ -243,6 +247,8 @@ struct Simulator::Impl {
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
   bool is_overpulled = false;    // at this frame's end springs are far over their limit
   double stretch = 0;            // worst as this frame began, where colliders ask for it
+  double approach_speed = 0;     // of what it may touch in this frame against the cloth [m/s]
+  bool is_fast = false;          // with that springs may be parted within the frame
   Points start;                  // positions at the substep's start, where contact needs them
   Points start_velocities;       // where the strain limit meets contact
   Points predicted;              // velocities with the last substep's impulses

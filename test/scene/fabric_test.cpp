@@ -1,8 +1,13 @@
 // Scenes of fabric, as a whole.
 
+#include <yaml-cpp/yaml.h>
+
 #include <cmath>
 #include <complex>
 
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/simulation/report.h"
+#include "clothsim/simulation/scene_yaml.h"
 #include "verification/fabric_testing.h"
 
 namespace clothsim {
@@ -186,6 +191,50 @@ double flapping_frequency(double speed) {
     }
   }
   return frequency;
+}
+
+/// A cotton sheet of `side` x `side` points that falls on a ball of radius 0.2 m.
+Scene sheet_over_ball(int side) {
+  Scene scene =
+      read_scene(YAML::Load("{cloth: {fabric: cotton_shirting, orientation: horizontal}}"));
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.origin = Vector3(-0.5, -0.5, 0.4);
+  ColliderSpec ball;
+  ball.name = "ball";
+  ball.friction = 0.3;
+  scene.colliders = {ball};
+  return scene;
+}
+
+TEST(FabricScene, NoTriangleIsInABallWhateverTheSpacing) {
+  // Corners stand off a ball that is large against the triangles, and edges and faces have contacts
+  // where it is not: at 15 points the longest edge is half its radius.
+  for (const int side : {15, 25, 50}) {
+    const Scene scene = sheet_over_ball(side);
+    Simulator simulator(scene);
+    EXPECT_EQ(clearance(scene.colliders[0].shape, simulator.cloth()).faces, side == 15);
+    for (int frame = 0; frame < 135; ++frame) {
+      simulator.step();
+      ASSERT_EQ(deepest_penetration(simulator), 0) << side << " points, frame " << frame;
+    }
+  }
+}
+
+TEST(FabricScene, KeepsHalfItsThicknessFromColliders) {
+  // From a plane, with points, and a box's top, with faces: a layer is as thick to them as to
+  // itself.
+  for (const Shape& shape : {Shape(Plane{}), Shape(Cuboid{{2, 2, 0.2}})}) {
+    Scene scene = sheet_over_ball(10);
+    scene.cloth.thickness = 2e-3;
+    const double top = std::holds_alternative<Plane>(shape) ? 0 : 0.1;
+    scene.cloth.origin.z() = top + 0.01;
+    scene.colliders[0].shape = shape;
+    Simulator simulator(scene);
+    run(simulator, 2);
+    const auto heights = simulator.state().positions.col(2).array();
+    EXPECT_NEAR(heights.minCoeff(), top + 2e-3, 1e-6);
+    EXPECT_NEAR(heights.maxCoeff(), top + 2e-3, 1e-4);
+  }
 }
 
 TEST(FabricScene, AFlagFlapsAsFastAsTheWind) {

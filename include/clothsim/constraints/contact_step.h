@@ -21,7 +21,7 @@ struct ContactStep {
   const Workers& workers;
   const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
   double gravity = least_gravity;    // [m/s^2], no less
-  double stretch = 0;                // l / L0 - 1 of the most stretched spring, as the frame began
+  double stretch = 0;                // l / L0 - 1 that springs may have at its end
   WorkBudget* budget = nullptr;      // of the frame; none: all is done
 
   void spend(std::int64_t visits) const {

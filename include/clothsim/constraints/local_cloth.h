@@ -24,17 +24,18 @@ struct LocalCloth {
 
 /// How contact keeps the triangles of a cloth out of a shape.
 struct Clearance {
-  double points;  // [m] that points keep from the surface, surface_offset or more
+  double points;  // [m] that points keep from the surface, the cloth's offset or more
   bool faces;     // whether edges and faces have contacts of their own
 };
 
-/// A plane needs its points alone. So does a round shape so large against the triangles that points
-/// held a little higher keep their chords off it, by no more than a tenth of the cloth's thickness.
+/// A plane needs its points alone. So does a round shape with a radius of a few edges: corners that
+/// keep off it by as much as they would if the longest triangle lay on it keep all of them off it.
 /// `stretch`: of the most stretched spring, which counts where it is well over the strain limit.
 Clearance clearance(const Shape&, const Cloth&, double stretch = 0);
 
 /// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length
-/// beyond the strain limit, or by more than `stretch`; infinite without a limit [m].
+/// beyond the strain limit, or a usual one where there is none, or by more than `stretch`; infinite
+/// without triangles [m].
 double longest_edge_within_limit(const Cloth&, double stretch);
 
 /// Speed at which what a collider was put upon comes out of it [m/s].

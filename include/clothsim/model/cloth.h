@@ -9,6 +9,10 @@
 
 namespace clothsim {
 
+/// Gap kept between a collider and the points on it [m], so that RViz shows the cloth on top. A
+/// fabric keeps half its thickness, where that is more.
+inline constexpr double surface_offset = 1e-4;
+
 /// `count` equal springs that join point first + i to point first + i + offset. Springs that lie
 /// in a row of memory share one entry, so that kernels run along it.
 struct SpringRun {
@@ -61,6 +65,7 @@ struct Cloth {
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // of the cloth on itself
   double thickness = 0;                               // [m]
+  double offset = surface_offset;                     // from colliders [m]
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;

@@ -33,7 +33,4 @@ struct ColliderSpec {
   bool enabled = true;  // off: it touches nothing
 };
 
-/// Gap kept between a collider and the points on it [m], so that RViz shows the cloth on top.
-inline constexpr double surface_offset = 1e-4;
-
 }  // namespace clothsim
