@@ -22,8 +22,11 @@ constexpr int block = 2560;
 constexpr int most = 6;
 
 /// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force. It
-/// changes no length above 1e-11 m.
-constexpr double least_length2 = 1e-30;
+/// changes no length above 1e-142 m, in single precision above 1e-11 m.
+template <typename Real>
+constexpr Real least_length2 = 1e-300;
+template <>
+constexpr float least_length2<float> = 1e-30F;
 
 /// Where points begin in each coordinate's column.
 template <typename Real>
@@ -33,17 +36,9 @@ struct Columns {
   const Real* z;
 };
 
-/// 1 / sqrt(length2), rounded like that to the last bit but one. Its square root and division are
-/// of single precision, which the processor has in a third of the time; a step of Halley's method,
-/// which triples the digits, makes them double.
-[[gnu::always_inline]] inline double inverse_root(double length2) {
-  const double first = 1 / std::sqrt(static_cast<float>(length2));
-  const double off = 1 - length2 * first * first;
-  return first + first * off * (0.5 + 0.375 * off);
-}
-[[gnu::always_inline]] inline float inverse_root(float length2) { return 1 / std::sqrt(length2); }
-
-/// Force of springs (i, i + offset), i in [0, count), on their first points.
+/// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
+/// division take twice as long as all the rest: a start of few bits with Newton's method, or of
+/// single precision with Halley's, takes longer, since it needs the units that do the rest.
 template <typename Real>
 [[gnu::always_inline]] inline void pull_of(Columns<Real> p, int offset, int count,
                                            double rest_length, double stiffness,
@@ -55,8 +50,8 @@ template <typename Real>
     const Real dx = p.x[i + offset] - p.x[i];
     const Real dy = p.y[i + offset] - p.y[i];
     const Real dz = p.z[i + offset] - p.z[i];
-    const Real length2 = dx * dx + dy * dy + dz * dz + static_cast<Real>(least_length2);
-    const Real s = k - tension * inverse_root(length2);
+    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
+    const Real s = k - tension / length;
     fx[i] = s * dx;
     fy[i] = s * dy;
     fz[i] = s * dz;
@@ -106,8 +101,7 @@ template <bool sprung, bool damped, typename Real>
     Real s = w;
     if constexpr (sprung) {
       const auto k = static_cast<Real>(spring[i]);
-      const Real inverse =
-          inverse_root(dx * dx + dy * dy + dz * dz + static_cast<Real>(least_length2));
+      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
       s += k - k * rest_length * inverse;
       if constexpr (damped) {
         const Real rate = (dx * inverse * ex + dy * inverse * ey + dz * inverse * ez) * inverse;
