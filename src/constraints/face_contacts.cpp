@@ -115,21 +115,34 @@ bool is_fast(const Shape& shape, const Vector3& way) {
 /// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
 /// its corners, or may have passed through.
 template <class Visit>
-void for_each_near(const Shape& shape, const Cloth& cloth, const LocalCloth& local, double margin,
-                   Visit visit) {
+void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
+                   const LocalCloth& local, double margin, Visit visit) {
   const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
   const double far = margin + edge / std::sqrt(3);  // of the nearest corner
   const double way = longest_row(local.to - local.from);
   const bool fast = way > safe_depth(shape);
-  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
-    const Corners& c = cloth.triangles[t];
-    const double nearest =
-        std::min({local.distance[c[0]], local.distance[c[1]], local.distance[c[2]]});
-    if (nearest > far + (fast ? way : 0)) continue;
-    if (!fast && !touches_between_corners(shape, triangle_of(local.to, c), margin)) continue;
-    if (is_held_inside(cloth, c, local)) continue;
-    visit(static_cast<int>(t), c);
+  for (int b = 0; b < blocks.count(); ++b) {
+    if (blocks.least(b, local.distance) > far + (fast ? way : 0)) continue;
+    if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
+    for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
+      const Corners& c = cloth.triangles[t];
+      const Triangle to = triangle_of(local.to, c);
+      const Eigen::AlignedBox3d box(to[0].cwiseMin(to[1]).cwiseMin(to[2]),
+                                    to[0].cwiseMax(to[1]).cwiseMax(to[2]));
+      if (!fast && !touches_between_corners(shape, box, margin)) continue;
+      if (is_held_inside(cloth, c, local)) continue;
+      visit(static_cast<int>(t), c);
+    }
   }
+}
+
+/// Longest way of a corner between where impulses act and the step's end [m].
+double to_middle(const LocalCloth& local, const Corners& corners) {
+  double longest2 = 0;
+  for (const int i : corners) {
+    longest2 = std::max(longest2, (local.to.row(i) - local.middle.row(i)).squaredNorm());
+  }
+  return std::sqrt(longest2);
 }
 
 /// Distance of a triangle at a step's end, and whether it is that of a sweep.
@@ -184,16 +197,22 @@ const FaceContacts::Contact* FaceContacts::last_of(const Id& id) {
 void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& cloth,
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
-  for_each_near(collider.shape(), cloth, local, margin, [&](int triangle, const Corners& corners) {
-    Approach found = approach(collider, cloth, corners, local, margin);
-    if (!found.distance) return;
+  if (!blocks_.fits(cloth)) blocks_.reset(cloth);
+  const bool fast = longest_row(local.to - local.from) > safe_depth(collider.shape());
+  const auto look_at = [&](int triangle, const Corners& corners) {
     // As it lies where impulses act, unless it is to be stopped or led out.
-    const bool alone = found.swept || found.before < 0;
     const Triangle middle = triangle_of(local.middle, corners);
-    if (!alone) {
-      found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
+    Approach found;
+    found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
+    const bool may_be_inside =
+        fast || (found.distance && found.distance->value < to_middle(local, corners));
+    if (may_be_inside) {
+      const Approach at_end = approach(collider, cloth, corners, local, margin);
+      if (!at_end.distance) return;
+      if (at_end.swept || at_end.before < 0) found = at_end;
     }
     if (!found.distance) return;
+    const bool alone = found.swept || found.before < 0;
 
     // Corners are left to the contacts of their points, unless they are to be led out.
     std::array<std::optional<FaceDistance>, features> touching;
@@ -216,7 +235,8 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
         caught.push_back({triangle, before, -found.before});
       }
     }
-  });
+  };
+  for_each_near(collider.shape(), cloth, blocks_, local, margin, look_at);
 }
 
 void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth& cloth,
@@ -337,7 +357,8 @@ double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
 
 void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, double h,
                            const std::vector<char>& held, LocalCloth& local,
-                           std::vector<char>& moved) const {
+                           std::vector<char>& moved) {
+  if (!blocks_.fits(cloth)) blocks_.reset(cloth);
   const auto any_of = [](const auto& marks, const Corners& c, int mark) {
     return std::any_of(c.begin(), c.end(),
                        [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
@@ -345,7 +366,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
   for (int pass = 1; pass <= max_passes; ++pass) {
     bool again = false;
-    for_each_near(collider.shape(), cloth, local, cloth.offset, [&](int, const Corners& corners) {
+    const auto move_out = [&](int, const Corners& corners) {
       // In the first pass all, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
@@ -370,7 +391,8 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
             signed_distance(collider.shape(), local.to.row(i), local.from.row(i)).value;
       }
       again = again || must;
-    });
+    };
+    for_each_near(collider.shape(), cloth, blocks_, local, cloth.offset, move_out);
     if (!again) break;
   }
 }

@@ -260,9 +260,10 @@ Closest to_edges_and_corners(const Vector3& half, const Triangle& t, const Vecto
   return closest;
 }
 
-/// Does a triangle with its corners between `least` and `most` reach into the box, or an edge of
-/// the box within `reach` of it? There is none where it is between the faces along two axes.
+/// Does what lies between `least` and `most` reach into the box, or an edge of the box within
+/// `reach` of it? There is none where it is between the faces along two axes.
 bool is_near_edge(const Vector3& half, const Vector3& least, const Vector3& most, double reach) {
+  if ((least - half).cwiseMax(-half - most).maxCoeff() > reach) return false;
   int between = 0;
   bool apart = false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -340,16 +341,20 @@ void for_each_supporting_line(const Cuboid& box, const Vector3& normal, Visit vi
 
 // ---- touches_between_corners()
 
-template <class Round>
-bool may_touch_between(const Round&, const Triangle&, double) {
-  return true;
+bool may_touch_between(const Sphere& sphere, const Eigen::AlignedBox3d& box, double reach) {
+  return box.exteriorDistance(Vector3::Zero().eval()) <= sphere.radius + reach;
 }
 
-bool may_touch_between(const Plane&, const Triangle&, double) { return false; }
+bool may_touch_between(const Capsule& capsule, const Eigen::AlignedBox3d& box, double reach) {
+  const Vector3 high(0, 0, capsule.length / 2), low = -high;
+  const Vector3 beyond = (box.min() - high).cwiseMax(low - box.max());
+  return beyond.maxCoeff() <= capsule.radius + reach;
+}
 
-bool may_touch_between(const Cuboid& box, const Triangle& t, double reach) {
-  return is_near_edge(box.size / 2, t[0].cwiseMin(t[1]).cwiseMin(t[2]),
-                      t[0].cwiseMax(t[1]).cwiseMax(t[2]), reach);
+bool may_touch_between(const Plane&, const Eigen::AlignedBox3d&, double) { return false; }
+
+bool may_touch_between(const Cuboid& cuboid, const Eigen::AlignedBox3d& box, double reach) {
+  return is_near_edge(cuboid.size / 2, box.min(), box.max(), reach);
 }
 
 }  // namespace
@@ -374,8 +379,8 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const
   return found;
 }
 
-bool touches_between_corners(const Shape& shape, const Triangle& t, double reach) {
-  return std::visit([&](const auto& s) { return may_touch_between(s, t, reach); }, shape);
+bool touches_between_corners(const Shape& shape, const Eigen::AlignedBox3d& box, double reach) {
+  return std::visit([&](const auto& s) { return may_touch_between(s, box, reach); }, shape);
 }
 
 std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& triangle,

@@ -9,6 +9,7 @@
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
+#include "clothsim/constraints/triangle_blocks.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
 #include "clothsim/shapes/face_distance.h"
@@ -57,7 +58,7 @@ class FaceContacts {
   /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
   /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
   void correct(const MovingCollider&, const Cloth&, double h, const std::vector<char>& held,
-               LocalCloth&, std::vector<char>& moved) const;
+               LocalCloth&, std::vector<char>& moved);
 
   /// Turns a contact to another direction out of the solid.
   void redirect(std::size_t contact, const Vector3& normal) {
@@ -98,6 +99,7 @@ class FaceContacts {
   void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,
            const FaceDistance& distance, bool swept, double depth, LocalCloth&, State&);
 
+  TriangleBlocks blocks_;
   std::vector<Contact> contacts_;  // ascending ids
   std::vector<Contact> last_;
   std::size_t next_last_ = 0;
