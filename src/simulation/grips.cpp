@@ -151,8 +151,7 @@ void Grips::weigh(const Cloth& cloth, const Vector3& gravity, double dt, const P
       const Vector3 own = cloth.mass[i] * (gravity - cloth.damping * v - acceleration);
       const Vector3 force = impulses.row(i).transpose() / dt + own;
       const Vector3 arm = after.positions.row(i).transpose() - grip.pose.position;
-      grip.wrench.force += force;
-      grip.wrench.torque += arm.cross(force);
+      grip.wrench.add(arm, force);
     }
   }
 }

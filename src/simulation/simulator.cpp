@@ -123,6 +123,7 @@ StepReport Simulator::Impl::step() {
   is_given = is_given && !is_calm();
   disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
+  if (weighs_colliders) finish_colliders(dt);
   state.time = last_good.time + dt;
   report.contacts = collider_contacts.count();
   visit_self_contacts([&](const auto& contacts) { report.contacts += contacts.count(); });
@@ -163,6 +164,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   }
   grips.set_out(dt, state);
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
+  if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 
   const double weight = weight_frequency(cloth, scene.simulation.gravity);
   for (double h = dt / steps; steps > 0; --steps, ++report.substeps) {
@@ -278,6 +280,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches() && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(h, report);
   if (!grips.empty()) add_impulses(h);
+  if (weighs_colliders) add_collider_impulses(h);
   return !budget.is_spent();
 }
 

@@ -1,4 +1,5 @@
-// Points of the cloth that are attached to frames while it moves.
+// Points of the cloth that are attached to frames while it moves, and what it does to frames and
+// colliders.
 
 #include <utility>
 
@@ -6,6 +7,14 @@
 #include "simulator_impl.h"
 
 namespace clothsim {
+
+namespace {
+
+/// Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
+/// forces through the substep they would be that much larger.
+double as_force(const Cloth& cloth, double h) { return h / Drag(cloth.damping, h).distance; }
+
+}  // namespace
 
 void Simulator::Impl::hold_pins(Cloth& cloth) {
   for (int i = 0; i < cloth.num_points(); ++i) cloth.inv_mass[i] = 1 / cloth.mass[i];
@@ -26,9 +35,7 @@ void Simulator::Impl::hold_points() {
 
 void Simulator::Impl::add_impulses(double h) {
   grips.add_spring_impulses(cloth, h, state, impulses);
-  // Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
-  // forces through the substep they would be that much larger.
-  const double scale = h / Drag(cloth.damping, h).distance;
+  const double scale = as_force(cloth, h);
   if (strain_limit) strain_limit->add_impulses(scale, impulses);
   visit_self_contacts([&](const auto& contacts) { contacts.add_impulses(scale, impulses); });
 }
@@ -40,6 +47,18 @@ void Simulator::Impl::finish_grips(double dt, const State& before) {
   if (torn.empty()) return;
   grips.detach(torn);
   hold_points();
+}
+
+void Simulator::Impl::add_collider_impulses(double h) {
+  collider_contacts.add_impulses(colliders, cloth, as_force(cloth, h), state.positions,
+                                 collider_impulses);
+}
+
+void Simulator::Impl::finish_colliders(double dt) {
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    collider_wrenches[i].force = collider_impulses[i].force / dt;
+    collider_wrenches[i].torque = collider_impulses[i].torque / dt;
+  }
 }
 
 void Simulator::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
@@ -60,5 +79,12 @@ void Simulator::move_grip(const std::string& frame, const Pose& target) {
 }
 
 const std::map<std::string, Grip>& Simulator::grips() const { return impl_->grips.all(); }
+
+void Simulator::weigh_colliders(bool asks) {
+  impl_->weighs_colliders = asks;
+  if (!asks) impl_->collider_wrenches.assign(impl_->colliders.size(), {});
+}
+
+const std::vector<Wrench>& Simulator::collider_wrenches() const { return impl_->collider_wrenches; }
 
 }  // namespace clothsim

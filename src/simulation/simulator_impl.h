@@ -101,6 +101,7 @@ struct Simulator::Impl {
       colliders[i].place(scene.colliders[i].pose);
       colliders[i].enable(scene.colliders[i].enabled);
     }
+    collider_wrenches.assign(colliders.size(), {});
     forget();
     disturbed = is_given = false;
   }
@@ -169,6 +170,10 @@ struct Simulator::Impl {
   void hold_points();
   /// Adds to `impulses` what a substep of h [s] gave.
   void add_impulses(double h);
+  /// Adds to `collider_impulses` what a substep of h [s] gave.
+  void add_collider_impulses(double h);
+  /// Weighs what colliders carry after a frame of dt [s].
+  void finish_colliders(double dt);
   /// Weighs what grips carry after a frame of dt [s], and lets go what has torn off.
   void finish_grips(double dt, const State& before);
 
@@ -233,6 +238,9 @@ struct Simulator::Impl {
   Workers workers;
   std::vector<Vector3> pin_targets;
   Grips grips;
+  bool weighs_colliders = false;
+  std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where these are weighed
+  std::vector<Wrench> collider_wrenches;  // of the last frame
   EnergyWatch energy_watch;
   WorkBudget budget;   // left of a frame's
   double allowed = 0;  // visits of it, as it began

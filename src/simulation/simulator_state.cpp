@@ -72,6 +72,7 @@ struct Simulator::Saved {
   std::vector<MovingCollider> colliders;
   std::vector<Vector3> pin_targets;
   Grips grips;
+  std::vector<Wrench> collider_wrenches;
   double frame_duration;  // [s]
   Vector3 gravity;        // [m/s^2]
 };
@@ -181,6 +182,7 @@ void Simulator::load(const Scene& scene) {
   auto loaded = std::make_unique<Impl>(scene);
   loaded->topology_seq = impl_->topology_seq + 1;
   loaded->is_interrupted = impl_->is_interrupted;
+  loaded->weighs_colliders = impl_->weighs_colliders;
   impl_ = std::move(loaded);
 }
 
@@ -195,9 +197,9 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 }
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
-  return std::make_shared<const Saved>(Saved{impl_->cloth, impl_->state, memory(), impl_->colliders,
-                                             impl_->pin_targets, impl_->grips, frame_duration(),
-                                             impl_->scene.simulation.gravity});
+  return std::make_shared<const Saved>(Saved{
+      impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips,
+      impl_->collider_wrenches, frame_duration(), impl_->scene.simulation.gravity});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -215,7 +217,7 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
          bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
-         bytes(saved.pin_targets);
+         bytes(saved.pin_targets) + bytes(saved.collider_wrenches);
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -249,6 +251,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->state = saved.state;
   impl_->colliders = saved.colliders;
   impl_->pin_targets = saved.pin_targets;
+  impl_->collider_wrenches = saved.collider_wrenches;
   if (saved.frame_duration == frame_duration()) return;
   for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }

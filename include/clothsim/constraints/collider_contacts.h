@@ -41,6 +41,13 @@ class ColliderContacts {
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                Points& positions);
 
+  /// Adds what the cloth, at `positions`, gave each collider in the step, times `scale`: impulse
+  /// [N s] and its moment about the origin of the collider's frame [N m s], in the world. All that
+  /// changed velocities counts, also where it led out what a collider was put upon. What correct()
+  /// moves does not.
+  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+                    const Points& positions, std::vector<Wrench>& sums) const;
+
   /// Contacts that carry an impulse, and points that are pinched.
   int count() const;
 

@@ -10,6 +10,7 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/wrench.h"
 #include "clothsim/shapes/moving_collider.h"
 #include "clothsim/shapes/signed_distances.h"
 
@@ -121,6 +122,11 @@ class ContactSlots {
   const std::vector<int>& active() const { return active_; }
 
   ContactImpulse contact(int point, double friction) const;
+
+  /// Adds what the points, at `positions`, gave the collider in the step, times `scale`: impulse
+  /// [N s] and its moment about `origin` [N m s].
+  void add_impulses(const Cloth&, double scale, const Vector3& origin, const Points& positions,
+                    Wrench& sum) const;
 
   /// Contacts that carry an impulse.
   int count() const;

@@ -12,6 +12,7 @@
 #include "clothsim/constraints/triangle_blocks.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/wrench.h"
 #include "clothsim/shapes/face_distance.h"
 
 namespace clothsim {
@@ -65,6 +66,10 @@ class FaceContacts {
     contacts_[contact].impulse.normal = normal;
     contacts_[contact].impulse.slowest = contacts_[contact].lever * recovery_speed;
   }
+
+  /// As of ContactSlots, to each collider's sum, about its frame's origin.
+  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+                    const Points& positions, std::vector<Wrench>& sums) const;
 
   int count() const;  // that carry an impulse
   void reset();

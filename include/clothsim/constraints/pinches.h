@@ -9,6 +9,7 @@
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
+#include "clothsim/model/wrench.h"
 #include "clothsim/shapes/moving_collider.h"
 
 namespace clothsim {
@@ -45,6 +46,12 @@ class Pinches {
   /// Puts the points back where those velocities bring them from `start`, as far as they do not
   /// slip.
   void correct(const Points& start, Points& positions) const;
+
+  /// As of FaceContacts. Of two colliders the one that pushed has what a point got across them; of
+  /// what it got along them each has its share of the friction. What both press against each other
+  /// through the point is in no sum: nothing says how much that is.
+  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+                    const Points& positions, std::vector<Wrench>& sums) const;
 
   bool holds(int point) const {
     return !held_.empty() && held_[static_cast<std::size_t>(point)] != 0;

@@ -7,6 +7,7 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/wrench.h"
 #include "clothsim/shapes/collider.h"
 
 namespace clothsim {
@@ -14,12 +15,6 @@ namespace clothsim {
 /// Puts a point that a frame brought to `target` [m] there to the last bit. One that was held back
 /// on its way stays where it is.
 void arrive_at(const Vector3& target, int point, State&);
-
-/// Force [N] and torque [N m] about an origin, in the world.
-struct Wrench {
-  Vector3 force{0, 0, 0};
-  Vector3 torque{0, 0, 0};
-};
 
 /// Points of a cloth that a frame carries about, as a hand does.
 struct Grip {

@@ -134,6 +134,17 @@ class Simulator {
   /// By frame, with what the cloth did to it in the last step().
   const std::map<std::string, Grip>& grips() const;
 
+  /// Has step() sum up what the cloth does to the colliders, from the next frame on. Off at first:
+  /// then nothing is spent on it. No motion depends on it.
+  void weigh_colliders(bool asks);
+
+  /// By collider of scene().colliders, in the world: mean force [N] of the cloth on it in the last
+  /// step(), and torque [N m] about the origin of its frame, where that was meanwhile. A cloth at
+  /// rest presses with its weight. Impulses on velocities count, normal and friction, of points,
+  /// edges and faces; moves of positions do not, nor do pinched points tell how hard both jaws
+  /// press. Zero where nobody asked, and after reset().
+  const std::vector<Wrench>& collider_wrenches() const;
+
   const Scene& scene() const;  // with the present material and simulation values
   const Cloth& cloth() const;
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Force [N] and torque [N m] about an origin, in the world.
+struct Wrench {
+  Vector3 force{0, 0, 0};
+  Vector3 torque{0, 0, 0};
+
+  /// Adds a force [N] that acts at `arm` [m] from the origin.
+  void add(const Vector3& arm, const Vector3& more) {
+    force += more;
+    torque += arm.cross(more);
+  }
+};
+
+}  // namespace clothsim

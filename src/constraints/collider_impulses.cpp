@@ -1,0 +1,126 @@
+// What a cloth does to colliders in a step: the impulses that contact gave it, turned round.
+
+#include <array>
+
+#include "clothsim/constraints/collider_contacts.h"
+#include "clothsim/model/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+constexpr int most = ContactSlots::block;
+
+/// Sums by lane, each going its own way.
+struct LaneSums {
+  std::array<std::array<double, most>, 3> impulse{};  // [N s]
+  std::array<std::array<double, most>, 3> moment{};   // about the origin [N m s]
+};
+
+/// Adds the impulses on the points of these blocks, none of which ends beyond `mass` and `x`.
+CLOTHSIM_TARGET_CLONES
+void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slots,
+            const double* mass, const Vector3& origin, PointRun x, LaneSums& sums) {
+  const double ox = origin.x(), oy = origin.y(), oz = origin.z();
+  LaneSums s = sums;
+  for (std::size_t k = 0; k < count; ++k) {
+    const ContactSlots::Block& b = slots[blocks[k]];
+    const int first = blocks[k] * most;
+#pragma GCC ivdep
+    for (int lane = 0; lane < most; ++lane) {
+      const auto l = static_cast<std::size_t>(lane);
+      const int i = first + lane;
+      const double fx = mass[i] * (b.push[lane] * b.normal.x[lane] + b.drag.x[lane]);
+      const double fy = mass[i] * (b.push[lane] * b.normal.y[lane] + b.drag.y[lane]);
+      const double fz = mass[i] * (b.push[lane] * b.normal.z[lane] + b.drag.z[lane]);
+      const double rx = x.x[i] - ox, ry = x.y[i] - oy, rz = x.z[i] - oz;
+      s.impulse[0][l] += fx;
+      s.impulse[1][l] += fy;
+      s.impulse[2][l] += fz;
+      s.moment[0][l] += ry * fz - rz * fy;
+      s.moment[1][l] += rz * fx - rx * fz;
+      s.moment[2][l] += rx * fy - ry * fx;
+    }
+  }
+  sums = s;
+}
+
+Vector3 total(const std::array<std::array<double, most>, 3>& lanes) {
+  Vector3 sum;
+  for (int axis = 0; axis < 3; ++axis) {
+    sum[axis] = Eigen::Map<const Eigen::Array<double, most, 1>>(
+                    lanes[static_cast<std::size_t>(axis)].data())
+                    .sum();
+  }
+  return sum;
+}
+
+}  // namespace
+
+void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3& origin,
+                                const Points& positions, Wrench& sum) const {
+  if (active_.empty()) return;
+  LaneSums lanes;
+  const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
+  add_up(active_.data(), active_.size() - ends_short, blocks_.data(), cloth.mass.data(), origin,
+         run_from(positions, 0), lanes);
+  if (ends_short) {  // with slots that no point has
+    const int b = active_.back(), first = first_of(b), zero = 0;
+    Triples x{};
+    double mass[block] = {};
+    for (int i = first; i < points_; ++i) {
+      x.set(i - first, row(positions, i));
+      mass[i - first] = cloth.mass[i];
+    }
+    add_up(&zero, 1, &at(b), mass, origin, x.run(), lanes);
+  }
+  sum.force -= scale * total(lanes.impulse);
+  sum.torque -= scale * total(lanes.moment);
+}
+
+void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                                double scale, const Points& positions,
+                                std::vector<Wrench>& sums) const {
+  for (const Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    const auto collider = static_cast<std::size_t>(c.id.collider);
+    const Vector3& origin = colliders[collider].pose().position;
+    const Vector3 impulse = scale * c.impulse.total();
+    const auto& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const int i = corners[k];
+      if (cloth.inv_mass[i] == 0) continue;
+      sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.weights[k] * impulse);
+    }
+  }
+}
+
+void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                           double scale, const Points& positions, std::vector<Wrench>& sums) const {
+  for (const Pinch& p : pinches_) {
+    const Jaws& jaws = jaws_[p.jaws];
+    const auto put_on = [&](const MovingCollider& collider, const Vector3& change) {
+      sums[static_cast<std::size_t>(&collider - colliders.data())].add(
+          row(positions, p.point) - collider.pose().position,
+          -scale * cloth.mass[p.point] * change);
+    };
+    const Vector3 across = p.across.dot(p.given) * p.across;
+    const Vector3 along = p.given - across;
+    const double friction = jaws.a->friction() + jaws.b->friction();
+    put_on(p.across.dot(p.given) > 0 ? *jaws.a : *jaws.b, across);
+    if (friction == 0) continue;  // then there is nothing along them
+    put_on(*jaws.a, jaws.a->friction() / friction * along);
+    put_on(*jaws.b, jaws.b->friction() / friction * along);
+  }
+}
+
+void ColliderContacts::add_impulses(const std::vector<MovingCollider>& colliders,
+                                    const Cloth& cloth, double scale, const Points& positions,
+                                    std::vector<Wrench>& sums) const {
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    sides_[k].slots.add_impulses(cloth, scale, colliders[k].pose().position, positions, sums[k]);
+  }
+  faces_.add_impulses(colliders, cloth, scale, positions, sums);
+  pinches_.add_impulses(colliders, cloth, scale, positions, sums);
+}
+
+}  // namespace clothsim
