@@ -16,6 +16,11 @@ namespace {
 
 using Names = std::vector<std::string>;
 
+/// So many unknown names are told one by one, each with what may have been meant; of more, as of
+/// another program's parameters, one line names a few.
+constexpr std::size_t most_told = 5;
+constexpr std::size_t examples = 3;
+
 std::string text_of(const XmlRpc::XmlRpcValue& value) {
   try {
     return clothsim::describe(to_yaml(value));
@@ -94,6 +99,25 @@ std::string suggestion(const std::string& name, const KnownParameters& known) {
   return "; did you mean " + live + "? It starts as ~scene or ~camera has it";
 }
 
+Names messages_of_unknown(const std::string& prefix, const KnownParameters& known,
+                          const std::set<std::string>& names) {
+  const std::string expected = ", expected one of " + clothsim::join(known.read);
+  Names messages;
+  if (names.size() > most_told) {
+    std::string some;
+    auto name = names.begin();
+    for (std::size_t i = 0; i < examples; ++i) some += (i > 0 ? ", " : "") + *name++;
+    messages.push_back(prefix + some + " and " + std::to_string(names.size() - examples) +
+                       " more: got unknown parameters" + expected);
+    return messages;
+  }
+  for (const std::string& name : names) {
+    messages.push_back(prefix + name + ": got an unknown parameter" + expected +
+                       suggestion(name, known));
+  }
+  return messages;
+}
+
 }  // namespace
 
 ParameterTexts parameter_texts(const ros::NodeHandle& node) {
@@ -107,21 +131,20 @@ std::vector<std::string> ignored_parameters(const std::string& prefix, const Kno
                                             const ParameterTexts& given,
                                             const ParameterTexts& now) {
   const std::set<std::string> live_spaces = spaces_of(known.live);
-  std::vector<std::string> messages;
-  std::set<std::string> told;
+  Names overridden;
+  std::set<std::string> unknown;
   for (const auto& [name, text] : given) {
     if (has(known.read, name.substr(0, name.find('/')))) continue;
     if (!has(known.live, name)) {
-      const std::string shown = telling_part(name, live_spaces);
-      if (!told.insert(shown).second) continue;
-      messages.push_back(prefix + shown + ": got an unknown parameter, expected one of " +
-                         clothsim::join(known.read) + suggestion(shown, known));
+      unknown.insert(telling_part(name, live_spaces));
     } else if (now.count(name) > 0 && now.at(name) != text) {
-      messages.push_back(prefix + name + ": got " + text +
-                         " before the start, expected it in ~scene or ~camera, whose " +
-                         now.at(name) + " holds");
+      overridden.push_back(prefix + name + ": got " + text +
+                           " before the start, expected it in ~scene or ~camera, whose " +
+                           now.at(name) + " holds");
     }
   }
+  Names messages = messages_of_unknown(prefix, known, unknown);
+  messages.insert(messages.end(), overridden.begin(), overridden.end());
   return messages;
 }
 

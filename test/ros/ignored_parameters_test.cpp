@@ -47,6 +47,20 @@ TEST(IgnoredParameters, AnUnknownNamespaceIsToldOnce) {
             Names{"/cloth/shading/ball"});
 }
 
+TEST(IgnoredParameters, OfManyUnknownOnesOneLineNamesAFew) {
+  ParameterTexts given{{"ks", "123"}};
+  for (int i = 0; i < 20000; ++i) given["n" + std::to_string(10000 + i)] = "1";
+  const std::vector<std::string> messages = ignored(given, {{"ks", "5000"}});
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_EQ(messages[0],
+            "/cloth/n10000, n10001, n10002 and 19997 more: got unknown parameters, expected one of "
+            "scene, camera, paused, realtime_factor");
+  EXPECT_EQ(messages[1].substr(0, 10), "/cloth/ks:");
+  given.clear();
+  for (int i = 0; i < 5; ++i) given["n" + std::to_string(i)] = "1";
+  EXPECT_EQ(ignored(given, given).size(), 5u);
+}
+
 TEST(IgnoredParameters, LiveValuesThatTheSceneOverrides) {
   EXPECT_EQ(
       ignored({{"ks", "123"}, {"density", "150"}}, {{"ks", "5000"}, {"density", "150"}}),
