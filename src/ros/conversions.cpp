@@ -3,6 +3,7 @@
 #include <sensor_msgs/distortion_models.h>
 
 #include <array>
+#include <map>
 #include <string>
 
 #include "clothsim/model/errors.h"
@@ -128,6 +129,41 @@ sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth& cloth,
   msg.data.resize(size_t{msg.row_step} * msg.height);
   Eigen::Map<FlatXyz>(reinterpret_cast<float*>(msg.data.data()), positions.rows(), 3) =
       positions.cast<float>();
+  return msg;
+}
+
+clothsim::Colliders to_colliders_msg(const clothsim::Simulator& simulator,
+                                     const std_msgs::Header& header, std::uint64_t step) {
+  clothsim::Colliders msg;
+  msg.header = header;
+  msg.step = step;
+  const clothsim::Scene& scene = simulator.scene();
+  for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
+    clothsim::ColliderState collider;
+    collider.name = scene.colliders[i].name;
+    collider.frame = scene.colliders[i].frame;
+    collider.pose = to_pose_msg(simulator.collider_pose(static_cast<int>(i)));
+    collider.enabled = simulator.collider_enabled(static_cast<int>(i));
+    collider.friction = scene.colliders[i].friction;
+    msg.colliders.push_back(collider);
+  }
+
+  std::map<std::string, clothsim::HeldPoints> pinned;  // by frame
+  for (const clothsim::Pin& pin : scene.cloth.pinned) {
+    pinned[pin.frame].points.push_back(pin.row * scene.cloth.columns + pin.column);
+  }
+  for (auto& [frame, held] : pinned) {
+    held.frame = frame;
+    held.pinned = true;
+    msg.held.push_back(held);
+  }
+  for (const auto& [frame, grip] : simulator.grips()) {
+    clothsim::HeldPoints held;
+    held.frame = frame;
+    for (const clothsim::Grip::Held& point : grip.held) held.points.push_back(point.point);
+    held.tear_force = grip.tear_force.value_or(0);
+    msg.held.push_back(held);
+  }
   return msg;
 }
 

@@ -61,6 +61,7 @@ Node::Node()
       follower_(parameters_.scene, tf_, parameters_.jump_speed),
       grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
+      contact_topics_(node_, simulator_, parameters_.world_frame),
       photographer_(with_full_name(node_, "camera/",
                                    [this] {
                                      return Photographer(node_, simulator_, tf_, parameters_.view,
@@ -131,6 +132,7 @@ bool Node::simulate_frame(Turn turn) {
   follower_.move(simulator_);
   grasper_.look_up();
   grasper_.move();
+  contact_topics_.ask();
   try {
     report_ = simulator_.step();
   } catch (const clothsim::Interrupted&) {
@@ -149,8 +151,10 @@ bool Node::simulate_frame(Turn turn) {
   }
   ++frame_number_;
   rate_.add(frame_duration);
-  publish_frame(turn == Turn::due ? pacer_.advance(frame_duration)
-                                  : pacer_.advance_now(frame_duration));
+  const ros::Time stamp =
+      turn == Turn::due ? pacer_.advance(frame_duration) : pacer_.advance_now(frame_duration);
+  publish_frame(stamp);
+  contact_topics_.publish(stamp, frame_number_);
   return true;
 }
 
@@ -288,6 +292,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
   targets_.reset(simulator_.scene());
   follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);
   state_services_.clear();
+  contact_topics_.follow_scene();
   serve_live_values();
   frame_number_ = 0;
   outputs_.refresh();  // the topology, before states on it

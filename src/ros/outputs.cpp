@@ -45,6 +45,7 @@ Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
   greeted.setCallbackQueue(&newcomers_);
   state_publisher_ = advertise(greeted, "state", state_queue, &Outputs::state);
   points_publisher_ = advertise(greeted, "points", points_queue, &Outputs::points);
+  colliders_publisher_ = advertise(greeted, "colliders", points_queue, &Outputs::colliders);
   markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers_anew);
 }
 
@@ -63,6 +64,10 @@ clothsim::ClothState Outputs::state() const {
 
 sensor_msgs::PointCloud2 Outputs::points() const {
   return to_point_cloud(simulator_.cloth(), simulator_.state().positions, header_);
+}
+
+clothsim::Colliders Outputs::colliders() const {
+  return to_colliders_msg(simulator_, header_, step_);
 }
 
 visualization_msgs::MarkerArray Outputs::markers() const {
@@ -86,6 +91,7 @@ void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
   newcomers_.clear();  // what all get now is all they need
   if (state_publisher_.getNumSubscribers() > 0) state_publisher_.publish(state());
   if (points_publisher_.getNumSubscribers() > 0) points_publisher_.publish(points());
+  if (colliders_publisher_.getNumSubscribers() > 0) colliders_publisher_.publish(colliders());
   markers_due_ = true;
   refresh();
 }

@@ -2,6 +2,7 @@
 
 #include <clothsim/ClothState.h>
 #include <clothsim/ClothTopology.h>
+#include <clothsim/Colliders.h>
 #include <clothsim/WholeState.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Quaternion.h>
@@ -18,6 +19,7 @@
 #include "clothsim/model/state.h"
 #include "clothsim/render/camera.h"
 #include "clothsim/shapes/collider.h"
+#include "clothsim/simulation/simulator.h"
 
 // Pure functions between the core's types and ROS messages.
 
@@ -40,6 +42,10 @@ clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::
 /// Organised cloud of columns x rows points, fields x, y, z as float32.
 sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,
                                         const std_msgs::Header&);
+
+/// Where colliders are and what is held. `step` as above.
+clothsim::Colliders to_colliders_msg(const clothsim::Simulator&, const std_msgs::Header&,
+                                     std::uint64_t step);
 
 /// Pinhole without distortion; K and P hold the same.
 sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::Header&);

@@ -14,6 +14,7 @@
 
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/choice_log.h"
+#include "clothsim/ros/contact_topics.h"
 #include "clothsim/ros/diagnostics.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
@@ -90,6 +91,7 @@ class Node {
   FrameFollower follower_;
   Grasper grasper_;
   Outputs outputs_;
+  ContactTopics contact_topics_;
   Photographer photographer_;
   std::optional<Reconfigure> reconfigure_;           // of the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clothsim/ClothState.h>
+#include <clothsim/Colliders.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -15,9 +16,10 @@
 
 namespace clothsim_ros {
 
-/// The topics ~state, ~points, ~markers and ~topology. No message is built without a subscriber
-/// for it, but for the latched topology. A new subscriber gets the present state, so that it sees
-/// a simulation that is paused, too: from refresh(), or from publish() where that comes first.
+/// The topics ~state, ~points, ~colliders, ~markers and ~topology. No message is built without a
+/// subscriber for it, but for the latched topology. A new subscriber gets the present state, so
+/// that it sees a simulation that is paused, too: from refresh(), or from publish() where that
+/// comes first.
 class Outputs {
  public:
   /// The simulator must outlive this. `now` is the stamp of the scene's start.
@@ -44,6 +46,7 @@ class Outputs {
   void publish_topology();
 
   sensor_msgs::PointCloud2 points() const;
+  clothsim::Colliders colliders() const;
   visualization_msgs::MarkerArray markers() const;
   /// With an order before them to delete all others, such as those of a node before this one.
   visualization_msgs::MarkerArray markers_anew() const;
@@ -55,9 +58,10 @@ class Outputs {
   bool markers_due_ = false;      // the state has moved on since the last ones
   bool others_shown_ = false;     // markers of another scene, maybe
   ros::SteadyTime next_markers_;  // not before
-  ros::CallbackQueue newcomers_;  // subscribers of states and points that have got none yet
+  ros::CallbackQueue newcomers_;  // subscribers of all but markers that have got none yet
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
+  ros::Publisher colliders_publisher_;
   ros::Publisher markers_publisher_;
   ros::Publisher topology_publisher_;
 };

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/time.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim_ros {
+
+/// What the cloth does to colliders, on ~contacts and ~contact_wrench/COLLIDER. Without a
+/// subscriber nothing is summed up in the frames.
+class ContactTopics {
+ public:
+  /// The simulator must outlive this.
+  ContactTopics(const ros::NodeHandle&, clothsim::Simulator&, std::string world_frame);
+
+  /// To be called before each frame.
+  void ask();
+
+  /// Publishes the frame just simulated, number `step` since the scene's start.
+  void publish(const ros::Time& stamp, std::uint64_t step);
+
+  /// To be called when there is another scene.
+  void follow_scene();
+
+ private:
+  /// Where a collider's wrench goes.
+  struct WrenchTopic {
+    std::size_t collider;
+    ros::Publisher publisher;
+  };
+
+  ros::NodeHandle node_;
+  clothsim::Simulator& simulator_;
+  std::string world_frame_;
+  ros::Publisher contacts_;
+  std::vector<WrenchTopic> wrenches_;
+  bool asked_ = false;  // of the frame under way
+};
+
+}  // namespace clothsim_ros

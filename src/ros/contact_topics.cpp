@@ -1,0 +1,120 @@
+#include "clothsim/ros/contact_topics.h"
+
+#include <clothsim/Contacts.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/console.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "clothsim/ros/conversions.h"
+#include "clothsim/ros/names.h"
+#include "clothsim/simulation/touches.h"
+
+namespace clothsim_ros {
+namespace {
+
+/// As many wait for a slow subscriber, about a second's.
+constexpr std::uint32_t contacts_queue = 100;
+
+geometry_msgs::Wrench to_wrench_msg(const clothsim::Wrench& wrench) {
+  geometry_msgs::Wrench msg;
+  msg.force = to_vector_msg(wrench.force);
+  msg.torque = to_vector_msg(wrench.torque);
+  return msg;
+}
+
+clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
+  clothsim::Contacts msg;
+  const std::vector<clothsim::ColliderSpec>& colliders = simulator.scene().colliders;
+  const std::vector<clothsim::Touch> touches = clothsim::find_touches(simulator);
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    clothsim::ContactWrench of_one;
+    of_one.name = colliders[i].name;
+    of_one.frame = colliders[i].frame;
+    of_one.wrench = to_wrench_msg(simulator.collider_wrenches()[i]);
+    of_one.origin = to_point_msg(simulator.collider_pose(static_cast<int>(i)).position);
+    of_one.count = static_cast<std::uint32_t>(touches[i].count);
+    of_one.middle = to_point_msg(touches[i].middle);
+    msg.colliders.push_back(std::move(of_one));
+  }
+  return msg;
+}
+
+/// In the tf frame that carries the collider, about its origin; in the world, about its origin,
+/// where none does.
+geometry_msgs::WrenchStamped to_stamped_wrench_msg(const clothsim::Wrench& wrench,
+                                                   const clothsim::Pose& pose,
+                                                   const std::string& frame,
+                                                   const std::string& world_frame) {
+  clothsim::Wrench local = wrench;
+  if (frame.empty()) {
+    local.torque += pose.position.cross(wrench.force);
+  } else {
+    const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
+    local = {to_frame * wrench.force, to_frame * wrench.torque};
+  }
+  geometry_msgs::WrenchStamped msg;
+  msg.header.frame_id = frame.empty() ? world_frame : frame;
+  msg.wrench = to_wrench_msg(local);
+  return msg;
+}
+
+}  // namespace
+
+ContactTopics::ContactTopics(const ros::NodeHandle& node, clothsim::Simulator& simulator,
+                             std::string world_frame)
+    : node_(node),
+      simulator_(simulator),
+      world_frame_(std::move(world_frame)),
+      contacts_(node_.advertise<clothsim::Contacts>("contacts", contacts_queue)) {
+  follow_scene();
+}
+
+void ContactTopics::follow_scene() {
+  const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
+  wrenches_.clear();
+  std::map<std::string, std::string> names;  // by topic
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const std::string& name = colliders[i].name;
+    const std::string topic = "contact_wrench/" + to_ros_name(name, "collider_");
+    const auto [known, is_new] = names.emplace(topic, name);
+    if (!is_new) {
+      ROS_WARN("Collider %s has no wrench topic: ~%s is that of %s", name.c_str(), topic.c_str(),
+               known->second.c_str());
+      continue;
+    }
+    wrenches_.push_back({i, node_.advertise<geometry_msgs::WrenchStamped>(topic, contacts_queue)});
+  }
+}
+
+void ContactTopics::ask() {
+  asked_ = contacts_.getNumSubscribers() > 0 ||
+           std::any_of(wrenches_.begin(), wrenches_.end(), [](const WrenchTopic& topic) {
+             return topic.publisher.getNumSubscribers() > 0;
+           });
+  simulator_.weigh_colliders(asked_);
+}
+
+void ContactTopics::publish(const ros::Time& stamp, std::uint64_t step) {
+  if (!asked_) return;
+  if (contacts_.getNumSubscribers() > 0) {
+    clothsim::Contacts msg = to_contacts_msg(simulator_);
+    msg.header.stamp = stamp;
+    msg.header.frame_id = world_frame_;
+    msg.step = step;
+    contacts_.publish(msg);
+  }
+  for (const WrenchTopic& topic : wrenches_) {
+    if (topic.publisher.getNumSubscribers() == 0) continue;
+    geometry_msgs::WrenchStamped msg =
+        to_stamped_wrench_msg(simulator_.collider_wrenches()[topic.collider],
+                              simulator_.collider_pose(static_cast<int>(topic.collider)),
+                              simulator_.scene().colliders[topic.collider].frame, world_frame_);
+    msg.header.stamp = stamp;
+    topic.publisher.publish(msg);
+  }
+}
+
+}  // namespace clothsim_ros
