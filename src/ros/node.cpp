@@ -69,7 +69,7 @@ Node::Node()
                                    })),
       state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_,
                       parameters_.save_limit, [this] { jump(); }),
-      wind_listener_(node_, simulator_, tf_),
+      wind_listener_(node_, simulator_, tf_, changes_),
       diagnostics_(node_, parameters_.limits) {
   simulator_.set_interrupt([] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);
@@ -235,6 +235,7 @@ bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respo
   targets_.reset(simulator_.scene());
   follower_.reset();
   frame_number_ = 0;
+  wind_listener_.tell();
   jump();
   response.success = true;
   response.message = "at the scene's start";

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include "clothsim/model/errors.h"
+#include "clothsim/ros/conversions.h"
 #include "clothsim/ros/live_values.h"
 
 namespace clothsim_ros {
@@ -13,9 +14,11 @@ constexpr std::uint32_t wind_queue = 1;
 
 }  // namespace
 
-WindListener::WindListener(ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf)
+WindListener::WindListener(ros::NodeHandle& node, clothsim::Simulator& simulator, TfListener& tf,
+                           Changes& changes)
     : simulator_(simulator),
       tf_(tf),
+      changes_(changes),
       subscriber_(node.subscribe("wind", wind_queue, &WindListener::hear, this)) {}
 
 void WindListener::hear(const geometry_msgs::Vector3Stamped& message) {
@@ -35,7 +38,17 @@ void WindListener::hear(const geometry_msgs::Vector3Stamped& message) {
   }
   if (const auto why = refusal([&] { simulator_.set_wind(wind); }, "~wind")) {
     if (warnings_.passes()) ROS_WARN("Ignored a wind: %s", why->c_str());
+    return;
   }
+  heard_ = wind;
+  tell();
+}
+
+void WindListener::tell() const {
+  if (!heard_ || simulator_.scene().simulation.wind != heard_) return;
+  clothsim::Change change;
+  change.wind = to_vector_msg(*heard_);
+  changes_.publish("wind", change);
 }
 
 }  // namespace clothsim_ros

@@ -14,7 +14,7 @@ import roslib.packages
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import Twist, Vector3, Vector3Stamped
 from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import Change
@@ -36,6 +36,8 @@ class Bag(unittest.TestCase):
         wait_for(cls.cloth.states.all, "the first state")
         cls.tf = publisher_at_once("/tf", TFMessage)
         cls.folder = tempfile.mkdtemp()
+        cls.wind = publisher_at_once("/clothsim/wind", Vector3Stamped)
+        cls.changes = Recorder(CHANGES, Change)
         cls.live = Client("/clothsim", timeout=PATIENCE)
         cls.replay_bag = roslib.packages.find_node("clothsim", "replay_bag")[0]
 
@@ -80,15 +82,24 @@ class Bag(unittest.TestCase):
     def put_hand(self, x, height):
         self.tf.publish([make_transform("hand", (x, 0, height), stamp=rospy.Time.now())])
 
+    def blow(self, x):
+        """Returns when the node has heard it."""
+        self.changes.clear()
+        self.wind.publish(Vector3Stamped(vector=Vector3(x=x)))
+        self.changes.wait("the wind", lambda m: m.what == "wind" and m.wind.x == x)
+
     def run_with_calls(self):
-        """Live values change, a hand takes the cloth at a corner, carries it and lets go; another
-        one is torn off; the sphere is turned off."""
+        """Live values change, wind comes up, a hand takes the cloth at a corner, carries it and lets
+        go; another one is torn off; the sphere is turned off."""
+        self.blow(0.0)
         self.put_sphere(0.5, 0.25)
         self.put_hand(0, 1)
         self.cloth.reset()
         self.cloth.step(10)
         self.live.update_configuration({"ks": 3000.0, "damping": 3.0})
-        self.cloth.step(10)
+        self.cloth.step(5)
+        self.blow(3.0)
+        self.cloth.step(5)
         corner = positions(self.cloth.step(1))[CORNER]
         self.put_hand(corner[0], corner[2])
         answer = call("/clothsim/attach", Attach, "hand", [], 0.01 + abs(corner[1]), 0.0)
@@ -168,14 +179,15 @@ class Bag(unittest.TestCase):
         path = self.record("calls", self.run_with_calls)
         with rosbag.Bag(path) as bag:
             calls = [m.what for _, m, _ in bag.read_messages(CHANGES) if m.what != "tf"]
-        self.assertEqual(calls, ["reset", "set_parameters", "attach", "detach", "attach",
-                                 "set_parameters", "enable_collider"])
+        self.assertEqual(calls, ["wind", "reset", "wind", "set_parameters", "wind", "attach", "detach",
+                                 "attach", "set_parameters", "enable_collider"])
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
 
         # From another state, with other values and the hands elsewhere: the same bytes.
         self.cloth.reset()
         self.put_hand(5, 5)
+        self.blow(-1.0)
         self.live.update_configuration({"ks": 700.0, "damping": 9.0, "gravity_x": -1.0})
         self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER, 60], 0.0, 0.0).success)
         answers = []
@@ -186,7 +198,7 @@ class Bag(unittest.TestCase):
         self.live.update_configuration(LIVE)
 
         # Without one of the changes it is not the same, and said so.
-        for what, frame in (("set_parameters", 11), ("attach", 22), ("detach", 37), ("tf", 22),
+        for what, frame in (("set_parameters", 11), ("wind", 16), ("attach", 22), ("detach", 37), ("tf", 22),
                             ("enable_collider", 56)):
             answer = self.replay(self.without(path, what))
             self.assertEqual(answer.returncode, 1, what)
