@@ -116,6 +116,11 @@ void validate(const Material& material) {
     check_range("strain_limit", *material.strain_limit, strain_limit_range);
 }
 
+void validate_contact(double thickness, double friction) {
+  check_range("thickness", thickness, thickness_range);
+  check_range("friction", friction, friction_range);
+}
+
 void validate(const ClothSpec& spec) {
   check_range("width", spec.width, length_range);
   check_range("height", spec.height, length_range);
@@ -124,8 +129,7 @@ void validate(const ClothSpec& spec) {
   check_pins(spec);
   validate(spec.material);
   check_shear(spec);
-  check_range("thickness", spec.thickness, thickness_range);
-  check_range("friction", spec.friction, friction_range);
+  validate_contact(spec.thickness, spec.friction);
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {
     throw InvalidValue({"self_collision"}, "surface",
                        "points: a cloth of one column or row has no surface");

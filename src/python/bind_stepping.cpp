@@ -13,10 +13,9 @@ SceneObject to_scene(const py::object& object) {
 void set(Simulation& simulation, const py::kwargs& values) {
   const YAML::Node yaml = to_yaml(values);
   simulation.with([&](Run& run) {
-    clothsim::Material material = run.simulator.scene().cloth.material;
-    clothsim::SimulationSpec spec = run.simulator.scene().simulation;
-    clothsim::read_live_values(yaml, material, spec);
-    run.simulator.set(material, spec);
+    clothsim::LiveSpec live = clothsim::live_values(run.simulator.scene());
+    clothsim::read_live_values(yaml, live);
+    run.simulator.set(live);
   });
 }
 
@@ -61,7 +60,9 @@ void bind_stepping(SimulationClass& simulator) {
       .def(
           "set", &set,
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "
-          "springs (a dict), gravity, frames_per_second, substeps, strain_tolerance, tolerance, "
+          "springs (a dict), thickness, self_collision, friction, "
+          "collider_friction (a dict by name), gravity, frames_per_second, substeps, "
+          "strain_tolerance, tolerance, "
           "method, method_parameters, threads, as in a scene. Raises InvalidValue and changes "
           "nothing.")
       .def_property_readonly(

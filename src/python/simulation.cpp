@@ -72,6 +72,7 @@ void Run::reset() {
 void Simulation::load(const SceneObject& scene) {
   auto loaded = std::make_shared<Run>(scene);
   const Gate::Visit visit(gate_);
+  loaded->simulator.weigh_colliders(run_->simulator.weighs_colliders());
   run_ = std::move(loaded);
 }
 

@@ -101,10 +101,11 @@ void MotionPlayer::act(const MotionAction& action, Simulator& simulator) {
         simulator.enable_collider(static_cast<int>(i), change->enabled);
     }
   } else {
-    Material material = simulator.scene().cloth.material;
-    SimulationSpec simulation = simulator.scene().simulation;
-    std::get<LiveValues>(action).apply(material, simulation);
-    inside("set", [&] { simulator.set(material, simulation); });
+    LiveSpec live = live_values(simulator.scene());
+    inside("set", [&] {
+      std::get<ChangeValues>(action).change(live);
+      simulator.set(live);
+    });
   }
 }
 

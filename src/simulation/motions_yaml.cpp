@@ -13,11 +13,6 @@ ReadValue into_points(std::vector<int>& points) {
   };
 }
 
-/// A number that replaces another.
-ReadValue into_change(std::optional<double>& target) {
-  return [&target](const YAML::Node& node) { target = read_number(node); };
-}
-
 /// A quaternion [x, y, z, w] of any length.
 Eigen::Quaterniond read_quaternion(const YAML::Node& node) {
   constexpr double shortest = 1e-6;  // below, it is no more than rounding
@@ -61,31 +56,7 @@ std::vector<Field> fields(AttachPoints& attach) {
 std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points(detach.points)}}; }
 
 std::vector<Field> fields(SwitchCollider&) { return {}; }
-std::vector<Field> fields(LiveValues&) { return {}; }
-
-void read_live_values(const YAML::Node& node, LiveValues& values) {
-  const auto read_limit = [&](const YAML::Node& value) {
-    std::optional<double> limit;
-    into(limit)(value);
-    values.strain_limit = limit;
-  };
-  const auto read_springs = [&](const YAML::Node& map) {
-    std::vector<Field> families;
-    for (std::size_t i = 0; i < spring_family_names.size(); ++i) {
-      families.push_back({spring_family_names[i], [&values, i](const YAML::Node& value) {
-                            values.springs[i] = read_switch(value);
-                          }});
-    }
-    read_map(map, families);
-  };
-  read_map(node,
-           {{"ks", into_change(values.ks)},
-            {"density", into_change(values.density)},
-            {"damping", into_change(values.damping)},
-            {"strain_limit", read_limit},
-            {"springs", read_springs},
-            {"gravity", [&](const YAML::Node& value) { values.gravity = read_vector(value); }}});
-}
+std::vector<Field> fields(ChangeValues&) { return {}; }
 
 /// A kind of entry: the key it is told by, and what reads that.
 struct Kind {
@@ -107,7 +78,7 @@ void read_name(const YAML::Node& node, MotionAction& action) {
 /// In this order: a file has a `frame` beside it.
 std::vector<Kind> kinds() {
   const auto read_set = [](const YAML::Node& node, MotionAction& action) {
-    read_live_values(node, std::get<LiveValues>(action));
+    action = read_change(node);
   };
   return {{"file", KeyFrameFile(), read_name<&KeyFrameFile::file>},
           {"frame", KeyFrame(), read_name<&KeyFrame::frame>},
@@ -115,7 +86,7 @@ std::vector<Kind> kinds() {
           {"detach", DetachPoints(), read_name<&DetachPoints::frame>},
           {"enable", SwitchCollider{"", true}, read_name<&SwitchCollider::collider>},
           {"disable", SwitchCollider{"", false}, read_name<&SwitchCollider::collider>},
-          {"set", LiveValues(), read_set}};
+          {"set", ChangeValues(), read_set}};
 }
 
 MotionEntry read_entry(const YAML::Node& node) {

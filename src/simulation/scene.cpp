@@ -125,13 +125,15 @@ void validate(const SwitchCollider& change, const Scene& scene) {
       names.empty() ? "none, as the scene has no colliders" : "one of " + join(names));
 }
 
-void validate(const LiveValues& values, const Scene& scene) {
-  Material material = scene.cloth.material;
-  SimulationSpec simulation = scene.simulation;
-  values.apply(material, simulation);
+void validate(const ChangeValues& values, const Scene& scene) {
+  LiveSpec live = live_values(scene);
   inside("set", [&] {
-    validate(material);
-    validate(simulation);
+    values.change(live);
+    if (live.simulation.frames_per_second != scene.simulation.frames_per_second) {
+      throw InvalidValue({"frames_per_second"}, to_text(live.simulation.frames_per_second),
+                         "no change: the times of motions are counted in frames");
+    }
+    validate(live);
   });
 }
 
@@ -147,14 +149,25 @@ void validate_motions(const Scene& scene) {
 
 }  // namespace
 
-void LiveValues::apply(Material& material, SimulationSpec& simulation) const {
-  material.ks = ks.value_or(material.ks);
-  material.density = density.value_or(material.density);
-  material.damping = damping.value_or(material.damping);
-  if (strain_limit) material.strain_limit = *strain_limit;
-  for (std::size_t i = 0; i < springs.size(); ++i)
-    material.springs[i] = springs[i].value_or(material.springs[i]);
-  simulation.gravity = gravity.value_or(simulation.gravity);
+LiveSpec live_values(const Scene& scene) {
+  const ClothSpec& cloth = scene.cloth;
+  LiveSpec live{cloth.material,  cloth.thickness, cloth.self_collision, cloth.friction, {},
+                scene.simulation};
+  for (const ColliderSpec& collider : scene.colliders) {
+    live.collider_friction[collider.name] = collider.friction;
+  }
+  return live;
+}
+
+void validate(const LiveSpec& live) {
+  validate(live.material);
+  validate_contact(live.thickness, live.friction);
+  inside("collider_friction", [&] {
+    for (const auto& [name, friction] : live.collider_friction) {
+      check_range(name, friction, friction_range);
+    }
+  });
+  validate(live.simulation);
 }
 
 void check_orientation(const Eigen::Quaterniond& orientation) {

@@ -237,8 +237,28 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
   read_map(node, fields);
 }
 
-void read_live_values(const YAML::Node& node, Material& material, SimulationSpec& simulation) {
-  read_simulation(node, live_fields(material), simulation);
+void read_live_values(const YAML::Node& node, LiveSpec& live) {
+  std::vector<Field> fields = live_fields(live.material);
+  append({{"thickness", into(live.thickness)},
+          {"self_collision",
+           [&](const YAML::Node& value) { read_self_collision(value, live.self_collision); }},
+          {"friction", into(live.friction)},
+          {"collider_friction",
+           [&](const YAML::Node& map) {
+             std::vector<Field> colliders;
+             for (auto& [name, friction] : live.collider_friction) {
+               colliders.push_back({name, into(friction)});
+             }
+             read_map(map, colliders);
+           }}},
+         fields);
+  read_simulation(node, std::move(fields), live.simulation);
+}
+
+ChangeValues read_change(const YAML::Node& node) {
+  // A copy that nobody changes: simulators of one scene may read it at a time.
+  const YAML::Node copy = YAML::Clone(node);
+  return {[copy](LiveSpec& live) { read_live_values(copy, live); }};
 }
 
 Scene read_scene(const YAML::Node& root) {

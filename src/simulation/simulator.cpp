@@ -39,18 +39,6 @@ bool is_good(const State& state) {
          are_near(state.velocities.data(), state.velocities.size());
 }
 
-/// Throws where `auto` cannot choose a step, naming the value that `key` leads to.
-void check_feasible(const SimulationSpec& spec, const Cloth& cloth,
-                    const std::vector<ColliderSpec>& colliders, const Points& positions,
-                    const std::vector<std::string>& key) {
-  if (spec.substeps) return;
-  const Method method(spec, cloth, colliders);
-  if (method.substeps(spec, cloth, positions) < max_substeps) return;
-  throw InvalidValue(
-      key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
-      "a softer or heavier one, or more frames per second, or a count of substeps");
-}
-
 }  // namespace
 
 Simulator::Impl::Impl(const Scene& s) : scene(s) {
@@ -60,7 +48,7 @@ Simulator::Impl::Impl(const Scene& s) : scene(s) {
   build_strain_limit();
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   reset();
-  check_feasible(scene.simulation, cloth, scene.colliders, state.positions, {"cloth", "ks"});
+  check_feasible(scene.simulation, cloth, {"cloth", "ks"});
 }
 
 StepReport Simulator::Impl::step() {
@@ -309,56 +297,6 @@ void Simulator::set_interrupt(std::function<bool()> is_interrupted) {
 }
 
 void Simulator::reset() { impl_->reset(); }
-
-void Simulator::set(const Material& material, const SimulationSpec& simulation) {
-  validate(material);
-  validate(simulation);
-  ClothSpec spec = impl_->scene.cloth;
-  const bool springs_changed = material.springs != spec.material.springs;
-  spec.material = material;
-  Cloth cloth = make_grid(spec, simulation.gravity.norm());
-  impl_->grips.hold(cloth);
-  check_feasible(simulation, cloth, impl_->scene.colliders, impl_->state.positions, {"ks"});
-
-  // An impulse of pairs belongs to their masses.
-  const bool density_changed = material.density != impl_->scene.cloth.material.density;
-  if (density_changed) impl_->visit_self_contacts([](auto& contacts) { contacts.reset(); });
-
-  const bool other_contacts = cloth.self_collision != impl_->cloth.self_collision;
-
-  const SimulationSpec& last = impl_->scene.simulation;
-  const bool method_changed = simulation.method != last.method ||
-                              !same(simulation.method_parameters, last.method_parameters);
-  impl_->scene.cloth = std::move(spec);
-  impl_->scene.simulation = simulation;
-  for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
-  if (impl_->workers.threads() != simulation.threads) {
-    impl_->workers = Workers(simulation.threads);
-  }
-  impl_->cloth = std::move(cloth);
-  std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
-  impl_->build_strain_limit();
-  if (last_limit && impl_->strain_limit && !springs_changed) {
-    impl_->strain_limit->take_over(std::move(*last_limit));
-  }
-  if (other_contacts) impl_->self_contacts = make_self_contacts(impl_->cloth);
-  impl_->choose(method_changed);
-  impl_->disturbed = true;
-  if (springs_changed) ++impl_->topology_seq;
-}
-
-void Simulator::set_material(const Material& material) { set(material, impl_->scene.simulation); }
-
-void Simulator::set_simulation(const SimulationSpec& simulation) {
-  set(impl_->scene.cloth.material, simulation);
-}
-
-void Simulator::set_wind(const Vector3& wind) {
-  SimulationSpec changed = impl_->scene.simulation;
-  changed.wind = wind;
-  validate(changed);
-  impl_->scene.simulation = changed;
-}
 
 void Simulator::move_collider(int index, const Pose& target) {
   check_place(target);

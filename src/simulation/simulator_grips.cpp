@@ -85,6 +85,8 @@ void Simulator::weigh_colliders(bool asks) {
   if (!asks) impl_->collider_wrenches.assign(impl_->colliders.size(), {});
 }
 
+bool Simulator::weighs_colliders() const { return impl_->weighs_colliders; }
+
 const std::vector<Wrench>& Simulator::collider_wrenches() const { return impl_->collider_wrenches; }
 
 }  // namespace clothsim

@@ -177,6 +177,14 @@ struct Simulator::Impl {
   /// Weighs what grips carry after a frame of dt [s], and lets go what has torn off.
   void finish_grips(double dt, const State& before);
 
+  /// Throws where `auto` cannot choose a step for a cloth, naming the value that `key` leads to.
+  void check_feasible(const SimulationSpec&, const Cloth& with,
+                      const std::vector<std::string>& key) const;
+  /// Drops what self contact knows of another kind of contact, thickness or mass.
+  void renew_self_contacts(const Cloth& last, const Cloth& now);
+  /// To that of the scene.
+  void set_collider_friction();
+
   StepReport step();
   /// One frame. False where it ends in a state that cannot be.
   bool frame(double dt, const State& before, StepReport&);

@@ -223,11 +223,10 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
 void Simulator::restore(const Saved& saved) {
   const Cloth& cloth = impl_->cloth;
   const auto same = [](const MovingCollider& a, const MovingCollider& b) {
-    return a.shape() == b.shape() && a.friction() == b.friction();
+    return a.shape() == b.shape();
   };
   if (saved.cloth.columns != cloth.columns || saved.cloth.rows != cloth.rows ||
-      saved.cloth.rest_positions != cloth.rest_positions ||
-      saved.cloth.thickness != cloth.thickness || saved.cloth.pinned != cloth.pinned ||
+      saved.cloth.rest_positions != cloth.rest_positions || saved.cloth.pinned != cloth.pinned ||
       !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
                   impl_->colliders.end(), same)) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
@@ -241,15 +240,15 @@ void Simulator::restore(const Saved& saved) {
     if (is_other_material || saved.gravity != impl_->scene.simulation.gravity) {
       impl_->energy_watch.restart();
     }
-    if (saved.cloth.mass != cloth.mass) {  // an impulse of pairs belongs to their masses
-      impl_->visit_self_contacts([](auto& contacts) { contacts.reset(); });
-    }
+    impl_->renew_self_contacts(saved.cloth, cloth);
+    impl_->disturbed = impl_->disturbed || saved.cloth.thickness != cloth.thickness;
   } else {
     impl_->forget();  // springs or the method have changed since
     impl_->disturbed = true;
   }
   impl_->state = saved.state;
   impl_->colliders = saved.colliders;
+  impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
   if (saved.frame_duration == frame_duration()) return;

@@ -139,11 +139,47 @@ def test_crossing_triangles_are_found():
 def test_contacts_tell_where_the_cloth_lies():
     simulator = Simulator({**free(10, origin=[0, 0, 0.001]), "colliders": [
         {"shape": "plane", "name": "ground"}, {"shape": "sphere", "center": [0, 0, 9]}]})
-    assert simulator.contacts["ground"] == {"count": 0, "middle": None}
+    assert simulator.contacts["ground"] == {
+        "count": 0, "middle": None, "force": None, "torque": None}
     simulator.step(90)
     assert simulator.contacts["sphere"]["count"] == 0
     assert simulator.contacts["ground"]["count"] == 100
     assert np.allclose(simulator.contacts["ground"]["middle"], [0.5, 0.5, 0], atol=1e-3)
+
+
+def test_contacts_weigh_what_lies_on_colliders():
+    simulator = Simulator({**free(10, origin=[0, 0, 0.001]), "colliders": [
+        {"shape": "plane", "name": "ground"}, {"shape": "sphere", "center": [0, 0, 9]}]})
+    simulator.weighs_colliders = True
+    assert np.array_equal(simulator.contacts["ground"]["force"], [0, 0, 0])  # no frame yet
+    simulator.step(90)
+    weight = 5 * G
+    ground = simulator.contacts["ground"]
+    assert np.allclose(ground["force"], [0, 0, -weight], atol=1e-6 * weight)
+    assert np.allclose(ground["torque"], [-weight / 2, weight / 2, 0], atol=1e-6 * weight)
+    assert np.array_equal(simulator.contacts["sphere"]["force"], [0, 0, 0])
+    simulator.load(free())
+    assert simulator.weighs_colliders and simulator.contacts == {}
+    simulator.weighs_colliders = False
+    assert not simulator.weighs_colliders
+
+
+def test_contact_is_among_the_live_values():
+    slope = {"shape": "plane", "name": "slope"}
+    simulator = Simulator({**free(10, origin=[0, 0, 0.001]), "colliders": [slope],
+                           "simulation": {"gravity": [4.9, 0, -8.5]}})
+    simulator.step(30)
+    assert simulator.velocities[:, 0].mean() > 0.5  # slips
+    simulator.set(collider_friction={"slope": 2}, thickness=0.02, self_collision="points", friction=0.5)
+    simulator.step(60)
+    assert np.abs(simulator.velocities).max() < 1e-3
+    assert simulator.report["self_collision"] == "points"
+    for values, key in (({"collider_friction": {"ball": 1}}, "collider_friction.ball"),
+                        ({"thickness": 0}, "thickness"), ({"friction": float("nan")}, "friction"),
+                        ({"self_collision": "maybe"}, "self_collision")):
+        with pytest.raises(clothsim.InvalidValue) as error:
+            simulator.set(**values)
+        assert error.value.key == key
 
 
 # ---- State

@@ -341,17 +341,29 @@ TEST(SceneYaml, RandomScenesAreReadOrRefused) {
 
 // ---- What may change while a cloth moves
 
+void change(Scene& scene, const std::string& values) {
+  LiveSpec live = live_values(scene);
+  read_live_values(YAML::Load(values), live);
+  scene.cloth.material = live.material;
+  scene.cloth.thickness = live.thickness;
+  scene.cloth.self_collision = live.self_collision;
+  scene.cloth.friction = live.friction;
+  scene.simulation = live.simulation;
+}
+
 TEST(LiveValues, AreReadAsInAScene) {
   const char* values =
       "{ks: 7, density: 2, damping: 3, strain_limit: off, springs: {bending: false}, "
       "gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, strain_tolerance: 0.5, "
-      "tolerance: 0.25, method: bdf2, method_parameters: {max_iterations: 3}, threads: 2}";
+      "tolerance: 0.25, method: bdf2, method_parameters: {max_iterations: 3}, threads: 2, "
+      "thickness: 0.03, friction: 0.4, self_collision: points}";
   Scene scene = read_changed({"simulation.seed=5"});
-  read_live_values(YAML::Load(values), scene.cloth.material, scene.simulation);
+  change(scene, values);
   EXPECT_EQ(print(scene),
             print(read_changed(
                 {"cloth.ks=7", "cloth.density=2", "cloth.damping=3", "cloth.strain_limit=off",
-                 "cloth.springs.bending=false",
+                 "cloth.springs.bending=false", "cloth.thickness=0.03", "cloth.friction=0.4",
+                 "cloth.self_collision=points",
                  "simulation={gravity: [1, 2, 3], frames_per_second: 60, substeps: 7, "
                  "strain_tolerance: 0.5, tolerance: 0.25, method: bdf2, method_parameters: "
                  "{max_iterations: 3}, seed: 5, threads: 2}"})));
@@ -362,13 +374,13 @@ TEST(LiveValues, LeftOutKeepTheirValue) {
       "cloth.ks=7", "cloth.springs.shear=false",
       "simulation={method: xpbd, method_parameters: {iterations: 9}, substeps: 4}"};
   Scene scene = read_changed(changes);
-  read_live_values(YAML::Load("{}"), scene.cloth.material, scene.simulation);
+  change(scene, "{}");
   EXPECT_EQ(print(scene), print(read_changed(changes)));
-  read_live_values(YAML::Load("{method: xpbd}"), scene.cloth.material, scene.simulation);
+  change(scene, "{method: xpbd}");
   EXPECT_EQ(std::get<Xpbd::Parameters>(scene.simulation.method_parameters).iterations, 9);
 
   // The parameters of another method are none of its.
-  read_live_values(YAML::Load("{method: bdf2}"), scene.cloth.material, scene.simulation);
+  change(scene, "{method: bdf2}");
   EXPECT_TRUE(std::holds_alternative<std::monostate>(scene.simulation.method_parameters));
 }
 
@@ -376,7 +388,7 @@ TEST(LiveValues, RefuseWhatASceneWouldAndWhatCannotChange) {
   const auto message = [](const char* values) -> std::string {
     Scene scene = read_changed({});
     try {
-      read_live_values(YAML::Load(values), scene.cloth.material, scene.simulation);
+      change(scene, values);
     } catch (const InvalidValue& error) {
       return error.what();
     }

@@ -76,4 +76,7 @@ struct ClothSpec {
 void validate(const Material&);
 void validate(const ClothSpec&);
 
+/// The same of a thickness [m] and a friction of a cloth.
+void validate_contact(double thickness, double friction);
+
 }  // namespace clothsim

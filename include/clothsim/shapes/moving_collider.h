@@ -30,6 +30,7 @@ class MovingCollider {
 
   const Shape& shape() const { return shape_; }
   double friction() const { return friction_; }
+  void set_friction(double friction) { friction_ = friction; }
   const Pose& pose() const { return pose_; }
   const Pose& previous() const { return previous_; }  // before the last advance()
   const Pose& target() const { return target_; }      // last aimed at

@@ -1,17 +1,16 @@
 #pragma once
 
-#include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "clothsim/model/cloth_spec.h"
 #include "clothsim/simulation/pose_way.h"
 
 namespace clothsim {
 
-struct SimulationSpec;
+struct LiveSpec;
 
 /// A frame is at a pose.
 struct KeyFrame {
@@ -44,18 +43,13 @@ struct SwitchCollider {
   bool enabled = true;
 };
 
-/// Values that change while the cloth moves; empty: stays as it is.
-struct LiveValues {
-  std::optional<double> ks, density, damping;
-  std::optional<std::optional<double>> strain_limit;
-  std::array<std::optional<bool>, 3> springs;
-  std::optional<Vector3> gravity;  // [m/s^2]
-
-  void apply(Material&, SimulationSpec&) const;
+/// Values that change from now on. Throws InvalidValue for what is none of the scene's.
+struct ChangeValues {
+  std::function<void(LiveSpec&)> change;
 };
 
 using MotionAction =
-    std::variant<KeyFrame, KeyFrameFile, AttachPoints, DetachPoints, SwitchCollider, LiveValues>;
+    std::variant<KeyFrame, KeyFrameFile, AttachPoints, DetachPoints, SwitchCollider, ChangeValues>;
 
 /// What happens in a run without anybody there.
 struct MotionEntry {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,18 @@ struct Scene {
   std::vector<MotionEntry> motions;  // for a MotionPlayer; a simulator itself does not play them
 };
 
+/// What of a scene may change between two frames.
+struct LiveSpec {
+  Material material;
+  double thickness;  // these three as in ClothSpec
+  SelfCollision self_collision;
+  double friction;
+  std::map<std::string, double> collider_friction;  // by name of the collider
+  SimulationSpec simulation;
+};
+
+LiveSpec live_values(const Scene&);
+
 /// Throws InvalidValue with the key {"method"} unless it is `auto` or a name of method_names().
 void check_method(const std::string& method);
 
@@ -52,6 +65,10 @@ void check_orientation(const Eigen::Quaterniond&);
 
 /// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
 void validate(const SimulationSpec&);
+
+/// Throws InvalidValue with keys as of read_live_values(), such as {"collider_friction", "ball"};
+/// of the material alone, without what it takes to be that of a cloth of some size.
+void validate(const LiveSpec&);
 
 /// Throws InvalidValue with the full key path, such as {"colliders", "0", "radius"}.
 void validate(const Scene&);

@@ -26,10 +26,14 @@ std::vector<MotionEntry> read_motions(const YAML::Node&);
 /// in URDF. Throws InvalidValue.
 Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node&);
 
-/// Reads a map of what may change while a cloth moves: the keys of the material and those of
-/// `simulation` but its seed. What is left out keeps its value, but parameters go with their
+/// Reads a map of what may change while a cloth moves: the keys of the material, thickness,
+/// self_collision and friction of the cloth, those of `simulation` but its seed, and
+/// collider_friction, a map by name. What is left out keeps its value, but parameters go with their
 /// method. Throws InvalidValue for keys and types; the values may then have changed in part.
-void read_live_values(const YAML::Node&, Material&, SimulationSpec&);
+void read_live_values(const YAML::Node&, LiveSpec&);
+
+/// The same as a change for later.
+ChangeValues read_change(const YAML::Node&);
 
 /// Reads YAML text. Throws InvalidValue with `key` for what is not YAML.
 YAML::Node load_scene_text(const std::string& text, const std::string& key);

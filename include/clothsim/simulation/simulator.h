@@ -76,9 +76,9 @@ class Simulator {
   void set_state(const State& state, const std::vector<double>& memory = {});
 
   /// A copy of all that moves, colliders, pins and attached points too, to come back to and go on
-  /// to the same bits. Material and simulation values stay as they are; where springs or the method
-  /// have changed since, goes on as after a reset. Throws InvalidValue and changes nothing for a
-  /// copy of another cloth or of other colliders.
+  /// to the same bits. Live values stay as they are; where springs, the
+  /// method or the kind of self collision have changed since, goes on as after a reset. Throws
+  /// InvalidValue and changes nothing for a copy of another cloth or of other colliders.
   struct Saved;
   std::shared_ptr<const Saved> save() const;
   void restore(const Saved&);
@@ -86,8 +86,10 @@ class Simulator {
   /// What a copy takes of memory, but for a few hundred bytes.
   static std::size_t bytes_of(const Saved&);
 
-  /// Change values between frames. Throw InvalidValue and change nothing when refused, keys
-  /// relative to the material or the simulation.
+  /// Change values between frames. Throw InvalidValue and change nothing when refused, keys as of
+  /// validate(LiveSpec). Another thickness or kind of self collision forgets the impulses of the
+  /// cloth on itself, and pushes apart what is too near then.
+  void set(const LiveSpec&);
   void set(const Material&, const SimulationSpec&);
   void set_material(const Material&);
   void set_simulation(const SimulationSpec&);
@@ -137,6 +139,7 @@ class Simulator {
   /// Has step() sum up what the cloth does to the colliders, from the next frame on. Off at first:
   /// then nothing is spent on it. No motion depends on it.
   void weigh_colliders(bool asks);
+  bool weighs_colliders() const;
 
   /// By collider of scene().colliders, in the world: mean force [N] of the cloth on it in the last
   /// step(), and torque [N m] about the origin of its frame, where that was meanwhile. A cloth at

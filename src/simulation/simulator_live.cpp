@@ -1,0 +1,92 @@
+// Values that change between two frames.
+
+#include <utility>
+
+#include "simulator_impl.h"
+
+namespace clothsim {
+
+void Simulator::Impl::check_feasible(const SimulationSpec& spec, const Cloth& with,
+                                     const std::vector<std::string>& key) const {
+  if (spec.substeps) return;
+  const Method chosen(spec, with, scene.colliders);
+  if (chosen.substeps(spec, with, state.positions) < max_substeps) return;
+  throw InvalidValue(
+      key, "a cloth that needs " + std::to_string(max_substeps) + " substeps a frame or more",
+      "a softer or heavier one, or more frames per second, or a count of substeps");
+}
+
+void Simulator::Impl::renew_self_contacts(const Cloth& last, const Cloth& now) {
+  if (now.self_collision != last.self_collision || now.thickness != last.thickness) {
+    self_contacts = make_self_contacts(now);
+  } else if (now.mass != last.mass) {  // an impulse of pairs belongs to their masses
+    visit_self_contacts([](auto& contacts) { contacts.reset(); });
+  }
+}
+
+void Simulator::Impl::set_collider_friction() {
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    colliders[i].set_friction(scene.colliders[i].friction);
+  }
+}
+
+void Simulator::set(const LiveSpec& live) {
+  validate(live);
+  ClothSpec spec = impl_->scene.cloth;
+  const bool springs_changed = live.material.springs != spec.material.springs;
+  spec.material = live.material;
+  spec.thickness = live.thickness;
+  spec.self_collision = live.self_collision;
+  spec.friction = live.friction;
+  validate(spec);
+  Cloth cloth = make_grid(spec, live.simulation.gravity.norm());
+  impl_->grips.hold(cloth);
+  impl_->check_feasible(live.simulation, cloth, {"ks"});
+
+  impl_->renew_self_contacts(impl_->cloth, cloth);
+  const SimulationSpec& last = impl_->scene.simulation;
+  const bool method_changed = live.simulation.method != last.method ||
+                              !same(live.simulation.method_parameters, last.method_parameters);
+  impl_->scene.cloth = std::move(spec);
+  impl_->scene.simulation = live.simulation;
+  for (ColliderSpec& collider : impl_->scene.colliders) {
+    const auto friction = live.collider_friction.find(collider.name);
+    if (friction != live.collider_friction.end()) collider.friction = friction->second;
+  }
+  impl_->set_collider_friction();
+  for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
+  if (impl_->workers.threads() != live.simulation.threads) {
+    impl_->workers = Workers(live.simulation.threads);
+  }
+  impl_->cloth = std::move(cloth);
+  std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
+  impl_->build_strain_limit();
+  if (last_limit && impl_->strain_limit && !springs_changed) {
+    impl_->strain_limit->take_over(std::move(*last_limit));
+  }
+  impl_->choose(method_changed);
+  impl_->disturbed = true;
+  if (springs_changed) ++impl_->topology_seq;
+}
+
+void Simulator::set(const Material& material, const SimulationSpec& simulation) {
+  LiveSpec live = live_values(impl_->scene);
+  live.material = material;
+  live.simulation = simulation;
+  set(live);
+}
+
+void Simulator::set_material(const Material& material) { set(material, impl_->scene.simulation); }
+
+void Simulator::set_simulation(const SimulationSpec& simulation) {
+  set(impl_->scene.cloth.material, simulation);
+}
+
+void Simulator::set_wind(const Vector3& wind) {
+  SimulationSpec changed = impl_->scene.simulation;
+  changed.wind = wind;
+  validate(changed);
+  impl_->scene.simulation = changed;
+}
+
+}  // namespace clothsim
