@@ -2,10 +2,9 @@
 
 #include <clothsim/Contacts.h>
 #include <geometry_msgs/WrenchStamped.h>
-#include <ros/console.h>
 
 #include <algorithm>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "clothsim/ros/conversions.h"
@@ -75,16 +74,9 @@ ContactTopics::ContactTopics(const ros::NodeHandle& node, clothsim::Simulator& s
 void ContactTopics::follow_scene() {
   const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
   wrenches_.clear();
-  std::map<std::string, std::string> names;  // by topic
+  std::set<std::string> taken;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
-    const std::string& name = colliders[i].name;
-    const std::string topic = "contact_wrench/" + to_ros_name(name, "collider_");
-    const auto [known, is_new] = names.emplace(topic, name);
-    if (!is_new) {
-      ROS_WARN("Collider %s has no wrench topic: ~%s is that of %s", name.c_str(), topic.c_str(),
-               known->second.c_str());
-      continue;
-    }
+    const std::string topic = "contact_wrench/" + free_ros_name(colliders[i].name, taken);
     wrenches_.push_back({i, node_.advertise<geometry_msgs::WrenchStamped>(topic, contacts_queue)});
   }
 }

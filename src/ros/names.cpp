@@ -13,4 +13,10 @@ std::string to_ros_name(std::string name, const std::string& prefix) {
   return name;
 }
 
+std::string free_ros_name(const std::string& collider, std::set<std::string>& taken) {
+  std::string name = to_ros_name(collider, "collider_");
+  while (!taken.insert(name).second) name += "_";
+  return name;
+}
+
 }  // namespace clothsim_ros

@@ -93,7 +93,7 @@ void Node::serve_live_values() {
 }
 
 void Node::warn_of_ignored(const ParameterTexts& given) const {
-  KnownParameters known{parameter_names(), Reconfigure::names()};
+  KnownParameters known{parameter_names(), reconfigure_->names()};
   const std::vector<std::string>& of_view = view_reconfigure_->names();
   known.live.insert(known.live.end(), of_view.begin(), of_view.end());
   warn_of_ignored_parameters(node_, known, given);

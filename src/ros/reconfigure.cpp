@@ -1,14 +1,21 @@
 #include "clothsim/ros/reconfigure.h"
 
 #include <clothsim/ClothSimConfig.h>
+#include <clothsim/ColliderConfig.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/ros/live_values.h"
+#include "clothsim/ros/names.h"
 
 namespace clothsim_ros {
 namespace {
 
 using Config = clothsim::ClothSimConfig;
+using clothsim::ColliderConfig;
 
 /// Calls visit(of the configuration, of the material) for each of a fabric's values.
 template <typename Config, typename Fabric, typename Visit>
@@ -58,6 +65,11 @@ Config from_scene(const clothsim::Scene& scene, Config config) {
   config.strain_limit_enabled = material.strain_limit.has_value();
   config.strain_limit = material.strain_limit.value_or(config.strain_limit);
 
+  config.thickness = scene.cloth.thickness;
+  config.friction = scene.cloth.friction;
+  config.self_collision =
+      clothsim::self_collision_names[static_cast<size_t>(scene.cloth.self_collision)];
+
   const clothsim::SimulationSpec& simulation = scene.simulation;
   config.gravity_x = simulation.gravity.x();
   config.gravity_y = simulation.gravity.y();
@@ -79,8 +91,26 @@ dynamic_reconfigure::Config to_message(const Config& config) {
   return msg;
 }
 
+/// Adds values of a collider by their names below the node's.
+void append(const ColliderConfig& config, const std::string& ns, dynamic_reconfigure::Config& msg) {
+  dynamic_reconfigure::DoubleParameter friction;
+  friction.name = ns + "/friction";
+  friction.value = config.friction;
+  msg.doubles.push_back(friction);
+}
+
 clothsim::Vector3 wind_of(const Config& config) {
   return {config.wind_x, config.wind_y, config.wind_z};
+}
+
+clothsim::SelfCollision to_self_collision(const std::string& name) {
+  const auto& names = clothsim::self_collision_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    throw clothsim::InvalidValue({"self_collision"}, '"' + name + '"',
+                                 "one of " + clothsim::join({names.begin(), names.end()}));
+  }
+  return static_cast<clothsim::SelfCollision>(found - names.begin());
 }
 
 /// `scene` with the values of `config`, but for a wind that is that of `last`: there may be another
@@ -94,6 +124,10 @@ clothsim::Scene to_scene(const Config& config, const Config& last,
   material.damping = config.damping;
   material.springs = {config.structural, config.shear, config.bending};
   material.strain_limit = config.strain_limit;
+
+  scene.cloth.thickness = config.thickness;
+  scene.cloth.friction = config.friction;
+  scene.cloth.self_collision = to_self_collision(config.self_collision);
 
   clothsim::SimulationSpec& simulation = scene.simulation;
   simulation.gravity = {config.gravity_x, config.gravity_y, config.gravity_z};
@@ -125,19 +159,44 @@ struct Reconfigure::Impl {
                [this, &simulator, &changes,
                 start = simulator.scene().simulation](const Config& config) {
                  const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
-                 simulator.set(scene.cloth.material, scene.simulation);
+                 simulator.set(clothsim::live_values(scene));
                  last = config;
                  if (!serving) return;
                  clothsim::Change change;
                  change.values = to_message(config);
                  changes.publish("set_parameters", change);
                }) {
+    std::set<std::string> taken;
+    for (const clothsim::ColliderSpec& collider : simulator.scene().colliders) {
+      add_collider(node, collider.name, "collider/" + free_ros_name(collider.name, taken),
+                   simulator, changes);
+    }
     serving = true;
+  }
+
+  /// Serves the values of a collider in namespace `ns`.
+  void add_collider(const ros::NodeHandle& node, const std::string& name, const std::string& ns,
+                    clothsim::Simulator& simulator, Changes& changes) {
+    ColliderConfig start;
+    start.friction = clothsim::live_values(simulator.scene()).collider_friction.at(name);
+    const auto apply = [this, name, ns, &simulator, &changes](const ColliderConfig& config) {
+      if (!serving) return;  // it is what holds
+      clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
+      clothsim::validate_contact(live.thickness, config.friction);  // by the name of the value here
+      live.collider_friction[name] = config.friction;
+      simulator.set(live);
+      clothsim::Change change;
+      append(config, ns, change.values);
+      changes.publish("set_parameters", change);
+    };
+    colliders.emplace_back(
+        ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns), start, apply));
   }
 
   bool serving = false;  // the start is no call
   Config last;           // that was accepted
   LiveValues<Config> values;
+  std::vector<std::pair<std::string, std::unique_ptr<LiveValues<ColliderConfig>>>> colliders;
 };
 
 Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simulator,
@@ -147,9 +206,17 @@ Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simul
 Reconfigure::~Reconfigure() = default;
 
 dynamic_reconfigure::Config Reconfigure::values() const {
-  return to_message(impl_->values.accepted());
+  dynamic_reconfigure::Config msg = to_message(impl_->values.accepted());
+  for (const auto& [ns, values] : impl_->colliders) append(values->accepted(), ns, msg);
+  return msg;
 }
 
-std::vector<std::string> Reconfigure::names() { return LiveValues<Config>::names(); }
+std::vector<std::string> Reconfigure::names() const {
+  std::vector<std::string> all = LiveValues<Config>::names();
+  for (const auto& [ns, values] : impl_->colliders) {
+    for (const std::string& name : values->names()) all.push_back(ns + '/' + name);
+  }
+  return all;
+}
 
 }  // namespace clothsim_ros

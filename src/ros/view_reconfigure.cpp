@@ -94,13 +94,6 @@ void visit_viewpoint(ViewpointConfig& config, View& view, Visit visit) {
 const auto to_config = [](auto& config, const auto& value) { config = value; };
 const auto to_view = [](const auto& config, auto& value) { value = config; };
 
-/// `name` as a part of a ROS name that is not in `taken`.
-std::string free_ros_name(std::string name, std::set<std::string>& taken) {
-  name = to_ros_name(name, "collider_");
-  while (!taken.insert(name).second) name += "_";
-  return name;
-}
-
 }  // namespace
 
 struct ViewReconfigure::Impl {

@@ -39,6 +39,8 @@ class Bag(unittest.TestCase):
         cls.wind = publisher_at_once("/clothsim/wind", Vector3Stamped)
         cls.changes = Recorder(CHANGES, Change)
         cls.live = Client("/clothsim", timeout=PATIENCE)
+        cls.sphere = Client("/clothsim/collider/sphere", timeout=PATIENCE)
+        cls.friction = cls.sphere.get_configuration(timeout=PATIENCE)["friction"]
         cls.replay_bag = roslib.packages.find_node("clothsim", "replay_bag")[0]
 
     @classmethod
@@ -113,8 +115,10 @@ class Bag(unittest.TestCase):
         self.assertFalse(call("/clothsim/detach", Detach, "sphere", []).success)  # it is torn off
         self.live.update_configuration({"gravity_x": 2.0})
         self.cloth.step(9)
+        self.sphere.update_configuration({"friction": 0.4})
         self.assertTrue(call("/clothsim/enable_collider", EnableCollider, "sphere", False).success)
         self.cloth.step(FRAMES - 55)
+        self.sphere.update_configuration({"friction": self.friction})
 
     def replay(self, path, *options):
         return subprocess.run([self.replay_bag, path, *options], capture_output=True, text=True,
@@ -180,7 +184,8 @@ class Bag(unittest.TestCase):
         with rosbag.Bag(path) as bag:
             calls = [m.what for _, m, _ in bag.read_messages(CHANGES) if m.what != "tf"]
         self.assertEqual(calls, ["wind", "reset", "wind", "set_parameters", "wind", "attach", "detach",
-                                 "attach", "set_parameters", "enable_collider"])
+                                 "attach", "set_parameters", "set_parameters", "enable_collider",
+                                 "set_parameters"])
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
 

@@ -7,11 +7,13 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import WrenchStamped
+from rosgraph_msgs.msg import Log
 
 from clothsim.msg import Colliders, Contacts
 from clothsim.srv import Attach, EnableCollider
-from cloth_client import Cloth, Frames, Recorder, call, make_transform, point, wait_for
+from cloth_client import PATIENCE, Cloth, Frames, Recorder, call, make_transform, point, wait_for
 
 WEIGHT = np.array([0, 0, -5 * 9.8])  # [N]
 TURN = math.pi / 2  # of the tray about z
@@ -23,6 +25,7 @@ class ContactTopics(unittest.TestCase):
         cls.cloth = Cloth()
         cls.frames = Frames()
         cls.colliders = Recorder("/clothsim/colliders", Colliders)
+        cls.log = Recorder("/rosout", Log)
         cls.colliders.wait("the colliders of a paused node")
 
     def setUp(self):
@@ -89,6 +92,20 @@ class ContactTopics(unittest.TestCase):
         self.assertAlmostEqual(tray.pose.orientation.z, math.sin(TURN / 2))
         self.assertEqual([(h.frame, h.points, h.pinned, h.tear_force) for h in message.held],
                          [("", (0,), True, 0), ("hand", (143, 142), False, 7.5)])
+
+
+    def test_friction_of_a_collider_is_a_live_value(self):
+        client = Client("/clothsim/collider/robot_tray", timeout=PATIENCE)
+        self.assertEqual(client.update_configuration({"friction": 0.9})["friction"], 0.9)
+        self.log.clear()
+        self.assertEqual(client.update_configuration({"friction": -1.0})["friction"], 0.9)
+        self.log.wait("a refusal", lambda log: log.msg.startswith(
+            "/clothsim/collider/robot_tray/friction: got -1"))
+        self.colliders.clear()
+        step = self.cloth.step(1).step
+        message = self.colliders.wait("the colliders", lambda m: m.step == step)
+        self.assertEqual([c.friction for c in message.colliders], [0.5, 0.9])
+        client.update_configuration({"friction": 0.5})
 
 
 if __name__ == "__main__":

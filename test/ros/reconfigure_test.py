@@ -123,6 +123,25 @@ class Reconfigure(unittest.TestCase):
         self.diagnostics.wait("bdf2 in the diagnostics", lambda array: any(
             v.key == "method" and v.value == "bdf2" for s in array.status for v in s.values))
 
+    def test_self_collision(self):
+        """Each kind that is offered is one, and is counted in the diagnostics; another is not."""
+        kind = next(p for p in self.client.get_parameter_descriptions(PATIENCE)
+                    if p["name"] == "self_collision")
+        offered = [choice["value"] for choice in ast.literal_eval(kind["edit_method"])["enum"]]
+        self.log.clear()
+        self.client.update_configuration({"self_collision": "magic"})
+        refusal = self.log.wait("a refusal", lambda log: "/self_collision: got" in log.msg).msg
+        self.assertEqual(offered, refusal.split("expected one of ")[1].split(", "))
+        for name in offered:
+            answer = self.client.update_configuration({"self_collision": name, "thickness": 0.004})
+            self.assertEqual((answer["self_collision"], answer["thickness"]), (name, 0.004))
+            self.cloth.step(1)
+            self.diagnostics.clear()
+            self.diagnostics.wait("the diagnostics with " + name, lambda array, n=name: any(
+                (n != "off") == any(v.key == "intersecting pairs" for v in s.values)
+                for s in array.status if s.name == "clothsim: simulation"))
+        self.client.update_configuration({"self_collision": "off"})
+
     def test_spring_families(self):
         before = self.topology.wait("a topology")
         self.client.update_configuration({"shear": False})
@@ -140,6 +159,7 @@ class Reconfigure(unittest.TestCase):
         for bad in ({"ks": -5.0}, {"ks": nan}, {"density": 0.0}, {"damping": -1.0},
                     {"strain_limit": nan}, {"gravity_z": float("inf")},
                     {"frames_per_second": 0.0}, {"substeps": -1}, {"method": "magic"},
+                    {"thickness": 0.0}, {"friction": nan}, {"self_collision": "maybe"},
                     {"ks": 100.0, "damping": nan}):
             self.cloth.reset()
             expected = content(self.cloth.step(3))

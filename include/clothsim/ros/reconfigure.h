@@ -12,7 +12,8 @@
 
 namespace clothsim_ros {
 
-/// Material and simulation values that dynamic_reconfigure changes. They are applied in the thread
+/// Values of cloth and simulation that dynamic_reconfigure changes, and of each collider in the
+/// namespace collider/NAME. They are applied in the thread
 /// that serves the node's callbacks, so between two frames of the simulator.
 class Reconfigure {
  public:
@@ -23,11 +24,11 @@ class Reconfigure {
   Reconfigure(const ros::NodeHandle&, clothsim::Simulator&, Changes&);
   ~Reconfigure();
 
-  /// All of them.
+  /// All of them, those of colliders by the names that names() has.
   dynamic_reconfigure::Config values() const;
 
   /// Theirs, below the node's.
-  static std::vector<std::string> names();
+  std::vector<std::string> names() const;
 
  private:
   struct Impl;
