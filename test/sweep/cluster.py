@@ -34,6 +34,7 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 SchedulerParameters=sched_min_interval=100000,batch_sched_delay=0
 SlurmdTimeout=5
+MessageTimeout=3
 ReturnToService=2
 JobRequeue=0
 MpiDefault=none

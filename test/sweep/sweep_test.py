@@ -285,8 +285,8 @@ class OnSlurm(Sweeps):
 
     def test_mistakes(self):
         self.write({"axes": {"cloth.ks": [500]}})
-        alone = {**os.environ, "PATH": "/nowhere:/usr/bin/../bin"}
-        alone["SLURM_CONF"] = str(self.folder / "none.conf")
+        # A cluster that nobody has started. Without a file of it Slurm's commands try for a minute each.
+        alone = {**Cluster(self.folder / "cluster").environment, "PATH": "/nowhere:/usr/bin/../bin"}
         self.assertIn("sweep: sbatch: ", self.run_sweep("--on", "slurm", code=1, environment=alone).stderr)
 
 
