@@ -115,3 +115,11 @@ def test_the_material_of_a_motion_is_found():
     found = dict(re.findall(r"(ks|damping): ([\d.]+)", run_example("identify_material.py")))
     assert float(found["ks"]) == pytest.approx(60, rel=0.01)
     assert float(found["damping"]) == pytest.approx(1.5, rel=0.01)
+
+
+def test_the_tour_shows_all_that_there_is():
+    assert run_example("tour.py").endswith("the tour is done\n")
+    text = (CLONE / "scripts/examples/tour.py").read_text()
+    for name in ("Scene", "Batch", "positions", "topology", "attach", "detach", "enable_collider", "set(",
+                 "save()", "restore", "memory", "report", "contacts", "intersections", "render"):
+        assert name in text, name
