@@ -6,6 +6,7 @@ Each cell ends with what it shows.
 
 # %% A scene is a file, a text or a dict, with the same keys and the same strict reader.
 import pathlib
+import tempfile
 import threading
 
 import numpy as np
@@ -13,10 +14,16 @@ import numpy as np
 import clothsim
 from clothsim import Batch, InvalidValue, Scene, Simulator
 
-SCENES = pathlib.Path(__file__).resolve().parents[2] / "config/scenes"
-smaller = {"cloth.columns": 25, "cloth.rows": 25}
-from_file = Scene(SCENES / "sphere.yaml", smaller)
-from_text = Scene.parse((SCENES / "sphere.yaml").read_text(), smaller)
+TEXT = """
+cloth: {columns: 25, rows: 25, density: 5}
+colliders:
+  - {name: sphere, shape: sphere, center: [0.5, 0.5, 0.2], radius: 0.3, friction: 0.3, frame: sphere}
+"""
+with tempfile.TemporaryDirectory() as folder:
+    path = pathlib.Path(folder) / "scene.yaml"
+    path.write_text(TEXT)
+    from_file = Scene(path)
+from_text = Scene.parse(TEXT)
 from_dict = Scene(from_file.to_dict())
 assert repr(from_file) == repr(from_text) == repr(from_dict)
 print(from_file)
