@@ -49,6 +49,32 @@ Points last_points(const std::map<std::string, NumberArray>& arrays, const std::
                                 count, 3);
 }
 
+constexpr std::size_t pose_numbers = 7;
+
+NumberArray pose_array(const std::vector<Pose>& poses) {
+  NumberArray array{{poses.size(), pose_numbers}, {}};
+  for (const Pose& pose : poses) {
+    const Eigen::Vector4d q = pose.orientation.coeffs();  // x, y, z, w
+    array.values.insert(array.values.end(), pose.position.begin(), pose.position.end());
+    array.values.insert(array.values.end(), q.begin(), q.end());
+  }
+  return array;
+}
+
+std::vector<Pose> to_poses(const NumberArray& array) {
+  if (array.shape.size() != 2 || array.shape[1] != pose_numbers) {
+    throw InvalidValue({"colliders"}, "an array of another shape", "[C, 7]");
+  }
+  std::vector<Pose> poses(array.shape[0]);
+  const double* numbers = array.values.data();
+  for (Pose& pose : poses) {
+    pose.position = Eigen::Map<const Vector3>(numbers);
+    pose.orientation.coeffs() = Eigen::Map<const Eigen::Vector4d>(numbers + 3);
+    numbers += pose_numbers;
+  }
+  return poses;
+}
+
 }  // namespace
 
 std::string to_csv(const State& state) {
@@ -83,11 +109,20 @@ std::string to_ply(const Cloth& cloth, const Points& positions) {
   return ply;
 }
 
+StateFile state_file(const Simulator& simulator) {
+  StateFile file{simulator.state(), simulator.memory(), {}};
+  for (std::size_t i = 0; i < simulator.scene().colliders.size(); ++i) {
+    file.colliders.push_back(simulator.collider_pose(static_cast<int>(i)));
+  }
+  return file;
+}
+
 void write_state(const std::filesystem::path& path, const StateFile& file) {
   write_npz(path, {{"positions", to_npy(to_array(file.state.positions))},
                    {"velocities", to_npy(to_array(file.state.velocities))},
                    {"time", to_npy(NumberArray{{}, {file.state.time}})},
-                   {"memory", to_npy(NumberArray{{file.memory.size()}, file.memory})}});
+                   {"memory", to_npy(NumberArray{{file.memory.size()}, file.memory})},
+                   {"colliders", to_npy(pose_array(file.colliders))}});
 }
 
 StateFile read_state(const std::filesystem::path& path) {
@@ -103,6 +138,8 @@ StateFile read_state(const std::filesystem::path& path) {
     }
     const auto memory = arrays.find("memory");
     if (memory != arrays.end()) file.memory = memory->second.values;
+    const auto colliders = arrays.find("colliders");
+    if (colliders != arrays.end()) file.colliders = to_poses(colliders->second);
   });
   return file;
 }

@@ -66,6 +66,23 @@ volatile std::sig_atomic_t is_interrupted = 0;
 
 void interrupt(int) { is_interrupted = 1; }
 
+/// Puts colliders where the state has them, if it is of as many.
+void place_colliders(const std::vector<Pose>& poses, Simulator& simulator) {
+  const std::size_t count = simulator.scene().colliders.size();
+  if (poses.size() != count) {
+    if (!poses.empty()) {
+      std::cerr << "simulate: the state has " << poses.size() << " colliders, the scene " << count
+                << ": they start where the scene has them\n";
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    inside("colliders", [&] {
+      inside(std::to_string(i), [&] { simulator.place_collider(static_cast<int>(i), poses[i]); });
+    });
+  }
+}
+
 /// Starts from a saved state, to the same bits where its memory is of this cloth and method.
 void start_from(const std::filesystem::path& path, Simulator& simulator) {
   const StateFile file = read_state(path);
@@ -77,6 +94,7 @@ void start_from(const std::filesystem::path& path, Simulator& simulator) {
         simulator.place_pin(static_cast<int>(i), file.state.positions.row(point).transpose());
       }
     }
+    place_colliders(file.colliders, simulator);
     try {
       simulator.set_state(file.state, file.memory);
     } catch (const InvalidValue& error) {
@@ -187,7 +205,7 @@ ExitCode simulate(const Options& options) {
   const std::string report = to_yaml(run, simulator);
   if (!options.output.empty()) {
     write_file(options.output / "final.csv", to_csv(simulator.state()));
-    write_state(options.output / "final.npz", {simulator.state(), simulator.memory()});
+    write_state(options.output / "final.npz", state_file(simulator));
     if (frames_file) frames_file->finish();
     write_file(options.output / "report.yaml", report);
   }
@@ -222,7 +240,8 @@ int main(int argc, char** argv) {
       ->needs(output);
   app.footer(
       "Exit status: 0 done, 1 bad input, 2 diverged, 130 interrupted (files hold the last "
-      "good frame).");
+      "good frame). Pictures and a video of a run: film, with the same scene, --set, --seconds and "
+      "--every.");
 
   try {
     app.parse(argc, argv);

@@ -8,6 +8,7 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/npz.h"
 #include "clothsim/model/state.h"
+#include "clothsim/simulation/simulator.h"
 
 namespace clothsim {
 
@@ -18,17 +19,22 @@ std::string to_csv(const State&);
 /// The surface as binary PLY: positions [m] in double precision, and triangles.
 std::string to_ply(const Cloth&, const Points& positions);
 
-/// A state to go on from: positions and velocities [N, 3], time, and the simulator's memory.
+/// A state to go on from: positions and velocities [N, 3], time, the simulator's memory, and where
+/// its colliders are, [C, 7]: x, y, z [m] and a unit quaternion x, y, z, w.
 struct StateFile {
   State state;
-  std::vector<double> memory;  // empty: none
+  std::vector<double> memory;   // empty: none
+  std::vector<Pose> colliders;  // empty: not known
 };
+
+/// All of a simulator.
+StateFile state_file(const Simulator&);
 
 /// As NPZ. Throws std::runtime_error where it cannot be written.
 void write_state(const std::filesystem::path&, const StateFile&);
 
 /// The arrays of a state from an NPZ file; without a time it is 0. Of a file of frames the last
-/// one. Throws InvalidValue with the path as first key.
+/// one, without colliders. Throws InvalidValue with the path as first key.
 StateFile read_state(const std::filesystem::path&);
 
 /// The frames of a run as one NPZ file: positions and velocities [F, N, 3], times [F], and of the
