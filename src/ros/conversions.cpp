@@ -2,6 +2,7 @@
 
 #include <sensor_msgs/distortion_models.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <string>
@@ -52,8 +53,10 @@ clothsim::Pose make_pose(const Message& p, const geometry_msgs::Quaternion& r) {
 
 }  // namespace
 
-clothsim::ClothState to_state_msg(const clothsim::State& state, const std_msgs::Header& header,
-                                  unsigned topology_seq, std::uint64_t step) {
+clothsim::ClothState to_state_msg(const clothsim::State& state,
+                                  const std::map<std::string, clothsim::Grip>& grips,
+                                  const std_msgs::Header& header, unsigned topology_seq,
+                                  std::uint64_t step) {
   clothsim::ClothState msg;
   msg.header = header;
   msg.topology_seq = topology_seq;
@@ -61,6 +64,12 @@ clothsim::ClothState to_state_msg(const clothsim::State& state, const std_msgs::
   msg.time = state.time;
   msg.positions = flatten<FlatXyz>(state.positions);
   msg.velocities = flatten<FlatXyz>(state.velocities);
+  for (const auto& [frame, grip] : grips) {
+    for (const clothsim::Grip::Held& held : grip.held) {
+      msg.held.push_back(static_cast<std::uint32_t>(held.point));
+    }
+  }
+  std::sort(msg.held.begin(), msg.held.end());
   return msg;
 }
 

@@ -1,7 +1,6 @@
 #include "clothsim/ros/markers.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
@@ -79,11 +78,11 @@ Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positi
 }
 
 /// Springs of all families; a family without springs is deleted.
-std::array<Marker, 3> make_springs(const clothsim::Cloth& cloth, const clothsim::Points& positions,
-                                   const std_msgs::Header& header) {
+std::vector<Marker> make_springs(const clothsim::Cloth& cloth, const clothsim::Points& positions,
+                                 const std_msgs::Header& header) {
   const clothsim::Wireframe as_in_images;
 
-  std::array<Marker, 3> markers;
+  std::vector<Marker> markers(as_in_images.colors.size());
   for (size_t i = 0; i < markers.size(); ++i) {
     markers[i] = make_marker(header, clothsim::spring_family_names[i], 0, Marker::LINE_LIST,
                              color(as_in_images.colors[i].cast<float>()));
@@ -148,6 +147,13 @@ void add_collider(const clothsim::Simulator& simulator, int index, const std_msg
   }
 }
 
+void add_colliders(const clothsim::Simulator& simulator, const std_msgs::Header& header,
+                   std::vector<Marker>& markers) {
+  for (size_t i = 0; i < simulator.scene().colliders.size(); ++i) {
+    add_collider(simulator, static_cast<int>(i), header, markers);
+  }
+}
+
 Marker make_pins(const clothsim::Cloth& cloth, const clothsim::Points& positions,
                  const std_msgs::Header& header) {
   Marker marker = make_marker(header, "pins", 0, Marker::SPHERE_LIST, color(0.20f, 0.75f, 0.35f));
@@ -165,14 +171,22 @@ visualization_msgs::MarkerArray make_markers(const clothsim::Simulator& simulato
 
   visualization_msgs::MarkerArray array;
   array.markers.push_back(make_surface(cloth, positions, header));
-  for (Marker& springs : make_springs(cloth, positions, header)) {
-    array.markers.push_back(std::move(springs));
-  }
-  const auto& colliders = simulator.scene().colliders;
-  for (size_t i = 0; i < colliders.size(); ++i) {
-    add_collider(simulator, static_cast<int>(i), header, array.markers);
-  }
+  add_colliders(simulator, header, array.markers);
   if (!cloth.pinned.empty()) array.markers.push_back(make_pins(cloth, positions, header));
+  return array;
+}
+
+visualization_msgs::MarkerArray make_spring_markers(const clothsim::Simulator& simulator,
+                                                    const std_msgs::Header& header) {
+  visualization_msgs::MarkerArray array;
+  array.markers = make_springs(simulator.cloth(), simulator.state().positions, header);
+  return array;
+}
+
+visualization_msgs::MarkerArray make_collider_markers(const clothsim::Simulator& simulator,
+                                                      const std_msgs::Header& header) {
+  visualization_msgs::MarkerArray array;
+  add_colliders(simulator, header, array.markers);
   return array;
 }
 

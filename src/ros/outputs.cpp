@@ -24,6 +24,15 @@ const ros::WallDuration markers_period(1.0 / 30);
 /// How much earlier than that one may come, so that frames that jitter about it are not skipped.
 const ros::WallDuration markers_jitter(0.003);
 
+/// A topic on which a new subscriber gets the message that `make` makes.
+template <class Message, class Make>
+ros::Publisher advertise(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue_size,
+                         Make make) {
+  return node.advertise<Message>(
+      topic, queue_size,
+      [make](const ros::SingleSubscriberPublisher& subscriber) { subscriber.publish(make()); });
+}
+
 visualization_msgs::Marker delete_all(const std_msgs::Header& header) {
   visualization_msgs::Marker marker;
   marker.header = header;
@@ -36,30 +45,30 @@ visualization_msgs::Marker delete_all(const std_msgs::Header& header) {
 
 Outputs::Outputs(ros::NodeHandle& node, const clothsim::Simulator& simulator,
                  const std::string& world_frame, const ros::Time& now)
-    : simulator_(simulator) {
+    : simulator_(simulator),
+      markers_{{{"markers", make_markers, {}},
+                {"markers/springs", make_spring_markers, {}},
+                {"markers/colliders", make_collider_markers, {}}}} {
   header_.frame_id = world_frame;
   header_.stamp = now;
   topology_publisher_ = node.advertise<clothsim::ClothTopology>("topology", topology_queue, true);
   publish_topology();
   ros::NodeHandle greeted(node);
   greeted.setCallbackQueue(&newcomers_);
-  state_publisher_ = advertise(greeted, "state", state_queue, &Outputs::state);
-  points_publisher_ = advertise(greeted, "points", points_queue, &Outputs::points);
-  colliders_publisher_ = advertise(greeted, "colliders", points_queue, &Outputs::colliders);
-  markers_publisher_ = advertise(node, "markers", markers_queue, &Outputs::markers_anew);
-}
-
-template <class Message>
-ros::Publisher Outputs::advertise(ros::NodeHandle& node, const std::string& topic,
-                                  std::uint32_t queue_size, Message (Outputs::*make)() const) {
-  return node.advertise<Message>(topic, queue_size,
-                                 [this, make](const ros::SingleSubscriberPublisher& subscriber) {
-                                   subscriber.publish((this->*make)());
-                                 });
+  state_publisher_ =
+      advertise<clothsim::ClothState>(greeted, "state", state_queue, [this] { return state(); });
+  points_publisher_ = advertise<sensor_msgs::PointCloud2>(greeted, "points", points_queue,
+                                                          [this] { return points(); });
+  colliders_publisher_ = advertise<clothsim::Colliders>(greeted, "colliders", points_queue,
+                                                        [this] { return colliders(); });
+  for (MarkerTopic& topic : markers_) {
+    topic.publisher = advertise<visualization_msgs::MarkerArray>(node, topic.name, markers_queue,
+                                                                 [&] { return anew(topic); });
+  }
 }
 
 clothsim::ClothState Outputs::state() const {
-  return to_state_msg(simulator_.state(), header_, topology_seq_, step_);
+  return to_state_msg(simulator_.state(), simulator_.grips(), header_, topology_seq_, step_);
 }
 
 sensor_msgs::PointCloud2 Outputs::points() const {
@@ -70,12 +79,8 @@ clothsim::Colliders Outputs::colliders() const {
   return to_colliders_msg(simulator_, header_, step_);
 }
 
-visualization_msgs::MarkerArray Outputs::markers() const {
-  return make_markers(simulator_, header_);
-}
-
-visualization_msgs::MarkerArray Outputs::markers_anew() const {
-  visualization_msgs::MarkerArray array = markers();
+visualization_msgs::MarkerArray Outputs::anew(const MarkerTopic& topic) const {
+  visualization_msgs::MarkerArray array = topic.make(simulator_, header_);
   array.markers.insert(array.markers.begin(), delete_all(header_));
   return array;
 }
@@ -107,8 +112,13 @@ void Outputs::refresh() {
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!markers_due_ || now + markers_jitter < next_markers_) return;
   markers_due_ = false;
-  if (markers_publisher_.getNumSubscribers() == 0) return;
-  markers_publisher_.publish(others_shown_ ? markers_anew() : markers());
+  bool published = false;
+  for (const MarkerTopic& topic : markers_) {
+    if (topic.publisher.getNumSubscribers() == 0) continue;
+    topic.publisher.publish(others_shown_ ? anew(topic) : topic.make(simulator_, header_));
+    published = true;
+  }
+  if (!published) return;
   others_shown_ = false;
   next_markers_ = std::max(next_markers_ + markers_period, now);
 }

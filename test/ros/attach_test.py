@@ -172,12 +172,14 @@ class Grasp(unittest.TestCase):
         self.assertTrue(self.attach("left", points=[0, 10, 20]).success)
         self.assertTrue(self.attach("right", points=[9, 19]).success)
         self.assertTrue(self.attach("left", points=[30]).success)
+        self.assertEqual(list(self.cloth.step(1).held), [0, 9, 10, 19, 20, 30])
         answer = self.detach("left", [10, 0])
         self.assertEqual((answer.success, list(answer.points)), (True, [0, 10]))
         answer = self.detach("left")
         self.assertEqual(list(answer.points), [20, 30])
         self.assertTrue(self.attach("left", points=[0]).success)
         self.assertEqual(list(self.detach().points), [0, 9, 19])
+        self.assertEqual(list(self.cloth.step(1).held), [])
         self.assertLess(positions(self.cloth.step(60))[0, 2], 0.9)  # falls
 
     def test_diagnostics_tell_of_the_frame(self):

@@ -32,13 +32,19 @@ class Messages(unittest.TestCase):
     def setUpClass(cls):
         cls.cloth = Cloth()
         cls.markers = Recorder("/clothsim/markers", MarkerArray)
+        cls.springs = Recorder("/clothsim/markers/springs", MarkerArray)
+        cls.colliders = Recorder("/clothsim/markers/colliders", MarkerArray)
         cls.topology = Recorder("/clothsim/topology", ClothTopology).wait("the topology")
         # Paused from the start, the simulation publishes nothing; newcomers get the state.
         cls.cloth.states.wait("the first state")
-        cls.markers.wait("the first markers")
+        recorders = (cls.markers, cls.springs, cls.colliders)
+        for recorder in recorders:
+            recorder.wait("the first markers")
         cls.state = cls.cloth.step(20)
-        cls.array = cls.markers.wait("the markers of frame 20",
-                                     lambda a: a.markers[0].header.stamp == cls.state.header.stamp)
+        cls.array, cls.spring_array, cls.collider_array = [
+            recorder.wait("the markers of frame 20",
+                          lambda a: a.markers[0].header.stamp == cls.state.header.stamp)
+            for recorder in recorders]
 
     def test_state(self):
         self.assertEqual(self.state.header.frame_id, "table")
@@ -118,7 +124,7 @@ class Messages(unittest.TestCase):
 
     def test_markers_are_well_formed(self):
         seen = set()
-        for m in self.array.markers:
+        for m in self.array.markers + self.spring_array.markers:
             self.assertEqual(m.header.frame_id, "table")
             self.assertEqual(m.header.stamp, self.state.header.stamp)
             self.assertNotIn((m.ns, m.id), seen)
@@ -136,19 +142,27 @@ class Messages(unittest.TestCase):
                                 ("pins", 0)} |
                          {("colliders", id) for id in (0, 1, 2, 3, 3 + 5, 3 + 2 * 5, 4)})
 
+    def test_each_topic_has_its_part(self):
+        self.assertEqual({m.ns for m in self.array.markers}, {"surface", "colliders", "pins"})
+        self.assertEqual({m.ns for m in self.spring_array.markers},
+                         {"structural", "shear", "bending"})
+        self.assertEqual(self.collider_array.markers,
+                         [m for m in self.array.markers if m.ns == "colliders"])
+
     def test_a_new_subscriber_drops_what_it_had(self):
         """RViz keeps the markers of a node that has ended; its successor may have fewer."""
-        first, *others = self.markers.all()
-        self.assertEqual([m.action for m in first.markers[:2]], [Marker.DELETEALL, Marker.ADD])
-        self.assertTrue(others)
-        for array in others:
-            self.assertNotIn(Marker.DELETEALL, [m.action for m in array.markers])
+        for recorder in (self.markers, self.springs, self.colliders):
+            first, *others = recorder.all()
+            self.assertEqual([m.action for m in first.markers[:2]], [Marker.DELETEALL, Marker.ADD])
+            self.assertTrue(others)
+            for array in others:
+                self.assertNotIn(Marker.DELETEALL, [m.action for m in array.markers])
 
     def test_markers_show_the_state(self):
         where = positions(self.state)
 
-        def shown(ns):
-            return points(marker_named(self.array, ns)).astype(np.float32)
+        def shown(ns, array=self.array):
+            return points(marker_named(array, ns)).astype(np.float32)
 
         # All fronts, then all backs turned round, each side a little off the cloth.
         self.assertEqual(marker_named(self.array, "surface").type, Marker.TRIANGLE_LIST)
@@ -162,9 +176,9 @@ class Messages(unittest.TestCase):
         self.assertGreater(np.einsum("tci,ti->tc", out, normal).min(), 0)
 
         for family in ("structural", "shear", "bending"):
-            self.assertEqual(marker_named(self.array, family).type, Marker.LINE_LIST)
+            self.assertEqual(marker_named(self.spring_array, family).type, Marker.LINE_LIST)
             ends = np.asarray(getattr(self.topology, family), dtype=int)
-            self.assertTrue(np.array_equal(shown(family), where[ends]), family)
+            self.assertTrue(np.array_equal(shown(family, self.spring_array), where[ends]), family)
         self.assertTrue(np.array_equal(
             shown("pins"), where[np.asarray(self.topology.pinned, dtype=int)]))
 
@@ -172,7 +186,7 @@ class Messages(unittest.TestCase):
         """docs/gallery.md, wireframe: light grey, orange, blue."""
         for family, expected in (("structural", (0.9, 0.9, 0.9)), ("shear", (1, 0.6, 0.1)),
                                  ("bending", (0.2, 0.6, 1))):
-            color = marker_named(self.array, family).color
+            color = marker_named(self.spring_array, family).color
             self.assertTrue(np.allclose((color.r, color.g, color.b), expected), family)
 
     def test_collider_markers(self):
@@ -209,11 +223,11 @@ class Messages(unittest.TestCase):
     def test_family_switched_off_is_deleted(self):
         client = Client("/clothsim", timeout=PATIENCE)
         client.update_configuration({"bending": False})
-        gone = self.markers.wait("markers without bending springs", lambda a: marker_named(
+        gone = self.springs.wait("markers without bending springs", lambda a: marker_named(
             a, "bending").action == Marker.DELETE)
         self.assertEqual(marker_named(gone, "shear").action, Marker.ADD)
         client.update_configuration({"bending": True})
-        self.markers.wait("bending springs again",
+        self.springs.wait("bending springs again",
                           lambda a: marker_named(a, "bending").action == Marker.ADD)
 
     def test_pin_follows_its_frame(self):

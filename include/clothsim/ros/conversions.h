@@ -13,6 +13,8 @@
 #include <std_msgs/Header.h>
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
@@ -20,14 +22,18 @@
 #include "clothsim/render/camera.h"
 #include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/simulator.h"
+#include "clothsim/simulation/grips.h"
 
 // Pure functions between the core's types and ROS messages.
 
 namespace clothsim_ros {
 
-/// Positions and velocities as flat float32 xyz. `step` counts frames since the scene's start.
-clothsim::ClothState to_state_msg(const clothsim::State&, const std_msgs::Header&,
-                                  unsigned topology_seq, std::uint64_t step);
+/// Positions and velocities as flat float32 xyz, and what the grips hold. `step` counts frames
+/// since the scene's start.
+clothsim::ClothState to_state_msg(const clothsim::State&,
+                                  const std::map<std::string, clothsim::Grip>&,
+                                  const std_msgs::Header&, unsigned topology_seq,
+                                  std::uint64_t step);
 
 /// In full precision, with the memory that belongs to it.
 clothsim::WholeState to_whole_state_msg(const clothsim::State&, const std::vector<double>& memory,

@@ -7,9 +7,18 @@
 
 namespace clothsim_ros {
 
-/// All that RViz shows of a simulation, in namespaces surface, structural, shear, bending,
-/// colliders and pins. Ids do not change, so each array replaces the one before; a spring family
-/// or a collider that is switched off is deleted.
+// What RViz shows of a simulation. Ids do not change, so each array replaces the one before; a
+// spring family or a collider that is switched off is deleted.
+
+/// In namespaces surface, colliders and pins.
 visualization_msgs::MarkerArray make_markers(const clothsim::Simulator&, const std_msgs::Header&);
+
+/// In namespaces structural, shear and bending.
+visualization_msgs::MarkerArray make_spring_markers(const clothsim::Simulator&,
+                                                    const std_msgs::Header&);
+
+/// In namespace colliders.
+visualization_msgs::MarkerArray make_collider_markers(const clothsim::Simulator&,
+                                                      const std_msgs::Header&);
 
 }  // namespace clothsim_ros

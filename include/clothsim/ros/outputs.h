@@ -9,6 +9,7 @@
 #include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -16,7 +17,7 @@
 
 namespace clothsim_ros {
 
-/// The topics ~state, ~points, ~colliders, ~markers and ~topology. No message is built without a
+/// The topics ~state, ~points, ~colliders, ~topology and those of markers. No message is built without a
 /// subscriber for it, but for the latched topology. A new subscriber gets the present state, so
 /// that it sees a simulation that is paused, too: from refresh(), or from publish() where that
 /// comes first.
@@ -39,17 +40,21 @@ class Outputs {
   clothsim::ClothState state() const;
 
  private:
-  template <class Message>
-  ros::Publisher advertise(ros::NodeHandle&, const std::string& topic, std::uint32_t queue_size,
-                           Message (Outputs::*make)() const);
-
   void publish_topology();
 
   sensor_msgs::PointCloud2 points() const;
   clothsim::Colliders colliders() const;
-  visualization_msgs::MarkerArray markers() const;
+
+  /// A topic of markers: each shows a part, so that nobody gets more than what is looked at.
+  struct MarkerTopic {
+    using Make = visualization_msgs::MarkerArray(const clothsim::Simulator&,
+                                                 const std_msgs::Header&);
+    const char* name;
+    Make* make;
+    ros::Publisher publisher;
+  };
   /// With an order before them to delete all others, such as those of a node before this one.
-  visualization_msgs::MarkerArray markers_anew() const;
+  visualization_msgs::MarkerArray anew(const MarkerTopic&) const;
 
   const clothsim::Simulator& simulator_;
   std_msgs::Header header_;
@@ -62,7 +67,7 @@ class Outputs {
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
   ros::Publisher colliders_publisher_;
-  ros::Publisher markers_publisher_;
+  std::array<MarkerTopic, 3> markers_;
   ros::Publisher topology_publisher_;
 };
 
