@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Each room of the code includes only from its own floor or below, and only ros/ knows ROS."""
+"""Each room of the code includes only from its own floor or below, and only ros/ and rviz/ know ROS."""
 
 import pathlib
 import re
@@ -20,6 +20,7 @@ MAY_INCLUDE = {
     "view": CORE | {"render", "view"},
     "python": CORE | {"render", "view", "python"},
     "ros": CORE | {"render", "view", "ros"},
+    "rviz": CORE | {"render", "view", "ros", "rviz"},
     "benchmark": CORE | {"render", "view", "benchmark"},
 }
 
@@ -43,7 +44,7 @@ for base in ("include/clothsim", "src"):
             if parts[0] == "clothsim" and len(parts) > 2:
                 fits = parts[1] in MAY_INCLUDE[room]
             else:
-                fits = room == "ros" or parts[0] not in ros_packages
+                fits = room in ("ros", "rviz") or parts[0] not in ros_packages
             if not fits:
                 mistakes += 1
                 name = path.relative_to(package)
