@@ -139,6 +139,7 @@ void fill_frames(const std::vector<FrameStatus>& frames, const Limit& limit, Wra
 
 void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out) {
   out.summary(DiagnosticStatus::OK, status.paused ? "paused" : "running");
+  out.add("paused", status.paused);
   if (status.waits_for_clock) out.summary(DiagnosticStatus::WARN, no_clock);
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, limits.speed, out);

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/subscriber.h>
+#include <rviz/panel.h>
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <string>
+
+#include "call_queue.h"
+
+class QBoxLayout;
+class QComboBox;
+class QLabel;
+class QPushButton;
+class QSpinBox;
+
+namespace clothsim_rviz {
+
+class LiveControls;
+
+/// Runs a clothsim node: pause, step, reset, scene, live values, and how it does.
+class ControlPanel : public rviz::Panel {
+  Q_OBJECT
+
+ public:
+  explicit ControlPanel(QWidget* parent = nullptr);
+  ~ControlPanel() override;
+
+  void load(const rviz::Config&) override;
+  void save(rviz::Config) const override;
+
+ private:
+  void add_node(QBoxLayout&);
+  void add_running(QBoxLayout&);
+  void add_scenes(QBoxLayout&);
+  void add_diagnostics(QBoxLayout&);
+
+  /// Goes by the node that is named in node_box_.
+  void set_node();
+  void list_nodes();
+  void pause_or_run();
+  void step();
+  void reset_cloth();
+  void load_scene();
+  void choose_file();
+  void hear(const diagnostic_msgs::DiagnosticArray&);
+  void show_status(const diagnostic_msgs::DiagnosticStatus&);
+  void watch_silence();
+  void show_paused(bool paused);
+  /// What a call has come to; empty: nothing to say.
+  void report(const std::string&);
+
+  QComboBox* node_box_;
+  QPushButton* pause_button_;
+  QSpinBox* frames_box_;
+  QComboBox* scene_box_;
+  QLabel* factor_;
+  QLabel* health_;
+  QLabel* details_;
+  QLabel* report_;
+  std::string node_;  // full name
+  bool paused_ = false;
+  ros::Subscriber diagnostics_;
+  QElapsedTimer heard_;  // since the node's last diagnostics
+  QTimer silence_timer_;
+  CallQueue calls_;
+  LiveControls* live_;  // goes before calls_: children end last, so it is deleted by hand
+};
+
+}  // namespace clothsim_rviz

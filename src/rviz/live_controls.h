@@ -1,0 +1,56 @@
+#pragma once
+
+#include <dynamic_reconfigure/Config.h>
+#include <ros/subscriber.h>
+
+#include <QTimer>
+#include <QWidget>
+#include <functional>
+#include <map>
+#include <string>
+
+class QCheckBox;
+class QComboBox;
+class QFormLayout;
+
+namespace clothsim_rviz {
+
+class CallQueue;
+
+/// Sliders, boxes and a list for live values of a clothsim node: its material, its spring families
+/// and the shader of its pictures. They show what the node has, whoever changed it.
+class LiveControls : public QWidget {
+ public:
+  /// Tells refusals by `report`. The queue must outlive this.
+  LiveControls(CallQueue&, std::function<void(const std::string&)> report);
+  ~LiveControls() override;
+
+  /// The node's full name.
+  void set_node(const std::string&);
+
+ private:
+  struct Server;  // of dynamic_reconfigure
+  struct Number;
+
+  void add_number(QFormLayout&, const Number&);
+  void add_families(QFormLayout&);
+  void add_shader(QFormLayout&);
+  void change(const std::string& server, const std::function<void(dynamic_reconfigure::Config&)>&);
+  void send();
+  void send(const std::string& server, const dynamic_reconfigure::Config&);
+  void hear(const std::string& server);
+  void show_values(const std::string& server, const dynamic_reconfigure::Config&);
+  void show_material(const dynamic_reconfigure::Config&);
+
+  CallQueue& calls_;
+  std::function<void(const std::string&)> report_;
+  std::string node_;
+  std::map<std::string, std::function<void(double)>> show_number_;  // by name
+  std::map<std::string, QCheckBox*> families_;
+  QComboBox* shader_;
+  std::map<std::string, dynamic_reconfigure::Config> changed_;  // by server, to be sent
+  QTimer send_timer_;
+  std::map<std::string, ros::Subscriber> subscribers_;
+};
+
+}  // namespace clothsim_rviz
