@@ -1,13 +1,15 @@
 #version 120
 
 // Points of the cloth, lit by RViz's lamp, on the side that the camera sees. They are lifted off the
-// cloth to that side: it does not flicker against what it lies on, and lines lie over the surface.
+// cloth to that side: it does not flicker against what it lies on. Lines and points are brought nearer
+// to the camera, where they are seen at the same place and not hidden by the surface.
 // Light is computed here and not for each pixel: a software renderer takes most of its time for those.
 
 uniform mat4 world_view;
 uniform mat4 projection;
 uniform mat4 normal_matrix;  // inverse transpose of world_view
 uniform float lift;          // [m]
+uniform float nearer;        // [m]
 uniform vec4 ambient;
 uniform vec4 lamp_color;
 uniform vec4 lamp_place;     // in the camera's frame; w is 0: a direction
@@ -25,7 +27,7 @@ void main() {
   vec3 to_camera = projection[2][3] == 0.0 ? vec3(0.0, 0.0, 1.0) : -position;
   if (dot(normal, to_camera) < 0.0) normal = -normal;
 
-  position += lift * normal;
+  position += lift * normal + nearer * normalize(to_camera);
   vec3 to_lamp = normalize(lamp_place.xyz - lamp_place.w * position);
   vec3 light = max(ambient.rgb, least_light) + max(dot(normal, to_lamp), 0.0) * lamp_color.rgb;
   lit_color = vec4(gl_Color.rgb * min(light, 1.0), gl_Color.a);

@@ -19,9 +19,9 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex) == 9 * sizeof(float), "as the buffer's declaration has it");
 
-// What is in front of what where all are at the same place [m].
-constexpr double line_lift = 0.0005;
-constexpr double point_lift = 0.002;
+// How much nearer to the camera, so that the surface hides them only where it is in front [m].
+constexpr double line_nearer = 0.001;
+constexpr double point_nearer = 0.03;  // half a point's width, where the surface slants
 
 const Ogre::ColourValue pin_color(0.20f, 0.75f, 0.35f);
 const Ogre::ColourValue held_color(1.0f, 0.85f, 0.1f);
@@ -53,10 +53,10 @@ ClothVisual::ClothVisual(Ogre::SceneNode* node) : node_(node) {
   make_part(surface, Operation::OT_TRIANGLE_LIST, make_surface_material({}));
   for (std::size_t i = 0; i < as_in_images.colors.size(); ++i) {
     make_part(static_cast<Part>(structural + i), Operation::OT_LINE_LIST,
-              make_flat_material(to_ogre(as_in_images.colors[i]), line_lift));
+              make_flat_material(to_ogre(as_in_images.colors[i]), line_nearer));
   }
-  make_part(pins, Operation::OT_POINT_LIST, make_flat_material(pin_color, point_lift));
-  make_part(held, Operation::OT_POINT_LIST, make_flat_material(held_color, point_lift));
+  make_part(pins, Operation::OT_POINT_LIST, make_flat_material(pin_color, point_nearer));
+  make_part(held, Operation::OT_POINT_LIST, make_flat_material(held_color, point_nearer));
 }
 
 ClothVisual::~ClothVisual() {

@@ -42,9 +42,9 @@ std::string program(const std::string& file, Ogre::GpuProgramType type) {
   return name;
 }
 
-/// A pass that shows both sides. `lift` [m]: how far towards the camera.
+/// A pass that shows both sides, brought nearer to the camera [m].
 Ogre::Pass& make_pass(const Ogre::MaterialPtr& material, const std::string& fragments,
-                      double lift) {
+                      double nearer) {
   Ogre::Pass& pass = *material->getTechnique(0)->getPass(0);
   pass.setCullingMode(Ogre::CULL_NONE);
   pass.setVertexProgram(program("cloth.vert", Ogre::GPT_VERTEX_PROGRAM));
@@ -54,7 +54,8 @@ Ogre::Pass& make_pass(const Ogre::MaterialPtr& material, const std::string& frag
   vertex->setNamedAutoConstant("world_view", Parameters::ACT_WORLDVIEW_MATRIX);
   vertex->setNamedAutoConstant("projection", Parameters::ACT_PROJECTION_MATRIX);
   vertex->setNamedAutoConstant("normal_matrix", Parameters::ACT_INVERSE_TRANSPOSE_WORLDVIEW_MATRIX);
-  vertex->setNamedConstant("lift", static_cast<float>(lift));
+  vertex->setNamedConstant("lift", static_cast<float>(surface_lift));
+  vertex->setNamedConstant("nearer", static_cast<float>(nearer));
   vertex->setNamedAutoConstant("ambient", Parameters::ACT_AMBIENT_LIGHT_COLOUR);
   vertex->setNamedAutoConstant("lamp_color", Parameters::ACT_LIGHT_DIFFUSE_COLOUR, 0);
   vertex->setNamedAutoConstant("lamp_place", Parameters::ACT_LIGHT_POSITION_VIEW_SPACE, 0);
@@ -74,7 +75,7 @@ std::string new_name(const std::string& kind) {
 
 Ogre::MaterialPtr make_surface_material(const Ogre::TexturePtr& image) {
   const Ogre::MaterialPtr material = make_material("surface");
-  Ogre::Pass& pass = make_pass(material, image ? "texture.frag" : "cloth.frag", surface_lift);
+  Ogre::Pass& pass = make_pass(material, image ? "texture.frag" : "cloth.frag", 0);
   if (image) {
     Ogre::TextureUnitState& unit = *pass.createTextureUnitState();
     unit.setTexture(image);
@@ -83,9 +84,9 @@ Ogre::MaterialPtr make_surface_material(const Ogre::TexturePtr& image) {
   return material;
 }
 
-Ogre::MaterialPtr make_flat_material(const Ogre::ColourValue& color, double lift) {
+Ogre::MaterialPtr make_flat_material(const Ogre::ColourValue& color, double nearer) {
   const Ogre::MaterialPtr material = make_material("flat");
-  Ogre::Pass& pass = make_pass(material, "flat.frag", surface_lift + lift);
+  Ogre::Pass& pass = make_pass(material, "flat.frag", nearer);
   pass.setPointSize(point_size);
   pass.getFragmentProgramParameters()->setNamedConstant("surface_color", color);
   return material;

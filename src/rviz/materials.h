@@ -18,9 +18,9 @@ std::string new_name(const std::string& kind);
 /// is one. Throws std::runtime_error where a shader's file cannot be read.
 Ogre::MaterialPtr make_surface_material(const Ogre::TexturePtr& image);
 
-/// Lines or points of one colour, `lift` [m] off the cloth, in front of the surface. Throws
+/// Lines or points of one colour, brought nearer to the camera than the surface [m]. Throws
 /// likewise.
-Ogre::MaterialPtr make_flat_material(const Ogre::ColourValue&, double lift);
+Ogre::MaterialPtr make_flat_material(const Ogre::ColourValue&, double nearer);
 
 /// For points whose opacity is 1, or any.
 void set_opaque(Ogre::Material&, bool opaque);

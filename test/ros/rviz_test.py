@@ -1,0 +1,207 @@
+#!/usr/bin/python3
+"""The plugins of RViz: what is drawn is where it is, the mouse grabs it, the panel runs the node, and what
+is wrong is told and does no harm."""
+
+import math
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from dynamic_reconfigure.client import Client
+
+from clothsim.msg import ClothState, ClothTopology
+from clothsim.srv import LoadScene
+from cloth_client import PATIENCE, Cloth, Recorder, call, is_connected, positions, wait_for
+from rviz_desktop import Desktop, View, pixels_of, ready
+
+GREEN = (51, 191, 89)    # of pins
+YELLOW = (255, 217, 26)  # of held points
+COLUMNS = 50
+
+# From the upper edge of the panel's title [pixel].
+PAUSE, STEP, RESET = (49, 75), (122, 75), (315, 75)
+LOAD = (230, 106)
+KS = (188, 138)  # the middle of the slider
+TITLE = (184, 184, 184)
+
+
+def cloth_in(picture):
+    """Which pixels show the red cloth, in whatever light."""
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    return (red > 60) & (red > 2 * green) & (red > 2 * blue)
+
+
+def shows_cloth(picture):
+    return cloth_in(picture).sum() > 5000
+
+
+def distance(a, b):
+    return np.linalg.norm(np.asarray(a) - np.asarray(b))
+
+
+class Rviz(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cloth = Cloth()
+        cls.topologies = Recorder("/clothsim/topology", ClothTopology)
+        cls.cloth.states.wait("the first state")
+        cls.desktop = Desktop()
+        cls.view = View(ready(cls.desktop, lambda picture: True))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.desktop.close()
+
+    def setUp(self):
+        self.cloth.pause()
+        self.cloth.reset()
+        ready(self.desktop, shows_cloth)
+
+    def panel(self, place):
+        """A place of the screen, from one of the panel, whose title is the lower grey band."""
+        title = (self.desktop.picture()[:, 200:300] == TITLE).all(axis=(1, 2))
+        rows = np.flatnonzero(title)
+        top = rows[np.flatnonzero(np.diff(rows) > 1)[-1] + 1]
+        return place[0], top + place[1]
+
+    def newest(self):
+        return self.cloth.states.all()[-1]
+
+    def test_pins_are_where_they_are(self):
+        picture = ready(self.desktop, lambda p: len(pixels_of(p, GREEN, 10)) > 80)
+        where = positions(self.newest())
+        green = pixels_of(picture, GREEN, 10)
+        for point in (0, COLUMNS - 1):
+            expected, _ = self.view.pixel(where[point])
+            near = green[np.linalg.norm(green - expected, axis=1) < 20]
+            self.assertGreater(len(near), 30)
+            self.assertLess(distance(near.mean(axis=0) + 0.5, expected), 1.5)
+
+    def test_the_cloth_follows_its_states(self):
+        """It swings down: where its edge was, the background is seen."""
+        def height(picture):
+            return np.flatnonzero(cloth_in(picture).any(axis=1)).max()
+        before = height(ready(self.desktop, shows_cloth))
+        self.cloth.step(40)
+        ready(self.desktop, lambda p: height(p) > before + 100)
+
+    def take(self):
+        """Grabs the middle of the cloth, which has fallen a little: its points, and where the mouse is."""
+        self.cloth.step(60)
+        time.sleep(0.5)
+        middle = positions(self.newest())[COLUMNS * COLUMNS // 2 + COLUMNS // 2]
+        pixel = np.round(self.view.pixel(middle)[0]).astype(int)
+        self.desktop.mouse("mousemove", self.view.corner[0] + 30, self.view.corner[1] + 30,
+                           "click", 1, "key", "g")
+        self.desktop.press(pixel)
+        wait_for(lambda: self.cloth.step(1).held, "the cloth to be held")
+        return pixel
+
+    def test_grab(self):
+        pixel = self.take()
+        try:
+            held = list(self.newest().held)
+            before = positions(self.newest())[held]
+            self.assertGreater(len(held), 3)
+            _, ahead = self.view.pixel(before.mean(axis=0))
+            self.assertLess(distance(self.view.pixel(before.mean(axis=0))[0], pixel), 15)
+
+            target = pixel + [60, -80]
+            self.desktop.drag(target)
+            time.sleep(0.5)  # tf is on its way
+            after = positions(self.cloth.step(30))[held]
+            # By as many pixels as the mouse has moved, in the plane of the picture.
+            moved = self.view.pixel(after.mean(axis=0))[0] - self.view.pixel(before.mean(axis=0))[0]
+            self.assertLess(distance(moved, target - pixel), 3)
+            self.assertAlmostEqual(self.view.pixel(after.mean(axis=0))[1], ahead, delta=0.002)
+            # As they were to each other.
+            self.assertLess(np.abs((after - after[0]) - (before - before[0])).max(), 1e-4)
+            # And they are seen, in yellow.
+            ready(self.desktop, lambda p: any(
+                distance(place, target) < 20 for place in pixels_of(p, YELLOW, 10)))
+        finally:
+            self.desktop.release()
+        wait_for(lambda: not self.cloth.step(1).held, "the cloth to be let go")
+
+    def test_grab_where_nothing_is(self):
+        self.desktop.mouse("mousemove", self.view.corner[0] + 30, self.view.corner[1] + 30,
+                           "click", 1, "key", "g")
+        self.desktop.press(self.view.corner + [40, 40])
+        self.desktop.release()
+        self.assertFalse(self.cloth.step(5).held)
+
+    def test_panel_runs_the_node(self):
+        wait_for(lambda: self.newest().step == 0, "the start")
+        self.desktop.click(self.panel(STEP))
+        wait_for(lambda: self.newest().step == 1, "a frame")
+        time.sleep(1.5)  # until the panel knows from the diagnostics that the node is paused
+        self.desktop.click(self.panel(PAUSE))
+        wait_for(lambda: self.newest().step > 20, "the simulation to run")
+        self.desktop.click(self.panel(PAUSE))
+        def stands():
+            step = self.newest().step
+            time.sleep(0.3)
+            return self.newest().step == step
+        wait_for(stands, "the simulation to pause")
+        self.desktop.click(self.panel(RESET))
+        wait_for(lambda: self.newest().step == 0, "the start")
+
+    def test_panel_sets_live_values(self):
+        client = Client("/clothsim", timeout=PATIENCE)
+        self.assertEqual(client.get_configuration()["ks"], 5000)
+        self.desktop.press(self.panel(KS))
+        self.desktop.drag(np.array(self.panel(KS)) + [30, 0])
+        self.desktop.release()
+        wait_for(lambda: client.get_configuration()["ks"] != 5000, "another ks")
+        # In the middle of 1 to 1e5, on a logarithmic scale, or a little more.
+        self.assertAlmostEqual(math.log10(client.get_configuration()["ks"]), 2.5, delta=1.5)
+        client.update_configuration({"ks": 5000})
+        client.close()
+
+    def test_panel_loads_a_scene(self):
+        """Of another size; the first one of the list is the curtain. Then back."""
+        scene = rospy.get_param("/clothsim/scene")
+        try:
+            self.desktop.click(self.panel(LOAD))
+            self.topologies.wait("the curtain", lambda t: (t.columns, t.rows) != (COLUMNS, COLUMNS))
+            self.assertIn("rod", str(rospy.get_param("/clothsim/scene")))
+            ready(self.desktop, shows_cloth)
+        finally:
+            rospy.set_param("/clothsim/scene", scene)
+            self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
+        ready(self.desktop, lambda p: len(pixels_of(p, GREEN, 10)) > 80)
+
+    def test_bad_messages_do_no_harm(self):
+        topology = self.topologies.all()[-1]
+        good = self.newest()
+        state_publisher = rospy.Publisher("/clothsim/state", ClothState, queue_size=10)
+        wait_for(lambda: state_publisher.get_num_connections() > 1, "RViz")
+
+        def publish(**changes):
+            message = ClothState(header=good.header, topology_seq=good.topology_seq,
+                                 positions=good.positions, velocities=good.velocities)
+            for key, value in changes.items():
+                setattr(message, key, value)
+            state_publisher.publish(message)
+            time.sleep(0.1)
+
+        nan = list(good.positions)
+        nan[7] = float("nan")
+        for changes in ({"positions": nan}, {"positions": []}, {"velocities": good.velocities[:-1]},
+                        {"positions": [1e30] * len(nan)}, {"held": [10**6]},
+                        {"topology_seq": topology.seq + 1}):
+            publish(**changes)
+        state_publisher.publish(ClothState())
+        time.sleep(0.2)
+        ready(self.desktop, shows_cloth)  # what was drawn last
+        state_publisher.unregister()
+        self.cloth.step(40)
+        ready(self.desktop, shows_cloth)
+        self.assertTrue(is_connected("/clothsim/state", "rviz"))
+
+
+if __name__ == "__main__":
+    rospy.init_node("rviz_test")
+    rostest.rosrun("clothsim", "rviz", Rviz)
