@@ -29,7 +29,8 @@ void main() {
 
   position += lift * normal + nearer * normalize(to_camera);
   vec3 to_lamp = normalize(lamp_place.xyz - lamp_place.w * position);
-  vec3 light = max(ambient.rgb, least_light) + max(dot(normal, to_lamp), 0.0) * lamp_color.rgb;
+  vec3 base = max(ambient.rgb, least_light);
+  vec3 light = base + (1.0 - base) * max(dot(normal, to_lamp), 0.0) * lamp_color.rgb;
   lit_color = vec4(gl_Color.rgb * min(light, 1.0), gl_Color.a);
   map_place = gl_MultiTexCoord0.xy;
   gl_Position = projection * vec4(position, 1.0);

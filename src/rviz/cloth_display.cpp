@@ -45,6 +45,9 @@ std::string node_of(const std::string& topic) {
   return fits ? topic.substr(0, topic.size() - ending.size()) : "";
 }
 
+/// The nearest number from 0 to 1; 0 of NaN, which a property may hold.
+float to_share(float value) { return std::min(1.0f, std::max(0.0f, value)); }
+
 clothsim::Pose to_pose(const Ogre::Vector3& p, const Ogre::Quaternion& r) {
   return {{p.x, p.y, p.z}, Eigen::Quaterniond(r.w, r.x, r.y, r.z)};
 }
@@ -284,7 +287,7 @@ void ClothDisplay::draw() {
 }
 
 std::vector<Rgba> ClothDisplay::colors() {
-  const auto opacity = static_cast<std::uint8_t>(std::lround(255 * alpha_->getFloat()));
+  const auto opacity = static_cast<std::uint8_t>(std::lround(255 * to_share(alpha_->getFloat())));
   if (is_quantity()) return colors_of_quantity(opacity);
   if (texture_) return {{255, 255, 255, opacity}};
   const QColor shade = color_->getColor();
@@ -306,7 +309,7 @@ std::vector<Rgba> ClothDisplay::colors_of_quantity(std::uint8_t opacity) {
   const float span = high != low ? high - low : 1;
   std::vector<Rgba> colors(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const float t = std::clamp((values[i] - low) / span, 0.0f, 1.0f);
+    const float t = to_share((values[i] - low) / span);
     const auto place = static_cast<std::size_t>(std::lround(t * (color_map_size - 1)));
     const std::uint8_t* rgb = &color_map_[3 * place];
     colors[i] = {rgb[0], rgb[1], rgb[2], opacity};

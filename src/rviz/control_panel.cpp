@@ -58,10 +58,14 @@ QLabel* wrapped_label() {
 ControlPanel::ControlPanel(QWidget* parent) : rviz::Panel(parent) {
   auto* layout = new QVBoxLayout(this);
   add_node(*layout);
-  add_running(*layout);
-  add_scenes(*layout);
+  controls_ = new QWidget;
+  layout->addWidget(controls_);
+  auto* controls = new QVBoxLayout(controls_);
+  controls->setContentsMargins(0, 0, 0, 0);
+  add_running(*controls);
+  add_scenes(*controls);
   live_ = new LiveControls(calls_, [this](const std::string& text) { report(text); });
-  layout->addWidget(live_);
+  controls->addWidget(live_);
   add_diagnostics(*layout);
   layout->addStretch(1);
   diagnostics_ = ros::NodeHandle().subscribe<diagnostic_msgs::DiagnosticArray>(
@@ -157,7 +161,9 @@ void ControlPanel::save(rviz::Config config) const {
 void ControlPanel::set_node() {
   const std::string name = node_box_->currentText().toStdString();
   std::string mistake;
-  if (!ros::names::validate(name, mistake) || name.empty()) {
+  const bool valid = !name.empty() && ros::names::validate(name, mistake);
+  controls_->setEnabled(valid);
+  if (!valid) {
     report(name.empty() ? "the node has no name" : mistake);
     return;
   }

@@ -53,6 +53,7 @@ class ControlPanel : public rviz::Panel {
   void report(const std::string&);
 
   QComboBox* node_box_;
+  QWidget* controls_;  // all that act on the node
   QPushButton* pause_button_;
   QSpinBox* frames_box_;
   QComboBox* scene_box_;
