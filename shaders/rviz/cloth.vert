@@ -20,17 +20,22 @@ varying vec2 map_place;
 // RViz's ambient light is black: what the lamp does not reach is to be seen, too.
 const vec3 least_light = vec3(0.3);
 
+// Where the surface is seen edge-on, neighbouring points turn now the one, now the other side to the
+// camera: within this cosine the light of both sides is mixed.
+const float edge_on = 0.2;
+
 void main() {
   vec3 position = (world_view * gl_Vertex).xyz;
   vec3 normal = (normal_matrix * vec4(gl_Normal, 0.0)).xyz;
   // A parallel projection looks along -z everywhere.
-  vec3 to_camera = projection[2][3] == 0.0 ? vec3(0.0, 0.0, 1.0) : -position;
-  if (dot(normal, to_camera) < 0.0) normal = -normal;
+  vec3 to_camera = projection[2][3] == 0.0 ? vec3(0.0, 0.0, 1.0) : -normalize(position);
+  float side = clamp(dot(normal, to_camera) / edge_on, -1.0, 1.0);  // -1: the back
+  position += lift * side * normal + nearer * to_camera;
 
-  position += lift * normal + nearer * normalize(to_camera);
-  vec3 to_lamp = normalize(lamp_place.xyz - lamp_place.w * position);
+  float slope = dot(normal, normalize(lamp_place.xyz - lamp_place.w * position));
+  float lamp = mix(max(-slope, 0.0), max(slope, 0.0), (1.0 + side) / 2.0);
   vec3 base = max(ambient.rgb, least_light);
-  vec3 light = base + (1.0 - base) * max(dot(normal, to_lamp), 0.0) * lamp_color.rgb;
+  vec3 light = base + (1.0 - base) * lamp * lamp_color.rgb;
   lit_color = vec4(gl_Color.rgb * min(light, 1.0), gl_Color.a);
   map_place = gl_MultiTexCoord0.xy;
   gl_Position = projection * vec4(position, 1.0);
