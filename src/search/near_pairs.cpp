@@ -144,7 +144,6 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
           const double within = reach(pair);
           if (!query.spend(1)) break;  // what was begun is taken back
           if (pair.wake_at - pair.moved > within) continue;
-          if (pair.meet_at - pair.moved > query.distance) continue;
           if (pair.moved + within > pair.list_until) {
             const double gap = gap_of_patches(pair);
             if (gap > within) {
@@ -153,14 +152,16 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Rea
             }
             seek(query, within, pair, scratch);
           } else {
-            wake_with_list(pair);
+            pair.wake_at = pair.list_until;  // until its lists have been looked at
             scratch.awake.emplace_back(&pair, within);
           }
         }
-        for (std::size_t list = 0; list < FeaturePairs::num_lists; ++list) {
-          measure_cells(query, list, scratch);
+        for (const bool edges : {false, true}) {
+          for (std::size_t list = 0; list < FeaturePairs::num_lists; ++list) {
+            measure_cells(query, edges, list, scratch);
+          }
+          look_at_lists(query, edges, scratch);
         }
-        for (const bool edges : {false, true}) look_at_lists(query, edges, scratch);
         keep_found(query, scratch);
         scratch.awake.clear();
       },
@@ -215,7 +216,7 @@ const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points&
   Impl& impl = *impl_;
   impl.advance(cloth, positions, workers);
   const auto most_gap = [&](const Impl::PatchPair& pair) {
-    return distance - (pair.are_neighbours ? impl.nearest.least() : impl.contact);
+    return distance - (pair.are_neighbours ? impl.nearest.least() : impl.nearest.least_far());
   };
   return impl.look({positions, nullptr, distance, budget}, most_gap, workers);
 }

@@ -31,6 +31,16 @@ struct NearPairs::Impl {
     float nearest;  // that they may come, or a little more [m]
     unsigned key;   // its end
   };
+  struct List {
+    std::vector<Listed> features;
+    // How far the patches will have moved since the list was made when there may be no gap [m].
+    std::vector<float> wake_at;
+
+    void clear() {
+      features.clear();
+      wake_at.clear();
+    }
+  };
 
   /// Two patches, or one with itself. A gap is what is left of a distance over the nearest that two
   /// features may come.
@@ -43,9 +53,9 @@ struct NearPairs::Impl {
     // The same for each cell of p and each of q; none until they have been looked at.
     std::vector<double> cells_wake_at = {};
     // Features whose gap may be none before `moved` is list_until, by SurfacePair::edges.
-    std::array<std::vector<Listed>, 2> lists = {};
+    std::array<List, 2> lists = {};
+    double listed_at = 0;  // `moved` when the lists were made
     double list_until = -infinity;
-    double meet_at = -infinity;  // `moved` from which on features may meet
   };
 
   /// What is asked for: of features whose gap is within some reach those that are within a
@@ -73,22 +83,21 @@ struct NearPairs::Impl {
     double reach;         // of the list
     double within;        // of what is asked for
   };
-  /// A part of a list that is measured.
-  struct Part {
+  /// Features on a list that are measured.
+  struct Awake {
     PatchPair* of;
-    double within;  // of what is asked for
-    const Listed* begin;
-    const Listed* end;
-    std::size_t first;  // of their distances
+    double within;      // of what is asked for
+    std::size_t place;  // on the list
   };
   /// What is measured of a band of patch pairs.
   struct Scratch {
     int band = -1;                                     // first patch pair
     std::vector<std::pair<PatchPair*, double>> awake;  // and within what
-    std::array<std::vector<Cells>, FeaturePairs::num_lists> cells;
-    std::vector<Part> parts;
-    std::array<Distances, 2> distances{Distances(false), Distances(true)};  // by SurfacePair::edges
-    std::vector<std::uint64_t> found;                                       // keys
+    // By SurfacePair::edges.
+    std::array<std::array<std::vector<Cells>, FeaturePairs::num_lists>, 2> cells;
+    std::vector<Awake> features;
+    std::array<Distances, 2> distances{Distances(false), Distances(true)};
+    std::vector<std::uint64_t> found;  // keys
     std::vector<NearPair> near;
   };
 
@@ -108,13 +117,12 @@ struct NearPairs::Impl {
   // near_pairs_search.cpp: what two of them have near each other.
   double gap_of_patches(const PatchPair&) const;
   void seek(const Query&, double within, PatchPair&, Scratch&) const;
-  void measure_later(const Query&, const Cells&, Scratch&) const;
-  void measure_cells(const Query&, std::size_t number, Scratch&) const;
-  void wake_with_list(PatchPair&) const;
+  void measure_later(const Query&, bool edges, const Cells&, Scratch&) const;
+  void measure_cells(const Query&, bool edges, std::size_t number, Scratch&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
-  void measure_parts(const Query&, bool edges, Scratch&) const;
-  void consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
-                PatchPair&, Scratch&) const;
+  void measure_awake(const Query&, bool edges, Scratch&) const;
+  float consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
+                 PatchPair&, Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
   SurfacePair features_of(std::uint64_t key) const;
 

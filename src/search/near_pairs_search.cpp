@@ -20,8 +20,9 @@ std::uint64_t key_of(int p, int q) {
   return static_cast<std::uint64_t>(p) << 40 | static_cast<std::uint64_t>(q) << 16;
 }
 
-/// Makes up for the rounding of a length to single precision.
-constexpr float rounded_up = 1 + 1e-6F;
+/// Make up for the rounding of lengths to single precision.
+constexpr double rounding = 1e-6;
+constexpr float rounded_up = 1 + static_cast<float>(rounding);
 
 template <typename T>
 const T& of(const std::vector<T>& list, int i) {
@@ -48,7 +49,7 @@ double NearPairs::Impl::gap_of_patches(const PatchPair& pair) const {
   return unfolded > 0 ? unfolded * least_rest_distance : -infinity;
 }
 
-/// Makes a new list for the pair, of which what is `within` is asked for, once the cells are
+/// Makes new lists for the pair, of which what is `within` is asked for, once the cells are
 /// measured.
 void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
                            Scratch& scratch) const {
@@ -62,10 +63,11 @@ void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
       }
     }
   }
-  for (std::vector<Listed>& list : pair.lists) list.clear();
+  for (List& list : pair.lists) list.clear();
+  pair.listed_at = pair.moved;
   pair.list_until = pair.moved + list_share * std::max(within, least_margin());
+  pair.wake_at = pair.list_until;
   const double reach = pair.list_until - pair.moved;
-  wake_with_list(pair);
 
   query.spend(WorkBudget::outlines_compared);
   std::array<int, CellOutlines::pairs> awake;
@@ -75,86 +77,90 @@ void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
   for (std::size_t i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(awake[i]);
     const std::array<int, 2> cells{p[k / CellOutlines::cells], q[k % CellOutlines::cells]};
-    double most_nearest = contact;
-    if (pair.are_neighbours) {  // they may come nearer
-      most_nearest = nearest.most_of_cells(cells[0], cells[1]);
-      double& wake_at = pair.cells_wake_at[k];
-      wake_at += contact - most_nearest;
-      if (wake_at - pair.moved > reach) continue;
+    double& wake_at = pair.cells_wake_at[k];
+    const double distance = wake_at - pair.moved + contact;
+    const double most = pair.are_neighbours ? nearest.most_of_cells(cells[0], cells[1]) : contact;
+    const std::array<double, 2> most_nearest{most, nearest.most_of_edges(cells[0], cells[1])};
+    wake_at = infinity;
+    for (const bool edges : {false, true}) {
+      const double gap = distance - most_nearest[edges];
+      if (gap > reach) {
+        wake_at = std::min(wake_at, pair.moved + gap);
+      } else {
+        measure_later(query, edges, {&pair, k, cells, most_nearest[edges], reach, within}, scratch);
+      }
     }
-    measure_later(query, {&pair, k, cells, most_nearest, reach, within}, scratch);
   }
 }
 
-/// Puts two cells among those whose features are to be measured.
-void NearPairs::Impl::measure_later(const Query& query, const Cells& cells,
+/// Puts two cells among those whose features of a kind are to be measured.
+void NearPairs::Impl::measure_later(const Query& query, bool edges, const Cells& cells,
                                     Scratch& scratch) const {
   const std::size_t number = feature_pairs.number(cells.cells[0], cells.cells[1]);
-  std::vector<Cells>& others = scratch.cells[number];
+  std::vector<Cells>& others = scratch.cells[edges][number];
   others.push_back(cells);
-  const FeaturePairs::List& list = feature_pairs[number];
-  const std::size_t most = std::max({std::size_t{1}, list[0].size(), list[1].size()});
-  if ((others.size() + 1) * most > Distances::capacity) measure_cells(query, number, scratch);
+  const std::size_t most = std::max(std::size_t{1}, feature_pairs[number][edges].size());
+  if ((others.size() + 1) * most > Distances::capacity) {
+    measure_cells(query, edges, number, scratch);
+  }
 }
 
 /// Puts what is near of some cells with the same list of features on the lists of their patches,
 /// and finds what is asked for among it.
-void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
+void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t number,
                                     Scratch& scratch) const {
-  std::vector<Cells>& all = scratch.cells[number];
-  const FeaturePairs::List& lists = feature_pairs[number];
-  if (!query.spend(all.size() * (lists[0].size() + lists[1].size()))) all.clear();
+  std::vector<Cells>& all = scratch.cells[edges][number];
+  const std::vector<FeaturePairs::Pair>& list = feature_pairs[number][edges];
+  if (!query.spend(all.size() * list.size())) all.clear();
   const std::size_t count = all.size();
   if (count == 0) return;
   std::array<std::array<int, Distances::capacity>, 2> firsts;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < 2; ++k) firsts[k][i] = feature_pairs.first_point(all[i].cells[k]);
   }
+  Distances& distances = scratch.distances[edges];
+  for (const FeaturePairs::Pair& pair : list) {
+    std::array<const int*, 4> of;
+    for (std::size_t k = 0; k < 4; ++k) of[k] = firsts[pair.of[k]].data();
+    distances.add(count, of, pair.points);
+  }
+  distances.measure(query.positions);
+
   std::array<double, Distances::capacity> least, most;
   for (std::size_t i = 0; i < count; ++i) {
     least[i] = infinity;
     most[i] = all[i].most_nearest + all[i].reach;
   }
-
-  std::size_t listed_now = 0;
-  std::size_t key = 0;  // of a feature, in those of its cells
-  for (const bool edges : {false, true}) {
-    const std::vector<FeaturePairs::Pair>& list = lists[edges];
-    Distances& distances = scratch.distances[edges];
-    for (const FeaturePairs::Pair& pair : list) {
-      std::array<const int*, 4> of;
-      for (std::size_t k = 0; k < 4; ++k) of[k] = firsts[pair.of[k]].data();
-      distances.add(count, of, pair.points);
+  std::size_t listed_now = 0, first = 0;
+  std::size_t key = edges ? feature_pairs[number][0].size() : 0;  // in those of its cells
+  for (const FeaturePairs::Pair& pair : list) {
+    const double* const distance = distances.values() + first;
+    for (std::size_t i = 0; i < count; ++i) {
+      least[i] = distance[i] < least[i] ? distance[i] : least[i];
     }
-    distances.measure(query.positions);
-    std::size_t first = 0;
-    for (const FeaturePairs::Pair& pair : list) {
-      const double* const distance = distances.values() + first;
-      for (std::size_t i = 0; i < count; ++i) {
-        least[i] = distance[i] < least[i] ? distance[i] : least[i];
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        if (distance[i] > most[i]) continue;
-        SurfacePair features{pair.triangle, pair.points, contact};
-        for (std::size_t k = 0; k < 4; ++k) features.points[k] += firsts[pair.of[k]][i];
-        PatchPair& of_patches = *all[i].of;
-        if (of_patches.are_neighbours) features.nearest = nearest.of(features);
-        if (distance[i] > features.nearest + all[i].reach) continue;
-        const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
-                            static_cast<unsigned>(all[i].number * keys_of_cells + key)};
-        of_patches.lists[edges].push_back(listed);
-        ++listed_now;
-        consider(query, all[i].within, distances, first + i, listed, of_patches, scratch);
-      }
-      first += count;
-      ++key;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (distance[i] > most[i]) continue;
+      SurfacePair features{pair.triangle, pair.points, contact};
+      for (std::size_t k = 0; k < 4; ++k) features.points[k] += firsts[pair.of[k]][i];
+      PatchPair& of_patches = *all[i].of;
+      if (edges || of_patches.are_neighbours) features.nearest = nearest.of(features);
+      if (distance[i] > features.nearest + all[i].reach) continue;
+      const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
+                          static_cast<unsigned>(all[i].number * keys_of_cells + key)};
+      List& of_kind = of_patches.lists[edges];
+      of_kind.features.push_back(listed);
+      of_kind.wake_at.push_back(
+          consider(query, all[i].within, distances, first + i, listed, of_patches, scratch));
+      ++listed_now;
     }
-    distances.clear();
+    first += count;
+    ++key;
   }
+  distances.clear();
   query.spend(WorkBudget::pair_listed * listed_now);
   for (std::size_t i = 0; i < count; ++i) {
-    PatchPair& pair = *all[i].of;
-    pair.cells_wake_at[all[i].number] = pair.moved + least[i] - all[i].most_nearest;
+    double& wake_at = all[i].of->cells_wake_at[all[i].number];
+    wake_at = std::min(wake_at, all[i].of->moved + least[i] - all[i].most_nearest);
   }
   all.clear();
 }
@@ -163,62 +169,60 @@ void NearPairs::Impl::measure_cells(const Query& query, std::size_t number,
 void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
   for (const auto& [pair, within] : scratch.awake) {
-    const std::vector<Listed>& list = pair->lists[edges];
-    const Listed* begin = list.data();
-    const Listed* const end = begin + list.size();
-    while (begin != end) {
-      if (distances.room() == 0) measure_parts(query, edges, scratch);
-      const std::size_t first = distances.size();
-      const Listed* const stop =
-          begin + std::min(static_cast<std::size_t>(end - begin), distances.room());
-      scratch.parts.push_back({pair, within, begin, stop, first});
-      for (; begin != stop; ++begin) distances.add(begin->points);
+    const List& list = pair->lists[edges];
+    const double since = pair->moved + within - pair->listed_at;
+    const auto until = static_cast<float>(since + rounding * std::abs(since));
+    float next = std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < list.features.size(); ++k) {
+      if (list.wake_at[k] > until) {
+        next = std::min(next, list.wake_at[k]);
+        continue;
+      }
+      if (distances.room() == 0) measure_awake(query, edges, scratch);
+      scratch.features.push_back({pair, within, k});
+      distances.add(list.features[k].points);
     }
+    pair->wake_at = std::min(pair->wake_at, pair->listed_at + static_cast<double>(next));
   }
-  measure_parts(query, edges, scratch);
+  measure_awake(query, edges, scratch);
 }
 
-void NearPairs::Impl::measure_parts(const Query& query, bool edges, Scratch& scratch) const {
+void NearPairs::Impl::measure_awake(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
-  if (!query.spend(distances.size())) scratch.parts.clear();
+  if (!query.spend(distances.size())) scratch.features.clear();
   distances.measure(query.positions);
-  for (const Part& part : scratch.parts) {
-    PatchPair& pair = *part.of;
-    std::size_t k = part.first;
-    for (const Listed* listed = part.begin; listed != part.end; ++listed, ++k) {
-      consider(query, part.within, distances, k, *listed, pair, scratch);
-    }
+  std::size_t k = 0;
+  for (const Awake& awake : scratch.features) {
+    List& list = awake.of->lists[edges];
+    list.wake_at[awake.place] = consider(query, awake.within, distances, k++,
+                                         list.features[awake.place], *awake.of, scratch);
   }
-  scratch.parts.clear();
+  scratch.features.clear();
   distances.clear();
 }
 
-/// Takes the distance, number `k`, that features on the list of a pair have now: when the pair is
-/// to wake, and whether they are asked for.
-void NearPairs::Impl::consider(const Query& query, double within, const Distances& distances,
-                               std::size_t k, const Listed& listed, PatchPair& pair,
-                               Scratch& scratch) const {
+/// Takes the distance, number `k`, that features on the list of a pair have now, and whether they
+/// are asked for. Returns when they wake.
+float NearPairs::Impl::consider(const Query& query, double within, const Distances& distances,
+                                std::size_t k, const Listed& listed, PatchPair& pair,
+                                Scratch& scratch) const {
   const double distance = distances[k], least = static_cast<double>(listed.nearest);
   const double gap = distance - least;
-  pair.wake_at = std::min(pair.wake_at, pair.moved + gap);
-  pair.meet_at = std::min(pair.meet_at, pair.moved + distance);
+  const double wake_at = pair.moved + gap;
+  pair.wake_at = std::min(pair.wake_at, wake_at);
 
-  if (gap > within || distance > query.distance) return;
-  if (query.ahead) {
-    if (distances.edges() && distances.at_end(k)) return;
+  const bool is_asked_for = [&] {
+    if (gap > within || distance > query.distance) return false;
+    if (!query.ahead) return true;
+    if (distances.edges() && distances.at_end(k)) return false;
     const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, listed.points,
                                least};
-    if (gap > least_margin() && gap_along(distances.direction(k), features, *query.ahead) > least) {
-      return;
-    }
-  }
-  scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
-}
-
-/// Until all that is on its list has been measured.
-void NearPairs::Impl::wake_with_list(PatchPair& pair) const {
-  pair.wake_at = pair.list_until;
-  pair.meet_at = pair.list_until + (pair.are_neighbours ? nearest.least() : contact);
+    return gap <= least_margin() ||
+           gap_along(distances.direction(k), features, *query.ahead) <= least;
+  }();
+  if (is_asked_for) scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
+  const double since = wake_at - pair.listed_at;
+  return static_cast<float>(since - rounding * std::abs(since));
 }
 
 /// In the order of their keys, measured one by one.

@@ -70,7 +70,7 @@ void NearestDistances::fill_features() {
     }
   };
 
-  least_ = contact_;
+  least_ = least_far();
   const auto keep = [&](double& entry, bool edges, const std::array<Eigen::Vector2i, 4>& points) {
     entry = distance(edges, points);
     const bool share_a_point = entry < rounding * spacing_.minCoeff();
@@ -149,7 +149,21 @@ double NearestDistances::of(const SurfacePair& pair) const {
   const std::size_t e = direction(pair.points[0], pair.points[1]);
   const std::size_t f = direction(pair.points[2], pair.points[3]);
   const Eigen::Vector2i d = way(pair.points[0], pair.points[2]);
-  return of_edges_[e][f].at(d.x(), d.y(), contact_);
+  const bool border =
+      is_border(pair.points[0], pair.points[1]) || is_border(pair.points[2], pair.points[3]);
+  return std::min(of_edges_[e][f].at(d.x(), d.y(), contact_), far_edges(border));
+}
+
+/// Of an edge, by its points: both are on one line of the border.
+bool NearestDistances::is_border(int first, int second) const {
+  const auto place = [&](int i) { return point_places_[static_cast<std::size_t>(i)].array(); };
+  const auto along = place(first) == place(second);
+  return (along && (place(first) == 0 || place(first) == point_places_.back().array())).any();
+}
+
+bool NearestDistances::has_border(int cell) const {
+  const Eigen::Vector2i& place = cell_places_[static_cast<std::size_t>(cell)];
+  return (place.array() == 0 || place.array() == cell_places_.back().array()).any();
 }
 
 double NearestDistances::most_of_cells(int cell, int other) const {

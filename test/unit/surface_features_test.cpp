@@ -7,6 +7,8 @@ namespace {
 using namespace testing;
 
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
+  // Of two edges inside the cloth: up to a share of that.
+  // Of edges inside the cloth: up to a share of it.
   for (const double thickness : {0.004, 0.02, 0.1, 1000.0}) {
     ClothSpec spec;
     spec.columns = 8;
@@ -16,13 +18,29 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
     const Cloth cloth = make_grid(spec);
     const NearestDistances nearest(cloth);
     const SurfaceMesh mesh(cloth);
+    const auto is_border = [&](int a, int b) {
+      const Points& x = cloth.rest_positions;
+      const auto ends = [&](int axis) {
+        return x(a, axis) == x(b, axis) &&
+               (x(a, axis) == x.col(axis).minCoeff() || x(a, axis) == x.col(axis).maxCoeff());
+      };
+      return ends(0) || ends(1);
+    };
     double least = 2 * thickness;
+    int insides = 0;
     const auto check = [&](const SurfacePair& pair, int cell, int other) {
       const double rest = separation(pair, cloth.rest_positions).distance;
       if (rest < 1e-9) return;  // they share a point
-      const double expected = std::min(2 * thickness, rest / 4);
+      const auto& [a, b, c, d] = pair.points;
+      const bool inside = pair.edges() && !is_border(a, b) && !is_border(c, d);
+      insides += inside;
+      const double share = inside ? NearestDistances::edge_share : 1;
+      const double expected = std::min(share * 2 * thickness, rest / 4);
       EXPECT_NEAR(nearest.of(pair), expected, 1e-12);
       EXPECT_GE(nearest.most_of_cells(cell, other), expected - 1e-12);
+      if (pair.edges()) {
+        EXPECT_GE(nearest.most_of_edges(cell, other), expected - 1e-12);
+      }
       least = std::min(least, expected);
     };
     for (int p = 0; p < mesh.num_cells(); ++p) {
@@ -44,6 +62,7 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
       }
     }
     EXPECT_NEAR(nearest.least(), least, 1e-12);
+    EXPECT_GT(insides, 100);
   }
 }
 
