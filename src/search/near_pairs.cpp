@@ -55,17 +55,10 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
   }
   last = positions;
   const double most_spread = pairing_sides * patch_cells * spacing;
-  if (paired_at.rows() == 0 || 2 * spread_since_pairing(positions) > most_spread) {
-    pair_patches(contact + margin + most_spread);
+  if (paired_at.rows() == 0 || 2 * spread(paired_at, positions) > most_spread) {
+    pair_patches(contact + kept_reach() + most_spread);
     paired_at = positions;
   }
-}
-
-/// Farthest way of a point since patches were paired, beyond the common one [m].
-double NearPairs::Impl::spread_since_pairing(const Points& positions) const {
-  const Points ways = positions - paired_at;
-  const Eigen::RowVector3d common = ways.colwise().mean();
-  return longest_row(ways.rowwise() - common);
 }
 
 /// Where patches and cells are.
@@ -127,9 +120,9 @@ void NearPairs::Impl::pair_patches(double reach) {
 }
 
 /// What is asked for, of the patches whose gap may be within reach(pair).
-template <typename Reach>
-const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Reach& reach,
-                                                   const Workers& workers) {
+const std::vector<NearPair>& NearPairs::Impl::look(
+    const Query& query, const std::function<double(const PatchPair&)>& reach,
+    const Workers& workers) {
   scratches.resize(static_cast<std::size_t>(workers.threads() * Workers::uneven));
   for (Scratch& scratch : scratches) scratch.band = -1;
   std::atomic<std::size_t> used{0};
@@ -201,12 +194,17 @@ const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Po
                                                     const Points& ahead, const Workers& workers,
                                                     WorkBudget* budget) {
   Impl& impl = *impl_;
+  const Impl::Query query{positions, &ahead, Impl::infinity, budget};
+  const double step = std::max(2 * Impl::spread(positions, ahead), least_margin());
+  const double needed = step + impl.nearer_than_kept(positions);
+  if (needed <= impl.kept_reach()) return impl.look_at_kept(query, needed);
+  if (impl.keep(cloth, query, step, workers)) return impl.look_at_kept(query, step);
   impl.advance(cloth, positions, workers);
   impl.motions.follow(impl.patches, positions, ahead, workers);
   const auto closing = [&](const Impl::PatchPair& pair) {
     return std::clamp(impl.motions.between(pair.p, pair.q), least_margin(), margin());
   };
-  return impl.look({positions, &ahead, Impl::infinity, budget}, closing, workers);
+  return impl.look(query, closing, workers);
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
@@ -214,11 +212,14 @@ const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points&
                                                WorkBudget* budget) {
   assert(distance <= reach());
   Impl& impl = *impl_;
+  const Impl::Query query{positions, nullptr, distance, budget};
+  const double needed = distance - least_nearest() + impl.nearer_than_kept(positions);
+  if (needed <= impl.kept_reach()) return impl.look_at_kept(query, needed);
   impl.advance(cloth, positions, workers);
   const auto most_gap = [&](const Impl::PatchPair& pair) {
     return distance - (pair.are_neighbours ? impl.nearest.least() : impl.nearest.least_far());
   };
-  return impl.look({positions, nullptr, distance, budget}, most_gap, workers);
+  return impl.look(query, most_gap, workers);
 }
 
 double NearPairs::least_margin() const { return impl_->least_margin(); }

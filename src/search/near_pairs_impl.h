@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -24,6 +25,11 @@ struct NearPairs::Impl {
   /// Cells along the side of a patch.
   static constexpr int patch_cells = 4;
   static_assert(patch_cells * patch_cells == CellOutlines::cells);
+  /// Makes up for the rounding of lengths to single precision.
+  static constexpr double rounding = 1e-6;
+  static float rounded_up(double length) {
+    return static_cast<float>(length) * (1 + static_cast<float>(rounding));
+  }
 
   /// Features of two patches that are near: not more of them than it takes to measure them.
   struct Listed {
@@ -106,13 +112,21 @@ struct NearPairs::Impl {
 
   // near_pairs.cpp: patches, and when they are looked at.
   void advance(const Cloth&, const Points& positions, const Workers&);
-  double spread_since_pairing(const Points& positions) const;
   void pair_patches(double reach);
   bool are_neighbours(int p, int q) const;
   void outline(const Cloth&, const Points& positions, const Workers&);
-  template <typename Reach>
-  const std::vector<NearPair>& look(const Query&, const Reach& reach, const Workers&);
+  const std::vector<NearPair>& look(const Query&,
+                                    const std::function<double(const PatchPair&)>& reach,
+                                    const Workers&);
   const std::vector<NearPair>& collect();
+
+  // near_pairs_kept.cpp: pairs kept over some looks.
+  /// Farthest way of a point beyond the common one [m].
+  static double spread(const Points& from, const Points& to);
+  double kept_reach() const;
+  double nearer_than_kept(const Points& positions) const;
+  bool keep(const Cloth&, const Query&, double step, const Workers&);
+  const std::vector<NearPair>& look_at_kept(const Query&, double reach);
 
   // near_pairs_search.cpp: what two of them have near each other.
   double gap_of_patches(const PatchPair&) const;
@@ -121,6 +135,8 @@ struct NearPairs::Impl {
   void measure_cells(const Query&, bool edges, std::size_t number, Scratch&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_awake(const Query&, bool edges, Scratch&) const;
+  bool is_asked_for(const Query&, double within, const Distances&, std::size_t k,
+                    const std::array<int, 4>& points, double least) const;
   float consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
                  PatchPair&, Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
@@ -145,6 +161,15 @@ struct NearPairs::Impl {
   CellOutlines outlines;
   std::vector<Box> boxes;                 // by patch
   std::vector<GradientBounds> gradients;  // by patch
+
+  struct Kept {
+    double gap;  // when it was kept [m]
+    std::uint64_t key;
+    SurfacePair pair;
+  };
+  // Pairs whose gap was within kept_reach(), by SurfacePair::edges and gap.
+  std::array<std::vector<Kept>, 2> kept;
+  Points kept_at;  // positions then; none are kept: no rows
 
   std::vector<Scratch> scratches;  // by band, in any order
   std::vector<NearPair> near;

@@ -20,10 +20,6 @@ std::uint64_t key_of(int p, int q) {
   return static_cast<std::uint64_t>(p) << 40 | static_cast<std::uint64_t>(q) << 16;
 }
 
-/// Make up for the rounding of lengths to single precision.
-constexpr double rounding = 1e-6;
-constexpr float rounded_up = 1 + static_cast<float>(rounding);
-
 template <typename T>
 const T& of(const std::vector<T>& list, int i) {
   return list[static_cast<std::size_t>(i)];
@@ -145,7 +141,7 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
       PatchPair& of_patches = *all[i].of;
       if (edges || of_patches.are_neighbours) features.nearest = nearest.of(features);
       if (distance[i] > features.nearest + all[i].reach) continue;
-      const Listed listed{features.points, static_cast<float>(features.nearest) * rounded_up,
+      const Listed listed{features.points, rounded_up(features.nearest),
                           static_cast<unsigned>(all[i].number * keys_of_cells + key)};
       List& of_kind = of_patches.lists[edges];
       of_kind.features.push_back(listed);
@@ -201,26 +197,30 @@ void NearPairs::Impl::measure_awake(const Query& query, bool edges, Scratch& scr
   distances.clear();
 }
 
-/// Takes the distance, number `k`, that features on the list of a pair have now, and whether they
-/// are asked for. Returns when they wake.
+/// Are features, whose distance is number `k`, asked for?
+bool NearPairs::Impl::is_asked_for(const Query& query, double within, const Distances& distances,
+                                   std::size_t k, const std::array<int, 4>& points,
+                                   double least) const {
+  const double gap = distances[k] - least;
+  if (gap > within || distances[k] > query.distance) return false;
+  if (!query.ahead) return true;
+  if (distances.edges() && distances.at_end(k)) return false;
+  const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, points, least};
+  return gap <= least_margin() ||
+         gap_along(distances.direction(k), features, *query.ahead) <= least;
+}
+
+/// Takes the distance, number `k`, that features on the list of a pair have now. Returns when they
+/// wake.
 float NearPairs::Impl::consider(const Query& query, double within, const Distances& distances,
                                 std::size_t k, const Listed& listed, PatchPair& pair,
                                 Scratch& scratch) const {
-  const double distance = distances[k], least = static_cast<double>(listed.nearest);
-  const double gap = distance - least;
-  const double wake_at = pair.moved + gap;
+  const double wake_at = pair.moved + distances[k] - static_cast<double>(listed.nearest);
   pair.wake_at = std::min(pair.wake_at, wake_at);
-
-  const bool is_asked_for = [&] {
-    if (gap > within || distance > query.distance) return false;
-    if (!query.ahead) return true;
-    if (distances.edges() && distances.at_end(k)) return false;
-    const SurfacePair features{distances.edges() ? SurfacePair::no_triangle : 0, listed.points,
-                               least};
-    return gap <= least_margin() ||
-           gap_along(distances.direction(k), features, *query.ahead) <= least;
-  }();
-  if (is_asked_for) scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
+  const auto least = static_cast<double>(listed.nearest);
+  if (is_asked_for(query, within, distances, k, listed.points, least)) {
+    scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
+  }
   const double since = wake_at - pair.listed_at;
   return static_cast<float>(since - rounding * std::abs(since));
 }

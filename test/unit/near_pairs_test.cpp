@@ -136,6 +136,34 @@ TEST(NearPairs, EqualBruteForceWhileTheClothMoves) {
   EXPECT_TRUE(finder.within(cloth, 3 * cloth.rest_positions, finder.reach()).empty());
 }
 
+TEST(NearPairs, EqualBruteForceWhileTheClothHardlyMovesWithinItself) {
+  // It drifts as a whole, rolls up slowly and trembles: what is near is kept over many steps.
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  NearPairs finder(cloth);
+  const Points tremor = random_points(cloth.num_points(), 1, 5);
+  std::size_t most = 0;
+  for (int step = 0; step < 80; ++step) {
+    const auto at = [&](double time) -> Points {
+      const Points x = rolled(cloth, 1.9 + 5e-4 * time) + 2e-3 * std::sin(0.3 * time) * tremor;
+      return x.rowwise() + 0.03 * time * Eigen::RowVector3d(1, -2, 3);
+    };
+    const Points x = at(step), ahead = at(step + 1);
+    NearPairs fresh(cloth);
+    const auto found = sorted_features(finder.approaching(cloth, x, ahead));
+    EXPECT_TRUE(found == sorted_features(fresh.approaching(cloth, x, ahead))) << step;
+    constexpr double any = 1e9;
+    const double close = (step % 4 + 1) * 0.25 * finder.reach();
+    expect_equals_brute_force(finder.within(cloth, x, close), cloth, x, any, close, false);
+    const auto touching = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+      const Separation s = separation(pair, x);
+      return s.distance <= pair.nearest + finder.least_margin() && is_inside(pair, s);
+    }));
+    EXPECT_TRUE(std::includes(found.begin(), found.end(), touching.begin(), touching.end()));
+    most = std::max(most, touching.size());
+  }
+  EXPECT_GT(most, 50u);
+}
+
 TEST(NearPairs, MissNoneThatTouchesOnTheWayAhead) {
   // Also where the whole turns and moves far: that brings nothing nearer.
   const Cloth cloth = cloth_of(17, 6, 0.015);

@@ -21,9 +21,10 @@ struct NearPair {
 
 /// Finds the pairs of a cloth's features that are near each other while it moves.
 ///
-/// The cloth is cut into patches of some cells. Two patches, and two cells of them, sleep until the
-/// patches may have come so much nearer to each other as there was between them when last looked
-/// at. What is found depends on the arguments alone.
+/// While it hardly moves within itself, pairs found once serve as long as no other may be asked
+/// for. Otherwise the cloth is cut into patches of some cells. Two patches, and two cells of them,
+/// sleep until the patches may have come so much nearer to each other as there was between them
+/// when last looked at. What is found depends on the arguments alone.
 class NearPairs {
  public:
   explicit NearPairs(const Cloth&);
