@@ -4,13 +4,10 @@
 #include <cmath>
 #include <tuple>
 
-#include "clothsim/model/surface.h"
-#include "clothsim/shapes/swept_face.h"
+#include "clothsim/constraints/face_approach.h"
 
 namespace clothsim {
 namespace {
-
-using Corners = std::array<int, 3>;
 
 /// Passes that take triangles out of a collider, each of which may move its neighbours in.
 constexpr int max_passes = 50;
@@ -18,122 +15,16 @@ constexpr int max_passes = 50;
 /// How much of the offset more may be used up before a triangle is moved: others move it, too.
 constexpr double grace = 0.1;
 
-Triangle triangle_of(const Points& points, const Corners& corners) {
-  return {points.row(corners[0]), points.row(corners[1]), points.row(corners[2])};
-}
-
-Triangle to_world(const Pose& pose, Triangle t) {
-  for (Vector3& p : t) p = pose.position + pose.orientation * p;
-  return t;
-}
-
-/// Sum of rows by weights.
-Vector3 weighted(const Points& points, const Corners& corners,
-                 const std::array<double, 3>& weights) {
-  return (weights[0] * points.row(corners[0]) + weights[1] * points.row(corners[1]) +
-          weights[2] * points.row(corners[2]))
-      .transpose();
-}
-
-/// Adds a change to the free corners by their weights.
-void spread(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights,
-            const Vector3& change, Points& points) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) points.row(corners[i]) += weights[i] * change.transpose();
-  }
-}
-
-double yield_of(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights) {
-  double yield = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) yield += weights[i] * weights[i];
-  }
-  return yield;
-}
-
-bool any_held(const Cloth& cloth, const Corners& corners) {
-  return std::any_of(corners.begin(), corners.end(), [&](int i) { return cloth.inv_mass[i] == 0; });
-}
-
-/// Velocity at a contact over that of the corner which moves fastest for it, where one is held:
-/// next to that the free ones have long ways to go. 1 where all are free.
-double lever_of(const Cloth& cloth, const Corners& corners, const std::array<double, 3>& weights) {
-  if (!any_held(cloth, corners)) return 1;
-  double largest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) largest = std::max(largest, weights[i]);
-  }
-  return largest > 0 ? yield_of(cloth, corners, weights) / largest : 0;
-}
-
-/// Is a corner held in the solid? Then so is the triangle.
-bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth& local) {
-  return std::any_of(corners.begin(), corners.end(), [&](int i) {
-    return cloth.inv_mass[i] == 0 && local.distance[i] < -surface_offset;
-  });
-}
-
-/// How much further away a contact next to a held corner counts, so that it may sink in by as much:
-/// by a lever without end a triangle could not rest on what it is pinned to [m].
-double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
-              const std::array<double, 3>& weights) {
-  constexpr double least_lever = 0.25;
-  constexpr double most_share = 0.1;  // of the longest edge
-  const double lever = lever_of(cloth, corners, weights);
-  if (lever >= least_lever) return 0;
-  const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
-  return most_share * edge * (1 - lever / least_lever);
-}
-
-/// As face_distance(), with that leeway.
-std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
-                                                 const Corners& corners, const Triangle& t,
-                                                 double margin) {
-  std::optional<FaceDistance> distance = face_distance(shape, t, margin);
-  if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
-  return distance;
-}
-
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
 constexpr std::size_t features = 4;
 constexpr std::size_t face = 3;
 
 /// With which of them it does; empty where it touches with a corner alone.
-std::optional<std::size_t> feature_of(const std::array<double, 3>& w) {
+std::optional<std::size_t> feature_of(const CornerWeights& w) {
   const auto zeros = std::count(w.begin(), w.end(), 0.0);
   if (zeros > 1) return std::nullopt;
   if (zeros == 0) return face;
   return w[2] == 0 ? 0 : (w[0] == 0 ? 1 : 2);
-}
-
-/// May a point have passed through the shape in one step?
-bool is_fast(const Shape& shape, const Vector3& way) {
-  const double depth = safe_depth(shape);
-  return way.squaredNorm() > depth * depth;
-}
-
-/// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
-/// its corners, or may have passed through.
-template <class Visit>
-void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
-                   const LocalCloth& local, double margin, Visit visit) {
-  const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
-  const double far = margin + edge / std::sqrt(3);  // of the nearest corner
-  const double way = longest_row(local.to - local.from);
-  const bool fast = way > safe_depth(shape);
-  for (int b = 0; b < blocks.count(); ++b) {
-    if (blocks.least(b, local.distance) > far + (fast ? way : 0)) continue;
-    if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
-    for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
-      const Corners& c = cloth.triangles[t];
-      const Triangle to = triangle_of(local.to, c);
-      const Eigen::AlignedBox3d box(to[0].cwiseMin(to[1]).cwiseMin(to[2]),
-                                    to[0].cwiseMax(to[1]).cwiseMax(to[2]));
-      if (!fast && !touches_between_corners(shape, box, margin)) continue;
-      if (is_held_inside(cloth, c, local)) continue;
-      visit(static_cast<int>(t), c);
-    }
-  }
 }
 
 /// Longest way of a corner between where impulses act and the step's end [m].
@@ -143,41 +34,6 @@ double to_middle(const LocalCloth& local, const Corners& corners) {
     longest2 = std::max(longest2, (local.to.row(i) - local.middle.row(i)).squaredNorm());
   }
   return std::sqrt(longest2);
-}
-
-/// Distance of a triangle at a step's end, and whether it is that of a sweep.
-struct Approach {
-  std::optional<FaceDistance> distance;
-  double before = 0;  // [m] at the step's start, where negative
-  bool swept = false;
-};
-
-Approach approach(const MovingCollider& collider, const Cloth& cloth, const Corners& corners,
-                  const LocalCloth& local, double margin) {
-  const Shape& shape = collider.shape();
-  const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
-  Approach result;
-  result.distance = distance_with_leeway(shape, cloth, corners, to, margin);
-
-  const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
-                    is_fast(shape, to[2] - from[2]);
-  const bool inside = result.distance && result.distance->value < 0;
-  if (!inside && !fast) return result;
-
-  // It may have been in the solid before, or have come through it.
-  const auto before = distance_with_leeway(shape, cloth, corners, from, 0);
-  if (before && before->value < 0) {
-    result.before = before->value;
-  } else if (fast || result.distance->value < -safe_depth(shape)) {
-    auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                     to_world(collider.pose(), to), cloth.offset);
-    if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
-    if (swept && (!result.distance || swept->value < result.distance->value)) {
-      result.distance = swept;
-      result.swept = swept->value < cloth.offset;
-    }
-  }
-  return result;
 }
 
 }  // namespace
@@ -202,12 +58,12 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
   const auto look_at = [&](int triangle, const Corners& corners) {
     // As it lies where impulses act, unless it is to be stopped or led out.
     const Triangle middle = triangle_of(local.middle, corners);
-    Approach found;
+    FaceApproach found;
     found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
     const bool may_be_inside =
         fast || (found.distance && found.distance->value < to_middle(local, corners));
     if (may_be_inside) {
-      const Approach at_end = approach(collider, cloth, corners, local, margin);
+      const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
       if (!at_end.distance) return;
       if (at_end.swept || at_end.before < 0) found = at_end;
     }
@@ -370,7 +226,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       // In the first pass all, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
-      const Approach found = approach(collider, cloth, corners, local, cloth.offset);
+      const FaceApproach found = approach(collider, cloth, corners, local, cloth.offset);
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;

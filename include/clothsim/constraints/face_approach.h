@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+
+#include "clothsim/constraints/corners.h"
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/constraints/triangle_blocks.h"
+#include "clothsim/model/surface.h"
+#include "clothsim/shapes/face_distance.h"
+
+namespace clothsim {
+
+/// Is a corner held in the solid? Then so is the triangle.
+bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
+
+/// How much further away a contact next to a held corner counts, so that it may sink in by as much:
+/// by a lever without end a triangle could not rest on what it is pinned to [m].
+double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
+
+/// As face_distance(), with that leeway.
+std::optional<FaceDistance> distance_with_leeway(const Shape&, const Cloth&, const Corners&,
+                                                 const Triangle&, double margin);
+
+/// Distance of a triangle at a step's end, and whether it is that of a sweep.
+struct FaceApproach {
+  std::optional<FaceDistance> distance;
+  double before = 0;  // [m] at the step's start, where negative
+  bool swept = false;
+};
+
+FaceApproach approach(const MovingCollider&, const Cloth&, const Corners&, const LocalCloth&,
+                      double margin);
+
+/// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
+/// its corners, or may have passed through.
+template <class Visit>
+void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
+                   const LocalCloth& local, double margin, Visit visit) {
+  const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
+  const double far = margin + edge / std::sqrt(3);  // of the nearest corner
+  const double way = longest_row(local.to - local.from);
+  const bool fast = way > safe_depth(shape);
+  for (int b = 0; b < blocks.count(); ++b) {
+    if (blocks.least(b, local.distance) > far + (fast ? way : 0)) continue;
+    if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
+    for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
+      const Corners& c = cloth.triangles[t];
+      const Triangle to = triangle_of(local.to, c);
+      const Eigen::AlignedBox3d box(to[0].cwiseMin(to[1]).cwiseMin(to[2]),
+                                    to[0].cwiseMax(to[1]).cwiseMax(to[2]));
+      if (!fast && !touches_between_corners(shape, box, margin)) continue;
+      if (is_held_inside(cloth, c, local)) continue;
+      visit(static_cast<int>(t), c);
+    }
+  }
+}
+
+}  // namespace clothsim

@@ -1,0 +1,75 @@
+#include "clothsim/constraints/face_approach.h"
+
+#include <algorithm>
+
+#include "clothsim/shapes/swept_face.h"
+
+namespace clothsim {
+namespace {
+
+Triangle to_world(const Pose& pose, Triangle t) {
+  for (Vector3& p : t) p = pose.position + pose.orientation * p;
+  return t;
+}
+
+/// May a point have passed through the shape in one step?
+bool is_fast(const Shape& shape, const Vector3& way) {
+  const double depth = safe_depth(shape);
+  return way.squaredNorm() > depth * depth;
+}
+
+}  // namespace
+
+bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth& local) {
+  return std::any_of(corners.begin(), corners.end(), [&](int i) {
+    return cloth.inv_mass[i] == 0 && local.distance[i] < -surface_offset;
+  });
+}
+
+double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
+              const CornerWeights& weights) {
+  constexpr double least_lever = 0.25;
+  constexpr double most_share = 0.1;  // of the longest edge
+  const double lever = lever_of(cloth, corners, weights);
+  if (lever >= least_lever) return 0;
+  const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  return most_share * edge * (1 - lever / least_lever);
+}
+
+std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
+                                                 const Corners& corners, const Triangle& t,
+                                                 double margin) {
+  std::optional<FaceDistance> distance = face_distance(shape, t, margin);
+  if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
+  return distance;
+}
+
+FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const Corners& corners,
+                      const LocalCloth& local, double margin) {
+  const Shape& shape = collider.shape();
+  const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
+  FaceApproach result;
+  result.distance = distance_with_leeway(shape, cloth, corners, to, margin);
+
+  const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
+                    is_fast(shape, to[2] - from[2]);
+  const bool inside = result.distance && result.distance->value < 0;
+  if (!inside && !fast) return result;
+
+  // It may have been in the solid before, or have come through it.
+  const auto before = distance_with_leeway(shape, cloth, corners, from, 0);
+  if (before && before->value < 0) {
+    result.before = before->value;
+  } else if (fast || result.distance->value < -safe_depth(shape)) {
+    auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
+                                     to_world(collider.pose(), to), cloth.offset);
+    if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
+    if (swept && (!result.distance || swept->value < result.distance->value)) {
+      result.distance = swept;
+      result.swept = swept->value < cloth.offset;
+    }
+  }
+  return result;
+}
+
+}  // namespace clothsim
