@@ -62,6 +62,37 @@ TEST(ColliderWrench, APlaneBearsTheWeight) {
   EXPECT_LT((wrench.torque - 5 * g * Vector3(-0.5, 0.5, 0)).norm(), 1e-6 * 5 * g);
 }
 
+TEST(ColliderWrench, TheWeightIsThatOfEveryMethodWithAndWithoutDrag) {
+  for (const std::string& method : method_names()) {
+    for (const double damping : {0.0, 5.4, 100.0}) {
+      Scene scene = over({collider("ground", Plane{}, {0, 0, 0})}, 8);
+      scene.simulation.method = method;
+      scene.cloth.material.damping = damping;
+      Simulator simulator(scene);
+      const Wrench wrench = weigh(simulator, 1);
+      EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-5 * 5 * g)
+          << method << ' ' << damping;
+    }
+  }
+}
+
+TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
+  // They leave its upper edge no room, and have half each, as their friction is the same.
+  Scene scene = over({collider("left", Cuboid{{0.3, 0.02, 0.06}}, {0.1, -0.0095, 0.2}, 1),
+                      collider("right", Cuboid{{0.3, 0.02, 0.06}}, {0.1, 0.0095, 0.2}, 1)},
+                     10);
+  scene.cloth.orientation = Orientation::vertical;
+  scene.cloth.width = scene.cloth.height = 0.2;
+  scene.cloth.origin = {0, 0, 0};
+  scene.cloth.material.damping = 20;
+  Simulator simulator(scene);
+  const Wrench left = weigh(simulator, 3), right = simulator.collider_wrenches()[1];
+  const double weight = 5 * 0.04 * g;
+  EXPECT_GT(simulator.step().pinched, 0);
+  EXPECT_LT((left.force + right.force - Vector3(0, 0, -weight)).norm(), 1e-3 * weight);
+  EXPECT_NEAR(left.force.z(), -weight / 2, 0.01 * weight);
+}
+
 TEST(ColliderWrench, NobodyAskedNothingIsSummed) {
   Simulator simulator(over({collider("ground", Plane{}, {0, 0, 0})}));
   run(simulator, 0.2);
