@@ -40,15 +40,20 @@ std::vector<Touch> find_touches(const Simulator& simulator) {
   const Points& positions = simulator.state().positions;
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   std::vector<Touch> touches(colliders.size());
+  const Eigen::AlignedBox3d box(positions.colwise().minCoeff().transpose(),
+                                positions.colwise().maxCoeff().transpose());
   const double stretch = cloth.strain_limit ? worst_stretch(cloth, positions) : 0;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     if (!simulator.collider_enabled(static_cast<int>(i))) continue;
     const Shape& shape = colliders[i].shape;
     const Pose& pose = simulator.collider_pose(static_cast<int>(i));
+    const Clearance keeps = clearance(shape, cloth, stretch);
+    const double farthest = bounding_radius(shape) + keeps.points + touch_reach;
+    if (box.exteriorDistance(pose.position) > farthest) continue;  // as most links of a robot are
     const Points local =
         (positions.rowwise() - pose.position.transpose()) * pose.orientation.toRotationMatrix();
     Touch& touch = touches[i];
-    add_touches(shape, clearance(shape, cloth, stretch), cloth, local, touch);
+    add_touches(shape, keeps, cloth, local, touch);
     if (touch.count == 0) continue;
     touch.middle = pose.position + pose.orientation * (touch.middle / touch.count);
   }
