@@ -7,6 +7,8 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
+#include <chrono>
+#include <future>
 
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
@@ -18,6 +20,9 @@ namespace {
 
 /// The loop comes round at least this often, for diagnostics and for the end of the node.
 const ros::WallDuration longest_wait(0.1);
+
+/// While something else is waited for, at least so often.
+const ros::WallDuration look_again(0.01);
 
 /// A second of it, so that the frames of a ~step get through.
 constexpr std::uint32_t clock_queue = 100;
@@ -109,11 +114,28 @@ void Node::run() {
         paused_ ? longest_wait : pacer_.until_due(simulator_.frame_duration());
     choice_log_.update(simulator_.scene().simulation, simulator_.choice());
     serve(std::min(wait, longest_wait));
-    refresh();
-    const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
-    if (due && is_running()) simulate_frame(Turn::due);
-    publish_diagnostics();
+    go_on();
   }
+}
+
+void Node::go_on() {
+  refresh();
+  const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
+  if (due && is_running()) simulate_frame(Turn::due);
+  publish_diagnostics();
+}
+
+void Node::go_on_beside(const std::function<void()>& action) {
+  std::future<void> done = std::async(std::launch::async, action);
+  const auto wait = [&] {
+    const ros::WallDuration due = pacer_.until_due(simulator_.frame_duration());
+    return std::chrono::nanoseconds(std::min(paused_ ? look_again : due, look_again).toNSec());
+  };
+  while (done.wait_for(wait()) != std::future_status::ready) {
+    tf_.receive();
+    go_on();
+  }
+  done.get();
 }
 
 void Node::serve(ros::WallDuration wait) {
@@ -271,7 +293,8 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
 void Node::start_with(const clothsim::Scene& scene) {
   const clothsim::View live_view = photographer_.view();
   clothsim::inside("camera", [&] {
-    photographer_.set_view(clothsim::without_missing_colliders(parameters_.view, scene));
+    const clothsim::View view = clothsim::without_missing_colliders(parameters_.view, scene);
+    go_on_beside([&] { photographer_.set_view(view); });  // which may read large images
   });
   try {
     clothsim::inside("scene", [&] { simulator_.load(scene); });

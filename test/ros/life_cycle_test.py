@@ -6,10 +6,12 @@ import re
 import signal
 import socket
 import subprocess
+import tempfile
 import threading
 import time
 import unittest
 
+import PIL.Image
 import roslib.packages
 import rosunit
 
@@ -33,6 +35,7 @@ import rospy  # noqa: E402
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 from dynamic_reconfigure.encoding import decode_config, encode_config  # noqa: E402
 from dynamic_reconfigure.srv import Reconfigure  # noqa: E402
+from clothsim.srv import LoadScene  # noqa: E402
 
 
 def start_master():
@@ -73,6 +76,23 @@ class LifeCycle(unittest.TestCase):
     def test_interrupt_while_running(self):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
+
+    def test_frames_go_on_while_a_scene_reads_a_large_image(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "texture.png")
+            PIL.Image.new("RGB", (1, 1)).save(path)
+            node, cloth = self.start_node(
+                "loading", image_folders=[folder],
+                camera={"cloth": {"shader": "texture", "texture": path}})
+            PIL.Image.new("RGB", (8192, 8192), (0, 0, 255)).save(path)  # read again as it has changed
+            cloth.states.clear()
+            answer = call("/loading/load_scene", LoadScene)
+            self.assertTrue(answer.success, answer.message)
+            cloth.states.wait("the new start", lambda state: state.step == 0)
+            steps = [state.step for state in cloth.states.all()]
+            # Of a node that reads it itself a few come before the call does.
+            self.assertGreater(steps.index(0), 10)
+            self.assertEqual(self.assert_ends_cleanly(node), "")
 
     def test_says_which_parameters_have_no_effect(self):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,

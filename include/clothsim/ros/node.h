@@ -8,6 +8,7 @@
 #include <std_srvs/Trigger.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,11 @@ class Node {
   /// A frame that is due by the clock, or one out of turn, from ~step.
   enum class Turn { due, now };
 
+  /// Simulates the frame that is due, and publishes what is.
+  void go_on();
+  /// Calls `action` in a thread of its own, and goes on with frames until it has ended. Throws what
+  /// it throws. Callbacks wait.
+  void go_on_beside(const std::function<void()>& action);
   /// Calls the callbacks that are there, or that come within `wait`.
   void serve(ros::WallDuration wait);
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
