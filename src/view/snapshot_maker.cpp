@@ -3,7 +3,9 @@
 namespace clothsim {
 
 Snapshot SnapshotMaker::make(const Simulator& simulator, const PreparedView& view) {
-  if (simulator_ != &simulator || topology_seq_ != simulator.topology_seq()) {
+  // A rope is drawn as thick as it is, which may change.
+  if (simulator_ != &simulator || topology_seq_ != simulator.topology_seq() ||
+      cloth_->thickness != simulator.cloth().thickness) {
     simulator_ = &simulator;
     topology_seq_ = simulator.topology_seq();
     cloth_ = std::make_shared<const Cloth>(simulator.cloth());

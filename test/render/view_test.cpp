@@ -253,6 +253,11 @@ TEST(SnapshotMaker, SharesWhatDidNotChange) {
   material.springs = {true, false, false};
   simulator.set_material(material);
   EXPECT_LT(maker.make(simulator, view).cloth->springs.size(), first.cloth->springs.size());
+
+  LiveSpec thicker = live_values(simulator.scene());
+  thicker.thickness = 0.05;  // a rope is drawn by it
+  simulator.set(thicker);
+  EXPECT_EQ(maker.make(simulator, view).cloth->thickness, 0.05);
 }
 
 TEST(ContactSheet, PutsTilesInRows) {
