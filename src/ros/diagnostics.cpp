@@ -3,7 +3,6 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <ros/console.h>
-#include <ros/this_node.h>
 
 #include <algorithm>
 #include <array>
@@ -211,7 +210,8 @@ void warn_of_lost(const NodeStatus& before, const NodeStatus& now) {
 }  // namespace
 
 Diagnostics::Diagnostics(ros::NodeHandle& node, const DiagnosticLimits& limits)
-    : limits_(limits),
+    : name_(node.getNamespace().substr(1)),
+      limits_(limits),
       publisher_(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", queue_size)) {}
 
 void Diagnostics::publish(const NodeStatus& status) {
@@ -224,9 +224,9 @@ void Diagnostics::publish(const NodeStatus& status) {
   // of that.
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
-  const auto add = [&array](const std::string& part, const auto& fill_in) {
+  const auto add = [this, &array](const std::string& part, const auto& fill_in) {
     Wrapper out;
-    out.name = ros::this_node::getName().substr(1) + ": " + part;
+    out.name = name_ + ": " + part;
     out.hardware_id = "none";
     fill_in(out);
     array.status.push_back(out);

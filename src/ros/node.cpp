@@ -1,19 +1,17 @@
 #include "clothsim/ros/node.h"
 
-#include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <ros/init.h>
-#include <ros/master.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
 #include <chrono>
 #include <future>
+#include <utility>
 
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
-#include "clothsim/ros/signals.h"
 
 namespace clothsim_ros {
 namespace {
@@ -30,12 +28,6 @@ constexpr std::uint32_t clock_queue = 100;
 /// Of a call of ~step, while which nothing else is served.
 constexpr std::uint32_t most_frames = 1000000;
 
-/// How long a call waits for a master that is away, before it gives up. Frames wait with it.
-const ros::WallDuration master_patience(0.001);
-
-/// ok() is false when all is closed, isShuttingDown() true when closing begins.
-bool is_running() { return !is_interrupted() && ros::ok() && !ros::isShuttingDown(); }
-
 /// Says what a scene has and a node leaves to others.
 void warn_of_motions(const clothsim::Scene& scene) {
   if (scene.motions.empty()) return;
@@ -43,18 +35,19 @@ void warn_of_motions(const clothsim::Scene& scene) {
       "The node does not play the scene's motions: give ~step targets, or broadcast tf frames");
 }
 
-/// The private node handle whose callbacks go to `queue`.
-ros::NodeHandle private_node(ros::CallbackQueueInterface& queue) {
-  ros::NodeHandle node("~");
+/// The same names, with callbacks that go to `queue`.
+ros::NodeHandle with_queue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
   return node;
 }
 
 }  // namespace
 
-Node::Node()
-    : callbacks_(*ros::getGlobalCallbackQueue(), time_),
-      node_(private_node(callbacks_)),
+Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function<bool()> ends)
+    : queue_(queue),
+      ends_(std::move(ends)),
+      callbacks_(queue, time_),
+      node_(with_queue(node, callbacks_)),
       parameters_(read_parameters(node_)),
       simulator_(with_full_name(node_, "scene/",
                                 [this] { return clothsim::Simulator(parameters_.scene); })),
@@ -76,7 +69,7 @@ Node::Node()
                       parameters_.save_limit, [this] { jump(); }),
       wind_listener_(node_, simulator_, tf_, changes_),
       diagnostics_(node_, parameters_.limits) {
-  simulator_.set_interrupt([] { return !is_running(); });
+  simulator_.set_interrupt([this] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);
@@ -105,7 +98,6 @@ void Node::warn_of_ignored(const ParameterTexts& given) const {
 }
 
 void Node::run() {
-  ros::master::setRetryTimeout(master_patience);
   rate_.restart(pacer_.seconds());
 
   while (is_running()) {
@@ -137,11 +129,11 @@ void Node::go_on_beside(const std::function<void()>& action) {
   }
   done.get();
 }
+bool Node::is_running() const { return !ends_() && ros::ok() && !ros::isShuttingDown(); }
 
 void Node::serve(ros::WallDuration wait) {
-  ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
-  queue.callOne(wait);
-  queue.callAvailable();
+  queue_.callOne(wait);
+  queue_.callAvailable();
   const TimeShares::Scope scope(time_, TimeShares::Use::serving);
   tf_.receive();
 }

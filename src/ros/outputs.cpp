@@ -4,6 +4,8 @@
 #include <ros/single_subscriber_publisher.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
+#include <utility>
 
 #include "clothsim/ros/conversions.h"
 #include "clothsim/ros/markers.h"
@@ -31,6 +33,12 @@ ros::Publisher advertise(ros::NodeHandle& node, const std::string& topic, std::u
   return node.advertise<Message>(
       topic, queue_size,
       [make](const ros::SingleSubscriberPublisher& subscriber) { subscriber.publish(make()); });
+}
+
+/// Nodelets of the same process get the message itself, not a copy.
+template <class Message>
+void share(const ros::Publisher& publisher, Message message) {
+  publisher.publish(boost::make_shared<const Message>(std::move(message)));
 }
 
 visualization_msgs::Marker delete_all(const std_msgs::Header& header) {
@@ -94,9 +102,9 @@ void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
   header_.stamp = stamp;
   step_ = step;
   newcomers_.clear();  // what all get now is all they need
-  if (state_publisher_.getNumSubscribers() > 0) state_publisher_.publish(state());
-  if (points_publisher_.getNumSubscribers() > 0) points_publisher_.publish(points());
-  if (colliders_publisher_.getNumSubscribers() > 0) colliders_publisher_.publish(colliders());
+  if (state_publisher_.getNumSubscribers() > 0) share(state_publisher_, state());
+  if (points_publisher_.getNumSubscribers() > 0) share(points_publisher_, points());
+  if (colliders_publisher_.getNumSubscribers() > 0) share(colliders_publisher_, colliders());
   markers_due_ = true;
   refresh();
 }
@@ -115,7 +123,7 @@ void Outputs::refresh() {
   bool published = false;
   for (const MarkerTopic& topic : markers_) {
     if (topic.publisher.getNumSubscribers() == 0) continue;
-    topic.publisher.publish(others_shown_ ? anew(topic) : topic.make(simulator_, header_));
+    share(topic.publisher, others_shown_ ? anew(topic) : topic.make(simulator_, header_));
     published = true;
   }
   if (!published) return;

@@ -1,7 +1,6 @@
 #include "clothsim/ros/photographer.h"
 
 #include <ros/console.h>
-#include <ros/this_node.h>
 
 #include <algorithm>
 #include <utility>
@@ -16,8 +15,8 @@ namespace {
 constexpr double time_tolerance = 1e-6;
 
 /// `/a/clothsim` carries its camera on `a_clothsim_camera_optical`.
-std::string own_frame_name() {
-  std::string name = ros::this_node::getName().substr(1);
+std::string own_frame_name(const ros::NodeHandle& node) {
+  std::string name = node.getNamespace().substr(1);
   std::replace(name.begin(), name.end(), '/', '_');
   return name + "_camera_optical";
 }
@@ -40,7 +39,7 @@ Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulato
       tf_(tf),
       images_(clothsim::textures_folder(), with_own(std::move(image_folders))),
       shaders_(clothsim::shaders_folder()),
-      own_frame_(own_frame_name()),
+      own_frame_(own_frame_name(node)),
       stamp_(now),
       topics_(node, [this] { redraw(); }) {
   set_view(view);

@@ -53,11 +53,12 @@ void TfListener::forget_the_future() {
 }
 
 void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
-  // What this node tells of moving frames it has put there itself.
-  if (!is_static && event.getPublisherName() == ros::this_node::getName()) return;
+  // Nodelets beside this one have the same name.
+  const bool may_be_own = !is_static && event.getPublisherName() == ros::this_node::getName();
   const ros::Time now = ros::Time::now();
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
+    if (may_be_own && own_frames_.count(transform.child_frame_id) > 0) continue;
     if (!is_static && is_ahead(stamp, now)) {
       if (warnings_.passes()) {
         ROS_WARN(
@@ -79,6 +80,7 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
 
 void TfListener::put(geometry_msgs::TransformStamped transform) {
   transform.header.stamp = newest_stamps_.next(transform.child_frame_id, ros::Time::now());
+  own_frames_.insert(transform.child_frame_id);
   buffer_.setTransform(transform, ros::this_node::getName());
   newest_ = std::max(newest_, transform.header.stamp);
   newest_stamps_.add(transform);

@@ -14,7 +14,8 @@ import yaml
 from cloth_client import wait_for
 
 # What the displays of our configuration show.
-TYPES = {"rviz/MarkerArray": "visualization_msgs/MarkerArray",
+TYPES = {"clothsim/Cloth": "clothsim/ClothState",
+         "rviz/MarkerArray": "visualization_msgs/MarkerArray",
          "rviz/InteractiveMarkers": "visualization_msgs/InteractiveMarkerUpdate",
          "rviz/PointCloud2": "sensor_msgs/PointCloud2",
          "rviz/Image": "sensor_msgs/Image"}

@@ -36,6 +36,7 @@ class Diagnostics {
   void publish(const NodeStatus&);
 
  private:
+  std::string name_;  // of the node
   DiagnosticLimits limits_;
   NodeStatus status_;  // the last one
   ros::Publisher publisher_;

@@ -3,6 +3,7 @@
 #include <clothsim/EnableCollider.h>
 #include <clothsim/LoadScene.h>
 #include <clothsim/Step.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
@@ -35,14 +36,16 @@
 
 namespace clothsim_ros {
 
-/// A simulated cloth as a ROS node. One thread serves the callbacks and, between them, computes
-/// the frames, so nothing changes inside a frame.
+/// A simulated cloth as a ROS node or nodelet. One thread serves the callbacks and, between them,
+/// computes the frames, so nothing changes inside a frame.
 class Node {
  public:
-  /// Reads the node's parameters. Throws std::runtime_error with the full name of a bad one.
-  Node();
+  /// `node` has the names of topics, services and parameters, `queue` the callbacks: nobody else
+  /// may call them. The node ends when `ends` says so. Throws std::runtime_error with the full name
+  /// of a bad parameter.
+  Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function<bool()> ends);
 
-  /// Simulates until the node is shut down.
+  /// Simulates until the node is shut down. In the thread that has made it.
   void run();
 
  private:
@@ -54,6 +57,8 @@ class Node {
   /// Calls `action` in a thread of its own, and goes on with frames until it has ended. Throws what
   /// it throws. Callbacks wait.
   void go_on_beside(const std::function<void()>& action);
+  /// False when all is closed, closing begins or the node is to end.
+  bool is_running() const;
   /// Calls the callbacks that are there, or that come within `wait`.
   void serve(ros::WallDuration wait);
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
@@ -80,6 +85,8 @@ class Node {
   /// Simulates its frames. Empty: it did; else why not.
   std::string simulate_frames(const clothsim::Step::Request&);
 
+  ros::CallbackQueue& queue_;
+  std::function<bool()> ends_;
   TimeShares time_;
   TimedCallbacks callbacks_;
   ros::NodeHandle node_;

@@ -5,6 +5,7 @@
 #include <tf2/buffer_core.h>
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "clothsim/ros/newest_stamps.h"
@@ -61,6 +62,7 @@ class TfListener {
   ros::Time now_;     // when transforms were last received
   ros::Time newest_;  // stamp in the buffer
   NewestStamps newest_stamps_;
+  std::set<std::string> own_frames_;  // that put() moves: what comes of them is this node's own
   Throttle warnings_{warning_period};
 };
 
