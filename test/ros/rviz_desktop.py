@@ -5,6 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import time
 
 import numpy as np
 from PIL import Image, ImageGrab
@@ -51,6 +52,18 @@ class Desktop:
     def picture(self):
         """The screen, rows x columns x 3."""
         return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB")).astype(int)
+
+    def wait_until_still(self, view):
+        """Until what is seen has come to rest."""
+        left, top = view.corner
+        right, bottom = view.corner + view.size
+        pictures = [self.picture()[top:bottom, left:right]]
+
+        def same_again():
+            time.sleep(0.5)
+            pictures.append(self.picture()[top:bottom, left:right])
+            return np.array_equal(pictures[-1], pictures[-2])
+        wait_for(same_again, "a picture that stands still")
 
     def mouse(self, *commands):
         """Commands of xdotool, such as ("mousemove", 100, 200, "click", 1)."""

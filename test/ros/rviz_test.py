@@ -9,6 +9,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 
 from clothsim.msg import ClothState, ClothTopology
@@ -88,33 +89,42 @@ class Rviz(unittest.TestCase):
         ready(self.desktop, lambda p: height(p) > before + 100)
 
     def take(self):
-        """Grabs the middle of the cloth, which has fallen a little: its points, and where the mouse is."""
-        self.cloth.step(60)
-        time.sleep(0.5)
-        middle = positions(self.newest())[COLUMNS * COLUMNS // 2 + COLUMNS // 2]
+        """Grabs the middle of the cloth, which has fallen a little: the state, and where the mouse is."""
+        middle = positions(self.cloth.step(60))[COLUMNS * COLUMNS // 2 + COLUMNS // 2]
         pixel = np.round(self.view.pixel(middle)[0]).astype(int)
+        self.desktop.wait_until_still(self.view)
         self.desktop.mouse("mousemove", self.view.corner[0] + 30, self.view.corner[1] + 30,
                            "click", 1, "key", "g")
         self.desktop.press(pixel)
-        wait_for(lambda: self.cloth.step(1).held, "the cloth to be held")
-        return pixel
+        states = []
+
+        def is_held():
+            states.append(self.cloth.step(1))
+            return states[-1].held
+        wait_for(is_held, "the cloth to be held")
+        return states[-1], pixel
 
     def test_grab(self):
-        pixel = self.take()
         try:
-            held = list(self.newest().held)
-            before = positions(self.newest())[held]
+            state, pixel = self.take()
+            held = list(state.held)
+            before = positions(state)[held]
             self.assertGreater(len(held), 3)
             _, ahead = self.view.pixel(before.mean(axis=0))
             self.assertLess(distance(self.view.pixel(before.mean(axis=0))[0], pixel), 15)
 
             target = pixel + [60, -80]
             self.desktop.drag(target)
-            time.sleep(0.5)  # tf is on its way
-            after = positions(self.cloth.step(30))[held]
             # By as many pixels as the mouse has moved, in the plane of the picture.
-            moved = self.view.pixel(after.mean(axis=0))[0] - self.view.pixel(before.mean(axis=0))[0]
-            self.assertLess(distance(moved, target - pixel), 3)
+            start = self.view.pixel(before.mean(axis=0))[0]
+            states = []
+
+            def has_followed():
+                states.append(self.cloth.step(10))
+                place = self.view.pixel(positions(states[-1])[held].mean(axis=0))[0]
+                return distance(place - start, target - pixel) < 3
+            wait_for(has_followed, "the points to follow the mouse")
+            after = positions(states[-1])[held]
             self.assertAlmostEqual(self.view.pixel(after.mean(axis=0))[1], ahead, delta=0.002)
             # As they were to each other.
             self.assertLess(np.abs((after - after[0]) - (before - before[0])).max(), 1e-4)
@@ -136,7 +146,11 @@ class Rviz(unittest.TestCase):
         wait_for(lambda: self.newest().step == 0, "the start")
         self.desktop.click(self.panel(STEP))
         wait_for(lambda: self.newest().step == 1, "a frame")
-        time.sleep(1.5)  # until the panel knows from the diagnostics that the node is paused
+        # The panel knows from the diagnostics that the node is paused.
+        Recorder("/diagnostics", DiagnosticArray).wait("word that it is paused", lambda array: any(
+            value.key == "paused" and value.value == "True"
+            for status in array.status for value in status.values))
+        time.sleep(0.5)
         self.desktop.click(self.panel(PAUSE))
         wait_for(lambda: self.newest().step > 20, "the simulation to run")
         self.desktop.click(self.panel(PAUSE))
