@@ -136,16 +136,15 @@ const std::vector<NearPair>& NearPairs::Impl::look(
           PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
           const double within = reach(pair);
           if (!query.spend(1)) break;  // what was begun is taken back
-          if (pair.wake_at - pair.moved > within) continue;
+          if (std::min(pair.wake_at[0], pair.wake_at[1]) > pair.moved + within) continue;
           if (pair.moved + within > pair.list_until) {
             const double gap = gap_of_patches(pair);
             if (gap > within) {
-              pair.wake_at = pair.moved + gap;
+              pair.wake_at.fill(pair.moved + gap);
               continue;
             }
             seek(query, within, pair, scratch);
           } else {
-            pair.wake_at = pair.list_until;  // until its lists have been looked at
             scratch.awake.emplace_back(&pair, within);
           }
         }

@@ -53,11 +53,10 @@ struct NearPairs::Impl {
   struct PatchPair {
     int p;
     int q;
-    bool are_neighbours;         // on the cloth
-    double moved = 0;            // how much nearer they may have come so far [m]
-    double wake_at = -infinity;  // `moved` from which on there may be no gap
-    // The same for each cell of p and each of q; none until they have been looked at.
-    std::vector<double> cells_wake_at = {};
+    bool are_neighbours;  // on the cloth
+    double moved = 0;     // how much nearer they may have come so far [m]
+    // `moved` from which on there may be no gap, by SurfacePair::edges.
+    std::array<double, 2> wake_at = {-infinity, -infinity};
     // Features whose gap may be none before `moved` is list_until, by SurfacePair::edges.
     std::array<List, 2> lists = {};
     double listed_at = 0;  // `moved` when the lists were made
@@ -83,7 +82,7 @@ struct NearPairs::Impl {
   /// Two cells whose features are measured.
   struct Cells {
     PatchPair* of;
-    std::size_t number;  // in cells_wake_at
+    std::size_t number;  // among those of the patches, see CellOutlines
     std::array<int, 2> cells;
     double most_nearest;  // of their features [m]
     double reach;         // of the list

@@ -51,40 +51,26 @@ void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
                            Scratch& scratch) const {
   const std::vector<int>& p = of(patches, pair.p).cells;
   const std::vector<int>& q = of(patches, pair.q).cells;
-  if (pair.cells_wake_at.empty()) {
-    pair.cells_wake_at.assign(CellOutlines::pairs, infinity);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      for (std::size_t j = pair.p == pair.q ? i : 0; j < q.size(); ++j) {  // each two once
-        pair.cells_wake_at[i * CellOutlines::cells + j] = -infinity;
-      }
-    }
-  }
   for (List& list : pair.lists) list.clear();
   pair.listed_at = pair.moved;
   pair.list_until = pair.moved + list_share * std::max(within, least_margin());
-  pair.wake_at = pair.list_until;
+  pair.wake_at.fill(pair.list_until);
   const double reach = pair.list_until - pair.moved;
 
   query.spend(WorkBudget::outlines_compared);
-  std::array<int, CellOutlines::pairs> awake;
+  std::array<int, CellOutlines::pairs> near_cells;
+  std::array<double, CellOutlines::pairs> distances;
   const std::size_t count =
-      outlines.look(static_cast<std::size_t>(pair.p), static_cast<std::size_t>(pair.q), pair.moved,
-                    contact, reach, pair.cells_wake_at.data(), awake.data());
+      outlines.look(static_cast<std::size_t>(pair.p), static_cast<std::size_t>(pair.q),
+                    contact + reach, distances.data(), near_cells.data());
   for (std::size_t i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(awake[i]);
+    const auto k = static_cast<std::size_t>(near_cells[i]);
     const std::array<int, 2> cells{p[k / CellOutlines::cells], q[k % CellOutlines::cells]};
-    double& wake_at = pair.cells_wake_at[k];
-    const double distance = wake_at - pair.moved + contact;
     const double most = pair.are_neighbours ? nearest.most_of_cells(cells[0], cells[1]) : contact;
     const std::array<double, 2> most_nearest{most, nearest.most_of_edges(cells[0], cells[1])};
-    wake_at = infinity;
     for (const bool edges : {false, true}) {
-      const double gap = distance - most_nearest[edges];
-      if (gap > reach) {
-        wake_at = std::min(wake_at, pair.moved + gap);
-      } else {
-        measure_later(query, edges, {&pair, k, cells, most_nearest[edges], reach, within}, scratch);
-      }
+      if (distances[k] > most_nearest[edges] + reach) continue;
+      measure_later(query, edges, {&pair, k, cells, most_nearest[edges], reach, within}, scratch);
     }
   }
 }
@@ -122,18 +108,14 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
   }
   distances.measure(query.positions);
 
-  std::array<double, Distances::capacity> least, most;
+  std::array<double, Distances::capacity> most;
   for (std::size_t i = 0; i < count; ++i) {
-    least[i] = infinity;
     most[i] = all[i].most_nearest + all[i].reach;
   }
   std::size_t listed_now = 0, first = 0;
   std::size_t key = edges ? feature_pairs[number][0].size() : 0;  // in those of its cells
   for (const FeaturePairs::Pair& pair : list) {
     const double* const distance = distances.values() + first;
-    for (std::size_t i = 0; i < count; ++i) {
-      least[i] = distance[i] < least[i] ? distance[i] : least[i];
-    }
     for (std::size_t i = 0; i < count; ++i) {
       if (distance[i] > most[i]) continue;
       SurfacePair features{pair.triangle, pair.points, contact};
@@ -154,10 +136,6 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
   }
   distances.clear();
   query.spend(WorkBudget::pair_listed * listed_now);
-  for (std::size_t i = 0; i < count; ++i) {
-    double& wake_at = all[i].of->cells_wake_at[all[i].number];
-    wake_at = std::min(wake_at, all[i].of->moved + least[i] - all[i].most_nearest);
-  }
   all.clear();
 }
 
@@ -165,6 +143,9 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
 void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
   for (const auto& [pair, within] : scratch.awake) {
+    double& wake_at = pair->wake_at[edges];
+    if (wake_at > pair->moved + within) continue;
+    wake_at = pair->list_until;  // until its list has been looked at
     const List& list = pair->lists[edges];
     const double since = pair->moved + within - pair->listed_at;
     const auto until = static_cast<float>(since + rounding * std::abs(since));
@@ -178,7 +159,7 @@ void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scr
       scratch.features.push_back({pair, within, k});
       distances.add(list.features[k].points);
     }
-    pair->wake_at = std::min(pair->wake_at, pair->listed_at + static_cast<double>(next));
+    wake_at = std::min(wake_at, pair->listed_at + static_cast<double>(next));
   }
   measure_awake(query, edges, scratch);
 }
@@ -216,7 +197,8 @@ float NearPairs::Impl::consider(const Query& query, double within, const Distanc
                                 std::size_t k, const Listed& listed, PatchPair& pair,
                                 Scratch& scratch) const {
   const double wake_at = pair.moved + distances[k] - static_cast<double>(listed.nearest);
-  pair.wake_at = std::min(pair.wake_at, wake_at);
+  double& first = pair.wake_at[distances.edges()];
+  first = std::min(first, wake_at);
   const auto least = static_cast<double>(listed.nearest);
   if (is_asked_for(query, within, distances, k, listed.points, least)) {
     scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);

@@ -7,22 +7,16 @@ namespace {
 
 using namespace testing;
 
-constexpr double awake_at_once = -1e9;
-constexpr double never = 1e9;
-
 struct Looked {
-  std::array<double, CellOutlines::pairs> wake_at;
-  std::vector<int> awake;
+  std::array<double, CellOutlines::pairs> distances;
+  std::vector<int> near;
 };
 
-Looked look(const CellOutlines& outlines, std::size_t p, std::size_t q, double moved,
-            double nearest, double reach, double wake_at) {
+Looked look(const CellOutlines& outlines, std::size_t p, std::size_t q, double reach) {
   Looked result;
-  result.wake_at.fill(wake_at);
-  std::array<int, CellOutlines::pairs> awake;
-  const std::size_t count =
-      outlines.look(p, q, moved, nearest, reach, result.wake_at.data(), awake.data());
-  result.awake.assign(awake.begin(), awake.begin() + static_cast<std::ptrdiff_t>(count));
+  std::array<int, CellOutlines::pairs> near;
+  const std::size_t count = outlines.look(p, q, reach, result.distances.data(), near.data());
+  result.near.assign(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
   return result;
 }
 
@@ -40,13 +34,13 @@ double distance_of_cells(const std::array<Vector3, 4>& a, const std::array<Vecto
     return Vector3((c[0] + c[1] + c[2] + c[3]) / 4);
   };
   const Vector3 way = (centre(b) - centre(a)).normalized();
-  double lowest = never, highest = -never;
+  double lowest = 1e9, highest = -1e9;
   for (const Vector3& corner : b) lowest = std::min(lowest, way.dot(corner));
   for (const Vector3& corner : a) highest = std::max(highest, way.dot(corner));
   return std::max(0.0, lowest - highest);
 }
 
-TEST(CellOutlines, SleepForAsLongAsTheyAreApart) {
+TEST(CellOutlines, AreNearWhereNoPlaneIsBetweenThem) {
   // The last patches have fewer cells than the others.
   const Cloth cloth = cloth_of(11, 10, 0.01);
   const Points x = cloth.rest_positions + random_points(cloth.num_points(), 0.3, 5);
@@ -54,51 +48,37 @@ TEST(CellOutlines, SleepForAsLongAsTheyAreApart) {
   CellOutlines outlines(patches.size());
   for (std::size_t p = 0; p < patches.size(); ++p) outlines.update(p, patches[p], x);
 
-  constexpr double moved = 0.3, nearest = 0.02, reach = 0.1;
-  int near = 0, far = 0;
+  constexpr double reach = 0.12;
+  std::size_t near = 0, far = 0;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     for (std::size_t q = p; q < patches.size(); ++q) {
-      const Looked looked = look(outlines, p, q, moved, nearest, reach, awake_at_once);
+      const Looked looked = look(outlines, p, q, reach);
+      std::vector<int> expected;
       for (std::size_t i = 0; i < patches[p].cells.size(); ++i) {
-        for (std::size_t j = 0; j < patches[q].cells.size(); ++j) {
+        for (std::size_t j = p == q ? i : 0; j < patches[q].cells.size(); ++j) {
           const std::size_t k = i * CellOutlines::cells + j;
-          const double gap = distance_of_cells(corners(cloth, patches[p], i, x),
-                                               corners(cloth, patches[q], j, x)) -
-                             nearest;
-          EXPECT_LE(looked.wake_at[k], moved + gap + 1e-12);
-          EXPECT_GE(looked.wake_at[k], moved + gap - 1e-4 * (gap + nearest) - 1e-12);
-          const bool awake = std::find(looked.awake.begin(), looked.awake.end(),
-                                       static_cast<int>(k)) != looked.awake.end();
-          EXPECT_EQ(awake, looked.wake_at[k] <= moved + reach);
-          ++(awake ? near : far);
+          const double distance =
+              distance_of_cells(corners(cloth, patches[p], i, x), corners(cloth, patches[q], j, x));
+          EXPECT_LE(looked.distances[k], distance);
+          EXPECT_GE(looked.distances[k], (1 - 1e-4) * distance - 1e-12);
+          ++(looked.distances[k] <= reach ? near : far);
+          if (looked.distances[k] <= reach) expected.push_back(static_cast<int>(k));
         }
       }
+      EXPECT_TRUE(looked.near == expected) << p << " and " << q;
     }
   }
-  EXPECT_GT(near, 100);
-  EXPECT_GT(far, 100);
+  EXPECT_GT(near, 100u);
+  EXPECT_GT(far, 100u);
 }
 
-TEST(CellOutlines, LetSleepWhatIsNotAsked) {
-  const Cloth cloth = cloth_of(9, 9, 0.01);
-  const std::vector<Patch> patches = cut_into_patches(cloth, 4);
-  CellOutlines outlines(patches.size());
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    outlines.update(p, patches[p], cloth.rest_positions);
-  }
-  const Looked looked = look(outlines, 0, 1, 0, 0.02, 0.5, never);
-  EXPECT_TRUE(looked.awake.empty());
-  for (const double wake_at : looked.wake_at) EXPECT_EQ(wake_at, never);
-}
-
-TEST(CellOutlines, AreAwakeWhereTheyLieInEachOther) {
+TEST(CellOutlines, AreNearWhereTheyLieInEachOther) {
   const Cloth cloth = cloth_of(9, 9, 0.01);
   const std::vector<Patch> patches = cut_into_patches(cloth, 4);
   CellOutlines outlines(patches.size());
   const Points point = Points::Ones(cloth.num_points(), 3);
   for (std::size_t p = 0; p < patches.size(); ++p) outlines.update(p, patches[p], point);
-  const Looked looked = look(outlines, 0, 1, 0, 0.02, 0.01, awake_at_once);
-  EXPECT_EQ(looked.awake.size(), CellOutlines::pairs);
+  EXPECT_EQ(look(outlines, 0, 1, 0.03).near.size(), CellOutlines::pairs);
 }
 
 }  // namespace

@@ -20,21 +20,20 @@ class CellOutlines {
   /// Takes a patch as it is at `positions` [m, N x 3].
   void update(std::size_t patch, const Patch& of, const Points& positions);
 
-  /// Looks at those pairs of cells of two patches that wake before the patches have `moved` by
-  /// `reach` more [m]. Those that are further apart than `nearest` + `reach` sleep on, until they
-  /// may be within `nearest`. Puts the others into `awake` and returns how many they are.
+  /// Finds the pairs of cells of two patches that are within `reach` [m], of a patch with itself
+  /// each once. Puts them into `near` and returns how many they are.
   ///
-  /// `wake_at` [m], how far the patches will have moved then, and `awake` have room for `pairs`.
-  /// Cells are as far apart as planes square to the line between their
-  /// centres, at least.
-  std::size_t look(std::size_t patch, std::size_t other, double moved, double nearest, double reach,
-                   double* wake_at, int* awake) const;
+  /// `distances` [m], which have room for `pairs` as `near` has, are as far apart as planes square
+  /// to the line between the centres of two cells: never more than the cells are.
+  std::size_t look(std::size_t patch, std::size_t other, double reach, double* distances,
+                   int* near) const;
 
  private:
   static constexpr std::size_t corners = 4;
   static constexpr std::size_t size_of_patch = 3 * (corners + 1) * cells;
 
-  std::vector<double> values_;  // by patch, corner (the centre comes last), axis and cell
+  std::vector<double> values_;       // by patch, corner (the centre comes last), axis and cell
+  std::vector<std::size_t> counts_;  // of cells, by patch
 };
 
 }  // namespace clothsim
