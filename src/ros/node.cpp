@@ -129,6 +129,7 @@ void Node::go_on_beside(const std::function<void()>& action) {
   }
   done.get();
 }
+
 bool Node::is_running() const { return !ends_() && ros::ok() && !ros::isShuttingDown(); }
 
 void Node::serve(ros::WallDuration wait) {
