@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""docs/constants.md has each constant of the floors below as the code has it: name, value, unit and
+the words above it. With --write it writes that page."""
+
+import difflib
+import pathlib
+import re
+import sys
+
+PACKAGE = pathlib.Path(__file__).resolve().parent.parent
+PAGE = PACKAGE / "docs/constants.md"
+FLOORS = ("dynamics", "search", "constraints", "simulation")
+
+HEAD = """# Constants
+
+Every named number of the floors {floors}: {count} in {files} files. The words
+are the code's own. They say what a number trades, or where it comes from. "Likewise" refers to the row above. Where no
+unit stands, it is a share or a count.
+[method.md](method.md) says where the numbers act. This page is written by `test/check_constants.py --write`;
+`scripts/test` fails where it differs from the code.
+"""
+
+# A constant and the comment behind it. Its value has numbers: what follows from others alone is none,
+# nor is a range of what users may give, which docs/scenes.md has.
+CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char)[\w:]+(?:<[^>]*>)? "
+                      r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ \* |-)?\d[^;]*)|"
+                      r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
+# These share their words with a number that has a unit, and have none.
+PURE = {"most_of_violation", "margin", "lift"}
+UNIT = re.compile(r"\[((?:1/|k?)(?:m|s|g|N|J|K|Hz|rad|bytes)\b[\w/^ ]*)\]")
+
+
+def words_above(lines, number):
+    """The comment that ends above a line, in one."""
+    words = []
+    while number > 0 and lines[number - 1].strip().startswith("//"):
+        number -= 1
+        words.insert(0, lines[number].strip().lstrip("/").strip())
+    return " ".join(words)
+
+
+def indent_of(line):
+    return len(line) - len(line.lstrip())
+
+
+def words_around(lines, number):
+    """The first two sentences above the function or class that a line is in; empty where there are
+    none."""
+    indent, words = indent_of(lines[number]), ""
+    while indent > 0 and number > 0 and not words:
+        number -= 1
+        if lines[number].strip() and indent_of(lines[number]) < indent:
+            indent = indent_of(lines[number])
+            words = words_above(lines, number)
+    while number > 0 and not words and lines[number - 1].strip():
+        number -= 1  # of a head of several lines
+        words = words_above(lines, number)
+    return " ".join(re.split(r"(?<=[.?:]) +(?=[A-Z])", words)[:2])
+
+
+def constants_of(path):
+    """Rows of a file: name, value, unit, words. Constants that follow one another share the words
+    above the first."""
+    lines, rows, above, last = path.read_text().splitlines(), [], "", -2
+    for number, line in enumerate(lines):
+        found = CONSTANT.match(line.strip())
+        if not found:
+            continue
+        new = words_above(lines, number)
+        follows = last == number - 1 and not new
+        above = above if follows else new
+        last = number
+        behind = found["behind"] or ""
+        units = UNIT.findall(behind) or (UNIT.findall(above) if not behind else [])
+        shared = "likewise" if follows and above else above
+        words = "; ".join(filter(None, [behind, shared])) or words_around(lines, number)
+        rows.append((found["name"], found["value"] or found["list"],
+                     units[0] if len(set(units)) == 1 and found["name"] not in PURE else "", words))
+    return rows
+
+
+def row(cells):
+    name, value, unit, words = (cell.replace("|", "\\|") for cell in cells)
+    return f"| `{name}` | {value} | {unit} | {words} |"
+
+
+def page():
+    parts, count, files = [], 0, 0
+    for floor in FLOORS:
+        parts.append(f"\n## {floor}\n")
+        for base in ("include/clothsim", "src"):
+            for path in sorted((PACKAGE / base / floor).glob("*")):
+                rows = constants_of(path)
+                if not rows:
+                    continue
+                count += len(rows)
+                files += 1
+                parts.append(f"\n### {path.relative_to(PACKAGE)}\n")
+                parts.append("\n| name | value | unit | why |\n|---|---|---|---|\n")
+                parts.append("\n".join(map(row, rows)) + "\n")
+    floors = ", ".join(FLOORS[:-1]) + " and " + FLOORS[-1]
+    return HEAD.format(floors=floors, count=count, files=files) + "".join(parts)
+
+
+def main():
+    if sys.argv[1:] == ["--write"]:
+        PAGE.write_text(page())
+        return 0
+    written, now = PAGE.read_text(), page()
+    if written == now:
+        return 0
+    for line in difflib.unified_diff(written.splitlines(), now.splitlines(), "docs/constants.md",
+                                     "the code", n=0, lineterm=""):
+        print(line)
+    print("test/check_constants.py --write writes the page anew")
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
