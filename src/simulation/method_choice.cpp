@@ -37,10 +37,8 @@ constexpr double collider_faces_cost = 2.5e-7;
 constexpr double self_points_cost = 2e-8;
 constexpr double self_surface_cost = 2e-7;
 
-/// Longest substep where contact or the strain limit act [s]. At 11 ms a cloth on a sphere trembles
-/// at 10 cm/s for ever, with any method that is stable then. At 3.7 ms a hanging cloth of 20 x 20
-/// points is 9e-5 of its size off at rest, from 2.8 ms on the 5e-5 that the limit's tolerance
-/// leaves.
+/// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
+/// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
 constexpr double longest_step = 3e-3;
 
 /// What errors depend on.
@@ -96,7 +94,7 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
   const double link = shortest_rest_length(cloth);
   if (m.loaded == 0 || height < 0.5 * m.size) return;
   constexpr double unevenness = 1e-3;  // of an upright cloth's start [m]
-  constexpr double part = 0.11;        // fitted to one fold, see method.md for others
+  constexpr double part = 0.11;        // fitted to one fold, see docs/experiments.md
   m.buckling = 2 * std::sqrt(m.gravity * height) / link;
   m.folded = part * link * std::log(std::max(link / unevenness, M_E));
 }

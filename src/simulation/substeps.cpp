@@ -28,21 +28,17 @@ struct Limits {
 /// far that hundreds do not.
 constexpr Limits free_limits{1.2, 0.45, 1};
 
-/// Contact passes impacts on to the springs within a step. On the tip of a box a cloth trembles for
-/// ever at 0.7 and rests at 0.5. Where the limit cannot be met, between two colliders, tension
-/// grows without end: twice the substeps must do.
+/// Contact passes impacts on to the springs within a step, so steps are shorter: longer ones never
+/// rest on a tip. Where the limit cannot be met, tension grows without end: twice the substeps must
+/// do. See docs/experiments.md.
 constexpr Limits contact_limits{0.5, 0.7, 2};
 
 /// h omega for the springs of a point that carry the whole cloth's weight.
 constexpr double weight_limit = 1;
 
-/// Way of a collider in a substep, of the shortest spring. At 0.5 a sphere at 10 m/s already
-/// carries points off through the cloth.
-///
-/// And of one end of a spring against the other, of its length. Material that changes a
-/// hundredfold every frame tore springs in 1 % of the frames when nothing watched over that, in
-/// one of 2000 at 0.7 and in none at 0.5, where repairs still ran out; they hardly do at 0.25. No
-/// frame of a shipped scene takes a substep more for it.
+/// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
+/// other, of its length: half of it already tears points off or leaves too much to repairs (see
+/// docs/experiments.md).
 constexpr double way_share = 0.25;
 
 /// Of what a straight line of springs can reach; a way with corners reaches further.
