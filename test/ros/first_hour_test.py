@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The first hour of README.md, line by line as a user types it, and what the user then sees."""
+"""The first hour of README.md, line by line as a user types it, and what the user then sees; the
+tables of docs/interface.md."""
 
 import os
 import re
@@ -22,10 +23,13 @@ from visualization_msgs.msg import MarkerArray
 from cloth_client import PATIENCE, Cloth, Recorder, is_connected, marker_named, point, wait_for
 
 
+def read_document(path):
+    with open(os.path.join(roslib.packages.get_pkg_dir("clothsim"), path)) as file:
+        return file.read()
+
+
 def read_section(title):
-    readme = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "README.md")
-    with open(readme) as file:
-        return file.read().split("\n## %s\n" % title)[1].split("\n## ")[0]
+    return read_document("README.md").split("\n## %s\n" % title)[1].split("\n## ")[0]
 
 
 def read_walk():
@@ -43,7 +47,7 @@ def read_walk():
 def read_interface():
     """Types of the topics and services in the tables, by name; of a scene with a sphere."""
     types = {}
-    for line in read_section("Interface").splitlines():
+    for line in read_document("docs/interface.md").splitlines():
         cells = line.split("|")
         if len(cells) < 4 or not re.match(r" \w+/\w", cells[2]):
             continue
