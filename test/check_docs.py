@@ -15,16 +15,19 @@ def documents():
     return [PACKAGE / "README.md", *sorted((PACKAGE / "docs").glob("*.md"))]
 
 
+def without_blocks(text):
+    """Without code and displayed formulas."""
+    return re.sub(r"^ *```.*?^ *```|\$\$.*?\$\$", "", text, flags=re.DOTALL | re.MULTILINE)
+
+
 def without_code(text):
-    text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
-    return re.sub(r"`[^`\n]*`", "", text)
+    return re.sub(r"`[^`\n]*`", "", without_blocks(text))
 
 
 def anchors(text):
     """Of a document's headings, as GitHub makes them."""
     seen, found = {}, set()
-    for heading in re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text,
-                                                   flags=re.DOTALL | re.MULTILINE), re.MULTILINE):
+    for heading in re.findall(r"^#+ (.*)$", without_blocks(text), re.MULTILINE):
         slug = re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
         count = seen.get(slug, 0)
         seen[slug] = count + 1
@@ -45,11 +48,8 @@ def wrong_links(path, text):
 
 
 def wrong_formulas(text):
-    """Displayed formulas and those in a line, where a dollar is left over."""
-    text = without_code(text)
-    if text.count("$$") % 2:
-        yield "a displayed formula is left open"
-    for line in re.sub(r"\$\$.*?\$\$", "", text, flags=re.DOTALL).splitlines():
+    """Formulas in a line where a dollar is left over."""
+    for line in without_code(text).splitlines():
         if line.count("$") % 2:
             yield f"a formula is left open: {line}"
 
@@ -62,10 +62,9 @@ def mistakes():
     lines = len((PACKAGE / "README.md").read_text().splitlines())
     if lines > LONGEST_README:
         yield f"README.md: {lines} lines, {LONGEST_README} at most"
-    method = re.sub(r"\$\$.*?\$\$|^```.*?^```", "", (PACKAGE / "docs/method.md").read_text(),
-                    flags=re.DOTALL | re.MULTILINE)
-    if len(method.split()) > LONGEST_METHOD:
-        yield f"docs/method.md: {len(method.split())} words, {LONGEST_METHOD} at most"
+    words = len(without_blocks((PACKAGE / "docs/method.md").read_text()).split())
+    if words > LONGEST_METHOD:
+        yield f"docs/method.md: {words} words, {LONGEST_METHOD} at most"
 
 
 if __name__ == "__main__":
