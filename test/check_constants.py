@@ -16,6 +16,7 @@ HEAD = """# Constants
 Every named number of the floors {floors}: {count} in {files} files. The words
 are the code's own. They say what a number trades, or where it comes from. "Likewise" refers to the row above. Where no
 unit stands, it is a share or a count.
+Numbers of a formula that was fitted stand in that formula alone (`method_choice.cpp`).
 [method.md](method.md) says where the numbers act. This page is written by `test/check_constants.py --write`;
 `scripts/test` fails where it differs from the code.
 """
@@ -23,7 +24,7 @@ unit stands, it is a share or a count.
 # A constant and the comment behind it. Its value has numbers: what follows from others alone is none,
 # nor is a range of what users may give, which docs/scenes.md has.
 CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char)[\w:]+(?:<[^>]*>)? "
-                      r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ \* |-)?\d[^;]*)|"
+                      r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ [*/] |-)?\d[^;]*)|"
                       r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
 # These share their words with a number that has a unit, and have none.
 PURE = {"most_of_violation", "margin", "lift"}
