@@ -28,12 +28,15 @@ CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char)[
                       r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
 # These share their words with a number that has a unit, and have none.
 PURE = {"most_of_violation", "margin", "lift"}
-UNIT = re.compile(r"\[((?:1/|k?)(?:m|s|g|N|J|K|Hz|rad|bytes)\b[\w/^ ]*)\]")
+# Not that of a function of the number.
+UNIT = re.compile(r"(?<!\) )\[((?:1/|k?)(?:m|s|g|N|J|K|Hz|rad|bytes)\b[\w/^ ]*)\]")
 
 
 def words_above(lines, number):
     """The comment that ends above a line, in one."""
     words = []
+    if number > 0 and lines[number - 1].strip().startswith("template"):
+        number -= 1
     while number > 0 and lines[number - 1].strip().startswith("//"):
         number -= 1
         words.insert(0, lines[number].strip().lstrip("/").strip())
@@ -72,9 +75,9 @@ def constants_of(path):
         above = above if follows else new
         last = number
         behind = found["behind"] or ""
-        units = UNIT.findall(behind) or (UNIT.findall(above) if not behind else [])
         shared = "likewise" if follows and above else above
         words = "; ".join(filter(None, [behind, shared])) or words_around(lines, number)
+        units = UNIT.findall(behind or above)
         rows.append((found["name"], found["value"] or found["list"],
                      units[0] if len(set(units)) == 1 and found["name"] not in PURE else "", words))
     return rows
