@@ -49,6 +49,7 @@ Points last_points(const std::map<std::string, NumberArray>& arrays, const std::
                                 count, 3);
 }
 
+/// Of a pose in an array: its position and its quaternion.
 constexpr std::size_t pose_numbers = 7;
 
 NumberArray pose_array(const std::vector<Pose>& poses) {
