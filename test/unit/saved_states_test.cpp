@@ -1,5 +1,6 @@
 // Copies of all that moves, to come back to.
 
+#include <functional>
 #include <vector>
 
 #include "clothsim/model/errors.h"
@@ -153,13 +154,38 @@ TEST(SavedStates, OfAnotherSceneAreRefused) {
     other.cloth.rows = 4;
     other.cloth.height /= 3;
   });
-  expect_refused([](Scene& other) { other.cloth.thickness *= 2; });
   expect_refused([](Scene& other) { other.cloth.pinned = {{9, 0, ""}}; });
   expect_refused([](Scene& other) { other.colliders.clear(); });
   expect_refused([](Scene& other) { other.colliders[0].shape = Cuboid(); });
   expect_refused([](Scene& other) { other.colliders[0].shape = Sphere{0.1}; });
-  expect_refused([](Scene& other) { other.colliders[0].friction = 0.1; });
   Simulator(busy("auto")).restore(*saved);
+}
+
+TEST(SavedStates, OfAnotherThicknessOrFrictionGoOnByThoseOfTheSimulator) {
+  // In a simulator of a scene with such values as after they have changed in this one.
+  const std::vector<std::function<void(Scene&)>> changes = {
+      [](Scene& scene) { scene.cloth.thickness *= 1.5; },
+      [](Scene& scene) { scene.cloth.friction = 0.9; },
+      [](Scene& scene) { scene.colliders[0].friction = 0.1; }};
+  Simulator unchanged(busy("auto"));
+  run(unchanged, once);
+  const auto saved = unchanged.save();
+  const State state = unchanged.state();
+  for (const auto& change : changes) {
+    Scene scene = busy("auto");
+    change(scene);
+    Simulator other(scene), changed(busy("auto"));
+    changed.set(live_values(scene));
+    for (Simulator* simulator : {&other, &changed}) {
+      simulator->restore(*saved);
+      expect_same(simulator->state(), state);
+      EXPECT_EQ(simulator->cloth().thickness, scene.cloth.thickness);
+      EXPECT_EQ(simulator->cloth().friction, scene.cloth.friction);
+      EXPECT_EQ(simulator->scene().colliders[0].friction, scene.colliders[0].friction);
+      run(*simulator, once);
+    }
+    expect_same(other.state(), changed.state());
+  }
 }
 
 TEST(SavedStates, OfAnotherDensityGoOnWithoutTheImpulsesOfItsPairs) {
