@@ -195,9 +195,9 @@ const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Po
   Impl& impl = *impl_;
   const Impl::Query query{positions, &ahead, Impl::infinity, budget};
   const double step = std::max(2 * Impl::spread(positions, ahead), least_margin());
-  const double needed = step + impl.nearer_than_kept(positions);
-  if (needed <= impl.kept_reach()) return impl.look_at_kept(query, needed);
-  if (impl.keep(cloth, query, step, workers)) return impl.look_at_kept(query, step);
+  if (const std::optional<double> needed = impl.keep(cloth, query, step, workers)) {
+    return impl.look_at_kept(query, *needed);
+  }
   impl.advance(cloth, positions, workers);
   impl.motions.follow(impl.patches, positions, ahead, workers);
   const auto closing = [&](const Impl::PatchPair& pair) {

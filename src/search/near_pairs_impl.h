@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -124,7 +125,7 @@ struct NearPairs::Impl {
   static double spread(const Points& from, const Points& to);
   double kept_reach() const;
   double nearer_than_kept(const Points& positions) const;
-  bool keep(const Cloth&, const Query&, double step, const Workers&);
+  std::optional<double> keep(const Cloth&, const Query&, double step, const Workers&);
   const std::vector<NearPair>& look_at_kept(const Query&, double reach);
 
   // near_pairs_search.cpp: what two of them have near each other.

@@ -57,25 +57,30 @@ double NearPairs::Impl::nearer_than_kept(const Points& positions) const {
   return kept_at.rows() == 0 ? infinity : 2 * spread(kept_at, positions);
 }
 
-/// Finds all pairs within a reach, for the looks to come, where there will be some with a gap up to
-/// `step` in each.
-bool NearPairs::Impl::keep(const Cloth& cloth, const Query& query, double step,
-                           const Workers& workers) {
+/// Sees to it that all pairs are kept whose gap may be within `step` at `positions`. Returns within
+/// what they were then; none where the step leaves no room for further looks. That is for the step
+/// alone to say, not for what has been kept, so that a run that goes on elsewhere has the same
+/// bits.
+std::optional<double> NearPairs::Impl::keep(const Cloth& cloth, const Query& query, double step,
+                                            const Workers& workers) {
+  const bool has_room = step * least_looks <= kept_reach();
+  const double needed = step + nearer_than_kept(query.positions);
+  if (has_room && needed <= kept_reach()) return needed;
   kept_at.resize(0, 3);
-  if (step * least_looks > kept_reach()) return false;
+  if (!has_room) return {};
   advance(cloth, query.positions, workers);
   const auto all = [this](const PatchPair&) { return kept_reach(); };
   for (std::vector<Kept>& pairs : kept) pairs.clear();
   for (const NearPair& n : look({query.positions, nullptr, infinity, query.budget}, all, workers)) {
     kept[n.pair.edges()].push_back({n.separation.distance - n.pair.nearest, n.key, n.pair});
   }
-  if (!query.spend(0)) return false;
+  if (!query.spend(0)) return {};
   const auto nearer = [](const Kept& a, const Kept& b) {
     return a.gap < b.gap || (a.gap == b.gap && a.key < b.key);
   };
   for (std::vector<Kept>& pairs : kept) std::sort(pairs.begin(), pairs.end(), nearer);
   kept_at = query.positions;
-  return true;
+  return step;
 }
 
 /// What is asked for of the pairs kept whose gap was within `reach` then.
