@@ -88,6 +88,49 @@ Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
   return mesh;
 }
 
+Mesh cylinder_mesh(const Cylinder& cylinder, int columns, int rows) {
+  // Rings from the middle of one end over the side to that of the other.
+  const double way = 2 * cylinder.radius + cylinder.length;
+  const int flat = std::max(1, static_cast<int>(std::lround(rows * cylinder.radius / way)));
+  const int straight = std::max(1, rows - 2 * flat);
+  Mesh mesh;
+  const auto add = [&](const Mesh& part, const auto& place) {
+    const auto first = static_cast<int>(mesh.positions.rows()), count = int(part.uv.rows());
+    for (Points* rows_of : {&mesh.positions, &mesh.normals, &mesh.tangents}) {
+      rows_of->conservativeResize(first + count, 3);
+    }
+    mesh.uv.conservativeResize(first + count, 2);
+    for (int i = 0; i < count; ++i) {
+      const double around = 2 * M_PI * part.uv(i, 0);
+      const Vector3 out(std::cos(around), std::sin(around), 0);
+      const auto [radius, height, normal, along] = place(part.uv(i, 1), out);
+      mesh.positions.row(first + i) = radius * out + height * Vector3::UnitZ();
+      mesh.normals.row(first + i) = normal;
+      mesh.tangents.row(first + i) << -std::sin(around), std::cos(around), 0;
+      mesh.uv.row(first + i) << part.uv(i, 0), along / way;
+    }
+    for (const auto& [a, b, c] : part.triangles)
+      mesh.triangles.push_back({first + a, first + b, first + c});
+    for (const auto& [a, b] : part.lines) mesh.lines.push_back({first + a, first + b});
+  };
+  struct Place {
+    double radius, height;
+    Vector3 normal;
+    double along;  // of the way
+  };
+  const double r = cylinder.radius, l = cylinder.length;
+  add(grid_mesh(columns, flat), [&](double v, const Vector3&) {
+    return Place{v * r, -l / 2, -Vector3::UnitZ(), v * r};
+  });
+  add(grid_mesh(columns, straight), [&](double v, const Vector3& out) {
+    return Place{r, (v - 0.5) * l, out, r + v * l};
+  });
+  add(grid_mesh(columns, flat), [&](double v, const Vector3&) {
+    return Place{(1 - v) * r, l / 2, Vector3::UnitZ(), r + l + v * r};
+  });
+  return mesh;
+}
+
 Mesh box_mesh(const Vector3& half_sides, int segments) {
   const Mesh face = grid_mesh(segments, segments);
   const auto count = static_cast<int>(face.uv.rows());
@@ -123,6 +166,7 @@ Mesh make_mesh(const Shape& shape, int segments, double extent) {
       Overloaded{[&](const Sphere& s) { return sphere_mesh(s.radius, segments, segments); },
                  [&](const Plane&) { return plane_mesh(extent, segments); },
                  [&](const Capsule& c) { return capsule_mesh(c, segments, segments); },
+                 [&](const Cylinder& c) { return cylinder_mesh(c, segments, segments); },
                  [&](const Cuboid& b) { return box_mesh(b.size / 2, segments); }},
       shape);
 }

@@ -35,12 +35,6 @@ std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<Lin
   return lines;
 }
 
-/// The numbers that make up the size of a shape, three at most.
-Vector3 size_of(const Sphere& sphere) { return {sphere.radius, 0, 0}; }
-Vector3 size_of(const Plane&) { return Vector3::Zero(); }
-Vector3 size_of(const Capsule& capsule) { return {capsule.length, capsule.radius, 0}; }
-Vector3 size_of(const Cuboid& box) { return box.size; }
-
 }  // namespace
 
 bool needs_tangents(const Shading& shading) {
@@ -113,18 +107,14 @@ void ColliderObject::update(const ColliderView& view) {
   const int segments = flat ? flat_segments : view.segments;
   const auto* sphere = std::get_if<Sphere>(&view.shape);
   sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
-  const Vector3 size = std::visit([](const auto& shape) { return size_of(shape); }, view.shape);
-  const std::array<double, 6> wanted{1.0 + static_cast<double>(view.shape.index()),
-                                     size.x(),
-                                     size.y(),
-                                     size.z(),
-                                     1.0 * segments,
-                                     view.extent};
-  if (wanted == made_of_) return;
+  if (made_of_ && made_of_->shape == view.shape && made_of_->segments == segments &&
+      made_of_->extent == view.extent) {
+    return;
+  }
   shape_mesh_ = make_mesh(view.shape, segments, view.extent);
   mesh_.upload_topology(shape_mesh_.uv, shape_mesh_.triangles, shape_mesh_.lines);
   mesh_.upload_surface(shape_mesh_.positions, shape_mesh_.normals, shape_mesh_.tangents);
-  made_of_ = wanted;
+  made_of_ = {view.shape, segments, view.extent};
 }
 
 DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& eye) const {

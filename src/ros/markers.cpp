@@ -126,6 +126,10 @@ std::vector<Part> parts_of(const clothsim::Capsule& capsule) {
           {Marker::SPHERE, ball, -end}};
 }
 
+std::vector<Part> parts_of(const clothsim::Cylinder& cylinder) {
+  return {{Marker::CYLINDER, {2 * cylinder.radius, 2 * cylinder.radius, cylinder.length}}};
+}
+
 std::vector<Part> parts_of(const clothsim::Cuboid& box) { return {{Marker::CUBE, box.size}}; }
 
 /// The first part of collider i has the id i, its next ones have i + the number of colliders and so

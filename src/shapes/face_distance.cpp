@@ -5,90 +5,10 @@
 #include <limits>
 
 #include "clothsim/geometry/closest_points.h"
+#include "face_features.h"
 
 namespace clothsim {
 namespace {
-
-using Weights = std::array<double, 3>;
-
-/// Square of the sine below which two edges are parallel and have no common normal.
-constexpr double parallel = 1e-12;
-
-Vector3 at(const Triangle& t, const Weights& w) { return w[0] * t[0] + w[1] * t[1] + w[2] * t[2]; }
-
-Weights corner(std::size_t i) {
-  Weights w{0, 0, 0};
-  w[i] = 1;
-  return w;
-}
-
-/// A share `s` of the way along the edge from corner i.
-Weights on_edge(std::size_t i, double s) {
-  Weights w{0, 0, 0};
-  w[i] = 1 - s;
-  w[(i + 1) % 3] = s;
-  return w;
-}
-
-Vector3 edge(const Triangle& t, std::size_t i) { return t[(i + 1) % 3] - t[i]; }
-
-/// The least of distances between features, and its place.
-class Closest {
- public:
-  /// `p` of the shape is near to the point of the triangle with these weights.
-  void add(const Vector3& p, const Triangle& t, const Weights& weights) {
-    const Vector3 gap = at(t, weights) - p;
-    const double distance = gap.norm();
-    if (distance >= least_) return;
-    least_ = distance;
-    gap_ = gap;
-    weights_ = weights;
-  }
-
-  double least() const { return least_; }
-
-  /// Where it is not nil.
-  std::optional<FaceDistance> result() const {
-    if (least_ == 0 || std::isinf(least_)) return std::nullopt;
-    return FaceDistance{least_, gap_ / least_, weights_};
-  }
-
- private:
-  double least_ = std::numeric_limits<double>::infinity();
-  Vector3 gap_{0, 0, 0};
-  Weights weights_{1, 0, 0};
-};
-
-/// Of directions along which a triangle may leave a polyhedron, the shortest way.
-class WayOut {
- public:
-  /// `out` [m] is the way along the unit vector `direction`, negative where it is already out.
-  void add(double out, const Vector3& direction, const Weights& weights) {
-    if (out >= shortest_.value) return;
-    shortest_ = {out, direction, weights};
-  }
-
-  /// `value` is the way's length.
-  const FaceDistance& shortest() const { return shortest_; }
-
- private:
-  FaceDistance shortest_{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
-};
-
-/// Unit normal of a triangle, zero where it has no area.
-Vector3 unit_normal(const Triangle& t) {
-  const Vector3 e = edge(t, 0), f = edge(t, 1), n = e.cross(f);
-  const double length = n.norm();
-  return length * length > parallel * e.squaredNorm() * f.squaredNorm() ? Vector3(n / length)
-                                                                        : Vector3::Zero();
-}
-
-/// The corner that lies farthest against `direction`.
-std::size_t lowest(const Triangle& t, const Vector3& direction) {
-  const double a = direction.dot(t[0]), b = direction.dot(t[1]), c = direction.dot(t[2]);
-  if (a <= b && a <= c) return 0;
-  return b <= c ? 1 : 2;
-}
 
 // ---- Sphere: its centre
 
@@ -302,7 +222,7 @@ std::optional<FaceDistance> distance(const Cuboid& box, const Triangle& t, doubl
   return nearest;
 }
 
-/// Round shapes.
+/// Shapes with a core and a radius about it.
 template <class Round>
 std::optional<FaceDistance> distance(const Round& shape, const Triangle& t, double reach) {
   auto found = core_distance(shape, t, reach + shape.radius);
@@ -330,6 +250,24 @@ void for_each_supporting_line(const Capsule& capsule, const Vector3&, Visit visi
 }
 
 template <class Visit>
+void for_each_supporting_line(const Cylinder& cylinder, const Vector3& normal, Visit visit) {
+  const Vector3 up(0, 0, cylinder.length / 2);
+  const Eigen::Vector2d across = normal.head<2>();
+  const double slope = across.norm();
+  if (slope > std::abs(normal.z())) {  // its side, along the axis
+    const Vector3 out = cylinder.radius / slope * Vector3(across.x(), across.y(), 0);
+    visit(Vector3(out - up), Vector3(out + up), 0.0);
+    return;
+  }
+  // An end: two of its diameters.
+  const Vector3 end = normal.z() < 0 ? Vector3(-up) : up;
+  for (const int axis : {0, 1}) {
+    const Vector3 out = cylinder.radius * Vector3::Unit(axis);
+    visit(Vector3(end - out), Vector3(end + out), 0.0);
+  }
+}
+
+template <class Visit>
 void for_each_supporting_line(const Cuboid& box, const Vector3& normal, Visit visit) {
   const Vector3 support = box_corner(box.size / 2, normal);
   for (int axis = 0; axis < 3; ++axis) {
@@ -343,6 +281,11 @@ void for_each_supporting_line(const Cuboid& box, const Vector3& normal, Visit vi
 
 bool may_touch_between(const Sphere& sphere, const Eigen::AlignedBox3d& box, double reach) {
   return box.exteriorDistance(Vector3::Zero().eval()) <= sphere.radius + reach;
+}
+
+bool may_touch_between(const Cylinder& cylinder, const Eigen::AlignedBox3d& box, double reach) {
+  const Vector3 half(cylinder.radius, cylinder.radius, cylinder.length / 2);
+  return (box.min() - half).cwiseMax(-half - box.max()).maxCoeff() <= reach;
 }
 
 bool may_touch_between(const Capsule& capsule, const Eigen::AlignedBox3d& box, double reach) {

@@ -67,4 +67,22 @@ struct NearSurface {
           (z < 0 ? -1.0 : 1.0) * (inside ? az : oz / s)};
 }
 
+[[gnu::always_inline]] inline NearSurface near_surface(const Cylinder& cylinder, double x, double y,
+                                                       double z, double) {
+  const double rho = std::sqrt(x * x + y * y);
+  const double scale = rho > 0 ? rho : 1;
+  // Beyond its side and the end on this side.
+  const double br = rho - cylinder.radius;
+  const double bz = std::abs(z) - cylinder.length / 2;
+  const double nearest = br > bz ? br : bz;
+  const double outwards = br > 0 ? br : 0, along = bz > 0 ? bz : 0;
+  const double r = std::sqrt(outwards * outwards + along * along);
+  const double s = r > 0 ? r : 1;
+  const bool inside = nearest <= 0;
+  const double radial = inside ? (br >= bz ? 1.0 : 0.0) : outwards / s;
+  const double axial = inside ? (br >= bz ? 0.0 : 1.0) : along / s;
+  return {inside ? nearest : r, radial * (rho > 0 ? x / scale : 1), radial * (y / scale),
+          (z < 0 ? -1.0 : 1.0) * axial};
+}
+
 }  // namespace clothsim

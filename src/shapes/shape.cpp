@@ -66,21 +66,53 @@ std::optional<double> hit(const Cuboid& box, const Vector3& from, const Vector3&
   return in;
 }
 
+std::optional<double> hit(const Cylinder& cylinder, const Vector3& from, const Vector3& d,
+                          double offset) {
+  double in = 0, out = infinity;
+  const auto keep_within = [&](double first, double last) {
+    in = std::max(in, first);
+    out = std::min(out, last);
+  };
+  const double half = cylinder.length / 2 + offset, radius = cylinder.radius + offset;
+  if (d.z() != 0) {
+    const double a = (-half - from.z()) / d.z(), b = (half - from.z()) / d.z();
+    keep_within(std::min(a, b), std::max(a, b));
+  } else if (std::abs(from.z()) > half) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d from2 = from.head<2>(), d2 = d.head<2>();
+  const double a = d2.squaredNorm(), b = from2.dot(d2), c = from2.squaredNorm() - radius * radius;
+  const double discriminant = b * b - a * c;
+  if (a > 0 && discriminant >= 0) {
+    const double root = std::sqrt(discriminant);
+    keep_within((-b - root) / a, (-b + root) / a);
+  } else if (c > 0) {
+    return std::nullopt;
+  }
+  if (in > out) return std::nullopt;
+  return in;
+}
+
 double depth(const Sphere& sphere) { return sphere.radius / 2; }
 double depth(const Plane&) { return infinity; }
 double depth(const Capsule& capsule) { return capsule.radius / 2; }
 double depth(const Cuboid& box) { return box.size.minCoeff() / 4; }
+double depth(const Cylinder& cylinder) {
+  return std::min(cylinder.radius, cylinder.length / 2) / 2;
+}
 
 double bounds(const Sphere& sphere) { return sphere.radius; }
 double bounds(const Plane&) { return infinity; }
 double bounds(const Capsule& capsule) { return capsule.length / 2 + capsule.radius; }
 double bounds(const Cuboid& box) { return box.size.norm() / 2; }
+double bounds(const Cylinder& cylinder) { return std::hypot(cylinder.length / 2, cylinder.radius); }
 
 /// Radius of curvature, 0 where a shape has edges, infinite where it is flat [m].
 double radius_of(const Sphere& sphere) { return sphere.radius; }
 double radius_of(const Plane&) { return infinity; }
 double radius_of(const Capsule& capsule) { return capsule.radius; }
 double radius_of(const Cuboid&) { return 0; }
+double radius_of(const Cylinder&) { return 0; }
 
 }  // namespace
 

@@ -52,6 +52,8 @@ CLOTHSIM_TARGET_CLONES
 void find(const Capsule& capsule, const Run& run) { distances_of(capsule, run); }
 CLOTHSIM_TARGET_CLONES
 void find(const Cuboid& box, const Run& run) { distances_of(box, run); }
+CLOTHSIM_TARGET_CLONES
+void find(const Cylinder& cylinder, const Run& run) { distances_of(cylinder, run); }
 
 }  // namespace
 

@@ -41,6 +41,12 @@ void validate(const Cuboid& box, const Pose& pose) {
   check_range("size", box.size, size_range);
 }
 
+void validate(const Cylinder& cylinder, const Pose& pose) {
+  check_range("center", pose.position, position_range);
+  check_range("length", cylinder.length, size_range);
+  check_range("radius", cylinder.radius, size_range);
+}
+
 void validate(const ColliderSpec& collider) {
   if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
   std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);

@@ -1,5 +1,7 @@
 #include "clothsim/simulation/scene_yaml.h"
 
+#include <utility>
+
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/fabric_yaml.h"
 #include "clothsim/simulation/yaml_values.h"
@@ -134,9 +136,26 @@ std::vector<Field> shape_fields(Cuboid& box, Pose& pose) {
       {"rpy", [&pose](const YAML::Node& node) { pose.orientation = read_roll_pitch_yaw(node); }}};
 }
 
+std::vector<Field> shape_fields(Cylinder& cylinder, Pose& pose) {
+  return {{"center", into(pose.position)},
+          {"axis", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
+          {"length", into(cylinder.length)},
+          {"radius", into(cylinder.radius)}};
+}
+
+/// One of each kind.
+template <std::size_t... index>
+std::vector<Shape> all_shapes(std::index_sequence<index...>) {
+  return {std::variant_alternative_t<index, Shape>()...};
+}
+
 ColliderSpec read_collider(const YAML::Node& node) {
-  const std::vector<std::string> shapes = {"sphere", "plane", "capsule", "box"};
-  const std::array<Shape, 4> kinds = {Sphere(), Plane(), Capsule(), Cuboid()};
+  const std::vector<Shape> kinds =
+      all_shapes(std::make_index_sequence<std::variant_size_v<Shape>>());
+  std::vector<std::string> shapes;
+  for (const Shape& kind : kinds) {
+    shapes.push_back(std::visit([](const auto& s) { return s.name; }, kind));
+  }
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
 
   // The shape decides which keys there are.

@@ -10,7 +10,7 @@
 namespace clothsim::testing {
 namespace {
 
-const char* const shape_names[] = {"sphere", "plane", "capsule", "box"};
+const char* const shape_names[] = {"sphere", "plane", "capsule", "box", "cylinder"};
 
 Material random_material(Draw& draw) {
   Material material;
@@ -90,13 +90,15 @@ Motion random_motion(Draw& draw, double size) {
 
 Shape random_shape(Draw& draw, double size) {
   const double width = size * draw.decades(0.02, 0.3), length = size * draw.decades(0.2, 2);
-  switch (draw.whole(0, 3)) {
+  switch (draw.whole(0, 4)) {
     case 0:
       return Sphere{size * draw.decades(0.03, 0.5)};
     case 1:
       return Plane{draw.happens(0.3)};
     case 2:
       return Capsule{length, width};
+    case 3:
+      return Cylinder{draw.happens(0.5) ? length : width, draw.happens(0.5) ? length / 2 : width};
     default:
       return Cuboid{{length, width, size * draw.decades(0.05, 1)}};
   }

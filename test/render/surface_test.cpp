@@ -55,7 +55,8 @@ TEST(Surface, TheBitangentOfAClothPointsAlongGrowingV) {
 TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
   for (const Mesh& mesh : {sphere_mesh(0.3, 20, 12), plane_mesh(2, 4), box_mesh({0.1, 0.2, 0.3}),
                            box_mesh({0.1, 0.2, 0.3}, 5), capsule_mesh({0.5, 0.1}, 12, 20),
-                           capsule_mesh({1e-3, 0.1}, 12, 5)}) {
+                           capsule_mesh({1e-3, 0.1}, 12, 5), cylinder_mesh({0.5, 0.1}, 12, 20),
+                           cylinder_mesh({1e-3, 0.1}, 12, 5)}) {
     for (const auto& t : mesh.triangles) {
       const Vector3 a = mesh.positions.row(t[0]), b = mesh.positions.row(t[1]),
                     c = mesh.positions.row(t[2]);
@@ -81,8 +82,9 @@ TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
   }
 }
 
-TEST(Surface, MeshesOfCapsuleAndBoxLieOnTheirSurface) {
-  for (const Shape& shape : {Shape(Capsule{0.5, 0.1}), Shape(Cuboid{{0.2, 0.3, 0.4}})}) {
+TEST(Surface, MeshesOfShapesLieOnTheirSurface) {
+  for (const Shape& shape :
+       {Shape(Capsule{0.5, 0.1}), Shape(Cuboid{{0.2, 0.3, 0.4}}), Shape(Cylinder{0.4, 0.1})}) {
     const Mesh mesh = make_mesh(shape, 16, 1);
     for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
       const Vector3 p = mesh.positions.row(i), n = mesh.normals.row(i), out = p + 1e-3 * n;

@@ -190,7 +190,7 @@ class Messages(unittest.TestCase):
             self.assertTrue(np.allclose((color.r, color.g, color.b), expected), family)
 
     def test_collider_markers(self):
-        ball, ground, sheet, rod, end, other_end, crate = [
+        ball, ground, sheet, rod, end, other_end, crate, drum = [
             m for m in self.array.markers if m.ns == "colliders"]
         self.assertEqual(ball.type, Marker.SPHERE)
         self.assertTrue(np.allclose(point(ball.scale), 0.2))
@@ -219,6 +219,12 @@ class Messages(unittest.TestCase):
         self.assertTrue(np.allclose(point(crate.pose.position), [0, 2, 0]))
         q = crate.pose.orientation
         self.assertTrue(np.allclose([q.x, q.y, q.z, q.w], [0, 0, np.sin(0.25), np.cos(0.25)]))
+
+        self.assertEqual(drum.type, Marker.CYLINDER)
+        self.assertTrue(np.allclose(point(drum.scale), [0.1, 0.1, 0.4]))
+        self.assertTrue(np.allclose(point(drum.pose.position), [0, 3, 0]))
+        q = drum.pose.orientation
+        self.assertTrue(np.allclose([q.x, q.y, q.z, q.w], [0, 0.5**0.5, 0, 0.5**0.5]))
 
     def test_family_switched_off_is_deleted(self):
         client = Client("/clothsim", timeout=PATIENCE)

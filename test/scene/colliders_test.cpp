@@ -60,6 +60,7 @@ const Drop drops[] = {
     {"capsule",
      25,
      {{"rod", Capsule{1.4, 0.03}, pose_at({0.5, 0.5, 0.6}, lying_along_y), 0.5, ""}}},
+    {"cylinder_rim", 25, {{"drum", Cylinder{0.3, 0.25}, pose_at({0.5, 0.5, 0.6}), 0.5, ""}}},
     {"three_spheres",
      25,
      {{"a", Sphere{0.1}, pose_at({0.25, 0.3, 0.6}), 0.5, ""},

@@ -9,8 +9,14 @@
 namespace clothsim {
 namespace {
 
-const Shape solids[] = {Sphere{0.3}, Capsule{0.8, 0.2}, Capsule{1.0, 0.01}, Cuboid{{1.2, 0.8, 0.4}},
-                        Cuboid{{0.8, 0.8, 0.01}}};
+const Shape solids[] = {Sphere{0.3},
+                        Capsule{0.8, 0.2},
+                        Capsule{1.0, 0.01},
+                        Cuboid{{1.2, 0.8, 0.4}},
+                        Cuboid{{0.8, 0.8, 0.01}},
+                        Cylinder{0.8, 0.3},
+                        Cylinder{0.02, 0.4},
+                        Cylinder{1.2, 0.02}};
 
 Vector3 at(const Triangle& t, const std::array<double, 3>& w) {
   return w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
@@ -41,6 +47,9 @@ double extent(const Shape& shape, const Vector3& u) {
   if (const auto* s = std::get_if<Sphere>(&shape)) return s->radius;
   if (const auto* c = std::get_if<Capsule>(&shape)) {
     return std::abs(u.z()) * c->length / 2 + c->radius;
+  }
+  if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    return std::abs(u.z()) * c->length / 2 + u.head<2>().norm() * c->radius;
   }
   return u.cwiseAbs().dot(std::get<Cuboid>(shape).size) / 2;
 }
@@ -211,6 +220,38 @@ TEST(FaceDistance, ALineThatATriangleLiesOnIsFoundAtTwoOfItsEdges) {
     check(rod, over_rod, 0.1);
     check(box, over_edge, 0.1);
   }
+}
+
+TEST(FaceDistance, ACylinderHoldsATriangleOnItsRimItsSideAndItsEnds) {
+  const Cylinder drum{0.4, 0.3};
+  // An edge square across the rim, no corner near.
+  const Vector3 on_rim(0.3, 0, 0.2), out(std::sqrt(0.5), 0, std::sqrt(0.5));
+  const Vector3 along(0, 1, 0), down = out.cross(along);
+  Triangle t{on_rim + 0.01 * out + down, on_rim + 0.01 * out - down, on_rim + 0.3 * out + along};
+  auto found = face_distance(drum, t, 1);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->value, 0.01, 1e-9);
+  EXPECT_NEAR((found->normal - out).norm(), 0, 1e-6);
+  EXPECT_NEAR((at(t, found->weights) - on_rim - 0.01 * out).norm(), 0, 1e-8);
+  // As deep in it: the same way out.
+  for (Vector3& p : t) p -= 0.02 * out;
+  found = face_distance(drum, t, 1);
+  EXPECT_NEAR(found->value, -0.01, 1e-9);
+  EXPECT_NEAR((found->normal - out).norm(), 0, 1e-6);
+
+  // It reaches through the middle of a triangle whose edges are out of it.
+  const Triangle around{Vector3(-3, -3, 0.19), Vector3(3, -3, 0.19), Vector3(0, 3, 0.19)};
+  found = face_distance(drum, around, 1);
+  EXPECT_NEAR(found->value, -0.01, 1e-12);
+  EXPECT_EQ(found->normal, Vector3::UnitZ());
+  // What lies on an end is held where it crosses its diameters.
+  const Triangle on_end{Vector3(-3, -0.1, 0.21), Vector3(3, -0.1, 0.21), Vector3(0, 3, 0.21)};
+  found = face_distance(drum, on_end, 1);
+  EXPECT_NEAR(found->value, 0.01, 1e-12);
+  const auto edges = edges_along(drum, on_end, *found, 0.1);
+  ASSERT_TRUE(edges[0]);
+  EXPECT_NEAR(edges[0]->value, 0.01, 1e-12);
+  EXPECT_NEAR(at(on_end, edges[0]->weights).x(), 0, 1e-12);
 }
 
 TEST(FaceDistance, FacesOfABoxBoundCornersAndItsEdgesEdges) {

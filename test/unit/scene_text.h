@@ -97,6 +97,9 @@ inline std::string print(const Scene& scene) {
     if (const auto* capsule = std::get_if<Capsule>(&collider.shape)) {
       out << capsule->length << ' ' << capsule->radius;
     }
+    if (const auto* cylinder = std::get_if<Cylinder>(&collider.shape)) {
+      out << cylinder->length << ' ' << cylinder->radius;
+    }
     if (const auto* box = std::get_if<Cuboid>(&collider.shape)) {
       print_vector(box->size);
       print_vector(collider.pose.orientation * Vector3::UnitX());

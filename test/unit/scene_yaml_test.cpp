@@ -153,6 +153,16 @@ TEST(SceneYaml, CapsuleTurnsItsZAxisToTheAxis) {
   EXPECT_LT((rod.pose.orientation * Vector3::UnitZ() + Vector3::UnitY()).norm(), 1e-12);
 }
 
+TEST(SceneYaml, CylinderTurnsItsZAxisToTheAxis) {
+  const Scene scene = read_changed(
+      {"colliders.0={shape: cylinder, center: [1, 2, 3], axis: [0, -2, 0], length: 0.5, radius: "
+       "0.03}"});
+  const ColliderSpec& drum = scene.colliders[0];
+  EXPECT_EQ(drum.name, "cylinder");
+  EXPECT_EQ(std::get<Cylinder>(drum.shape), (Cylinder{0.5, 0.03}));
+  EXPECT_LT((drum.pose.orientation * Vector3::UnitZ() + Vector3::UnitY()).norm(), 1e-12);
+}
+
 TEST(SceneYaml, BoxIsTurnedByRollThenPitchThenYawAboutFixedAxes) {
   const auto turned = [](const std::string& rpy) {
     const Scene scene =

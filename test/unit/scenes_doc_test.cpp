@@ -60,6 +60,7 @@ const std::vector<Map> fixed_maps = {
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},
     {{"colliders", "colliders: capsule"}, "{cloth: {}, colliders: [{shape: capsule, ", "}]}"},
     {{"colliders", "colliders: box"}, "{cloth: {}, colliders: [{shape: box, ", "}]}"},
+    {{"colliders", "colliders: cylinder"}, "{cloth: {}, colliders: [{shape: cylinder, ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
     {{"motions: frame"}, "{cloth: {}, motions: [{frame: a, position: [0, 0, 0], ", "}]}"},
     {{"motions: file"}, "{cloth: {}, motions: [{file: a.csv, frame: a, ", "}]}"},

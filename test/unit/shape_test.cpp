@@ -16,7 +16,8 @@ const Shape ground = Plane{};
 const Shape sheet = Plane{true};
 const Shape rod = Capsule{0.8, 0.2};
 const Shape crate = Cuboid{{1.2, 0.8, 0.4}};
-const Shape solids[] = {ball, rod, crate};
+const Shape drum = Cylinder{0.5, 0.4};
+const Shape solids[] = {ball, rod, crate, drum};
 
 /// Points on the surface of a box, so many along each side.
 std::vector<Vector3> surface_of(const Cuboid& box, int count) {
@@ -97,13 +98,43 @@ TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
   EXPECT_GT(inside, 10);
 }
 
+TEST(Shape, CylinderDistanceIsThatOfTheNearestPointOfItsSurface) {
+  const auto& [length, radius] = std::get<Cylinder>(drum);
+  std::vector<Vector3> surface;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2 * M_PI * i / 400;
+    const Vector3 out(std::cos(angle), std::sin(angle), 0);
+    for (int j = 0; j <= 80; ++j) {
+      surface.push_back(radius * out + length * (j / 80.0 - 0.5) * Vector3::UnitZ());
+      for (const double end : {-0.5, 0.5}) {
+        surface.push_back(j / 80.0 * radius * out + end * length * Vector3::UnitZ());
+      }
+    }
+  }
+  std::mt19937_64 engine(6);
+  std::uniform_real_distribution<double> draw(-0.7, 0.7);
+  int inside = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vector3 p(draw(engine), draw(engine), draw(engine));
+    double nearest = 10;
+    for (const Vector3& q : surface) nearest = std::min(nearest, (p - q).norm());
+    const bool within = p.head<2>().norm() < radius && std::abs(p.z()) < length / 2;
+    inside += within;
+    const double value = signed_distance(drum, p, p).value;
+    EXPECT_EQ(value < 0, within);
+    EXPECT_LE(std::abs(value), nearest + 1e-12);
+    EXPECT_GT(std::abs(value), nearest - 0.006) << "the points are 6 mm apart";
+  }
+  EXPECT_GT(inside, 10);
+}
+
 TEST(Shape, DistancesOfManyPointsAreThoseOfEach) {
   // The vector loop against the scalar function, in the frame of a solid that has turned.
   constexpr int count = 203;  // no multiple of a vector's length
   const Points points = Points::Random(count, 3), sides = Points::Random(count, 3);
   const Pose now{{0.1, -0.2, 0.05}, Eigen::Quaterniond(0.8, 0, 0.6, 0)};
   const Pose before{{0, 0.1, 0}, Eigen::Quaterniond(0.6, 0.8, 0, 0)};
-  for (const Shape& shape : {ball, ground, sheet, rod, crate}) {
+  for (const Shape& shape : {ball, ground, sheet, rod, crate, drum}) {
     Scalars distances(count);
     Points normals(count, 3);
     signed_distances(shape, Frame(now), run_from(points, 0), Frame(before), run_from(sides, 0),
@@ -123,7 +154,7 @@ TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
   for (const Vector3& p :
        {Vector3(0, 0, 0), Vector3(0, 0, 0.4), Vector3(0, 0, -0.4), Vector3(0, 0, 0.1),
         Vector3(0.6, 0.4, 0.2), Vector3(-0.6, 0, 0), Vector3(0.6, -0.4, 0), Vector3(0.4, 0.2, 0)}) {
-    for (const Shape& shape : {ball, rod, crate}) {
+    for (const Shape& shape : solids) {
       const Distance d = signed_distance(shape, p, p);
       EXPECT_TRUE(std::isfinite(d.value));
       EXPECT_NEAR(d.normal.norm(), 1, 1e-15) << p.transpose();
@@ -137,7 +168,7 @@ TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
 TEST(Shape, NormalIsTheGradientOfTheDistance) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> draw(-1, 1);
-  for (const Shape& shape : {ball, ground, sheet, rod, crate}) {
+  for (const Shape& shape : {ball, ground, sheet, rod, crate, drum}) {
     for (int n = 0; n < 200; ++n) {
       const Vector3 p(draw(engine), draw(engine), draw(engine));
       const Distance d = signed_distance(shape, p, p);
@@ -242,11 +273,14 @@ TEST(Shape, BoundsHoldTheSolid) {
   EXPECT_LE(safe_depth(ball), 0.5);
   EXPECT_LE(safe_depth(rod), 0.2);
   EXPECT_LE(safe_depth(crate), 0.2);
+  EXPECT_NEAR(bounding_radius(drum), std::hypot(0.25, 0.4), 1e-15);
+  EXPECT_LE(safe_depth(drum), 0.25);
   for (const Shape& shape : solids) EXPECT_GT(safe_depth(shape), 0);
   EXPECT_EQ(least_curvature_radius(ball), 0.5);
   EXPECT_TRUE(std::isinf(least_curvature_radius(ground)));
   EXPECT_EQ(least_curvature_radius(rod), 0.2);
   EXPECT_EQ(least_curvature_radius(crate), 0);
+  EXPECT_EQ(least_curvature_radius(drum), 0);
 }
 
 }  // namespace

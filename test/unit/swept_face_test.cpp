@@ -23,8 +23,8 @@ TEST(SweptFace, FindsEveryContactThatFineStepsFind) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> draw(-1, 1);
   const auto random = [&] { return Vector3(draw(engine), draw(engine), draw(engine)); };
-  for (const Shape& shape :
-       {Shape(Sphere{0.1}), Shape(Capsule{1, 0.02}), Shape(Cuboid{{1, 1, 0.01}})}) {
+  for (const Shape& shape : {Shape(Sphere{0.1}), Shape(Capsule{1, 0.02}),
+                             Shape(Cuboid{{1, 1, 0.01}}), Shape(Cylinder{0.01, 0.5})}) {
     int hits = 0, misses = 0;
     for (int n = 0; n < 400; ++n) {
       ColliderSpec spec;

@@ -19,7 +19,8 @@ struct Mesh {
 };
 
 /// Mesh of `shape` in its own frame, `segments` around and along. A sphere's u goes around +z and
-/// its v from pole to pole, those of a capsule likewise, v in proportion to the way; a box has u
+/// its v from pole to pole, those of a capsule or a cylinder likewise, v in proportion to the way
+/// (from the middle of one flat end to that of the other); a box has u
 /// and v from 0 to 1 on each face; a plane is a square of side `extent` [m] about the origin, u and
 /// v in metres along x and y, so that textures repeat.
 Mesh make_mesh(const Shape& shape, int segments, double extent);
@@ -32,6 +33,9 @@ Mesh plane_mesh(double extent, int segments);
 
 /// Capsule of columns x at least `rows` faces, of about one size along.
 Mesh capsule_mesh(const Capsule&, int columns, int rows);
+
+/// Cylinder of columns x at least `rows` faces, its ends apart from its side.
+Mesh cylinder_mesh(const Cylinder&, int columns, int rows);
 
 /// Box about the origin with segments x segments faces on each side.
 Mesh box_mesh(const Vector3& half_sides, int segments = 1);

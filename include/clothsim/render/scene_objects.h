@@ -49,7 +49,12 @@ class ColliderObject {
   GpuMesh mesh_;
   Mesh shape_mesh_;
   std::optional<double> sphere_radius_;
-  std::array<double, 6> made_of_{};  // kind, size, segments and extent of the mesh
+  struct Recipe {
+    Shape shape;
+    int segments;
+    double extent;
+  };
+  std::optional<Recipe> made_of_;  // what the mesh is; empty: there is none yet
 };
 
 /// Whether the shading looks at tangents.

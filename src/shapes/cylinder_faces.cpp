@@ -1,0 +1,204 @@
+// Distance between a triangle and a cylinder with flat ends.
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/geometry/closest_points.h"
+#include "face_features.h"
+#include "near_surface.h"
+
+namespace clothsim {
+namespace {
+
+/// Least of the signed distance along one edge: it is convex, so its slope has one sign change.
+/// Half of the steps halve the interval, the others follow the secant of the slope.
+struct LeastOnEdge {
+  double s;  // from corner i to i + 1
+  Distance distance;
+};
+
+LeastOnEdge least_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
+  constexpr int most_steps = 100;
+  constexpr double precise = 1e-14;  // of the edge
+  const Vector3 way = b - a;
+  const auto at = [&](double s) {
+    const Vector3 p = a + s * way;
+    const NearSurface near = near_surface(cylinder, p.x(), p.y(), p.z(), 0);
+    return LeastOnEdge{s, {near.value, {near.x, near.y, near.z}}};
+  };
+  const auto slope = [&](const LeastOnEdge& x) { return x.distance.normal.dot(way); };
+  LeastOnEdge low = at(0), high = at(1);
+  double down = slope(low), up = slope(high);
+  if (down >= 0) return low;
+  if (up <= 0) return high;
+  for (int step = 0; step < most_steps && high.s - low.s > precise; ++step) {
+    const double secant = low.s + (high.s - low.s) * down / (down - up);
+    const LeastOnEdge middle = at(step % 2 ? secant : (low.s + high.s) / 2);
+    const double now = slope(middle);
+    if (now == 0) return middle;
+    (now < 0 ? low : high) = middle;
+    (now < 0 ? down : up) = now;
+  }
+  return low.distance.value < high.distance.value ? low : high;
+}
+
+/// The point of the solid that lies farthest along `direction`; the middle of an end or of a line
+/// of the side where these do.
+Vector3 support(const Cylinder& cylinder, const Vector3& direction) {
+  const Vector3 across(direction.x(), direction.y(), 0);
+  const double slope = across.norm();
+  const double end = direction.z() < 0 ? -cylinder.length / 2 : cylinder.length / 2;
+  Vector3 p = slope > 0 ? Vector3(cylinder.radius / slope * across) : Vector3(0, 0, 0);
+  p.z() = direction.z() == 0 ? 0 : end;
+  return p;
+}
+
+/// Does the solid reach through the inside of the triangle, past its edges? Where these are out of
+/// it, either all of its section with the plane lies in the triangle or nothing.
+bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
+  if (n.isZero(0)) return false;
+  const Vector3 above = support(cylinder, n), below = support(cylinder, -n);
+  const double high = n.dot(above - t[0]), low = n.dot(below - t[0]);
+  if (high <= 0 || low >= 0) return false;
+  const Vector3 p = below + low / (low - high) * (above - below);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (n.dot(edge(t, i).cross(p - t[i])) < 0) return false;
+  }
+  return true;
+}
+
+/// Directions across an edge that its way out is looked for among, all around: the way is the
+/// support of the cylinder's shadow along the edge, with up to four minima.
+constexpr int tried = 24;
+
+class CylinderWayOut {
+ public:
+  CylinderWayOut(const Cylinder& cylinder, const Triangle& t) : cylinder_(cylinder), t_(t) {}
+
+  /// `on`: an edge that lies square to `out`, if any.
+  void add(const Vector3& out, std::optional<std::size_t> on) {
+    const double way = length(out);
+    if (way >= way_.shortest().value) return;
+    const std::size_t low = lowest(t_, out);
+    Weights weights = corner(low);
+    const Vector3 p = support(cylinder_, out);
+    if (on && (low == *on || low == (*on + 1) % 3)) {
+      const Vector3 e = edge(t_, *on);
+      const double s = e.isZero(0) ? 0 : (p - t_[*on]).dot(e) / e.squaredNorm();
+      weights = on_edge(*on, std::clamp(s, 0.0, 1.0));
+    } else if (!on) {
+      weights = closest_on_triangle(p, t_[0], t_[1], t_[2]);
+    }
+    way_.add(way, out, weights);
+  }
+
+  /// The shortest way square to an edge.
+  void add_across(std::size_t i) {
+    const Vector3 e = edge(t_, i);
+    if (e.isZero(0)) return;
+    const Vector3 u = e.unitOrthogonal(), v = e.normalized().cross(u);
+    const auto out = [&](double angle) {
+      return Vector3(std::cos(angle) * u + std::sin(angle) * v);
+    };
+    double ways[tried];
+    constexpr double apart = 2 * M_PI / tried;
+    for (int k = 0; k < tried; ++k) ways[k] = length(out(k * apart));
+    for (int k = 0; k < tried; ++k) {
+      if (ways[k] > ways[(k + 1) % tried] || ways[k] > ways[(k + tried - 1) % tried]) continue;
+      add(out(least_between((k - 1) * apart, (k + 1) * apart, out)), i);
+    }
+  }
+
+  const FaceDistance& shortest() const { return way_.shortest(); }
+
+ private:
+  /// Of the way along `out` [m].
+  double length(const Vector3& out) const {
+    const double across = std::hypot(out.x(), out.y());
+    return cylinder_.radius * across + cylinder_.length / 2 * std::abs(out.z()) -
+           out.dot(t_[lowest(t_, out)]);
+  }
+
+  /// By golden sections.
+  template <class Direction>
+  double least_between(double low, double high, const Direction& out) const {
+    constexpr double section = 0.6180339887498949;
+    constexpr int steps = 40;  // to 1e-8 of the interval
+    double a = high - section * (high - low), b = low + section * (high - low);
+    double at_a = length(out(a)), at_b = length(out(b));
+    for (int step = 0; step < steps; ++step) {
+      if (at_a < at_b) {
+        high = b;
+        b = a;
+        at_b = at_a;
+        a = high - section * (high - low);
+        at_a = length(out(a));
+      } else {
+        low = a;
+        a = b;
+        at_a = at_b;
+        b = low + section * (high - low);
+        at_b = length(out(b));
+      }
+    }
+    return (low + high) / 2;
+  }
+
+  const Cylinder& cylinder_;
+  const Triangle& t_;
+  WayOut way_;
+};
+
+/// The shortest way out: along the axis, along the triangle's normal, straight away from the axis
+/// at a corner, or square to an edge.
+FaceDistance way_out(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
+  CylinderWayOut way(cylinder, t);
+  for (const double sign : {-1.0, 1.0}) {
+    const Vector3 along = sign * Vector3::UnitZ();
+    way.add(along, {});
+    if (!n.isZero(0)) way.add(sign * n, {});
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 across = along.cross(edge(t, i));
+      if (across.norm() > std::sqrt(parallel) * edge(t, i).norm()) way.add(across.normalized(), i);
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3 away(t[i].x(), t[i].y(), 0);
+    way.add(away.isZero(0) ? Vector3::UnitX() : away.normalized(), {});
+    way.add_across(i);
+  }
+  return way.shortest();
+}
+
+}  // namespace
+
+std::optional<FaceDistance> distance(const Cylinder& cylinder, const Triangle& t, double reach) {
+  const Vector3 half(cylinder.radius, cylinder.radius, cylinder.length / 2);
+  const Vector3 least = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
+  const Vector3 most = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  if ((least - half).cwiseMax(-half - most).maxCoeff() > reach) return std::nullopt;
+
+  FaceDistance nearest{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LeastOnEdge on = least_on_edge(cylinder, t[i], t[(i + 1) % 3]);
+    if (on.distance.value >= nearest.value) continue;
+    nearest = {on.distance.value, on.distance.normal, on_edge(i, on.s)};
+  }
+  const Vector3 n = unit_normal(t);
+  if (nearest.value < 0 || reaches_through(cylinder, t, n)) {
+    FaceDistance way = way_out(cylinder, t, n);
+    way.value = std::min(-way.value, 0.0);
+    return way;
+  }
+  // The solid's point nearest to the plane, where that is over the triangle's inside.
+  if (!n.isZero(0)) {
+    const Vector3 p = support(cylinder, n.dot(t[0]) > 0 ? n : Vector3(-n));
+    Closest inside;
+    inside.add(p, t, closest_on_triangle(p, t[0], t[1], t[2]));
+    if (const auto found = inside.result(); found && found->value < nearest.value) nearest = *found;
+  }
+  if (nearest.value > reach) return std::nullopt;
+  return nearest;
+}
+
+}  // namespace clothsim

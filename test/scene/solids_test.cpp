@@ -1,0 +1,89 @@
+// Cloths dropped on rims and edges, judged without the code that keeps them off: their triangles
+// are sampled densely, in every frame.
+
+#include <cmath>
+
+#include "clothsim/simulation/report.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// Depth in the solid of the deepest of all points of the triangles on a lattice [m]; negative
+/// where they are out of it. Triangles that are farther away than their size are left out.
+double deepest_sample(const Simulator& simulator, int index) {
+  constexpr int along = 8;
+  const Shape& shape = simulator.scene().colliders[static_cast<std::size_t>(index)].shape;
+  const Pose& pose = simulator.collider_pose(index);
+  const Points& x = simulator.state().positions;
+  const auto local = [&](int i) { return to_local(pose, x.row(i).transpose()); };
+  const auto depth = [&](const Vector3& p) { return -signed_distance(shape, p, p).value; };
+  double deepest = -1;
+  for (const auto& [i, j, k] : simulator.cloth().triangles) {
+    const Vector3 a = local(i), u = local(j) - a, v = local(k) - a;
+    if (depth(a) < -std::max(u.norm(), v.norm())) continue;
+    for (int m = 0; m <= along; ++m) {
+      for (int n = 0; m + n <= along; ++n) {
+        deepest = std::max(deepest, depth(a + (m * u + n * v) / along));
+      }
+    }
+  }
+  return deepest;
+}
+
+Scene above(const Shape& shape, const Pose& pose, int side = 30) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  ColliderSpec solid;
+  solid.name = "solid";
+  solid.shape = shape;
+  solid.pose = pose;
+  solid.friction = 0.4;
+  scene.colliders = {solid};
+  return scene;
+}
+
+Pose turned(const Vector3& position, double angle, const Vector3& axis) {
+  return {position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()))};
+}
+
+/// What stands off by 0.1 mm may sink in by as much.
+constexpr double tolerance = surface_offset;
+
+struct Drop {
+  const char* name;
+  Scene scene;
+};
+
+void PrintTo(const Drop& drop, std::ostream* out) { *out << drop.name; }
+
+class DroppedOn : public ::testing::TestWithParam<Drop> {};
+
+TEST_P(DroppedOn, NoPointOfATriangleIsInTheSolidInAnyFrame) {
+  Simulator simulator(GetParam().scene);
+  double deepest = -1;
+  for (int frame = 0; frame < 180; ++frame) {
+    ASSERT_EQ(simulator.step().recoveries, 0) << frame;
+    const double now = deepest_sample(simulator, 0);
+    deepest = std::max(deepest, now);
+    ASSERT_LT(now, tolerance) << frame;
+  }
+  RecordProperty("deepest_um", std::to_string(1e6 * deepest));
+  EXPECT_GT(deepest, -1e-3) << "it has never touched";
+}
+
+const Drop drops[] = {
+    {"end_of_a_drum", above(Cylinder{0.3, 0.25}, {Vector3(0.5, 0.5, 0.7)})},
+    {"rim_of_a_leaning_drum",
+     above(Cylinder{0.3, 0.25}, turned({0.5, 0.5, 0.6}, 0.8, {1, 0.3, 0}))},
+    {"thin_disc_on_edge", above(Cylinder{0.01, 0.3}, turned({0.5, 0.5, 0.6}, M_PI / 2, {1, 0, 0}))},
+    {"end_of_a_rod_within_a_cell", above(Cylinder{0.6, 0.008}, {Vector3(0.51, 0.49, 0.6)})},
+};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, DroppedOn, ::testing::ValuesIn(drops),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace clothsim
