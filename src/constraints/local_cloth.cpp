@@ -9,9 +9,9 @@
 namespace clothsim {
 namespace {
 
-/// Longest edge of triangles whose corners keep them off a round shape, of its radius: an edge e
-/// lifts them by e^2 / (6 r), here a sixteenth of itself at most.
-constexpr double longest_chord = 0.375;
+/// Most that corners may stand off a shape to keep their triangles off it, of the longest edge: an
+/// edge e does so by e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
+constexpr double highest_lift = 1.0 / 16;
 
 /// A strain limit for those that have none: how far points are lifted is to change with springs
 /// only where they stretch further.
@@ -62,13 +62,10 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
-  const double radius = least_curvature_radius(shape);
-  if (cloth.triangles.empty() || std::isinf(radius)) return {cloth.offset, false};
-  // A triangle lies within edge / sqrt(3) of its circumcentre.
-  const double kept = radius + cloth.offset;
+  if (cloth.triangles.empty()) return {cloth.offset, false};
   const double edge = longest_edge_within_limit(cloth, stretch);
-  const double lifted = std::sqrt(kept * kept + edge * edge / 3) - radius;
-  if (edge <= longest_chord * radius) return {lifted, false};
+  const double lifted = corner_distance(shape, edge, cloth.offset);
+  if (lifted - cloth.offset <= highest_lift * edge) return {lifted, false};
   return {cloth.offset, true};
 }
 

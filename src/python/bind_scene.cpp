@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "bindings.h"
 #include "clothsim/simulation/scene_yaml.h"
 #include "yaml_objects.h"
@@ -6,7 +8,8 @@ namespace clothsim_python {
 namespace {
 
 SceneObject make_scene(const YAML::Node& yaml, const std::string& file, const py::dict& overrides) {
-  return {clothsim::read_scene(yaml), yaml, file, assignments(overrides)};
+  return {clothsim::read_scene(yaml, {std::filesystem::path(file).parent_path()}), yaml, file,
+          assignments(overrides)};
 }
 
 SceneObject from_source(const py::object& source, const py::dict& overrides) {

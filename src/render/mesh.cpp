@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/render/solid_mesh.h"
+#include "clothsim/shapes/mesh_file.h"
+
 namespace clothsim {
 namespace {
 
@@ -167,6 +170,7 @@ Mesh make_mesh(const Shape& shape, int segments, double extent) {
                  [&](const Plane&) { return plane_mesh(extent, segments); },
                  [&](const Capsule& c) { return capsule_mesh(c, segments, segments); },
                  [&](const Cylinder& c) { return cylinder_mesh(c, segments, segments); },
+                 [&](const MeshShape& m) { return solid_mesh(m.file->solid, m.padding); },
                  [&](const Cuboid& b) { return box_mesh(b.size / 2, segments); }},
       shape);
 }

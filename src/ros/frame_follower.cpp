@@ -9,13 +9,14 @@ namespace {
 
 /// How far a change of pose moves the shape's points at most that are no farther out than the cloth
 /// [m].
-double way_between(const clothsim::Pose& a, const clothsim::Pose& b, const clothsim::Shape& shape,
-                   const clothsim::Points& cloth) {
+double way_between(const clothsim::Pose& a, const clothsim::Pose& b,
+                   const clothsim::ColliderSpec& collider, const clothsim::Points& cloth) {
   const double straight = (b.position - a.position).norm();
   const double angle = a.orientation.angularDistance(b.orientation);
   if (angle == 0) return straight;
+  const double radius = clothsim::bounding_radius(collider.shape) + collider.offset.position.norm();
   const double reach = (cloth.rowwise() - a.position.transpose()).rowwise().norm().maxCoeff();
-  return straight + angle * std::min(reach, clothsim::bounding_radius(shape));
+  return straight + angle * std::min(reach, radius);
 }
 
 }  // namespace
@@ -81,7 +82,9 @@ void FrameFollower::move_pin(Follower& follower, clothsim::Simulator& simulator)
 void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simulator) {
   const clothsim::Pose& pose = *follower.frame.pose();
   if (!follower.applied) {
-    if (!same(pose, simulator.collider_pose(follower.index)))
+    const auto index = static_cast<size_t>(follower.index);
+    const clothsim::Pose wanted = pose * simulator.scene().colliders[index].offset;
+    if (!same(wanted, simulator.collider_pose(follower.index)))
       simulator.place_collider(follower.index, pose);
     return;
   }
@@ -89,7 +92,7 @@ void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simul
   const bool moves = !same(pose, *follower.applied);
   if (moves) {
     const auto& collider = simulator.scene().colliders[static_cast<size_t>(follower.index)];
-    way = way_between(*follower.applied, pose, collider.shape, simulator.state().positions);
+    way = way_between(*follower.applied, pose, collider, simulator.state().positions);
   }
   if (follower.memory.watch.jumps(way, simulator.frame_duration())) {
     simulator.place_collider(follower.index, pose);

@@ -7,6 +7,7 @@
 #include "clothsim/model/surface.h"
 #include "clothsim/render/shading.h"
 #include "clothsim/ros/conversions.h"
+#include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim_ros {
 namespace {
@@ -106,6 +107,7 @@ struct Part {
   int type;
   clothsim::Vector3 size;
   clothsim::Vector3 center{0, 0, 0};
+  std::string file = "";  // of a mesh
 };
 
 std::vector<Part> parts_of(const clothsim::Sphere& sphere) {
@@ -130,6 +132,11 @@ std::vector<Part> parts_of(const clothsim::Cylinder& cylinder) {
   return {{Marker::CYLINDER, {2 * cylinder.radius, 2 * cylinder.radius, cylinder.length}}};
 }
 
+/// RViz loads the file itself.
+std::vector<Part> parts_of(const clothsim::MeshShape& mesh) {
+  return {{Marker::MESH_RESOURCE, mesh.file->scale, {0, 0, 0}, mesh.file->uri}};
+}
+
 std::vector<Part> parts_of(const clothsim::Cuboid& box) { return {{Marker::CUBE, box.size}}; }
 
 /// The first part of collider i has the id i, its next ones have i + the number of colliders and so
@@ -144,6 +151,7 @@ void add_collider(const clothsim::Simulator& simulator, int index, const std_msg
   for (const Part& part : std::visit([](const auto& s) { return parts_of(s); }, shape)) {
     Marker marker = make_marker(header, "colliders", id, part.type, color(0.60f, 0.67f, 0.74f));
     set_scale(marker, part.size.x(), part.size.y(), part.size.z());
+    marker.mesh_resource = part.file;
     marker.pose = to_pose_msg({pose.position + pose.orientation * part.center, pose.orientation});
     if (!shown) marker.action = Marker::DELETE;
     markers.push_back(std::move(marker));

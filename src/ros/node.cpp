@@ -35,6 +35,11 @@ void warn_of_motions(const clothsim::Scene& scene) {
       "The node does not play the scene's motions: give ~step targets, or broadcast tf frames");
 }
 
+/// Says what of its robots a scene goes without.
+void warn_of_left_out(const clothsim::Scene& scene) {
+  for (const std::string& line : scene.left_out) ROS_WARN("Left out: %s", line.c_str());
+}
+
 /// The same names, with callbacks that go to `queue`.
 ros::NodeHandle with_queue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
@@ -74,6 +79,7 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
   serve_live_values();
   warn_of_ignored(given);
   warn_of_motions(parameters_.scene);
+  warn_of_left_out(parameters_.scene);
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
@@ -305,6 +311,7 @@ bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Respon
     return true;
   }
   warn_of_motions(simulator_.scene());
+  warn_of_left_out(simulator_.scene());
   changes_.publish("load_scene");
   targets_.reset(simulator_.scene());
   follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);

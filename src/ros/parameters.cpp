@@ -57,6 +57,20 @@ void read_optional(const ros::NodeHandle& node, const std::string& key,
   clothsim::inside(key, [&] { read(to_yaml(value)); });
 }
 
+/// The text of a robot's description; a relative name is below the node's namespace.
+std::string read_description(const std::string& name) {
+  XmlRpc::XmlRpcValue value;
+  try {
+    if (!ros::param::get(name, value)) {
+      throw InvalidValue({}, clothsim::shortened(name, 100) + ", which is not set",
+                         "a parameter with a URDF");
+    }
+  } catch (const ros::InvalidNameException& error) {
+    throw InvalidValue({}, clothsim::shortened(error.what(), 200), "the name of a parameter");
+  }
+  return clothsim::read_text(to_yaml(value));
+}
+
 /// Another node that publishes a topic, as the master knows it; empty: there is none.
 std::string other_publisher(const std::string& topic) {
   XmlRpc::XmlRpcValue request;
@@ -152,8 +166,9 @@ NodeParameters read(const ros::NodeHandle& node) {
 
 clothsim::Scene read_scene_parameter(const ros::NodeHandle& node) {
   std::optional<clothsim::Scene> scene;
+  const clothsim::SceneSources sources{"", read_description};
   read_optional(node, "scene",
-                [&](const YAML::Node& given) { scene = clothsim::read_scene(given); });
+                [&](const YAML::Node& given) { scene = clothsim::read_scene(given, sources); });
   if (!scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
   return *scene;
 }

@@ -51,18 +51,6 @@ FaceDistance way_off(const Vector3& low, const Vector3& high, const Triangle& t)
   return way.shortest();
 }
 
-/// Does the segment pass through the inside of the triangle?
-bool passes_through(const Vector3& low, const Vector3& high, const Triangle& t) {
-  const Vector3 n = edge(t, 0).cross(edge(t, 1));
-  const double a = n.dot(low - t[0]), b = n.dot(high - t[0]);
-  if ((a > 0) == (b > 0) || a == b) return false;
-  const Vector3 p = low + a / (a - b) * (high - low);
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (n.dot(edge(t, i).cross(p - t[i])) < 0) return false;
-  }
-  return true;
-}
-
 std::optional<FaceDistance> core_distance(const Capsule& capsule, const Triangle& t, double reach) {
   const Vector3 high(0, 0, capsule.length / 2), low = -high;
 
@@ -234,23 +222,25 @@ std::optional<FaceDistance> distance(const Round& shape, const Triangle& t, doub
 
 std::optional<FaceDistance> distance(const Plane&, const Triangle&, double) { return std::nullopt; }
 
-// ---- Straight lines of a shape's core that support it along `normal`: visit(one end, other end,
-// radius about it)
+// ---- Straight lines of a shape's core that support it along the normal of `nearest`, as far as
+// they may be within `reach` of the triangle: visit(one end, other end, radius about it)
 
 template <class Visit>
-void for_each_supporting_line(const Sphere&, const Vector3&, Visit) {}
+void for_each_supporting_line(const Sphere&, const Triangle&, const Vector3&, double, Visit) {}
 
 template <class Visit>
-void for_each_supporting_line(const Plane&, const Vector3&, Visit) {}
+void for_each_supporting_line(const Plane&, const Triangle&, const Vector3&, double, Visit) {}
 
 template <class Visit>
-void for_each_supporting_line(const Capsule& capsule, const Vector3&, Visit visit) {
+void for_each_supporting_line(const Capsule& capsule, const Triangle&, const Vector3&, double,
+                              Visit visit) {
   const Vector3 end(0, 0, capsule.length / 2);
   visit(Vector3(-end), end, capsule.radius);
 }
 
 template <class Visit>
-void for_each_supporting_line(const Cylinder& cylinder, const Vector3& normal, Visit visit) {
+void for_each_supporting_line(const Cylinder& cylinder, const Triangle&, const Vector3& normal,
+                              double, Visit visit) {
   const Vector3 up(0, 0, cylinder.length / 2);
   const Eigen::Vector2d across = normal.head<2>();
   const double slope = across.norm();
@@ -268,7 +258,23 @@ void for_each_supporting_line(const Cylinder& cylinder, const Vector3& normal, V
 }
 
 template <class Visit>
-void for_each_supporting_line(const Cuboid& box, const Vector3& normal, Visit visit) {
+void for_each_supporting_line(const MeshShape& mesh, const Triangle& t, const Vector3& normal,
+                              double reach, Visit visit) {
+  constexpr double square = 0.1;  // sine of the angle by which a ridge may be off that
+  constexpr double sharp = 0.35;  // a triangle does not lie along ridges that bend less [rad]
+  double most = reach + mesh.padding;
+  mesh.file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+    if (ridge.angle < sharp) return;
+    const Vector3 along = ridge.ends[1] - ridge.ends[0];
+    if (std::abs(normal.dot(along)) > square * along.norm()) return;
+    if (normal.dot(ridge.normal) <= 0) return;
+    visit(ridge.ends[0], ridge.ends[1], mesh.padding);
+  });
+}
+
+template <class Visit>
+void for_each_supporting_line(const Cuboid& box, const Triangle&, const Vector3& normal, double,
+                              Visit visit) {
   const Vector3 support = box_corner(box.size / 2, normal);
   for (int axis = 0; axis < 3; ++axis) {
     Vector3 other = support;
@@ -318,7 +324,9 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const
       found[i] = FaceDistance{value, nearest.normal, weights};
     }
   };
-  std::visit([&](const auto& s) { for_each_supporting_line(s, nearest.normal, add_line); }, shape);
+  std::visit(
+      [&](const auto& s) { for_each_supporting_line(s, t, nearest.normal, farthest, add_line); },
+      shape);
   return found;
 }
 

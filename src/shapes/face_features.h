@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "clothsim/shapes/face_distance.h"
+#include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim {
 
@@ -93,7 +94,23 @@ inline std::size_t lowest(const Triangle& t, const Vector3& direction) {
   return b <= c ? 1 : 2;
 }
 
-/// face_distance() of a cylinder.
+/// Does the segment pass through the inside of the triangle?
+inline bool passes_through(const Vector3& low, const Vector3& high, const Triangle& t) {
+  const Vector3 n = edge(t, 0).cross(edge(t, 1));
+  const double a = n.dot(low - t[0]), b = n.dot(high - t[0]);
+  if ((a > 0) == (b > 0) || a == b) return false;
+  const Vector3 p = low + a / (a - b) * (high - low);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (n.dot(edge(t, i).cross(p - t[i])) < 0) return false;
+  }
+  return true;
+}
+
+/// face_distance() of the shapes that have files of their own.
 std::optional<FaceDistance> distance(const Cylinder&, const Triangle&, double reach);
+std::optional<FaceDistance> distance(const MeshShape&, const Triangle&, double reach);
+
+/// touches_between_corners() of a mesh.
+bool may_touch_between(const MeshShape&, const Triangle&, double reach);
 
 }  // namespace clothsim

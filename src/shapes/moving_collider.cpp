@@ -18,7 +18,7 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& 
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
     : shape_(spec.shape), friction_(spec.friction), enabled_(spec.enabled) {
-  place(spec.pose);
+  place(spec.pose * spec.offset);
 }
 
 void MovingCollider::place(const Pose& pose) {

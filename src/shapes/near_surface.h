@@ -1,9 +1,10 @@
-// Signed distance and normal of one point, without branches: what scalar code calls and vector
-// loops inline. The point (x, y, z) and the normal are in the shape's own frame.
+// Signed distance and normal of one point, without branches but for meshes: what scalar code calls
+// and vector loops inline. The point (x, y, z) and the normal are in the shape's own frame.
 #pragma once
 
 #include <cmath>
 
+#include "clothsim/shapes/mesh_file.h"
 #include "clothsim/shapes/shape.h"
 
 namespace clothsim {
@@ -83,6 +84,11 @@ struct NearSurface {
   const double axial = inside ? (br >= bz ? 0.0 : 1.0) : along / s;
   return {inside ? nearest : r, radial * (rho > 0 ? x / scale : 1), radial * (y / scale),
           (z < 0 ? -1.0 : 1.0) * axial};
+}
+
+inline NearSurface near_surface(const MeshShape& mesh, double x, double y, double z, double) {
+  const auto [value, normal] = mesh.file->solid.distance({x, y, z});
+  return {value - mesh.padding, normal.x(), normal.y(), normal.z()};
 }
 
 }  // namespace clothsim

@@ -93,6 +93,30 @@ std::optional<double> hit(const Cylinder& cylinder, const Vector3& from, const V
   return in;
 }
 
+std::optional<double> hit(const MeshShape& mesh, const Vector3& from, const Vector3& d,
+                          double offset) {
+  constexpr double near = 1.05;    // of the offset: there it has come in
+  constexpr int most_steps = 300;  // then it grazes, and is stopped where it is
+  const double way = d.norm();
+  double share = 0;
+  for (int step = 0; step < most_steps && share <= 1; ++step) {
+    const Vector3 p = from + share * d;
+    const NearSurface here = near_surface(mesh, p.x(), p.y(), p.z(), 0);
+    const bool nears = here.x * d.x() + here.y * d.y() + here.z * d.z() < 0;
+    if (here.value <= near * offset && nears) return share;
+    share += std::max(here.value - offset, near / 2 * offset) / way;
+  }
+  if (share > 1) return std::nullopt;
+  return share;
+}
+
+/// Does a distance along a line have no second minimum? What moves away does not come back.
+template <class Convex>
+bool is_convex(const Convex&) {
+  return true;
+}
+bool is_convex(const MeshShape&) { return false; }
+
 double depth(const Sphere& sphere) { return sphere.radius / 2; }
 double depth(const Plane&) { return infinity; }
 double depth(const Capsule& capsule) { return capsule.radius / 2; }
@@ -100,6 +124,7 @@ double depth(const Cuboid& box) { return box.size.minCoeff() / 4; }
 double depth(const Cylinder& cylinder) {
   return std::min(cylinder.radius, cylinder.length / 2) / 2;
 }
+double depth(const MeshShape& mesh) { return mesh.file->solid.thickness() / 4; }
 
 double bounds(const Sphere& sphere) { return sphere.radius; }
 double bounds(const Plane&) { return infinity; }
@@ -107,12 +132,28 @@ double bounds(const Capsule& capsule) { return capsule.length / 2 + capsule.radi
 double bounds(const Cuboid& box) { return box.size.norm() / 2; }
 double bounds(const Cylinder& cylinder) { return std::hypot(cylinder.length / 2, cylinder.radius); }
 
-/// Radius of curvature, 0 where a shape has edges, infinite where it is flat [m].
-double radius_of(const Sphere& sphere) { return sphere.radius; }
-double radius_of(const Plane&) { return infinity; }
-double radius_of(const Capsule& capsule) { return capsule.radius; }
-double radius_of(const Cuboid&) { return 0; }
-double radius_of(const Cylinder&) { return 0; }
+double bounds(const MeshShape& mesh) { return mesh.file->solid.radius() + mesh.padding; }
+
+// ---- How far from a surface the corners of flat triangles are to be
+
+/// A triangle lies within edge / sqrt(3) of its circumcentre.
+double corners_off_round(double radius, double edge, double offset) {
+  const double kept = radius + offset;
+  return std::sqrt(kept * kept + edge * edge / 3) - radius;
+}
+
+double corners_off(const Sphere& sphere, double edge, double offset) {
+  return corners_off_round(sphere.radius, edge, offset);
+}
+double corners_off(const Plane&, double, double offset) { return offset; }
+double corners_off(const Capsule& capsule, double edge, double offset) {
+  return corners_off_round(capsule.radius, edge, offset);
+}
+double corners_off(const Cuboid&, double, double) { return infinity; }
+double corners_off(const Cylinder&, double, double) { return infinity; }
+double corners_off(const MeshShape& mesh, double edge, double offset) {
+  return offset + mesh.file->solid.dip(edge);
+}
 
 }  // namespace
 
@@ -128,9 +169,10 @@ std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, cons
   if (std::isinf(safe_depth(shape))) return std::nullopt;  // it has no far side
   const Distance start = signed_distance(shape, from, from);
   const Vector3 d = to - from;
-  // The distance along a line has no second minimum: what moves away does not come back.
-  if (start.value < 0 || start.normal.dot(d) >= 0) return std::nullopt;
-  if (start.value <= offset) return from;
+  if (start.value < 0) return std::nullopt;
+  const bool nears = start.normal.dot(d) < 0;
+  if (nears && start.value <= offset) return from;
+  if (!nears && std::visit([](const auto& s) { return is_convex(s); }, shape)) return std::nullopt;
   const auto t = std::visit([&](const auto& s) { return hit(s, from, d, offset); }, shape);
   if (!t || *t > 1) return std::nullopt;
   return from + *t * d;
@@ -140,8 +182,8 @@ double safe_depth(const Shape& shape) {
   return std::visit([](const auto& s) { return depth(s); }, shape);
 }
 
-double least_curvature_radius(const Shape& shape) {
-  return std::visit([](const auto& s) { return radius_of(s); }, shape);
+double corner_distance(const Shape& shape, double edge, double offset) {
+  return std::visit([&](const auto& s) { return corners_off(s, edge, offset); }, shape);
 }
 
 double bounding_radius(const Shape& shape) {

@@ -54,6 +54,19 @@ CLOTHSIM_TARGET_CLONES
 void find(const Cuboid& box, const Run& run) { distances_of(box, run); }
 CLOTHSIM_TARGET_CLONES
 void find(const Cylinder& cylinder, const Run& run) { distances_of(cylinder, run); }
+void find(const MeshShape& mesh, const Run& run) {
+  const Solid& solid = mesh.file->solid;
+  for (int i = 0; i < run.count; ++i) {
+    const Vector3 point(run.points.x[i], run.points.y[i], run.points.z[i]);
+    const auto [value, local] =
+        solid.rough_distance(run.frame.turn.transpose() * (point - run.frame.origin));
+    const Vector3 normal = run.frame.turn * local;
+    run.distances[i] = value - mesh.padding;
+    run.normals.x[i] = normal.x();
+    run.normals.y[i] = normal.y();
+    run.normals.z[i] = normal.z();
+  }
+}
 
 }  // namespace
 

@@ -71,8 +71,10 @@ void DrivenFrames::put(const Driven& driven, const Pose& pose, Simulator& simula
     if (follower.is_pin) continue;
     // One that is there already is not disturbed.
     const Pose& now = simulator.collider_pose(follower.index);
+    const auto index = static_cast<std::size_t>(follower.index);
+    const Pose wanted = pose * simulator.scene().colliders[index].offset;
     const bool is_there =
-        now.position == pose.position && now.orientation.coeffs() == pose.orientation.coeffs();
+        now.position == wanted.position && now.orientation.coeffs() == wanted.orientation.coeffs();
     if (!is_there) simulator.place_collider(follower.index, pose);
   }
 }
@@ -126,7 +128,8 @@ std::optional<Pose> followed_pose(const std::string& frame, const Simulator& sim
   if (grip != simulator.grips().end()) return grip->second.pose;
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
-    if (colliders[i].frame == frame) return simulator.collider_pose(static_cast<int>(i));
+    if (colliders[i].frame != frame) continue;
+    return frame_of(simulator.collider_pose(static_cast<int>(i)), colliders[i].offset);
   }
   return std::nullopt;
 }

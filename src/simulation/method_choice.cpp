@@ -61,10 +61,10 @@ struct Motion {
 double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
   double room = std::numeric_limits<double>::infinity();
   for (const ColliderSpec& collider : colliders) {
-    const Eigen::Matrix3d to_shape = collider.pose.orientation.conjugate().toRotationMatrix();
+    const Pose pose = collider.pose * collider.offset;
+    const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();
     for (int i = 0; i < cloth.num_points(); ++i) {
-      const Vector3 x =
-          to_shape * (cloth.rest_positions.row(i).transpose() - collider.pose.position);
+      const Vector3 x = to_shape * (cloth.rest_positions.row(i).transpose() - pose.position);
       room = std::min(room, signed_distance(collider.shape, x, x).value);
     }
   }

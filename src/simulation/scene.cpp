@@ -18,6 +18,7 @@ constexpr Range threads_range{1, max_threads, ""};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range tolerance_range{1e-9, 1, ""};
 constexpr Range size_range{1e-6, 1e6, "m"};
+constexpr Range padding_range{0, 1e3, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
 
@@ -47,12 +48,10 @@ void validate(const Cylinder& cylinder, const Pose& pose) {
   check_range("radius", cylinder.radius, size_range);
 }
 
-void validate(const ColliderSpec& collider) {
-  if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
-  std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);
-  check_orientation(collider.pose.orientation);
-  check_range("friction", collider.friction, friction_range);
-  check_frame(collider.frame);
+void validate(const MeshShape& mesh, const Pose& pose) {
+  check_range("center", pose.position, position_range);
+  if (!mesh.file) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
+  check_range("padding", mesh.padding, padding_range);
 }
 
 void validate(const std::vector<ColliderSpec>& colliders) {
@@ -154,6 +153,18 @@ void validate_motions(const Scene& scene) {
 }
 
 }  // namespace
+
+void validate(const ColliderSpec& collider) {
+  if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
+  std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);
+  check_orientation(collider.pose.orientation);
+  inside("pose", [&] {
+    check_range("xyz", collider.offset.position, position_range);
+    check_orientation(collider.offset.orientation);
+  });
+  check_range("friction", collider.friction, friction_range);
+  check_frame(collider.frame);
+}
 
 LiveSpec live_values(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;

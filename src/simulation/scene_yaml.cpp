@@ -3,7 +3,10 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/model/resource.h"
+#include "clothsim/shapes/mesh_file.h"
 #include "clothsim/simulation/fabric_yaml.h"
+#include "clothsim/simulation/robots.h"
 #include "clothsim/simulation/yaml_values.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and where their values go.
@@ -108,6 +111,13 @@ Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
          Eigen::AngleAxisd(angles.x(), Vector3::UnitX());
 }
 
+void read_pose(const YAML::Node& node, Pose& pose) {
+  const auto read_rpy = [&](const YAML::Node& angles) {
+    pose.orientation = read_roll_pitch_yaw(angles);
+  };
+  read_map(node, {{"xyz", into(pose.position)}, {"rpy", read_rpy}});
+}
+
 namespace {
 
 // The keys of each shape, beside those that all have.
@@ -143,13 +153,46 @@ std::vector<Field> shape_fields(Cylinder& cylinder, Pose& pose) {
           {"radius", into(cylinder.radius)}};
 }
 
+std::vector<Field> shape_fields(MeshShape& mesh, Pose& pose) {
+  return {
+      {"center", into(pose.position)},
+      {"padding", into(mesh.padding)},
+      {"rpy", [&pose](const YAML::Node& node) { pose.orientation = read_roll_pitch_yaw(node); }}};
+}
+
+/// A mesh that is yet to be loaded.
+struct MeshSource {
+  std::string file;
+  Vector3 scale{1, 1, 1};  // [m] a unit of the file
+
+  std::vector<Field> fields() {
+    const auto read_scale = [this](const YAML::Node& node) {
+      scale = node.IsSequence() ? read_vector(node)
+                                : Vector3::Constant(read_number(node, "a number or [x, y, z]"));
+    };
+    return {{"file", into(file)}, {"scale", read_scale}};
+  }
+
+  std::shared_ptr<const MeshFile> load(const std::filesystem::path& folder) const {
+    constexpr Range scale_range{1e-6, 1e6, ""};
+    check_range("scale", scale.cwiseAbs(), scale_range);
+    if (file.empty()) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
+    std::shared_ptr<const MeshFile> mesh;
+    inside("file", [&] {
+      const std::filesystem::path path = find_resource(file, folder);
+      mesh = read_mesh_file(path, uri_of(file, path), scale);
+    });
+    return mesh;
+  }
+};
+
 /// One of each kind.
 template <std::size_t... index>
 std::vector<Shape> all_shapes(std::index_sequence<index...>) {
   return {std::variant_alternative_t<index, Shape>()...};
 }
 
-ColliderSpec read_collider(const YAML::Node& node) {
+ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) {
   const std::vector<Shape> kinds =
       all_shapes(std::make_index_sequence<std::variant_size_v<Shape>>());
   std::vector<std::string> shapes;
@@ -164,15 +207,21 @@ ColliderSpec read_collider(const YAML::Node& node) {
 
   ColliderSpec collider;
   collider.name = shapes[static_cast<size_t>(shape)];
-  std::vector<Field> fields = {{"name", into(collider.name)},
-                               {"shape", [](const YAML::Node&) {}},
-                               {"friction", into(collider.friction)},
-                               {"frame", into(collider.frame)},
-                               {"enabled", into(collider.enabled)}};
+  std::vector<Field> fields = {
+      {"name", into(collider.name)},
+      {"shape", [](const YAML::Node&) {}},
+      {"friction", into(collider.friction)},
+      {"frame", into(collider.frame)},
+      {"enabled", into(collider.enabled)},
+      {"pose", [&](const YAML::Node& pose) { read_pose(pose, collider.offset); }}};
   collider.shape = kinds[static_cast<size_t>(shape)];
   std::visit([&](auto& kind) { append(shape_fields(kind, collider.pose), fields); },
              collider.shape);
+  MeshSource source;
+  auto* mesh = std::get_if<MeshShape>(&collider.shape);
+  if (mesh) append(source.fields(), fields);
   read_map(node, fields);
+  if (mesh) mesh->file = source.load(sources.folder);
   return collider;
 }
 
@@ -280,12 +329,16 @@ ChangeValues read_change(const YAML::Node& node) {
   return {[copy](LiveSpec& live) { read_live_values(copy, live); }};
 }
 
-Scene read_scene(const YAML::Node& root) {
+Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   Scene scene;
   bool has_cloth = false;
   const auto read_colliders = [&](const YAML::Node& list) {
-    read_list(list,
-              [&](const YAML::Node& item) { scene.colliders.push_back(read_collider(item)); });
+    read_list(list, [&](const YAML::Node& item) {
+      scene.colliders.push_back(read_collider(item, sources));
+    });
+  };
+  const auto read_robots = [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) { read_robot(item, sources, scene); });
   };
   read_map(root,
            {{"cloth",
@@ -294,6 +347,7 @@ Scene read_scene(const YAML::Node& root) {
                has_cloth = true;
              }},
             {"colliders", read_colliders},
+            {"robots", read_robots},
             {"simulation",
              [&spec = scene.simulation](const YAML::Node& node) {
                read_simulation(node, {{"seed", into(spec.seed)}}, spec);

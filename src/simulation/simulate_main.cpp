@@ -144,9 +144,10 @@ class Stopwatch {
 ExitCode simulate(const Options& options) {
   YAML::Node yaml = load_scene_file(options.scene);
   override_values(yaml, options.overrides);
-  Simulator simulator(read_scene(yaml));
+  const std::filesystem::path folder = std::filesystem::path(options.scene).parent_path();
+  Simulator simulator(read_scene(yaml, {folder}));
 
-  MotionPlayer player(simulator, std::filesystem::path(options.scene).parent_path());
+  MotionPlayer player(simulator, folder);
   if (!options.from.empty()) start_from(options.from, simulator);
   if (!options.seconds && simulator.scene().motions.empty())
     throw InvalidValue({"--seconds"}, "nothing", "a time [s], as the scene has no motions");
@@ -157,6 +158,9 @@ ExitCode simulate(const Options& options) {
   const long long every = options.every ? to_frames("--every", *options.every, frame_duration) : 0;
 
   tell_of_frames(simulator.scene());
+  for (const std::string& line : simulator.scene().left_out) {
+    std::cerr << "simulate: left out " << line << '\n';
+  }
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, interrupt);
   simulator.set_interrupt([] { return is_interrupted != 0; });
 

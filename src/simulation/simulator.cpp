@@ -300,12 +300,14 @@ void Simulator::reset() { impl_->reset(); }
 
 void Simulator::move_collider(int index, const Pose& target) {
   check_place(target);
-  impl_->colliders.at(static_cast<std::size_t>(index)).aim(target, frame_duration());
+  const auto i = static_cast<std::size_t>(index);
+  impl_->colliders.at(i).aim(target * scene().colliders[i].offset, frame_duration());
 }
 
 void Simulator::place_collider(int index, const Pose& pose) {
   check_place(pose);
-  impl_->colliders.at(static_cast<std::size_t>(index)).place(pose);
+  const auto i = static_cast<std::size_t>(index);
+  impl_->colliders.at(i).place(pose * scene().colliders[i].offset);
   impl_->disturbed = true;
 }
 

@@ -98,7 +98,7 @@ struct Simulator::Impl {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();
     }
     for (std::size_t i = 0; i < colliders.size(); ++i) {
-      colliders[i].place(scene.colliders[i].pose);
+      colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
       colliders[i].enable(scene.colliders[i].enabled);
     }
     collider_wrenches.assign(colliders.size(), {});

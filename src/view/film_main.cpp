@@ -84,10 +84,11 @@ ExitCode film(const Options& options) {
   YAML::Node look(YAML::NodeType::Map);
   if (!options.view_file.empty()) look = load_scene_file(options.view_file);
   override_values(look, options.view_values);
-  Simulator simulator(read_scene(scene));
+  const fs::path folder = fs::path(options.scene).parent_path();
+  Simulator simulator(read_scene(scene, {folder}));
   const View view = read_view(look);
   check_colliders(view, simulator.scene());
-  MotionPlayer player(simulator, fs::path(options.scene).parent_path());
+  MotionPlayer player(simulator, folder);
   if (!options.seconds && simulator.scene().motions.empty())
     throw InvalidValue({"--seconds"}, "nothing", "a time [s], as the scene has no motions");
 

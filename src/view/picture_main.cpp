@@ -79,9 +79,10 @@ ExitCode take_pictures(const Options& options) {
   YAML::Node view(YAML::NodeType::Map);
   if (!options.view_file.empty()) view = load_scene_file(options.view_file);
   override_values(view, options.view_values);
+  const auto scene_folder = std::filesystem::path(options.scene).parent_path();
   std::vector<Scene> scenes;
   for (const std::string& choice : or_none(options.scene_choices))
-    scenes.push_back(read_scene(with(scene, choice)));
+    scenes.push_back(read_scene(with(scene, choice), {scene_folder}));
   std::vector<View> views;
   for (const std::string& choice : or_none(options.view_choices))
     views.push_back(read_view(with(view, choice)));
@@ -92,7 +93,7 @@ ExitCode take_pictures(const Options& options) {
   std::vector<Tile> tiles;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     Simulator simulator(scenes[s]);
-    MotionPlayer player(simulator, std::filesystem::path(options.scene).parent_path());
+    MotionPlayer player(simulator, scene_folder);
     const double last = *std::max_element(options.seconds.begin(), options.seconds.end());
     ProgressBar bar(std::llround(last / simulator.frame_duration()));
     long long frame = 0;

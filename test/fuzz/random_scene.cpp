@@ -6,11 +6,12 @@
 
 #include "clothsim/dynamics/integrator.h"
 #include "fuzz/draw.h"
+#include "meshes.h"
 
 namespace clothsim::testing {
 namespace {
 
-const char* const shape_names[] = {"sphere", "plane", "capsule", "box", "cylinder"};
+const char* const shape_names[] = {"sphere", "plane", "capsule", "box", "cylinder", "mesh"};
 
 Material random_material(Draw& draw) {
   Material material;
@@ -90,7 +91,7 @@ Motion random_motion(Draw& draw, double size) {
 
 Shape random_shape(Draw& draw, double size) {
   const double width = size * draw.decades(0.02, 0.3), length = size * draw.decades(0.2, 2);
-  switch (draw.whole(0, 4)) {
+  switch (draw.whole(0, 5)) {
     case 0:
       return Sphere{size * draw.decades(0.03, 0.5)};
     case 1:
@@ -98,6 +99,9 @@ Shape random_shape(Draw& draw, double size) {
     case 2:
       return Capsule{length, width};
     case 3:
+      return mesh_shape(draw.happens(0.5) ? torus_soup(length / 2, width / 2, 16, 8)
+                                          : step_soup(length));
+    case 4:
       return Cylinder{draw.happens(0.5) ? length : width, draw.happens(0.5) ? length / 2 : width};
     default:
       return Cuboid{{length, width, size * draw.decades(0.05, 1)}};

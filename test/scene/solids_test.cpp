@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "clothsim/simulation/driven_frames.h"
 #include "clothsim/simulation/report.h"
+#include "meshes.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -49,6 +51,33 @@ Pose turned(const Vector3& position, double angle, const Vector3& axis) {
   return {position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()))};
 }
 
+/// A pose of the shape within a frame that turns, as a mesh on a link has it.
+TEST(PoseInFrame, MovesWithTheFrame) {
+  Scene scene = above(Cylinder{0.3, 0.05}, {Vector3(0, 0, 2)});
+  ColliderSpec& solid = scene.colliders[0];
+  solid.frame = "link";
+  solid.offset = turned({0.2, 0, 0.1}, M_PI / 2, {0, 1, 0});
+  Simulator simulator(scene);
+  const auto expect_at = [&](const Vector3& position, const Vector3& axis) {
+    const Pose& pose = simulator.collider_pose(0);
+    EXPECT_LT((pose.position - position).norm(), 1e-12);
+    EXPECT_LT((pose.orientation * Vector3::UnitZ() - axis).norm(), 1e-12);
+  };
+  expect_at({0.2, 0, 2.1}, Vector3::UnitX());
+  const Pose frame = turned({0, 0, 2}, M_PI / 2, {0, 0, 1});
+  simulator.move_collider(0, frame);
+  simulator.step();
+  expect_at({0, 0.2, 2.1}, Vector3::UnitY());
+  const auto followed = followed_pose("link", simulator);
+  ASSERT_TRUE(followed);
+  EXPECT_LT((followed->position - frame.position).norm(), 1e-12);
+  EXPECT_LT(followed->orientation.angularDistance(frame.orientation), 1e-7);
+  simulator.place_collider(0, {Vector3(1, 1, 3)});
+  expect_at({1.2, 1, 3.1}, Vector3::UnitX());
+  simulator.reset();
+  expect_at({0.2, 0, 2.1}, Vector3::UnitX());
+}
+
 /// What stands off by 0.1 mm may sink in by as much.
 constexpr double tolerance = surface_offset;
 
@@ -81,6 +110,18 @@ const Drop drops[] = {
     {"thin_disc_on_edge", above(Cylinder{0.01, 0.3}, turned({0.5, 0.5, 0.6}, M_PI / 2, {1, 0, 0}))},
     {"end_of_a_rod_within_a_cell", above(Cylinder{0.6, 0.008}, {Vector3(0.51, 0.49, 0.6)})},
 };
+
+const Drop mesh_drops[] = {
+    {"edge_of_a_box",
+     above(mesh_shape(box_soup({0.4, 0.4, 0.3})), turned({0.5, 0.5, 0.6}, 0.7, {1, 0.3, 0}))},
+    {"inner_corner_of_a_step", above(mesh_shape(step_soup(0.4)), {Vector3(0.5, 0.5, 0.6)})},
+    {"finger_upside_down",
+     above(mesh_shape(finger_soup()), turned({0.51, 0.49, 0.9}, M_PI, {1, 0, 0}))},
+    {"ball_of_facets", above(mesh_shape(globe_soup(0.2, 6)), {Vector3(0.5, 0.5, 0.6)})},
+};
+
+INSTANTIATE_TEST_SUITE_P(Meshes, DroppedOn, ::testing::ValuesIn(mesh_drops),
+                         [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(Shapes, DroppedOn, ::testing::ValuesIn(drops),
                          [](const auto& test) { return test.param.name; });

@@ -6,6 +6,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/shapes/mesh_file.h"
 #include "clothsim/simulation/scene_yaml.h"
 
 namespace clothsim {
@@ -100,6 +101,12 @@ inline std::string print(const Scene& scene) {
     if (const auto* cylinder = std::get_if<Cylinder>(&collider.shape)) {
       out << cylinder->length << ' ' << cylinder->radius;
     }
+    if (const auto* mesh = std::get_if<MeshShape>(&collider.shape)) {
+      out << mesh->file->uri << ' ' << mesh->padding << ' ';
+      print_vector(mesh->file->scale);
+    }
+    print_vector(collider.offset.position);
+    print_vector(collider.offset.orientation.coeffs().head<3>());
     if (const auto* box = std::get_if<Cuboid>(&collider.shape)) {
       print_vector(box->size);
       print_vector(collider.pose.orientation * Vector3::UnitX());

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "clothsim/dynamics/integrator.h"
+#include "meshes.h"
 #include "scene_text.h"
 
 namespace clothsim {
@@ -52,6 +53,22 @@ struct Map {
   std::string before, after;
 };
 
+/// A mesh for scenes to name.
+std::string box_file() {
+  const std::string path = ::testing::TempDir() + "clothsim_scenes_doc.obj";
+  testing::write_obj(path, testing::box_soup({0.1, 0.2, 0.3}));
+  return path;
+}
+
+/// A robot for scenes to name.
+std::string urdf_file() {
+  const std::string path = ::testing::TempDir() + "clothsim_scenes_doc.urdf";
+  std::ofstream(path)
+      << "<robot name='r'><link name='l'><collision><geometry><sphere radius='0.1'/>"
+         "</geometry></collision></link></robot>";
+  return path;
+}
+
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
     {{"cloth.pinned"}, "cloth: {pinned: [{", "}]}"},
@@ -61,6 +78,11 @@ const std::vector<Map> fixed_maps = {
     {{"colliders", "colliders: capsule"}, "{cloth: {}, colliders: [{shape: capsule, ", "}]}"},
     {{"colliders", "colliders: box"}, "{cloth: {}, colliders: [{shape: box, ", "}]}"},
     {{"colliders", "colliders: cylinder"}, "{cloth: {}, colliders: [{shape: cylinder, ", "}]}"},
+    {{"colliders", "colliders: mesh"},
+     "{cloth: {}, colliders: [{shape: mesh, file: " + box_file() + ", ",
+     "}]}"},
+    {{"colliders: pose"}, "{cloth: {}, colliders: [{shape: sphere, pose: {", "}}]}"},
+    {{"robots"}, "{cloth: {}, robots: [{file: " + urdf_file() + ", ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
     {{"motions: frame"}, "{cloth: {}, motions: [{frame: a, position: [0, 0, 0], ", "}]}"},
     {{"motions: file"}, "{cloth: {}, motions: [{file: a.csv, frame: a, ", "}]}"},

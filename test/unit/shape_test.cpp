@@ -276,11 +276,18 @@ TEST(Shape, BoundsHoldTheSolid) {
   EXPECT_NEAR(bounding_radius(drum), std::hypot(0.25, 0.4), 1e-15);
   EXPECT_LE(safe_depth(drum), 0.25);
   for (const Shape& shape : solids) EXPECT_GT(safe_depth(shape), 0);
-  EXPECT_EQ(least_curvature_radius(ball), 0.5);
-  EXPECT_TRUE(std::isinf(least_curvature_radius(ground)));
-  EXPECT_EQ(least_curvature_radius(rod), 0.2);
-  EXPECT_EQ(least_curvature_radius(crate), 0);
-  EXPECT_EQ(least_curvature_radius(drum), 0);
+}
+
+TEST(Shape, CornersStandOffByWhatAFlatTriangleDips) {
+  // An equilateral triangle that touches a ball with its middle.
+  const double edge = 0.06, middle = edge / std::sqrt(3);
+  for (const auto& [shape, radius] : {std::pair(ball, 0.5), std::pair(rod, 0.2)}) {
+    const double expected = std::hypot(radius + 0.001, middle) - radius;
+    EXPECT_NEAR(corner_distance(shape, edge, 0.001), expected, 1e-15);
+  }
+  EXPECT_EQ(corner_distance(ground, edge, 0.001), 0.001);
+  EXPECT_TRUE(std::isinf(corner_distance(crate, edge, 0.001)));
+  EXPECT_TRUE(std::isinf(corner_distance(drum, edge, 0.001)));
 }
 
 }  // namespace

@@ -28,9 +28,10 @@ struct Clearance {
   bool faces;     // whether edges and faces have contacts of their own
 };
 
-/// A plane needs its points alone. So does a round shape with a radius of a few edges: corners that
-/// keep off it by as much as they would if the longest triangle lay on it keep all of them off it.
-/// `stretch`: of the most stretched spring, which counts where it is well over the strain limit.
+/// A plane needs its points alone. So does a round or smooth shape that is large against the
+/// triangles: corners that keep off it by as much as they would if the longest triangle lay on it
+/// keep all of them off it. `stretch`: of the most stretched spring, which counts where it is well
+/// over the strain limit.
 Clearance clearance(const Shape&, const Cloth&, double stretch = 0);
 
 /// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length

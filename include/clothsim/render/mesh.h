@@ -22,7 +22,8 @@ struct Mesh {
 /// its v from pole to pole, those of a capsule or a cylinder likewise, v in proportion to the way
 /// (from the middle of one flat end to that of the other); a box has u
 /// and v from 0 to 1 on each face; a plane is a square of side `extent` [m] about the origin, u and
-/// v in metres along x and y, so that textures repeat.
+/// v in metres along x and y, so that textures repeat. A mesh keeps its triangles: see
+/// solid_mesh().
 Mesh make_mesh(const Shape& shape, int segments, double extent);
 
 /// Sphere of columns x rows faces. Vertices lie on the sphere.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <variant>
 
@@ -57,10 +58,22 @@ inline bool operator==(const Cylinder& a, const Cylinder& b) {
   return a.length == b.length && a.radius == b.radius;
 }
 
+struct MeshFile;
+
+/// A solid of triangles in its own frame, grown by a padding with round edges.
+struct MeshShape {
+  static constexpr const char* name = "mesh";
+  std::shared_ptr<const MeshFile> file;  // never null where distances are asked for
+  double padding = 0;                    // [m]
+};
+inline bool operator==(const MeshShape& a, const MeshShape& b) {
+  return a.file == b.file && a.padding == b.padding;
+}
+
 /// The closed list of shapes. What differs between them is an overload for each, found by
 /// std::visit: the compiler asks for those that a new one lacks. Each has a name that scenes know
 /// it by.
-using Shape = std::variant<Sphere, Plane, Capsule, Cuboid, Cylinder>;
+using Shape = std::variant<Sphere, Plane, Capsule, Cuboid, Cylinder, MeshShape>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point
 /// came from; a two-sided plane is solid beyond itself as seen from there. Where the nearest
@@ -70,7 +83,8 @@ Distance signed_distance(const Shape&, const Vector3& point, const Vector3& side
 
 /// Where a point that moves in a straight line `from` -> `to`, in the shape's own frame, comes
 /// within `offset` [m] of the surface from outside; `from` where it is that near already and moves
-/// in. Empty where it stays out or starts in the solid. A box and a cylinder are grown by the
+/// in. Empty where it stays out or starts in the solid. Into a mesh it is found by steps of the
+/// distance that is left (Hart 1996, "Sphere tracing"). A box and a cylinder are grown by the
 /// offset without rounding their edges. A plane has no far side to come out of: always empty, its
 /// signed distance tells all.
 std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vector3& to,
@@ -79,8 +93,9 @@ std::optional<Vector3> entry_point(const Shape&, const Vector3& from, const Vect
 /// How far into the shape the nearest surface is still the one a point came through [m].
 double safe_depth(const Shape&);
 
-/// Least radius of curvature of the surface: 0 where it has edges, infinite where it is flat [m].
-double least_curvature_radius(const Shape&);
+/// How far from the surface corners keep all of a flat triangle `offset` off it, where its edges
+/// are no longer than `edge` (all in m); infinite where the surface has edges.
+double corner_distance(const Shape&, double edge, double offset);
 
 /// Radius about the origin of its own frame that holds the solid; infinite for a plane [m].
 double bounding_radius(const Shape&);

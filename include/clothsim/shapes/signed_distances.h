@@ -16,7 +16,7 @@ struct Frame {
 
 /// Signed distances [m] of `count` points of the world from the surface of a solid at `frame`, and
 /// their normals in the world. `sides`: where the points came from, when the solid was at `before`;
-/// see signed_distance().
+/// see signed_distance(). Of a mesh far away, distances nearer to 0 than that.
 void signed_distances(const Shape&, const Frame& frame, PointRun points, const Frame& before,
                       PointRun sides, int count, double* distances, MutablePointRun normals);
 

@@ -42,7 +42,8 @@ struct Scene {
   ClothSpec cloth;
   std::vector<ColliderSpec> colliders;
   SimulationSpec simulation;
-  std::vector<MotionEntry> motions;  // for a MotionPlayer; a simulator itself does not play them
+  std::vector<std::string> left_out;  // of robots, and why: for a log; no part of what is simulated
+  std::vector<MotionEntry> motions;   // for a MotionPlayer; a simulator itself does not play them
 };
 
 /// What of a scene may change between two frames.
@@ -69,6 +70,8 @@ void validate(const SimulationSpec&);
 /// Throws InvalidValue with keys as of read_live_values(), such as {"collider_friction", "ball"};
 /// of the material alone, without what it takes to be that of a cloth of some size.
 void validate(const LiveSpec&);
+/// Throws InvalidValue with keys relative to the collider, such as {"radius"}.
+void validate(const ColliderSpec&);
 
 /// Throws InvalidValue with the full key path, such as {"colliders", "0", "radius"}.
 void validate(const Scene&);

@@ -3,6 +3,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <array>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,10 +12,18 @@
 
 namespace clothsim {
 
+/// What a scene refers to.
+struct SceneSources {
+  std::filesystem::path folder;  // that paths of files begin at; empty: where the program runs
+  // The text of the parameter of that name, for robots; none: there are no parameters. Throws
+  // InvalidValue, without a key, for one that is not there or no text.
+  std::function<std::string(const std::string&)> description = nullptr;
+};
+
 /// The only reader of scenes. Every key is optional but `cloth`; what is left out keeps its
 /// default. Throws InvalidValue for an unknown key, a wrong type, a non-finite number, a value out
-/// of range.
-Scene read_scene(const YAML::Node& root);
+/// of range, a file that cannot be used.
+Scene read_scene(const YAML::Node& root, const SceneSources& = {});
 
 /// Reads a map of switches, one for each spring family; what is left out keeps its value. Throws
 /// InvalidValue.
@@ -25,6 +35,9 @@ std::vector<MotionEntry> read_motions(const YAML::Node&);
 /// Reads a rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, as
 /// in URDF. Throws InvalidValue.
 Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node&);
+
+/// Reads a map of `xyz` [m] and `rpy` [rad], each of which may be left out. Throws InvalidValue.
+void read_pose(const YAML::Node&, Pose&);
 
 /// Reads a map of what may change while a cloth moves: the keys of the material, thickness,
 /// self_collision and friction of the cloth, those of `simulation` but its seed, and

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "clothsim/model/types.h"
+#include "clothsim/shapes/solid.h"
+
+namespace clothsim {
+
+/// A solid, and the file that it is from.
+struct MeshFile {
+  Solid solid;
+  std::string uri;         // that others find it by, as RViz does: package:// or file://
+  Vector3 scale{1, 1, 1};  // of its coordinates
+};
+
+/// Reads an STL, OBJ or DAE file. `scale` [m per unit of the file; a negative one mirrors] comes on
+/// top of the unit that a DAE file names; z is up in all, whatever a DAE file says, as in RViz.
+/// Throws InvalidValue, without a key, for what is missing, no such file, too large or no solid.
+TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
+
+/// The solid in a file. What other scenes hold of the same file, unchanged, is shared.
+std::shared_ptr<const MeshFile> read_mesh_file(const std::filesystem::path&, const std::string& uri,
+                                               const Vector3& scale);
+
+}  // namespace clothsim

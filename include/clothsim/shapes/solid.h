@@ -1,0 +1,166 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "clothsim/geometry/nearest_tree.h"
+#include "clothsim/geometry/rays.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Triangles as files hold them.
+struct TriangleSoup {
+  std::vector<Vector3> vertices;              // [m]
+  std::vector<std::array<int, 3>> triangles;  // of vertices
+};
+
+/// A solid within a closed surface of triangles. Distances are exact, up to rounding.
+///
+/// A grid of cells about the surface lists, for each, the triangles that can be nearest to a point
+/// in it, nearest first; elsewhere a tree of boxes finds it. What is inside tell normals of faces,
+/// edges and vertices, these weighted by angles (Baerentzen & Aanaes 2005, "Signed distance
+/// computation using the angle weighted pseudonormal").
+class Solid {
+ public:
+  /// An edge at which the surface bends outwards, with the normals of itself and its ends: sums of
+  /// those of the faces there, of any length.
+  struct Ridge {
+    std::array<Vector3, 2> ends;  // [m]
+    Vector3 normal;
+    std::array<Vector3, 2> end_normals;
+    double angle;  // between its two faces' normals [rad]
+  };
+
+  /// Vertices at one place become one. Throws InvalidValue, without a key, unless the surface is
+  /// finite, closed and of one sense, each edge between two triangles, with a volume inside. One
+  /// that is inside out is turned.
+  explicit Solid(const TriangleSoup&);
+
+  /// Signed distance from the surface and the unit normal into free space. Where the nearest point
+  /// is not one alone, it is one of those possible.
+  std::pair<double, Vector3> distance(const Vector3& point) const;
+
+  /// The same, but far away a value of the right sign that is nearer to 0, and about the normal.
+  std::pair<double, Vector3> rough_distance(const Vector3& point) const;
+
+  /// Calls visit(ridge) for those that may be no farther than `most` [m] from a triangle, the
+  /// nearer ones first; it may lower `most`.
+  template <class Visit>
+  void visit_ridges(const std::array<Vector3, 3>& t, double& most, const Visit& visit) const {
+    const Box box = Box(t[0]).extend(t[1]).extend(t[2]);
+    const Vector3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
+    const double height = normal.dot(t[0]);
+    // A box is no nearer to the triangle than to the box about that, and to its plane.
+    const auto bound = [&](const Box& b) {
+      const double off =
+          std::abs(normal.dot(b.center()) - height) - normal.cwiseAbs().dot(b.sizes()) / 2;
+      return std::max(squared_distance(b, box), off > 0 ? off * off : 0);
+    };
+    double most2 = most * std::abs(most);
+    ridge_tree_.search(bound, most2, [&](int i) {
+      visit(ridges_[static_cast<std::size_t>(i)]);
+      most2 = most * std::abs(most);
+    });
+  }
+
+  /// Calls visit(place, normal) where a segment passes through a face with that unit normal.
+  template <class Visit>
+  void visit_hits(const Vector3& from, const Vector3& to, const Visit& visit) const {
+    const Vector3 way = to - from;
+    double most = 1;
+    face_tree_.search([&](const Box& box) { return hit_by_ray(from, way, box); }, most,
+                      [&](int i) {
+                        const auto face = static_cast<std::size_t>(i);
+                        const double share = hit_by_ray(from, way, corners_[face]);
+                        if (share <= 1) visit(Vector3(from + share * way), faces_[face].normal);
+                      });
+  }
+
+  /// How far below its corners a flat triangle with edges of at most `edge` [m] may dip into the
+  /// solid at most, with its corners on the surface [m].
+  double dip(double edge) const;
+
+  /// Thickness below all but a hundredth of the surface [m].
+  double thickness() const { return thickness_; }
+
+  const Box& box() const { return box_; }
+  double radius() const { return radius_; }  // of the ball about the origin that holds it [m]
+
+  const std::vector<Vector3>& vertices() const { return vertices_; }
+  const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
+
+ private:
+  using Corners = std::array<Vector3, 3>;
+  struct Face {
+    Vector3 normal;                       // unit; zero where it has no area
+    std::array<Vector3, 3> edge_normals;  // of the edge from corner i on
+  };
+  /// The nearest of the triangles looked at.
+  struct Nearest {
+    double squared;
+    int face;
+    Vector3 gap;  // from the surface to the point
+    std::array<double, 3> weights;
+  };
+  /// Holds a triangle. In single precision, so that those of many faces stay in the cache.
+  struct Ball {
+    float x, y, z;
+    float radius;  // a little more than it takes [m]
+  };
+  struct Candidate {
+    int face;
+    float least;  // of its distance from the cell's centre [m], or a little less
+  };
+
+  void weld(const TriangleSoup&);
+  void connect();
+  void find_ridges(const std::vector<std::array<int, 3>>& beyond);
+  void build_grid();
+  std::vector<char> cells_near_surface(double reach) const;
+  void build_far_grid();
+  void find_candidates(const Vector3& center, double reach);
+  double measure_thickness() const;
+  double thickness_below(std::size_t face) const;
+  void look_at(int face, const Vector3& point, Nearest&) const;
+  void wrap_faces();
+  Nearest nearest_by_tree(const Vector3& point, double most) const;
+  Vector3 normal_at(const Nearest&) const;
+
+  int cell_of(const Vector3& point) const;
+  Vector3 center_of(int cell) const;
+
+  std::vector<Vector3> vertices_;
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<Corners> corners_;  // of the triangles: apart from the normals, which few ask for
+  std::vector<Ball> balls_;       // about them
+  std::vector<Face> faces_;
+  std::vector<Vector3> vertex_normals_;
+  std::vector<Ridge> ridges_;
+  Box box_;
+  double radius_ = 0;
+  double thickness_ = 0;
+  double sharpest_ = 0;   // angle of a ridge [rad]
+  double curvature_ = 0;  // largest, by the angles of ridges [1/m]
+
+  NearestTree face_tree_{{}};
+  NearestTree ridge_tree_{{}};
+  /// What is known of a large cell: the distance of its centre.
+  struct FarCell {
+    double value;
+    Vector3 normal;
+  };
+  double far_cell_ = 0;             // size of a large cell [m]
+  std::array<int, 3> far_cells_{};  // along each axis, from the box's least corner on
+  std::vector<FarCell> far_;        // none where there are few triangles
+
+  double cell_ = 0;             // size of a cell [m]
+  std::array<int, 3> cells_{};  // along each axis
+  std::vector<int> first_of_;   // by cell, and one more: its first candidate
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace clothsim

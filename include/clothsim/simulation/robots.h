@@ -1,0 +1,14 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include "clothsim/simulation/scene_yaml.h"
+
+namespace clothsim {
+
+/// Reads one item of a scene's list `robots`: adds a collider for each collision of the links it
+/// names, called ROBOT/LINK, that follows the link's frame. What cannot be used is left out, with a
+/// line in scene.left_out. Throws InvalidValue for keys, a URDF that is none, an unknown link.
+void read_robot(const YAML::Node&, const SceneSources&, Scene&);
+
+}  // namespace clothsim

@@ -1,0 +1,130 @@
+#include "clothsim/shapes/mesh_file.h"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Far beyond what a collider needs, and little enough to hold.
+constexpr std::uintmax_t most_bytes = 500'000'000;
+constexpr std::size_t most_triangles = 2'000'000;
+constexpr int deepest_nodes = 200;
+
+constexpr Range coordinate_range{-1e6, 1e6, "m"};
+
+std::string extension_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+void check_file(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  if (extension != ".stl" && extension != ".obj" && extension != ".dae") {
+    throw InvalidValue({}, '"' + shortened(path.string(), 200) + '"',
+                       "a file that ends in .stl, .obj or .dae");
+  }
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) {
+    throw InvalidValue({}, '"' + shortened(path.string(), 200) + "\": " + error.message(),
+                       "a mesh file");
+  }
+  if (size > most_bytes) {
+    throw InvalidValue({}, std::to_string(size) + " bytes",
+                       "at most " + std::to_string(most_bytes));
+  }
+}
+
+Vector3 to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+/// Adds the triangles of a node and those below it.
+void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
+              const Vector3& scale, int depth, TriangleSoup& soup) {
+  if (depth > deepest_nodes) throw InvalidValue({}, "nodes within nodes", "fewer of them");
+  const aiMatrix4x4 pose = depth == 0 ? parent : parent * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
+    const int first = static_cast<int>(soup.vertices.size());
+    if (soup.triangles.size() + mesh.mNumFaces > most_triangles) {
+      throw InvalidValue({}, "more than " + std::to_string(most_triangles) + " triangles", "fewer");
+    }
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      soup.vertices.push_back(scale.cwiseProduct(to_vector(pose * mesh.mVertices[i])));
+      for (int axis = 0; axis < 3; ++axis) {
+        check_range("vertex", soup.vertices.back()[axis], coordinate_range);
+      }
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices != 3) continue;  // points and lines
+      soup.triangles.push_back({first + static_cast<int>(face.mIndices[0]),
+                                first + static_cast<int>(face.mIndices[1]),
+                                first + static_cast<int>(face.mIndices[2])});
+    }
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) {
+    add_node(scene, *node.mChildren[i], pose, scale, depth + 1, soup);
+  }
+}
+
+/// Of the root, as it turns what is not y up: the unit alone.
+aiMatrix4x4 unit_of(const aiNode& root) {
+  const double volume = std::abs(aiMatrix3x3(root.mTransformation).Determinant());
+  const auto unit = static_cast<float>(std::cbrt(volume));
+  aiMatrix4x4 scaling;
+  aiMatrix4x4::Scaling(aiVector3D(unit), scaling);
+  return scaling;
+}
+
+}  // namespace
+
+TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
+  check_file(path);
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene =
+      importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  if (!scene || !scene->mRootNode) {
+    throw InvalidValue({}, shortened(importer.GetErrorString(), 200), "a mesh");
+  }
+  TriangleSoup soup;
+  add_node(*scene, *scene->mRootNode, unit_of(*scene->mRootNode), scale, 0, soup);
+  if (soup.triangles.empty()) throw InvalidValue({}, "no triangles", "a closed surface");
+  return soup;
+}
+
+std::shared_ptr<const MeshFile> read_mesh_file(const fs::path& path, const std::string& uri,
+                                               const Vector3& scale) {
+  using Key = std::tuple<std::string, std::string, double, double, double>;
+  static std::mutex mutex;
+  static std::map<Key, std::pair<fs::file_time_type, std::weak_ptr<const MeshFile>>> known;
+  check_file(path);
+  const fs::file_time_type changed = fs::last_write_time(path);
+  const std::lock_guard lock(mutex);
+  auto& [time, shared] =
+      known[{fs::weakly_canonical(path).string(), uri, scale.x(), scale.y(), scale.z()}];
+  if (std::shared_ptr<const MeshFile> same = shared.lock(); same && time == changed) return same;
+  const auto file =
+      std::make_shared<const MeshFile>(MeshFile{Solid(read_triangles(path, scale)), uri, scale});
+  time = changed;
+  shared = file;
+  return file;
+}
+
+}  // namespace clothsim

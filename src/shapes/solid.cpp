@@ -1,0 +1,188 @@
+// The surface of a solid: what closes it, its normals and ridges.
+
+#include "clothsim/shapes/solid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+/// Angle below which two faces are one plane but for rounding [rad].
+constexpr double flat = 1e-4;
+
+/// Volume, as a share of the sum of what its parts add and take, that is but rounding.
+constexpr double least_volume = 1e-9;
+
+/// So few are all looked at as quickly.
+constexpr std::size_t few_triangles = 200;
+
+struct HashOfPlace {
+  std::size_t operator()(const Vector3& p) const {
+    std::size_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      hash = hash * 1000003 + std::hash<double>()(p[axis]);  // 0.0 and -0.0 alike
+    }
+    return hash;
+  }
+};
+
+std::string in_words(const Vector3& p) {
+  return '[' + to_text(p.x()) + ", " + to_text(p.y()) + ", " + to_text(p.z()) + ']';
+}
+
+double angle_at(const Vector3& corner, const Vector3& a, const Vector3& b) {
+  const Vector3 u = a - corner, v = b - corner;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+/// Corner of a triangle that is neither of these two.
+const Vector3& corner_beside(const std::array<Vector3, 3>& t, const Vector3& a, const Vector3& b) {
+  return t[0] != a && t[0] != b ? t[0] : (t[1] != a && t[1] != b ? t[1] : t[2]);
+}
+
+/// Between two triangles across their edge from a to b, as far as a ball through their corners
+/// turns from the one to the other [m]: between their circumcentres, where these are not on their
+/// edge.
+double width_across(const std::array<Vector3, 3>& s, const std::array<Vector3, 3>& t,
+                    const Vector3& a, const Vector3& b) {
+  double width = 0, height = 0;
+  for (const auto* triangle : {&s, &t}) {
+    const Vector3& c = corner_beside(*triangle, a, b);
+    const double area2 = (a - c).cross(b - c).norm(), length = (b - a).norm();
+    width += length / 2 * (a - c).dot(b - c) / area2;
+    height += area2 / length;
+  }
+  return std::max(width, height / 6);
+}
+
+}  // namespace
+
+Solid::Solid(const TriangleSoup& soup) {
+  weld(soup);
+  connect();
+  std::vector<Box> boxes;
+  for (const Corners& corners : corners_) {
+    Box box;
+    for (const Vector3& p : corners) box.extend(p);
+    boxes.push_back(box);
+    box_.extend(box);
+    for (const Vector3& p : corners) radius_ = std::max(radius_, p.norm());
+  }
+  face_tree_ = NearestTree(boxes);
+  boxes.clear();
+  for (const Ridge& ridge : ridges_) boxes.push_back(Box(ridge.ends[0]).extend(ridge.ends[1]));
+  ridge_tree_ = NearestTree(boxes);
+  wrap_faces();
+  build_grid();
+  thickness_ = measure_thickness();
+  if (faces_.size() > few_triangles) build_far_grid();
+}
+
+void Solid::weld(const TriangleSoup& soup) {
+  std::unordered_map<Vector3, int, HashOfPlace> known;
+  std::vector<int> welded;
+  welded.reserve(soup.vertices.size());
+  for (const Vector3& p : soup.vertices) {
+    if (!p.allFinite()) throw InvalidValue({}, "a vertex that is not finite", "a finite place");
+    const auto [place, is_new] = known.emplace(p, static_cast<int>(vertices_.size()));
+    if (is_new) vertices_.push_back(p);
+    welded.push_back(place->second);
+  }
+  for (const auto& [a, b, c] : soup.triangles) {
+    const auto at = [&](int i) { return welded[static_cast<std::size_t>(i)]; };
+    if (at(a) == at(b) || at(b) == at(c) || at(c) == at(a)) continue;
+    triangles_.push_back({at(a), at(b), at(c)});
+  }
+  if (triangles_.empty()) throw InvalidValue({}, "no triangles", "a closed surface");
+
+  double volume = 0, sum = 0;
+  for (const auto& [a, b, c] : triangles_) {
+    const auto at = [&](int i) -> const Vector3& { return vertices_[static_cast<std::size_t>(i)]; };
+    const double six = (at(a) - vertices_[0]).dot((at(b) - at(a)).cross(at(c) - at(a)));
+    volume += six;
+    sum += std::abs(six);
+  }
+  if (volume < 0) {
+    for (auto& [a, b, c] : triangles_) std::swap(b, c);
+  }
+  if (!(std::abs(volume) > least_volume * sum)) {
+    throw InvalidValue({}, "a surface without a volume inside", "a solid");
+  }
+}
+
+void Solid::connect() {
+  const auto at = [&](int i) -> const Vector3& { return vertices_[static_cast<std::size_t>(i)]; };
+  vertex_normals_.assign(vertices_.size(), Vector3::Zero());
+  std::unordered_map<std::uint64_t, std::pair<int, int>> sides;  // of directed edges: face, corner
+  const auto key = [](int from, int to) {
+    return static_cast<std::uint64_t>(from) << 32 | static_cast<std::uint32_t>(to);
+  };
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = at(triangles_[t][k]);
+    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    corners_.push_back(corners);
+    const Vector3 none = Vector3::Zero();
+    faces_.push_back({normal.stableNormalized(), {none, none, none}});
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int from = triangles_[t][k], to = triangles_[t][(k + 1) % 3];
+      vertex_normals_[static_cast<std::size_t>(from)] +=
+          angle_at(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]) * faces_[t].normal;
+      const std::pair<int, int> side(static_cast<int>(t), static_cast<int>(k));
+      if (sides.emplace(key(from, to), side).second) continue;
+      throw InvalidValue({},
+                         "more than two triangles, or two of opposite sense, at the edge from " +
+                             in_words(at(from)) + " to " + in_words(at(to)),
+                         "each edge between two triangles of one sense");
+    }
+  }
+  std::vector<std::array<int, 3>> beyond(faces_.size());  // faces across the edge from corner k on
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int from = triangles_[t][k], to = triangles_[t][(k + 1) % 3];
+      const auto other = sides.find(key(to, from));
+      if (other == sides.end()) {
+        throw InvalidValue(
+            {}, "a hole at the edge from " + in_words(at(from)) + " to " + in_words(at(to)),
+            "a closed surface");
+      }
+      beyond[t][k] = other->second.first;
+      faces_[t].edge_normals[k] =
+          faces_[t].normal + faces_[static_cast<std::size_t>(beyond[t][k])].normal;
+    }
+  }
+  find_ridges(beyond);
+}
+
+void Solid::find_ridges(const std::vector<std::array<int, 3>>& beyond) {
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3 &a = corners_[t][k], &b = corners_[t][(k + 1) % 3];
+      const auto other = static_cast<std::size_t>(beyond[t][k]);
+      if (other < t) continue;  // each edge once
+      const auto end_normal = [&](std::size_t corner) {
+        return vertex_normals_[static_cast<std::size_t>(triangles_[t][corner])];
+      };
+      const Vector3 first = end_normal(k), last = end_normal((k + 1) % 3);
+      const Vector3 &n = faces_[t].normal, &m = faces_[other].normal;
+      const Vector3 along = (b - a).stableNormalized();
+      const double angle = std::atan2(n.cross(m).dot(along), n.dot(m));  // outwards
+      if (!(angle > flat)) continue;
+      ridges_.push_back({{a, b}, n + m, {first, last}, angle});
+      sharpest_ = std::max(sharpest_, angle);
+      curvature_ = std::max(curvature_, angle / width_across(corners_[t], corners_[other], a, b));
+    }
+  }
+}
+
+double Solid::dip(double edge) const {
+  // Over a single ridge both ends lie on its slopes, half an edge away; over many, which bend it as
+  // a ball, it lies within edge / sqrt(3) of its circumcentre.
+  return std::max(edge / 4 * sharpest_, edge * edge / 6 * curvature_);
+}
+
+}  // namespace clothsim

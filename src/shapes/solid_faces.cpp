@@ -1,0 +1,143 @@
+// Distance between a triangle and a solid of triangles.
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/geometry/closest_points.h"
+#include "face_features.h"
+
+namespace clothsim {
+namespace {
+
+/// Box around a triangle.
+Box box_of(const Triangle& t) { return Box(t[0]).extend(t[1]).extend(t[2]); }
+
+/// Where two features are closest, and on which side of the solid's surface. Nearest pairs of a
+/// triangle and a solid are a corner of the one and a face of the other, or two edges.
+class ClosestFeatures {
+ public:
+  explicit ClosestFeatures(const Triangle& t) : t_(t) {}
+
+  /// A corner of the triangle and its signed distance.
+  void add_corner(std::size_t i, double value, const Vector3& normal) {
+    const FaceDistance found{value, normal, corner(i)};
+    if (value < 0) add_inside(found);
+    if (std::abs(value) < std::abs(nearest_.value)) nearest_ = found;
+  }
+
+  void add(const Solid::Ridge& ridge) {
+    const auto& [a, b] = ridge.ends;
+    const Vector3 n = unit_normal(t_);
+    if (!n.isZero(0) && passes_through(a, b, t_)) {
+      add_piercing(ridge, n);
+      return;
+    }
+    for (const std::size_t end : {0, 1}) {
+      const Vector3& p = ridge.ends[end];
+      add_pair(p, closest_on_triangle(p, t_[0], t_[1], t_[2]), ridge.end_normals[end]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const SegmentParameters where = closest_on_segments(t_[i], t_[(i + 1) % 3], a, b);
+      const Vector3& normal = where.t <= 0   ? ridge.end_normals[0]
+                              : where.t >= 1 ? ridge.end_normals[1]
+                                             : ridge.normal;
+      add_pair(a + where.t * (b - a), on_edge(i, where.s), normal);
+    }
+  }
+
+  /// The edge from corner i on passes through a face there: its end within takes the triangle out.
+  void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
+    for (const std::size_t end : {i, (i + 1) % 3}) {
+      const double depth = normal.dot(t_[end] - place);
+      if (depth < 0) add_inside({depth, normal, corner(end)});
+    }
+  }
+
+  /// Nothing farther away counts [m].
+  double most() const { return std::abs(nearest_.value); }
+
+  /// Of a triangle that is in the solid somewhere, the shortest of what takes one of its features
+  /// out.
+  const FaceDistance& result() const { return is_inside_ ? inside_ : nearest_; }
+
+ private:
+  void add_pair(const Vector3& p, const Weights& weights, const Vector3& normal) {
+    const Vector3 gap = at(t_, weights) - p;
+    const double distance = gap.norm();
+    if (distance >= std::abs(nearest_.value)) return;
+    const double side = gap.dot(normal) < 0 ? -1 : 1;
+    nearest_ = {side * distance,
+                distance > 0 ? Vector3(side / distance * gap) : normal.stableNormalized(), weights};
+    if (side < 0) add_inside(nearest_, false);
+  }
+
+  /// The triangle leaves a ridge that it is spitted on over an end that points outwards; if none
+  /// does, over the nearer one.
+  void add_piercing(const Solid::Ridge& ridge, const Vector3& n) {
+    std::array<FaceDistance, 2> ways;
+    bool has_tip = false;
+    for (const std::size_t end : {0, 1}) {
+      const Vector3& p = ridge.ends[end];
+      const double height = n.dot(p - t_[0]);
+      ways[end] = {-std::abs(height), height < 0 ? Vector3(-n) : n,
+                   closest_on_triangle(p, t_[0], t_[1], t_[2])};
+      if (ways[end].normal.dot(ridge.end_normals[end]) <= 0) continue;
+      has_tip = true;
+      add_inside(ways[end]);
+    }
+    if (!has_tip) add_inside(ways[ways[0].value > ways[1].value ? 0 : 1]);
+  }
+
+  /// `surely`: whether it is so whatever is nearer.
+  void add_inside(const FaceDistance& found, bool surely = true) {
+    is_inside_ = is_inside_ || surely;
+    if (found.value > inside_.value) inside_ = found;
+  }
+
+  const Triangle& t_;
+  FaceDistance nearest_{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  FaceDistance inside_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  bool is_inside_ = false;
+};
+
+}  // namespace
+
+std::optional<FaceDistance> distance(const MeshShape& mesh, const Triangle& t, double reach) {
+  const Solid& solid = mesh.file->solid;
+  const Box box = box_of(t);
+  const double most_value = reach + mesh.padding;
+  if (squared_distance(solid.box(), box) > most_value * std::abs(most_value)) return std::nullopt;
+  ClosestFeatures closest(t);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [value, normal] = solid.distance(t[i]);
+    closest.add_corner(i, value, normal);
+  }
+  double most = std::min(closest.most(), std::max(most_value, 0.0));
+  solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+    closest.add(ridge);
+    most = std::min(most, closest.most());
+  });
+  for (std::size_t i = 0; i < 3; ++i) {
+    solid.visit_hits(t[i], t[(i + 1) % 3], [&](const Vector3& place, const Vector3& normal) {
+      closest.add_hit(i, place, normal);
+    });
+  }
+  FaceDistance found = closest.result();
+  found.value -= mesh.padding;
+  if (found.value > reach) return std::nullopt;
+  return found;
+}
+
+bool may_touch_between(const MeshShape& mesh, const Triangle& t, double reach) {
+  const Box box = box_of(t);
+  bool found = false;
+  double most = reach + mesh.padding;
+  mesh.file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+    const Box line = Box(ridge.ends[0]).extend(ridge.ends[1]);
+    found = found || overlap(line, box, reach + mesh.padding);
+    if (found) most = -1;
+  });
+  return found;
+}
+
+}  // namespace clothsim

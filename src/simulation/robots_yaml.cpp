@@ -1,0 +1,167 @@
+// Robots of a scene: colliders that follow the links of a URDF.
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/model/resource.h"
+#include "clothsim/shapes/mesh_file.h"
+#include "clothsim/simulation/robots.h"
+#include "clothsim/simulation/urdf.h"
+#include "clothsim/simulation/yaml_values.h"
+
+namespace clothsim {
+namespace {
+
+/// As a scene describes it.
+struct Robot {
+  std::string description;  // name of a parameter
+  std::string file;
+  std::string name;  // empty: the URDF's
+  std::string prefix;
+  std::vector<std::string> links;
+  bool has_all = true;
+  double friction = 0.6;
+  double padding = 0;
+  Pose pose;  // of its root, until frames are known
+
+  Urdf urdf;
+  std::filesystem::path folder;  // that meshes are looked for from
+};
+
+/// Range of what is added to each side, far beyond a robot's.
+constexpr Range padding_range{0, 1, "m"};
+
+void read_links(const YAML::Node& node, Robot& robot) {
+  if (is_word(node, "all")) return;
+  if (!node.IsSequence()) throw InvalidValue({}, describe(node), "all or a list of links");
+  robot.has_all = false;
+  read_list(node, [&](const YAML::Node& item) { robot.links.push_back(read_text(item)); });
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::error_code error;
+  std::ifstream file(path, std::ios::binary);
+  if (!std::filesystem::is_regular_file(path, error) || !file) {
+    throw InvalidValue({}, '"' + shortened(path.string(), 200) + "\", which cannot be read",
+                       "a URDF file");
+  }
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void load(const SceneSources& sources, Robot& robot) {
+  if (robot.description.empty() == robot.file.empty()) {
+    throw InvalidValue({"description"}, robot.file.empty() ? "nothing" : "a file, too",
+                       "a parameter with a URDF, or a file");
+  }
+  if (!robot.file.empty()) {
+    inside("file", [&] {
+      const std::filesystem::path path = find_resource(robot.file, sources.folder);
+      robot.folder = path.parent_path();
+      robot.urdf = read_urdf(text_of(path));
+    });
+    return;
+  }
+  inside("description", [&] {
+    if (!sources.description) {
+      throw InvalidValue({}, "a parameter, outside of ROS", "a file instead: the key file");
+    }
+    robot.folder = sources.folder;
+    robot.urdf = read_urdf(sources.description(robot.description));
+  });
+}
+
+void check_links(const Robot& robot) {
+  std::vector<std::string> known;
+  for (const Urdf::Link& link : robot.urdf.links) known.push_back(link.name);
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    if (std::find(known.begin(), known.end(), robot.links[i]) != known.end()) continue;
+    throw InvalidValue({"links", std::to_string(i)}, '"' + shortened(robot.links[i], 100) + '"',
+                       "one of " + shortened(join(known), 1000));
+  }
+}
+
+// The shapes, with the padding all around.
+
+Shape padded(const Sphere& sphere, const Robot& robot) {
+  return Sphere{sphere.radius + robot.padding};
+}
+Shape padded(const Cuboid& box, const Robot& robot) {
+  return Cuboid{box.size + Vector3::Constant(2 * robot.padding)};
+}
+Shape padded(const Cylinder& cylinder, const Robot& robot) {
+  return Cylinder{cylinder.length + 2 * robot.padding, cylinder.radius + robot.padding};
+}
+Shape padded(const Capsule& capsule, const Robot& robot) {
+  return Capsule{capsule.length, capsule.radius + robot.padding};
+}
+Shape padded(const Urdf::Mesh& mesh, const Robot& robot) {
+  const std::filesystem::path path = find_resource(mesh.file, robot.folder);
+  return MeshShape{read_mesh_file(path, uri_of(mesh.file, path), mesh.scale), robot.padding};
+}
+
+/// The collider of one collision of a link. Throws InvalidValue where it cannot be used.
+ColliderSpec collider_of(const Urdf::Link& link, const Urdf::Collision& collision,
+                         const Robot& robot) {
+  if (!collision.fault.empty()) throw InvalidValue({}, collision.fault, "a collision geometry");
+  ColliderSpec collider;
+  collider.frame = robot.prefix + link.name;
+  collider.pose = robot.pose * link.pose;
+  collider.offset = collision.origin;
+  collider.offset.orientation.normalize();
+  collider.friction = robot.friction;
+  collider.shape = std::visit([&](const auto& s) { return padded(s, robot); }, collision.geometry);
+  collider.name = link.name;
+  validate(collider);
+  return collider;
+}
+
+void add_link(const Urdf::Link& link, const Robot& robot, Scene& scene) {
+  const std::string name =
+      (robot.name.empty() ? robot.urdf.name : robot.name) + '/' + robot.prefix + link.name;
+  for (std::size_t i = 0; i < link.collisions.size(); ++i) {
+    // Of several the first has the link's own name.
+    const std::string own = i == 0 ? name : name + ':' + std::to_string(i + 1);
+    try {
+      scene.colliders.push_back(collider_of(link, link.collisions[i], robot));
+      scene.colliders.back().name = own;
+    } catch (const InvalidValue& error) {
+      scene.left_out.push_back(error.inside(own).what());
+    }
+  }
+}
+
+}  // namespace
+
+void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scene) {
+  Robot robot;
+  read_map(node, {{"description", into(robot.description)},
+                  {"file", into(robot.file)},
+                  {"name", into(robot.name)},
+                  {"links", [&](const YAML::Node& links) { read_links(links, robot); }},
+                  {"friction", into(robot.friction)},
+                  {"padding", into(robot.padding)},
+                  {"prefix",
+                   [&](const YAML::Node& text) {
+                     if (!is_word(text, "")) robot.prefix = read_text(text);
+                   }},
+                  {"pose", [&](const YAML::Node& pose) { read_pose(pose, robot.pose); }}});
+  check_range("padding", robot.padding, padding_range);
+  ColliderSpec any;  // of its links: what is wrong with all of them is refused
+  any.name = "robot";
+  any.friction = robot.friction;
+  any.pose = robot.pose;
+  validate(any);
+  load(sources, robot);
+  check_links(robot);
+  for (const Urdf::Link& link : robot.urdf.links) {
+    const bool is_named =
+        std::find(robot.links.begin(), robot.links.end(), link.name) != robot.links.end();
+    if (robot.has_all || is_named) add_link(link, robot, scene);
+  }
+}
+
+}  // namespace clothsim
