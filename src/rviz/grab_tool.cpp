@@ -146,16 +146,20 @@ void GrabTool::attach(const Hold& hold, const std::vector<std::int32_t>& points)
   service.request.points = points;
   service.request.tear_force = tear_force_->getFloat();
   setStatus(QString("Holding %1 points").arg(points.size()));
-  calls_.post([this, service, name = hold.node + "/attach",
-               attached = hold.attached]() mutable -> CallQueue::Answer {
-    const std::string refusal = refusal_of(name, service);
-    *attached = refusal.empty();
-    if (refusal.empty()) return {};
-    return [this, refusal, attached] {
-      if (hold_ && hold_->attached == attached) hold_.reset();
-      setStatus(QString::fromStdString(refusal));
-    };
-  });
+  calls_.post(
+      [this, service, node = hold.node, attached = hold.attached]() mutable -> CallQueue::Answer {
+        // An RViz of the same name that was ended by a signal has left its points. Mostly refused.
+        clothsim::Detach left;
+        left.request.frame = service.request.frame;
+        refusal_of(node + "/detach", left);
+        const std::string refusal = refusal_of(node + "/attach", service);
+        *attached = refusal.empty();
+        if (refusal.empty()) return {};
+        return [this, refusal, attached] {
+          if (hold_ && hold_->attached == attached) hold_.reset();
+          setStatus(QString::fromStdString(refusal));
+        };
+      });
 }
 
 void GrabTool::drag(const rviz::ViewportMouseEvent& event) {
