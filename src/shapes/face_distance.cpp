@@ -285,25 +285,35 @@ void for_each_supporting_line(const Cuboid& box, const Triangle&, const Vector3&
 
 // ---- touches_between_corners()
 
-bool may_touch_between(const Sphere& sphere, const Eigen::AlignedBox3d& box, double reach) {
+bool may_touch_in(const Sphere& sphere, const Eigen::AlignedBox3d& box, double reach) {
   return box.exteriorDistance(Vector3::Zero().eval()) <= sphere.radius + reach;
 }
 
-bool may_touch_between(const Cylinder& cylinder, const Eigen::AlignedBox3d& box, double reach) {
+bool may_touch_in(const Cylinder& cylinder, const Eigen::AlignedBox3d& box, double reach) {
   const Vector3 half(cylinder.radius, cylinder.radius, cylinder.length / 2);
   return (box.min() - half).cwiseMax(-half - box.max()).maxCoeff() <= reach;
 }
 
-bool may_touch_between(const Capsule& capsule, const Eigen::AlignedBox3d& box, double reach) {
+bool may_touch_in(const Capsule& capsule, const Eigen::AlignedBox3d& box, double reach) {
   const Vector3 high(0, 0, capsule.length / 2), low = -high;
   const Vector3 beyond = (box.min() - high).cwiseMax(low - box.max());
   return beyond.maxCoeff() <= capsule.radius + reach;
 }
 
-bool may_touch_between(const Plane&, const Eigen::AlignedBox3d&, double) { return false; }
+bool may_touch_in(const Plane&, const Eigen::AlignedBox3d&, double) { return false; }
 
-bool may_touch_between(const Cuboid& cuboid, const Eigen::AlignedBox3d& box, double reach) {
+bool may_touch_in(const Cuboid& cuboid, const Eigen::AlignedBox3d& box, double reach) {
   return is_near_edge(cuboid.size / 2, box.min(), box.max(), reach);
+}
+
+bool may_touch_in(const MeshShape& mesh, const Eigen::AlignedBox3d& box, double reach) {
+  const double most = reach + mesh.padding;
+  return squared_distance(mesh.file->solid.box(), box) <= most * std::abs(most);
+}
+
+template <class S>
+bool may_touch_between(const S& shape, const Triangle& t, double reach) {
+  return may_touch_in(shape, Eigen::AlignedBox3d(t[0]).extend(t[1]).extend(t[2]), reach);
 }
 
 }  // namespace
@@ -330,8 +340,12 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const
   return found;
 }
 
+bool touches_between_corners(const Shape& shape, const Triangle& t, double reach) {
+  return std::visit([&](const auto& s) { return may_touch_between(s, t, reach); }, shape);
+}
+
 bool touches_between_corners(const Shape& shape, const Eigen::AlignedBox3d& box, double reach) {
-  return std::visit([&](const auto& s) { return may_touch_between(s, box, reach); }, shape);
+  return std::visit([&](const auto& s) { return may_touch_in(s, box, reach); }, shape);
 }
 
 std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& triangle,

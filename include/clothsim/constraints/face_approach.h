@@ -45,10 +45,7 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks&
     if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
     for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
       const Corners& c = cloth.triangles[t];
-      const Triangle to = triangle_of(local.to, c);
-      const Eigen::AlignedBox3d box(to[0].cwiseMin(to[1]).cwiseMin(to[2]),
-                                    to[0].cwiseMax(to[1]).cwiseMax(to[2]));
-      if (!fast && !touches_between_corners(shape, box, margin)) continue;
+      if (!fast && !touches_between_corners(shape, triangle_of(local.to, c), margin)) continue;
       if (is_held_inside(cloth, c, local)) continue;
       visit(static_cast<int>(t), c);
     }

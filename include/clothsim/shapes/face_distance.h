@@ -30,8 +30,11 @@ std::optional<FaceDistance> face_distance(const Shape&, const Triangle&, double 
 std::array<std::optional<FaceDistance>, 3> edges_along(const Shape&, const Triangle&,
                                                        const FaceDistance& nearest, double reach);
 
-/// False where, within `reach` [m], no triangle in the box can touch the shape with anything but
-/// its corners, as on the middle of a box's face or far away. Quick.
+/// False where, within `reach` [m], the triangle can touch the shape with nothing but its corners,
+/// as on the middle of a box's face or far away. Quick.
+bool touches_between_corners(const Shape&, const Triangle&, double reach);
+
+/// False where that is so of all triangles in the box. Quicker.
 bool touches_between_corners(const Shape&, const Eigen::AlignedBox3d&, double reach);
 
 }  // namespace clothsim
