@@ -18,9 +18,11 @@ constexpr double cells_by_triangle = 64;
 constexpr double fewest_cells = 4096;
 constexpr double most_cells = 4e6;
 
-/// Cells whose points are farther away than this and half a cell have no list [m]: more than points
-/// that touch stand off a smooth solid.
-constexpr double band = 2e-3;
+/// Cells whose points are farther away than this and half a cell have no list: more than points
+/// that touch stand off a smooth solid [m], but no more than two cells, of which a fine mesh has
+/// many.
+constexpr double widest_band = 2e-3;
+constexpr double band_cells = 2;
 
 /// A distance so small has no direction but for rounding, of the solid's size.
 constexpr double smallest_gap = 1e-11;
@@ -174,6 +176,8 @@ void Solid::wrap_faces() {
   }
 }
 
+double Solid::band() const { return std::min(widest_band, band_cells * cell_); }
+
 void Solid::build_grid() {
   const double wanted =
       std::clamp(cells_by_triangle * static_cast<double>(faces_.size()), fewest_cells, most_cells);
@@ -186,7 +190,7 @@ void Solid::build_grid() {
         static_cast<int>(std::ceil(box_.sizes()[axis] / cell_)) + 2;
   }
   const double half = std::sqrt(3.0) / 2 * cell_;
-  const std::vector<char> near = cells_near_surface(half + band);
+  const std::vector<char> near = cells_near_surface(half + band());
   first_of_.assign(near.size() + 1, 0);
   for (std::size_t cell = 0; cell < near.size(); ++cell) {
     first_of_[cell] = static_cast<int>(candidates_.size());
@@ -225,8 +229,8 @@ std::vector<char> Solid::cells_near_surface(double reach) const {
 }
 
 void Solid::find_candidates(const Vector3& center, double half) {
-  const Nearest nearest = nearest_by_tree(center, half + band);
-  if (nearest.face < 0 || nearest.squared > (half + band) * (half + band)) return;
+  const Nearest nearest = nearest_by_tree(center, half + band());
+  if (nearest.face < 0 || nearest.squared > std::pow(half + band(), 2)) return;
   // A point of the cell is no farther than half a diagonal from the centre, and so is its distance
   // from any triangle.
   const double most = std::sqrt(nearest.squared) + 2 * half;

@@ -42,7 +42,7 @@ struct ColliderSpec {
   double friction = 0;  // Coulomb's coefficient, static and dynamic
   std::string frame;    // tf frame that carries the shape; empty: fixed
   bool enabled = true;  // off: it touches nothing
-  Pose offset;          // of the shape in its frame
+  Pose offset = {};     // of the shape in its frame
 };
 
 }  // namespace clothsim

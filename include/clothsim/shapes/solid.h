@@ -119,6 +119,7 @@ class Solid {
   void weld(const TriangleSoup&);
   void connect();
   void find_ridges(const std::vector<std::array<int, 3>>& beyond);
+  double band() const;
   void build_grid();
   std::vector<char> cells_near_surface(double reach) const;
   void build_far_grid();
