@@ -96,7 +96,7 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   // In the middle of the step. What a band needs of the next one must stay until it is done: where
   // there is but one band, points move in place, which saves a third of the caches' traffic.
   Points& middle = workers.threads() == 1 ? state.positions : middle_;
-  middle.resize(n, 3);
+  if (middle.rows() != n) middle.resize(n, 3);  // another thread may ask how many
   forces.resize(n);
 
   // Internal damping asks for velocities, of the next band too.

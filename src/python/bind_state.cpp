@@ -82,7 +82,10 @@ void bind_state(SimulationClass& simulator) {
           },
           "[N, 3] [m/s], likewise.")
       .def_property_readonly(
-          "time", [](Simulation& self) { return self.run()->simulator.state().time; },
+          "time",
+          [](Simulation& self) {
+            return self.with([](Run& run) { return run.simulator.state().time; });
+          },
           "Simulated time since the scene's start [s].")
       .def_property_readonly(
           "memory", &memory,
