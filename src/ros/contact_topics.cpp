@@ -41,22 +41,21 @@ clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
   return msg;
 }
 
-/// In the tf frame that carries the collider, about its origin; in the world, about its origin,
-/// where none does.
+/// Of a collider at `pose`: in the tf frame that carries it, about that frame's origin; in the
+/// world, about its origin, where none does. `wrench`: about the collider's own origin.
 geometry_msgs::WrenchStamped to_stamped_wrench_msg(const clothsim::Wrench& wrench,
+                                                   const clothsim::ColliderSpec& collider,
                                                    const clothsim::Pose& pose,
-                                                   const std::string& frame,
                                                    const std::string& world_frame) {
-  clothsim::Wrench local = wrench;
-  if (frame.empty()) {
-    local.torque += pose.position.cross(wrench.force);
-  } else {
-    const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
-    local = {to_frame * wrench.force, to_frame * wrench.torque};
-  }
+  const bool has_frame = !collider.frame.empty();
+  const clothsim::Pose frame =
+      has_frame ? clothsim::frame_of(pose, collider.offset) : clothsim::Pose();
+  const Eigen::Quaterniond to_frame = frame.orientation.conjugate();
+  const clothsim::Vector3 arm = pose.position - frame.position;
   geometry_msgs::WrenchStamped msg;
-  msg.header.frame_id = frame.empty() ? world_frame : frame;
-  msg.wrench = to_wrench_msg(local);
+  msg.header.frame_id = has_frame ? collider.frame : world_frame;
+  msg.wrench = to_wrench_msg(
+      {to_frame * wrench.force, to_frame * (wrench.torque + arm.cross(wrench.force))});
   return msg;
 }
 
@@ -100,10 +99,10 @@ void ContactTopics::publish(const ros::Time& stamp, std::uint64_t step) {
   }
   for (const WrenchTopic& topic : wrenches_) {
     if (topic.publisher.getNumSubscribers() == 0) continue;
-    geometry_msgs::WrenchStamped msg =
-        to_stamped_wrench_msg(simulator_.collider_wrenches()[topic.collider],
-                              simulator_.collider_pose(static_cast<int>(topic.collider)),
-                              simulator_.scene().colliders[topic.collider].frame, world_frame_);
+    geometry_msgs::WrenchStamped msg = to_stamped_wrench_msg(
+        simulator_.collider_wrenches()[topic.collider],
+        simulator_.scene().colliders[topic.collider],
+        simulator_.collider_pose(static_cast<int>(topic.collider)), world_frame_);
     msg.header.stamp = stamp;
     topic.publisher.publish(msg);
   }

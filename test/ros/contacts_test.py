@@ -17,6 +17,7 @@ from cloth_client import PATIENCE, Cloth, Frames, Recorder, call, make_transform
 
 WEIGHT = np.array([0, 0, -5 * 9.8])  # [N]
 TURN = math.pi / 2  # of the tray about z
+ARM = np.array([-0.05, 0.1, 0])  # [m] from the tray's frame to its middle, in the world
 
 
 class ContactTopics(unittest.TestCase):
@@ -29,7 +30,7 @@ class ContactTopics(unittest.TestCase):
         cls.colliders.wait("the colliders of a paused node")
 
     def setUp(self):
-        self.frames.send(make_transform("tray", (0.5, 0.5, -0.0095), TURN))
+        self.frames.send(make_transform("tray", (0.55, 0.4, -0.0095), TURN))
         self.cloth.reset()
 
     def after(self, frames):
@@ -59,11 +60,11 @@ class ContactTopics(unittest.TestCase):
         np.testing.assert_allclose(point(tray.origin), [0.5, 0.5, -0.0095])
         np.testing.assert_allclose(point(tray.middle)[:2], [0.5, 0.5], atol=0.01)
 
-        # The same in the frame's axes, which are turned: its x is the world's y.
+        # The same about the frame's origin, in its axes, which are turned: its x is the world's y.
         self.assertEqual(wrench.header.frame_id, "tray")
         x, y, z = forces[1]
         np.testing.assert_allclose(point(wrench.wrench.force), [y, -x, z], atol=1e-9)
-        x, y, z = point(tray.wrench.torque)
+        x, y, z = np.array(point(tray.wrench.torque)) + np.cross(ARM, forces[1])
         np.testing.assert_allclose(point(wrench.wrench.torque), [y, -x, z], atol=1e-9)
 
     def test_a_fixed_collider_tells_about_the_world(self):
@@ -92,7 +93,6 @@ class ContactTopics(unittest.TestCase):
         self.assertAlmostEqual(tray.pose.orientation.z, math.sin(TURN / 2))
         self.assertEqual([(h.frame, h.points, h.pinned, h.tear_force) for h in message.held],
                          [("", (0,), True, 0), ("hand", (143, 142), False, 7.5)])
-
 
     def test_friction_of_a_collider_is_a_live_value(self):
         client = Client("/clothsim/collider/robot_tray", timeout=PATIENCE)

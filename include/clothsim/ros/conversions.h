@@ -21,8 +21,8 @@
 #include "clothsim/model/state.h"
 #include "clothsim/render/camera.h"
 #include "clothsim/shapes/collider.h"
-#include "clothsim/simulation/simulator.h"
 #include "clothsim/simulation/grips.h"
+#include "clothsim/simulation/simulator.h"
 
 // Pure functions between the core's types and ROS messages.
 

@@ -17,10 +17,10 @@
 
 namespace clothsim_ros {
 
-/// The topics ~state, ~points, ~colliders, ~topology and those of markers. No message is built without a
-/// subscriber for it, but for the latched topology. A new subscriber gets the present state, so
-/// that it sees a simulation that is paused, too: from refresh(), or from publish() where that
-/// comes first.
+/// The topics ~state, ~points, ~colliders, ~topology and those of markers. No message is built
+/// without a subscriber for it, but for the latched topology. A new subscriber gets the present
+/// state, so that it sees a simulation that is paused, too: from refresh(), or from publish() where
+/// that comes first.
 class Outputs {
  public:
   /// The simulator must outlive this. `now` is the stamp of the scene's start.
