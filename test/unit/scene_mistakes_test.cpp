@@ -33,9 +33,9 @@ constexpr const char* cloth_keys =
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
     testing::Values(
-        Mistake{
-            "clothes=1",
-            "clothes: got an unknown key, expected one of cloth, colliders, simulation, motions"},
+        Mistake{"clothes=1",
+                "clothes: got an unknown key, expected one of cloth, colliders, robots, "
+                "simulation, motions"},
         Mistake{"cloth.springs.bend=true",
                 "cloth.springs.bend: got an unknown key, expected one of structural, shear, "
                 "bending"},
@@ -43,10 +43,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.1.link: got an unknown key, expected one of point, frame"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got an unknown key, expected one of name, shape, friction, "
-                "frame, enabled, point, normal, two_sided"},
+                "frame, enabled, pose, point, normal, two_sided"},
         Mistake{"colliders.0.normal=[0, 0, 1]",
                 "colliders.0.normal: got an unknown key, expected one of name, shape, friction, "
-                "frame, enabled, center, radius"},
+                "frame, enabled, pose, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got an unknown key, expected one of gravity, wind, gusts, "
                 "frames_per_second, substeps, strain_tolerance, tolerance, method, "
@@ -91,10 +91,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"colliders.0={shape: capsule, size: 1}",
                 "colliders.0.size: got an unknown key, expected one of name, shape, friction, "
-                "frame, enabled, center, axis, length, radius"},
+                "frame, enabled, pose, center, axis, length, radius"},
         Mistake{"colliders.0={shape: box, radius: 1}",
                 "colliders.0.radius: got an unknown key, expected one of name, shape, friction, "
-                "frame, enabled, center, size, rpy"},
+                "frame, enabled, pose, center, size, rpy"},
         Mistake{"colliders.0={shape: capsule, radius: 0}",
                 "colliders.0.radius: got 0, expected a number of at least 1e-06 [m]"},
         Mistake{"colliders.0={shape: capsule, length: -1}",
@@ -121,7 +121,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"colliders.0={shape: box, rpy: [0, 1]}",
                 "colliders.0.rpy: got [0, 1], expected a list of three numbers"},
         Mistake{"colliders.0={shape: cone}",
-                "colliders.0.shape: got cone, expected one of sphere, plane, capsule, box"}));
+                "colliders.0.shape: got cone, expected one of sphere, plane, capsule, box, "
+                "cylinder, mesh"}));
 
 INSTANTIATE_TEST_SUITE_P(
     MethodParameters, SceneMistake,
@@ -312,9 +313,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"cloth.orientation=diagonal",
                 "cloth.orientation: got diagonal, expected one of horizontal, vertical"},
         Mistake{"colliders.0.shape=teapot",
-                "colliders.0.shape: got teapot, expected one of sphere, plane, capsule, box"},
+                "colliders.0.shape: got teapot, expected one of sphere, plane, capsule, box, "
+                "cylinder, mesh"},
         Mistake{"colliders.0={name: ball}",
-                "colliders.0.shape: got nothing, expected one of sphere, plane, capsule, box"},
+                "colliders.0.shape: got nothing, expected one of sphere, plane, capsule, box, "
+                "cylinder, mesh"},
         Mistake{"colliders.0.name=''",
                 "colliders.0.name: got \"\" (text), expected a text that is not empty"},
         Mistake{"colliders.0.frame=''",

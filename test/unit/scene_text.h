@@ -105,8 +105,10 @@ inline std::string print(const Scene& scene) {
       out << mesh->file->uri << ' ' << mesh->padding << ' ';
       print_vector(mesh->file->scale);
     }
-    print_vector(collider.offset.position);
-    print_vector(collider.offset.orientation.coeffs().head<3>());
+    if (!collider.offset.position.isZero(0) || !collider.offset.orientation.vec().isZero(0)) {
+      print_vector(collider.offset.position);
+      print_vector(collider.offset.orientation.vec());
+    }
     if (const auto* box = std::get_if<Cuboid>(&collider.shape)) {
       print_vector(box->size);
       print_vector(collider.pose.orientation * Vector3::UnitX());
