@@ -140,7 +140,7 @@ class Messages(unittest.TestCase):
                 self.assertTrue(np.isfinite(points(m)).all())
         self.assertEqual(seen, {("surface", 0), ("structural", 0), ("shear", 0), ("bending", 0),
                                 ("pins", 0)} |
-                         {("colliders", id) for id in (0, 1, 2, 3, 3 + 5, 3 + 2 * 5, 4)})
+                         {("colliders", id) for id in (0, 1, 2, 3, 3 + 6, 3 + 2 * 6, 4, 5)})
 
     def test_each_topic_has_its_part(self):
         self.assertEqual({m.ns for m in self.array.markers}, {"surface", "colliders", "pins"})
