@@ -102,7 +102,9 @@ TEST_P(Dropped, LiesStillOutsideWithAllItsTrianglesAndCrossesNothing) {
   // points at the tip tremble on the spot, by 5.5 mm/s rms over the cloth (0.3 without self
   // contact).
   const bool trembles = std::string(drop.name) == "box_corner" && stuff.ks == 5000;
-  const double calm = trembles && stuff.density == 150 ? 8e-3 : 1e-3;  // [m/s]
+  // Over the rim of a drum soft and heavy cloths still move by 1.6 to 2 mm/s.
+  const double usual = std::string(drop.name) == "cylinder_rim" ? 4e-3 : 1e-3;
+  const double calm = trembles && stuff.density == 150 ? 8e-3 : usual;  // [m/s]
   // On small balls a soft cloth's corner slips off one after six seconds.
   double speed = half_a_second(simulator);
   while ((speed > calm || simulator.state().time < 3) && simulator.state().time < 9) {
