@@ -24,6 +24,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   h_ = step.h;
   stretch_ = step.stretch;
   faces_.start_over();
+  has_pinched_ = pinches_.count() > 0;
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
   if (colliders.empty()) return;
@@ -89,7 +90,7 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   follow(s, collider, state.positions);
 
   // Nothing farther away can touch it.
-  const Clearance keeps = clearance(collider.shape(), cloth, step.stretch);
+  const Clearance keeps = clearance(collider.shape(), cloth, step.stretch, has_pinched_);
   const double of_surface = s.moved / step.h;
   const double margin = step.h * (speed + of_surface) + keeps.points;
   const double to_middle = step.reach * step.h * (drift + of_surface);
@@ -160,7 +161,7 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
 
 double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
                                     const Points& start, Points& positions) {
-  const Clearance keeps = clearance(collider.shape(), cloth, stretch_);
+  const Clearance keeps = clearance(collider.shape(), cloth, stretch_, has_pinched_);
   s.room.find_near(travel_.total(), 2 * keeps.points, s.near);
   s.is_close = s.is_close || travel_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;

@@ -61,11 +61,11 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   return std::max(overstretch * (1 + limit), 1 + stretch) * edge;
 }
 
-Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch) {
+Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch, bool pinched) {
   if (cloth.triangles.empty()) return {cloth.offset, false};
   const double edge = longest_edge_within_limit(cloth, stretch);
   const double lifted = corner_distance(shape, edge, cloth.offset);
-  if (lifted - cloth.offset <= highest_lift * edge) return {lifted, false};
+  if (lifted - cloth.offset <= (pinched ? 0 : highest_lift * edge)) return {lifted, false};
   return {cloth.offset, true};
 }
 

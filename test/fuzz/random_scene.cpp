@@ -89,9 +89,10 @@ Motion random_motion(Draw& draw, double size) {
   return motion;
 }
 
-Shape random_shape(Draw& draw, double size) {
+/// One of the first `kinds`.
+Shape random_shape(Draw& draw, double size, int kinds) {
   const double width = size * draw.decades(0.02, 0.3), length = size * draw.decades(0.2, 2);
-  switch (draw.whole(0, 5)) {
+  switch (draw.whole(0, kinds - 1)) {
     case 0:
       return Sphere{size * draw.decades(0.03, 0.5)};
     case 1:
@@ -99,21 +100,21 @@ Shape random_shape(Draw& draw, double size) {
     case 2:
       return Capsule{length, width};
     case 3:
-      return mesh_shape(draw.happens(0.5) ? torus_soup(length / 2, width / 2, 16, 8)
-                                          : step_soup(length));
+      return Cuboid{{length, width, size * draw.decades(0.05, 1)}};
     case 4:
       return Cylinder{draw.happens(0.5) ? length : width, draw.happens(0.5) ? length / 2 : width};
     default:
-      return Cuboid{{length, width, size * draw.decades(0.05, 1)}};
+      return mesh_shape(draw.happens(0.5) ? torus_soup(length / 2, width / 2, 16, 8)
+                                          : step_soup(length));
   }
 }
 
 /// From beside the cloth; now and then in it.
-ColliderSpec random_collider(Draw& draw, const ClothSpec& cloth, int index) {
+ColliderSpec random_collider(Draw& draw, const ClothSpec& cloth, int index, int kinds) {
   const double size = std::max(cloth.width, cloth.height);
   ColliderSpec collider;
   collider.name = "collider" + std::to_string(index);
-  collider.shape = random_shape(draw, size);
+  collider.shape = random_shape(draw, size, kinds);
   collider.friction = draw.happens(0.2) ? 0 : draw.even(0, 2);
   const bool is_upright = cloth.orientation == Orientation::vertical;
   const Vector3 across = is_upright ? Vector3::UnitY() : Vector3::UnitZ();
@@ -162,6 +163,9 @@ Pose Motion::at(double time, const Pose& start) const {
 }
 
 RandomScene random_scene(std::uint64_t seed, int most) {
+  // Seeds below keep the scenes that they had before there were cylinders and meshes.
+  constexpr std::uint64_t with_all_shapes = 100000;
+  const int kinds = seed < with_all_shapes ? 4 : 6;
   Draw draw(seed);
   RandomScene random;
   Scene& scene = random.scene;
@@ -171,7 +175,7 @@ RandomScene random_scene(std::uint64_t seed, int most) {
   scene.simulation = random_simulation(draw);
   const int colliders = draw.happens(scene.cloth.pinned.empty() ? 0.5 : 0.2) ? 0 : draw.whole(1, 4);
   for (int i = 0; i < colliders; ++i) {
-    scene.colliders.push_back(random_collider(draw, scene.cloth, i));
+    scene.colliders.push_back(random_collider(draw, scene.cloth, i, kinds));
     random.colliders.push_back(random_motion(draw, size));
     // A plane that turns sweeps everything there is.
     if (std::holds_alternative<Plane>(scene.colliders.back().shape)) {

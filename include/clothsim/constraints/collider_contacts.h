@@ -140,6 +140,7 @@ class ColliderContacts {
   Travel travel_;
   FaceContacts faces_;
   Pinches pinches_;
+  bool has_pinched_ = false;  // in the step before
   bool recovers_ = false;
   LocalCloth local_;  // about a collider whose faces count
 };
