@@ -31,8 +31,8 @@ struct Clearance {
 /// A plane needs its points alone. So does a round or smooth shape that is large against the
 /// triangles: corners that keep off it by as much as they would if the longest triangle lay on it
 /// keep all of them off it. Not between two colliders that leave no room, where `pinched`: corners
-/// that stand off would take of what there is. `stretch`: of the most stretched spring, which counts
-/// where it is well over the strain limit.
+/// that stand off would take of what there is. `stretch`: of the most stretched spring, which
+/// counts where it is well over the strain limit.
 Clearance clearance(const Shape&, const Cloth&, double stretch = 0, bool pinched = false);
 
 /// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length
