@@ -54,7 +54,7 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
   if (!blocks_.fits(cloth)) blocks_.reset(cloth);
-  const bool fast = longest_row(local.to - local.from) > safe_depth(collider.shape());
+  const bool fast = local.longest > safe_depth(collider.shape());
   const auto look_at = [&](int triangle, const Corners& corners) {
     // As it lies where impulses act, unless it is to be stopped or led out.
     const Triangle middle = triangle_of(local.middle, corners);

@@ -17,13 +17,6 @@ namespace {
 /// As many wait for a slow subscriber, about a second's.
 constexpr std::uint32_t contacts_queue = 100;
 
-geometry_msgs::Wrench to_wrench_msg(const clothsim::Wrench& wrench) {
-  geometry_msgs::Wrench msg;
-  msg.force = to_vector_msg(wrench.force);
-  msg.torque = to_vector_msg(wrench.torque);
-  return msg;
-}
-
 clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
   clothsim::Contacts msg;
   const std::vector<clothsim::ColliderSpec>& colliders = simulator.scene().colliders;
@@ -50,12 +43,11 @@ geometry_msgs::WrenchStamped to_stamped_wrench_msg(const clothsim::Wrench& wrenc
   const bool has_frame = !collider.frame.empty();
   const clothsim::Pose frame =
       has_frame ? clothsim::frame_of(pose, collider.offset) : clothsim::Pose();
-  const Eigen::Quaterniond to_frame = frame.orientation.conjugate();
-  const clothsim::Vector3 arm = pose.position - frame.position;
+  clothsim::Wrench about_frame{{0, 0, 0}, wrench.torque};
+  about_frame.add(pose.position - frame.position, wrench.force);
   geometry_msgs::WrenchStamped msg;
   msg.header.frame_id = has_frame ? collider.frame : world_frame;
-  msg.wrench = to_wrench_msg(
-      {to_frame * wrench.force, to_frame * (wrench.torque + arm.cross(wrench.force))});
+  msg.wrench = to_wrench_msg(about_frame, frame.orientation);
   return msg;
 }
 

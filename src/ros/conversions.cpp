@@ -211,6 +211,15 @@ geometry_msgs::Quaternion to_quaternion_msg(const Eigen::Quaterniond& rotation) 
   return msg;
 }
 
+geometry_msgs::Wrench to_wrench_msg(const clothsim::Wrench& wrench,
+                                    const Eigen::Quaterniond& frame) {
+  const Eigen::Quaterniond to_frame = frame.conjugate();
+  geometry_msgs::Wrench msg;
+  msg.force = to_vector_msg(to_frame * wrench.force);
+  msg.torque = to_vector_msg(to_frame * wrench.torque);
+  return msg;
+}
+
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose& pose) {
   geometry_msgs::Pose msg;
   msg.position = to_point_msg(pose.position);

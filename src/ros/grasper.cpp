@@ -30,19 +30,17 @@ std::string wrench_topic(const std::string& frame) {
   return "wrench/" + to_ros_name(frame, "frame_");
 }
 
-geometry_msgs::WrenchStamped to_wrench_msg(const std::string& frame, const ros::Time& stamp) {
+geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const ros::Time& stamp) {
   geometry_msgs::WrenchStamped msg;
   msg.header.stamp = stamp;
   msg.header.frame_id = frame;
   return msg;
 }
 
-geometry_msgs::WrenchStamped to_wrench_msg(const std::string& frame, const clothsim::Grip& grip,
-                                           const ros::Time& stamp) {
-  geometry_msgs::WrenchStamped msg = to_wrench_msg(frame, stamp);
-  const Eigen::Quaterniond to_frame = grip.pose.orientation.conjugate();
-  msg.wrench.force = to_vector_msg(to_frame * grip.wrench.force);
-  msg.wrench.torque = to_vector_msg(to_frame * grip.wrench.torque);
+geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const clothsim::Grip& grip,
+                                            const ros::Time& stamp) {
+  geometry_msgs::WrenchStamped msg = to_stamped_msg(frame, stamp);
+  msg.wrench = to_wrench_msg(grip.wrench, grip.pose.orientation);
   return msg;
 }
 
@@ -98,7 +96,7 @@ void Grasper::update(const ros::Time& stamp) {
     topic.stamp = stamp;
     if (topic.publisher.getNumSubscribers() == 0) continue;
     const clothsim::Grip& grip = simulator_.grips().at(topic.frame);
-    topic.publisher.publish(to_wrench_msg(topic.frame, grip, stamp));
+    topic.publisher.publish(to_stamped_msg(topic.frame, grip, stamp));
   }
 }
 
@@ -135,14 +133,14 @@ void Grasper::take_hold(const std::string& frame) {
 void Grasper::let_go(WrenchTopic& topic) {
   topic.let_go = ros::SteadyTime::now();
   if (topic.publisher.getNumSubscribers() == 0) return;
-  topic.publisher.publish(to_wrench_msg(topic.frame, pacer_.now()));
+  topic.publisher.publish(to_stamped_msg(topic.frame, pacer_.now()));
 }
 
 void Grasper::greet(const WrenchTopic& topic,
                     const ros::SingleSubscriberPublisher& subscriber) const {
   const auto grip = simulator_.grips().find(topic.frame);
   if (!topic.stamp || grip == simulator_.grips().end()) return;
-  subscriber.publish(to_wrench_msg(topic.frame, grip->second, *topic.stamp));
+  subscriber.publish(to_stamped_msg(topic.frame, grip->second, *topic.stamp));
 }
 
 void Grasper::end_old_topics() {

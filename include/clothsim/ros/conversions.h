@@ -8,6 +8,7 @@
 #include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Vector3.h>
+#include <geometry_msgs/Wrench.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
@@ -19,6 +20,7 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/wrench.h"
 #include "clothsim/render/camera.h"
 #include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/grips.h"
@@ -60,6 +62,9 @@ geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
 geometry_msgs::Quaternion to_quaternion_msg(const Eigen::Quaterniond&);
+/// In the axes of a frame that is turned by `frame` against those of the wrench.
+geometry_msgs::Wrench to_wrench_msg(
+    const clothsim::Wrench&, const Eigen::Quaterniond& frame = Eigen::Quaterniond::Identity());
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
 geometry_msgs::Transform to_transform_msg(const clothsim::Pose&);
 
