@@ -12,8 +12,10 @@ import traceback
 
 import yaml
 
+from sweeping.plan import VIEW
+
 RESULT = "result.json"
-INTERRUPTED = 130  # exit code of simulate
+INTERRUPTED = 130  # exit code of simulate and film
 
 # A line of what went wrong, in the table.
 LONGEST_MESSAGE = 500
@@ -70,11 +72,14 @@ def write_whole(path, text):
 class Case:
     """All that a process needs to run one case of a plan."""
 
-    def __init__(self, simulate, plan, number):
+    def __init__(self, program, plan, number):
         self.number, self.parameters, self.measure = number, plan.cases[number], plan.measure
-        self.command = [str(simulate), str(plan.scene)]
+        self.command, self.video = [str(program), str(plan.scene)], plan.video
         for key, value in plan.settings(number).items():
-            self.command += ["--set", "%s=%s" % (key, json.dumps(value))]
+            option, key = ("--look", key[len(VIEW):]) if key.startswith(VIEW) else ("--set", key)
+            self.command += [option, "%s=%s" % (key, json.dumps(value))]
+        if plan.view:
+            self.command += ["--view", str(plan.view)]
         for name, value in plan.times.items():
             self.command += ["--" + name, repr(value)]
         if plan.start:
@@ -97,15 +102,17 @@ def load_measure(path):
     return module.measure
 
 
-def run_simulate(command, part):
+def run_program(case, part):
     """Runs it in an empty folder. One that was killed may have been in the way of others, for memory,
     or this process may be about to be killed as well: it is given a pause and tried again."""
     for attempt in range(MOST_ATTEMPTS):
         time.sleep(attempt * PAUSE)
         shutil.rmtree(part, ignore_errors=True)
         part.mkdir()
-        run = subprocess.run([*command, "--output", str(part)], stdin=subprocess.DEVNULL,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        video = ["--video", str(part / "video.mp4")] if case.video else []
+        run = subprocess.run([*case.command, "--output", str(part), *video], stdin=subprocess.DEVNULL,
+                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False,
+                             env={"LP_NUM_THREADS": "1", **os.environ})  # of Mesa's renderer
         if run.returncode != -signal.SIGKILL:
             break
     return run
@@ -115,7 +122,7 @@ def run_case(case, store):
     """Runs a case, unless another process is faster. Its result, or None where it was interrupted."""
     begin = time.monotonic()
     part = store.cases / (".%06d.%s.%d.part" % (case.number, os.uname().nodename, os.getpid()))
-    run = run_simulate(case.command, part)
+    run = run_program(case, part)
     if run.returncode == INTERRUPTED:
         shutil.rmtree(part)
         return None
@@ -123,7 +130,8 @@ def run_case(case, store):
     result["status"] = {0: "done", 2: "diverged"}.get(run.returncode, "failed")
     result["message"] = run.stderr.strip()[-LONGEST_MESSAGE:] if run.returncode else ""
     if run.returncode < 0:
-        result["message"] = "simulate: killed by signal %d" % -run.returncode
+        result["message"] = "%s: killed by signal %d" % (
+            pathlib.Path(case.command[0]).name, -run.returncode)
     report = part / "report.yaml"
     if report.exists():
         values = yaml.load(report.read_text(), Loader=LOADER)

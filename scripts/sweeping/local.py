@@ -15,7 +15,7 @@ MOST_ATTEMPTS = 3
 AHEAD = 4
 
 
-def run_here(simulate, plan, store, numbers, jobs, progress):
+def run_here(program, plan, store, numbers, jobs, progress):
     """Runs the cases with these numbers, and calls progress(result) for each."""
     waiting = collections.deque(numbers)
     attempts = collections.Counter()
@@ -25,7 +25,7 @@ def run_here(simulate, plan, store, numbers, jobs, progress):
         while waiting and len(running) < AHEAD * jobs:
             number = waiting.popleft()
             attempts[number] += 1
-            running[pool.submit(run_case, Case(simulate, plan, number), store)] = number
+            running[pool.submit(run_case, Case(program, plan, number), store)] = number
 
     while waiting or running:
         pool = get_reusable_executor(max_workers=jobs, timeout=60)

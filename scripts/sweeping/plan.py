@@ -9,6 +9,7 @@ import pathlib
 import yaml
 
 MOST_CASES = 1_000_000
+VIEW = "view."  # begins the keys of the view; all others are of the scene
 DRAWN = ("random", "log_random", "latin", "log_latin")
 SPACED = ("range", "log_range")
 KINDS = ("list", *SPACED, *DRAWN, "choices")
@@ -48,7 +49,7 @@ def check_keys(key, value, known):
 
 
 class Axis:
-    """One column of the case table, and the values of the scene that it sets."""
+    """One column of the case table, and the values of scene and view that it sets."""
 
     def __init__(self, name, spec):
         key = "axes." + name
@@ -88,7 +89,7 @@ class Axis:
         return first, last
 
     def read_keys(self, name, keys):
-        """Which keys of the scene take the value, each times a factor; none: it has their name."""
+        """Which keys take the value, each times a factor; none: it has their name."""
         if self.kind == "choices":
             if keys is not None:
                 raise BadSweep("axes.%s.keys" % name, shown(keys), "none beside choices")
@@ -111,16 +112,22 @@ class Axis:
             return first * (last / first) ** share
         return first + share * (last - first)
 
+    def all_keys(self):
+        if self.kind == "choices":
+            return {str(key) for values in self.spec.values() for key in values}
+        return set(self.keys)
+
     def settings(self, value):
         if self.kind == "choices":
-            return dict(self.spec[value])
+            return {str(key): own for key, own in self.spec[value].items()}
         return {key: value if factor == 1 else value * factor for key, factor in self.keys.items()}
 
 
 class Plan:
     """A sweep: what each case sets. Equal files give equal plans."""
 
-    KEYS = ("scene", "seconds", "every", "from", "set", "axes", "samples", "seed", "measure")
+    KEYS = ("scene", "seconds", "every", "from", "set", "axes", "samples", "seed", "measure",
+            "view", "video")
 
     def __init__(self, path):
         self.path = pathlib.Path(path).resolve()
@@ -132,10 +139,15 @@ class Plan:
         self.scene = self.file("scene", sweep["scene"])
         self.start = self.file("from", sweep["from"]) if "from" in sweep else None
         self.measure = self.file("measure", sweep["measure"]) if "measure" in sweep else None
+        self.view = self.file("view", sweep["view"]) if "view" in sweep else None
+        self.video = sweep.get("video", False)
+        if not isinstance(self.video, bool):
+            raise BadSweep("video", shown(self.video), "true or false")
         self.times = {name: number(name, sweep[name]) for name in ("seconds", "every") if name in sweep}
-        self.common = sweep.get("set", {})
-        if not isinstance(self.common, dict):
-            raise BadSweep("set", shown(self.common), "a map of keys and values")
+        common = sweep.get("set", {})
+        if not isinstance(common, dict):
+            raise BadSweep("set", shown(common), "a map of keys and values")
+        self.common = {str(key): value for key, value in common.items()}
         axes = sweep.get("axes")
         if not isinstance(axes, dict) or not axes:
             raise BadSweep("axes", shown(axes), "a map of keys and their values")
@@ -187,8 +199,13 @@ class Plan:
         return [{axis.name: axis.place(float(shares[axis.name][i])) for axis in axes}
                 for i in range(count)]
 
+    def draws(self):
+        """Whether cases are drawn: it names a view, a key of it or a video."""
+        keys = {*self.common}.union(*(axis.all_keys() for axis in self.axes))
+        return bool(self.view or self.video or any(key.startswith(VIEW) for key in keys))
+
     def settings(self, number):
-        """Keys of the scene and their values in a case."""
+        """Keys of scene and view, and their values in a case."""
         settings = dict(self.common)
         for axis in self.axes:
             settings.update(axis.settings(self.cases[number][axis.name]))
@@ -197,7 +214,7 @@ class Plan:
     def fingerprint(self):
         """Of all that results depend on: another one is another sweep."""
         digest = hashlib.sha256(json.dumps(self.sweep, sort_keys=True, default=str).encode())
-        for path in (self.scene, self.start, self.measure):
+        for path in (self.scene, self.start, self.measure, self.view):
             digest.update(path.read_bytes() if path else b"")
         return digest.hexdigest()
 

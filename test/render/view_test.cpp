@@ -342,15 +342,17 @@ TEST(Film, WritesPicturesAndAVideo) {
   std::ofstream(scene) << "cloth: {columns: 6, rows: 6}\n"
                           "colliders: [{shape: sphere, center: [0.5, 0.2, 0.5], frame: ball}]\n"
                           "motions: [{time: 0.3, frame: ball, position: [0.5, 0.2, 0.9]}]\n";
-  ASSERT_EQ(film(scene + " --every 0.1 --look width=41 --look height=30 --images " +
-                 folder.path().string() + " --video " + video),
+  ASSERT_EQ(film(scene + " --every 0.1 --look width=41 --look height=30 --output " +
+                 folder.path().string() + " --video " + video + " > /dev/null"),
             0);
   int count = 0;
-  for (const auto& entry : fs::directory_iterator(folder.path()))
+  for (const auto& entry : fs::directory_iterator(folder.path() / "frames"))
     count += entry.path().extension() == ".png";
   EXPECT_EQ(count, 4 * 3);
-  const auto first = load_image((folder.path() / "000000_mask.png").string(), "mask");
-  const auto last = load_image((folder.path() / "000027_mask.png").string(), "mask");
+  const auto first = load_image((folder.path() / "frames/000000_mask.png").string(), "mask");
+  const auto last = load_image((folder.path() / "frames/000027_mask.png").string(), "mask");
+  EXPECT_EQ(last->rgb, load_image((folder.path() / "final_mask.png").string(), "mask")->rgb);
+  EXPECT_TRUE(fs::exists(folder.path() / "final.npz") && fs::exists(folder.path() / "report.yaml"));
   EXPECT_EQ(last->width, 41);
   EXPECT_NE(first->rgb, last->rgb) << "the sphere moves";
   const std::string told = (folder.path() / "told").string();
@@ -364,15 +366,33 @@ TEST(Film, WritesPicturesAndAVideo) {
   EXPECT_EQ(line, "42,30,10/1,4");
 }
 
+TEST(Film, IsWholeWhenInterrupted) {
+  const testing::TemporaryFolder folder("film");
+  const std::string output = folder.path().string();
+  const std::string video = output + "/out.mp4";
+  // The signal goes to all of the group, as that of a terminal does.
+  std::ofstream(folder.path() / "run")
+      << "set -m\n"
+      << CLOTHSIM_FILM << " " << CLOTHSIM_SCENES_DIR
+      << "/pinned2.yaml --seconds 10000 --every 1 --look width=40 "
+         "--look height=30 --output "
+      << output << " --video " << video << " > " << output << "/told 2>&1 &\nuntil [[ -e " << output
+      << "/frames/000090_mask.png ]]; do sleep 0.05; done\n"
+      << "kill -INT -- -$!\nwait $!\n";
+  EXPECT_EQ(WEXITSTATUS(std::system(("bash " + output + "/run").c_str())), 130);
+  EXPECT_TRUE(fs::exists(folder.path() / "final_color.png"));
+  EXPECT_EQ(std::system(("ffprobe -v error " + video).c_str()), 0);
+}
+
 TEST(Film, RefusesMistakes) {
   const std::string scene = std::string(CLOTHSIM_SCENES_DIR) + "/sphere.yaml";
   const std::string small = scene + " --look width=20 --look height=20 ";
   EXPECT_EQ(film(small + "--seconds 0.1 2>/dev/null"), 1);                          // no output
-  EXPECT_EQ(film(small + "--images x 2>/dev/null"), 1);                             // no time
-  EXPECT_EQ(film(small + "--seconds 0.1 --every 0 --images x 2>/dev/null"), 1);     // no rate
+  EXPECT_EQ(film(small + "--output x 2>/dev/null"), 1);                             // no time
+  EXPECT_EQ(film(small + "--seconds 0.1 --every 0 --output x 2>/dev/null"), 1);     // no rate
   EXPECT_EQ(film(small + "--seconds 0.1 --video /dev/null/x.mp4 2>/dev/null"), 1);  // no place
   EXPECT_EQ(film(small + "--seconds 0.1 --video x.moon 2>/dev/null"), 1);           // no format
-  EXPECT_EQ(film(small + "--seconds 0.1 --images /dev/null/x 2>/dev/null"), 1);
+  EXPECT_EQ(film(small + "--seconds 0.1 --output /dev/null/x 2>/dev/null"), 1);
   EXPECT_FALSE(fs::exists("x") || fs::exists("x.moon"));
   EXPECT_EQ(WEXITSTATUS(std::system(("PATH=/nowhere " + std::string(CLOTHSIM_FILM) + " " + small +
                                      "--seconds 0.1 --video x.mp4 2>/dev/null")

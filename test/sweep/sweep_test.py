@@ -15,6 +15,8 @@ import time
 import unittest
 
 import h5py
+import numpy as np
+import PIL.Image
 import rosunit
 import yaml
 
@@ -108,6 +110,8 @@ class Table(Sweeps):
                 ({**axes, "samples": 3}, "samples: got 3, expected none, as no axis is drawn"),
                 ({**axes, "measure": "m.py"}, 'measure: got "m.py", expected a file'),
                 ({**axes, "set": [1]}, "set: got [1], expected a map"),
+                ({**axes, "view": "v.yaml"}, 'view: got "v.yaml", expected a file'),
+                ({**axes, "video": "out.mp4"}, 'video: got "out.mp4", expected true or false'),
                 ({"axes": {"a": []}}, "axes.a.list: got [], expected a list of values"),
                 ({"axes": {"a": 5}}, "axes.a: got 5, expected a map"),
                 ({"axes": {"a": {}}}, "axes.a: got none of them, expected one of list, range"),
@@ -187,6 +191,30 @@ class Here(Sweeps):
         self.assertTrue(0.99 < float(rows[0]["lowest"]) < 1)
         self.assertAlmostEqual(float(rows[0]["span.z"]), 1 - float(rows[0]["lowest"]), delta=1e-3)
         self.assertEqual((rows[1]["status"], rows[1]["lowest"]), ("failed", ""))
+
+    def test_views(self):
+        (self.folder / "view.yaml").write_text("width: 24\nheight: 16\n")
+        self.write({"axes": {"cloth.ks": [500, 5000], "view.cloth.color": [[1, 0, 0], [0, 1, 0]]},
+                    "view": "view.yaml", "set": {"view.height": 18}, "video": True, "every": 0.05})
+        self.run_sweep()
+        pictures = [np.asarray(PIL.Image.open(self.out / "cases" / ("%06d" % i) / "final_color.png"))
+                    for i in range(4)]
+        self.assertEqual(pictures[0].shape, (18, 24, 3))
+        for red, green in ((pictures[0], pictures[1]), (pictures[2], pictures[3])):
+            self.assertTrue((red[..., 0] > green[..., 0]).any() and (green[..., 1] > red[..., 1]).any())
+        self.assertEqual([self.final(0), self.final(2)], [self.final(1), self.final(3)])
+        case = self.out / "cases" / "000003"
+        self.assertTrue((case / "frames" / "000000_depth.png").exists())
+        self.assertGreater((case / "video.mp4").stat().st_size, 0)
+        plain = self.folder / "plain"
+        self.write({"axes": {"cloth.ks": [500, 5000]}})
+        self.run_sweep(output=plain)
+        self.assertEqual(self.final(1, plain), self.final(2), "pictures change no bit of the cloth")
+        self.assertFalse((plain / "cases" / "000001" / "final_color.png").exists())
+
+    def test_mistakes_in_views(self):
+        self.write({"axes": {"view.cloth.shader": ["wireframe", "moon"]}, "set": {"view.width": 20}})
+        self.assertIn("case 1 failed: film: cloth.shader: got \"moon\"", self.run_sweep(code=2).stderr)
 
     def test_from_a_state(self):
         subprocess.run([SIMULATE, self.folder / "scene.yaml", "--seconds", "0.05", "--output", self.folder],
