@@ -246,6 +246,7 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
 struct Offer {
   const Candidate* candidate;
   int substeps;
+  int apart;  // of these while all colliders are out of reach
   double error;  // of the cloth's size
   double cost;   // CPU seconds a simulated second
   bool stable;
@@ -279,11 +280,14 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   }
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
   const double cost = n * spec.frames_per_second * (step_cost + contact_cost(cloth, colliders));
-  return {&c, n, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
+  // What the tolerance asks for holds there, too.
+  const int apart = n > needed ? n : usual_substeps(stability_limit, spec, cloth, {});
+  return {&c, n, apart, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
 }
 
 MethodChoice choice_of(const Offer& offer, Reason reason) {
-  return {offer.candidate->method, offer.substeps, reason, true, offer.error, offer.cost};
+  return {offer.candidate->method, offer.substeps, offer.apart, reason, true, offer.error,
+          offer.cost};
 }
 
 }  // namespace
@@ -292,10 +296,11 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
   if (spec.method != "auto") {
     const double limit = stability_limit_of(spec.method);
-    return {spec.method, usual_substeps(limit, spec, cloth, colliders), Reason::named_by_scene};
+    return {spec.method, usual_substeps(limit, spec, cloth, colliders),
+            usual_substeps(limit, spec, cloth, {}), Reason::named_by_scene};
   }
   if (!cloth.has_forces()) {
-    return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
+    return {VelocityVerlet::name, 1, 1, Reason::no_springs, true, 0.0, 0.0};
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
@@ -306,7 +311,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
-    return {VelocityVerlet::name, 1, Reason::none_stable, false};
+    return {VelocityVerlet::name, 1, 1, Reason::none_stable, false};
   }
 
   const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };

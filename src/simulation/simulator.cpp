@@ -57,6 +57,7 @@ StepReport Simulator::Impl::step() {
   const std::vector<MovingCollider> last_colliders = colliders;
   const bool was_disturbed = disturbed;
 
+  is_apart = must_look = false;
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   allow_work(dt);
   StepReport report;
@@ -123,6 +124,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report = {};
   report.recoveries = recoveries;
   report.method = method->choice.method;
+  is_apart = !must_look && has_colliders() && is_out_of_reach(dt);
+  if (is_apart) collider_contacts.reset();
   const std::optional<Tension> tension_now = tension();
   approach_speed = contact_speed(dt);
   int at_speed = substeps_at_speed(cloth, approach_speed, dt);
@@ -143,7 +146,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   if (is_unstable) report.reasons.add(Reason::beyond_stability);
   const bool has_recovered = collider_contacts.recovers();
   recovers = repairs_ran_out = is_overpulled = false;
-  stretch = colliders.empty() ? 0 : worst_stretch(cloth, state.positions);
+  stretch = colliders.empty() || is_apart ? 0 : worst_stretch(cloth, state.positions);
 
   // Pins and colliders set out for where they must be at the frame's end.
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
@@ -168,6 +171,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
+  must_look = is_apart && longest_row(state.positions - before.positions) > allowed_way;
+  if (must_look) return false;
   if (report.ran_out > 0) {
     report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
                                                    std::to_string(report.substeps) + " substeps");
@@ -238,6 +243,20 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
   return std::min(needed, most_for_parting * least);
 }
 
+bool Simulator::Impl::is_out_of_reach(double dt) {
+  const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
+                                state.positions.colwise().maxCoeff().transpose());
+  // Twice what it does by itself: what pins and springs do beside that, hardly ever is as much
+  // again.
+  const double own = longest_row(state.velocities) + scene.simulation.gravity.norm() * dt;
+  allowed_way = 2 * own * dt;
+  // Contact begins that much before the surfaces meet.
+  const double apart = shortest_rest_length(cloth) + cloth.thickness;
+  return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
+    return collider.reaches(box, apart + allowed_way + collider.fastest_in(box) * dt);
+  });
+}
+
 double Simulator::Impl::contact_speed(double dt) const {
   if (!touches()) return 0;
   const double own = longest_row(state.velocities);
@@ -253,8 +272,10 @@ double Simulator::Impl::contact_speed(double dt) const {
 }
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
-  for (MovingCollider& collider : colliders) collider.advance(h);
-  if (touches()) start = state.positions;
+  if (touches()) {
+    for (MovingCollider& collider : colliders) collider.advance(h);
+    start = state.positions;
+  }
   if (touches() && strain_limit) start_velocities = state.velocities;
 
   if (has_air()) blow(h);

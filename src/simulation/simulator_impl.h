@@ -59,7 +59,9 @@ struct Method {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
                                       1 / spec.frames_per_second, tension, workers);
-    return std::min(std::max({needed, choice.least_substeps, at_speed}) << halvings, max_substeps);
+    const bool is_apart = tension && !tension->touches;
+    const int least = is_apart ? choice.least_apart : choice.least_substeps;
+    return std::min(std::max({needed, least, at_speed}) << halvings, max_substeps);
   }
 
   double stability_limit() const {
@@ -79,7 +81,7 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
   spec.method = refuge;
   Method method(spec, cloth, colliders);
   method.choice.reasons = reasons;
-  method.choice.least_substeps = 1;
+  method.choice.least_substeps = method.choice.least_apart = 1;
   return method;
 }
 
@@ -225,13 +227,17 @@ struct Simulator::Impl {
   bool is_beyond_stability(double h) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
-  /// Can the cloth touch anything?
-  bool touches() const {
-    return self_contacts || std::any_of(colliders.begin(), colliders.end(),
-                                        [](const MovingCollider& c) { return c.enabled(); });
+  /// Can the cloth touch anything in this frame?
+  bool touches() const { return self_contacts || (!is_apart && has_colliders()); }
+  bool has_colliders() const {
+    return std::any_of(colliders.begin(), colliders.end(),
+                       [](const MovingCollider& c) { return c.enabled(); });
   }
   /// Where substeps follow it.
   std::optional<Tension> tension();
+  /// Are all colliders out of reach of the cloth in a frame of dt [s], while its points go no
+  /// farther than `allowed_way` [m]?
+  bool is_out_of_reach(double dt);
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 
@@ -257,6 +263,9 @@ struct Simulator::Impl {
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 
+  bool is_apart = false;         // in this frame: nothing is looked for at colliders
+  bool must_look = false;        // at colliders in this step: points have gone too far
+  double allowed_way = 0;        // see is_out_of_reach()
   bool disturbed = false;        // by a jump since the last frame
   bool is_given = false;         // state that was set, and is not yet calm: it may be anything
   bool recovers = false;         // in this frame: colliders have pushed out what was in them

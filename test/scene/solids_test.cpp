@@ -78,6 +78,49 @@ TEST(PoseInFrame, MovesWithTheFrame) {
   expect_at({0.2, 0, 2.1}, Vector3::UnitX());
 }
 
+/// Far beyond the cloth's size colliders are not looked at.
+TEST(OutOfReach, ACollidersTouchIsNotMissedHoweverFastItComes) {
+  for (const double speed : {5.0, 100.0}) {
+    Scene scene = above(Sphere{0.2}, {Vector3(0.5, 0.5, -4)});
+    scene.cloth.pinned = {{0, 0, ""}, {29, 0, ""}, {0, 29, ""}, {29, 29, ""}};
+    Simulator simulator(scene);
+    Pose pose = simulator.collider_pose(0);
+    const double dt = simulator.frame_duration();
+    int touching = 0;
+    for (int frame = 0; pose.position.z() < 1.0; ++frame) {
+      pose.position.z() += speed * dt;
+      simulator.move_collider(0, pose);
+      if (simulator.step().contacts > 0) ++touching;
+      ASSERT_LT(deepest_sample(simulator, 0), surface_offset) << frame;
+    }
+    EXPECT_GT(touching, 0) << speed;
+  }
+}
+
+TEST(OutOfReach, AHangingClothIsAsWithoutThemAndGoesOnToTheSameBits) {
+  Scene scene = above(Sphere{0.2}, {Vector3(0.5, 0.5, -20)});
+  scene.cloth.pinned = {{0, 0, ""}, {29, 0, ""}};
+  Scene alone = scene;
+  alone.colliders.clear();
+  Simulator first(scene), without(alone);
+  run(first, 4);
+  run(without, 4);
+  EXPECT_LT((first.state().positions - without.state().positions).rowwise().norm().maxCoeff(),
+            2e-3);
+  // Also through the frames in which it comes within reach.
+  Simulator second(scene);
+  second.set_state(first.state(), first.memory());
+  for (Simulator* simulator : {&first, &second}) {
+    simulator->place_collider(0, {Vector3(0.5, 0.5, -1.5)});
+    for (int frame = 0; frame < 40; ++frame) {
+      simulator->move_collider(0, {Vector3(0.5, 0.5, -1.5 + 0.05 * frame)});
+      simulator->step();
+    }
+  }
+  EXPECT_EQ(first.state().positions, second.state().positions);
+  EXPECT_EQ(first.state().velocities, second.state().velocities);
+}
+
 /// What stands off by 0.1 mm may sink in by as much.
 constexpr double tolerance = surface_offset;
 
