@@ -125,8 +125,9 @@ void Grips::set_out(double dt, State& state) const {
 }
 
 void arrive_at(const Vector3& target, int point, State& state) {
-  constexpr double rounding = 1e-9;  // [m] of a frame's steps
-  if ((state.positions.row(point).transpose() - target).norm() > rounding) return;
+  constexpr double rounding = 1e-11;  // of the numbers, more than max_substeps steps make
+  const double scale = std::max(1.0, target.norm());
+  if ((state.positions.row(point).transpose() - target).norm() > rounding * scale) return;
   state.positions.row(point) = target.transpose();
 }
 
