@@ -94,7 +94,8 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   const double of_surface = s.moved / step.h;
   const double margin = step.h * (speed + of_surface) + keeps.points;
   const double to_middle = step.reach * step.h * (drift + of_surface);
-  s.room.find_near(travel_.total(), margin + to_middle + keeps.points, s.near);
+  const double near = margin + to_middle + keeps.points;
+  s.room.find_near(travel_.total(), near, s.near);
   if (keeps.faces && std::isinf(local_.edge)) {
     local_.edge = longest_edge(state.positions, cloth.triangles);
   }
@@ -106,7 +107,7 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
     local_.place(collider, step.start, state.positions);
     local_.place_middle(collider, step, state.positions);
   }
-  const ContactSlots::Seeker seeker(collider, keeps.points);
+  const ContactSlots::Seeker seeker(collider, keeps.points, s.asked(collider, cloth, near));
   s.friction = collider.friction();
   for (const Span& span : s.near) {
     s.slots.find(span, seeker, cloth, step, state);
@@ -119,6 +120,13 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   if (s.has_faces) {
     faces_.find(caught.collider, collider, cloth, step, margin, local_, state, caught.faces);
   }
+}
+
+Asked ColliderContacts::Side::asked(const MovingCollider& collider, const Cloth& cloth,
+                                    double reach) {
+  if (!std::holds_alternative<MeshShape>(collider.shape())) return {};
+  neighbourhoods.resize(static_cast<std::size_t>(cloth.num_points()));
+  return {reach, neighbourhoods.data()};
 }
 
 void ColliderContacts::follow(Side& s, const MovingCollider& collider,
@@ -165,7 +173,8 @@ double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, con
   s.room.find_near(travel_.total(), 2 * keeps.points, s.near);
   s.is_close = s.is_close || travel_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
-  const ContactSlots::Seeker seeker(collider, keeps.points);
+  const ContactSlots::Seeker seeker(collider, keeps.points,
+                                    s.asked(collider, cloth, 2 * keeps.points));
   double longest = 0;
   for (const Span& span : s.near) {
     const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];

@@ -222,8 +222,12 @@ struct SpanDistances {
 
 }  // namespace
 
-ContactSlots::Seeker::Seeker(const MovingCollider& c, double kept)
-    : collider(c), frame(c.pose()), before(c.previous()), offset(kept) {}
+ContactSlots::Seeker::Seeker(const MovingCollider& c, double kept, const Asked& all)
+    : collider(c), frame(c.pose()), before(c.previous()), offset(kept), asked_(all) {}
+
+Asked ContactSlots::Seeker::asked(int first) const {
+  return {asked_.near, asked_.neighbourhoods ? asked_.neighbourhoods + first : nullptr};
+}
 
 void ContactSlots::reset(const Cloth& cloth) {
   points_ = cloth.num_points();
@@ -245,7 +249,8 @@ void ContactSlots::find(const Span& span, const Seeker& seeker, const Cloth& clo
   go_back(count, way, {collider.velocity(), collider.angular_velocity(), seeker.frame.origin},
           run_from(state.positions, first), drifted, &at(span.begin), {x, y, z});
   signed_distances(collider.shape(), seeker.frame, {x, y, z}, seeker.before,
-                   run_from(step.start, first), count, distances.value, distances.normals());
+                   run_from(step.start, first), count, seeker.asked(first), distances.value,
+                   distances.normals());
   long touching[Span::longest];
   mark_touching(count,
                 {step.h, way, seeker.offset, &cloth.inv_mass[first], distances.value,
@@ -334,7 +339,8 @@ double ContactSlots::push_out(const Span& span, const Seeker& seeker, const doub
   const int count = std::min(first_of(span.end), static_cast<int>(start.rows())) - first;
   SpanDistances distances;
   signed_distances(seeker.collider.shape(), seeker.frame, run_from(positions, first), seeker.before,
-                   run_from(start, first), count, distances.value, distances.normals());
+                   run_from(start, first), count, seeker.asked(first), distances.value,
+                   distances.normals());
   double highest[most] = {};
   lift_out(count, seeker.offset, free, distances.value, distances.normals(),
            run_from(positions, first), highest);

@@ -34,7 +34,7 @@ void LocalCloth::place(const MovingCollider& collider, const Points& start, cons
   Points normals(to.rows(), 3);
   signed_distances(collider.shape(), Frame(collider.pose()), run_from(end, 0),
                    Frame(collider.previous()), run_from(start, 0), static_cast<int>(to.rows()),
-                   distance.data(), run_from(normals, 0));
+                   {2 * surface_offset}, distance.data(), run_from(normals, 0));
   longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
 }
 

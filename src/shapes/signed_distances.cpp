@@ -14,6 +14,7 @@ struct Run {
   const Frame& before;
   PointRun sides;
   int count;
+  const Asked& asked;
   double* distances;
   MutablePointRun normals;
 };
@@ -58,8 +59,10 @@ void find(const MeshShape& mesh, const Run& run) {
   const Solid& solid = mesh.file->solid;
   for (int i = 0; i < run.count; ++i) {
     const Vector3 point(run.points.x[i], run.points.y[i], run.points.z[i]);
-    const auto [value, local] =
-        solid.rough_distance(run.frame.turn.transpose() * (point - run.frame.origin));
+    Solid::Neighbourhood none;
+    const auto [value, local] = solid.distance_within(
+        run.asked.near + mesh.padding, run.frame.turn.transpose() * (point - run.frame.origin),
+        run.asked.neighbourhoods ? run.asked.neighbourhoods[i] : none);
     const Vector3 normal = run.frame.turn * local;
     run.distances[i] = value - mesh.padding;
     run.normals.x[i] = normal.x();
@@ -71,8 +74,9 @@ void find(const MeshShape& mesh, const Run& run) {
 }  // namespace
 
 void signed_distances(const Shape& shape, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, double* distances, MutablePointRun normals) {
-  const Run run{frame, points, before, sides, count, distances, normals};
+                      PointRun sides, int count, const Asked& asked, double* distances,
+                      MutablePointRun normals) {
+  const Run run{frame, points, before, sides, count, asked, distances, normals};
   std::visit([&](const auto& solid) { find(solid, run); }, shape);
 }
 

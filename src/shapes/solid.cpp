@@ -17,9 +17,6 @@ constexpr double flat = 1e-4;
 /// Volume, as a share of the sum of what its parts add and take, that is but rounding.
 constexpr double least_volume = 1e-9;
 
-/// So few are all looked at as quickly.
-constexpr std::size_t few_triangles = 200;
-
 struct HashOfPlace {
   std::size_t operator()(const Vector3& p) const {
     std::size_t hash = 0;
@@ -79,7 +76,6 @@ Solid::Solid(const TriangleSoup& soup) {
   wrap_faces();
   build_grid();
   thickness_ = measure_thickness();
-  if (faces_.size() > few_triangles) build_far_grid();
 }
 
 void Solid::weld(const TriangleSoup& soup) {

@@ -33,32 +33,78 @@ constexpr double on_border = 1e-9;
 /// Triangles whose thickness is measured, spread over all.
 constexpr std::size_t most_measured = 2000;
 
-/// Large cells along the longest side, for which distances are known at the centre. What is farther
-/// away than one of them is far.
-constexpr double far_cells = 24;
-
 /// What float's rounding may take from a distance.
 constexpr double just_below = 1 - 1e-6;
 
 }  // namespace
 
-void Solid::look_at(int index, const Vector3& point, Nearest& nearest) const {
+/// The nearest of the triangles shown to it, sorted, and one more for how far the others are.
+class Solid::NearestFew {
+ public:
+  void add(const Nearest& one) {
+    std::size_t i = found_.size() - 1;
+    if (!one.is_before(found_[i])) return;
+    for (; i > 0 && one.is_before(found_[i - 1]); --i) found_[i] = found_[i - 1];
+    found_[i] = one;
+    most_ = std::sqrt(found_.back().squared);
+  }
+
+  /// Those farther away than this need not be shown [m].
+  const double& most() const { return most_; }
+  const Nearest& first() const { return found_[0]; }
+
+  /// With all that were not shown at least `unseen` [m] away.
+  Neighbourhood at(const Vector3& place, double unseen) const {
+    Neighbourhood result;
+    result.place = place;
+    result.beyond = std::min(most_, unseen);
+    for (; result.count < Neighbourhood::most && found_[result.count].face >= 0; ++result.count) {
+      result.faces[result.count] = found_[result.count].face;
+      result.distances[result.count] = std::sqrt(found_[result.count].squared);
+    }
+    return result;
+  }
+
+ private:
+  std::array<Nearest, Neighbourhood::most + 1> found_;
+  double most_ = infinity;
+};
+
+Solid::Nearest Solid::look_at(int index, const Vector3& point) const {
   const auto& [a, b, c] = corners_[static_cast<std::size_t>(index)];
   const std::array<double, 3> w = closest_on_triangle(point, a, b, c);
   const Vector3 gap = point - (w[0] * a + w[1] * b + w[2] * c);
-  const double squared = gap.squaredNorm();
-  if (squared < nearest.squared) nearest = {squared, index, gap, w};
+  return {gap.squaredNorm(), index, gap, w};
 }
 
 Solid::Nearest Solid::nearest_by_tree(const Vector3& point, double most) const {
-  Nearest nearest{infinity, -1, Vector3::Zero(), {1, 0, 0}};
+  Nearest nearest;
   double most2 = most * most;
   face_tree_.search([&](const Box& box) { return squared_distance(box, point); }, most2,
                     [&](int i) {
-                      look_at(i, point, nearest);
+                      const Nearest one = look_at(i, point);
+                      if (one.is_before(nearest)) nearest = one;
                       most2 = std::min(most2, nearest.squared);
                     });
   return nearest;
+}
+
+/// Calls visit(face) for the candidates of a cell that may be no farther from a point of it than
+/// `most` [m], which it may lower.
+template <class Visit>
+void Solid::visit_candidates(int cell, const Vector3& point, const double& most,
+                             const Visit& visit) const {
+  const double off = (point - center_of(cell)).norm();
+  const Eigen::Vector3f at = point.cast<float>();
+  const int end = first_of_[static_cast<std::size_t>(cell) + 1];
+  for (int i = first_of_[static_cast<std::size_t>(cell)]; i < end; ++i) {
+    const Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
+    if (candidate.least - off > most) break;
+    const Ball& ball = balls_[static_cast<std::size_t>(candidate.face)];
+    const float x = at.x() - ball.x, y = at.y() - ball.y, z = at.z() - ball.z;
+    const float reach = static_cast<float>(most) + ball.radius;
+    if (x * x + y * y + z * z <= reach * reach) visit(candidate.face);
+  }
 }
 
 Vector3 Solid::normal_at(const Nearest& nearest) const {
@@ -76,28 +122,21 @@ Vector3 Solid::normal_at(const Nearest& nearest) const {
 
 std::pair<double, Vector3> Solid::distance(const Vector3& point) const {
   const int cell = cell_of(point);
-  const bool listed = cell >= 0 && first_of_[static_cast<std::size_t>(cell)] <
-                                       first_of_[static_cast<std::size_t>(cell) + 1];
-  Nearest nearest{infinity, -1, Vector3::Zero(), {1, 0, 0}};
-  if (listed) {
-    const double off = (point - center_of(cell)).norm();
-    const Eigen::Vector3f at = point.cast<float>();
-    float best = std::numeric_limits<float>::infinity();
-    const int end = first_of_[static_cast<std::size_t>(cell) + 1];
-    for (int i = first_of_[static_cast<std::size_t>(cell)]; i < end; ++i) {
-      const Candidate& candidate = candidates_[static_cast<std::size_t>(i)];
-      const double least = candidate.least - off;
-      if (least > 0 && least * least > nearest.squared) break;
-      const Ball& ball = balls_[static_cast<std::size_t>(candidate.face)];
-      const float x = at.x() - ball.x, y = at.y() - ball.y, z = at.z() - ball.z;
-      const float reach = best + ball.radius;
-      if (x * x + y * y + z * z > reach * reach) continue;
-      look_at(candidate.face, point, nearest);
-      best = std::sqrt(static_cast<float>(nearest.squared));
-    }
-  } else {
-    nearest = nearest_by_tree(point, infinity);
+  if (cell < 0 || !has_candidates(static_cast<std::size_t>(cell))) {
+    return signed_distance(nearest_by_tree(point, infinity));
   }
+  Nearest nearest;
+  double most = infinity;
+  visit_candidates(cell, point, most, [&](int face) {
+    const Nearest one = look_at(face, point);
+    if (!one.is_before(nearest)) return;
+    nearest = one;
+    most = std::sqrt(one.squared);
+  });
+  return signed_distance(nearest);
+}
+
+std::pair<double, Vector3> Solid::signed_distance(const Nearest& nearest) const {
   const Vector3 normal = normal_at(nearest);
   const double value = std::sqrt(nearest.squared);
   const double sign = nearest.gap.dot(normal) < 0 ? -1 : 1;
@@ -106,42 +145,81 @@ std::pair<double, Vector3> Solid::distance(const Vector3& point) const {
   return {sign * value, unit.isZero(0) ? Vector3::UnitZ() : unit};
 }
 
-std::pair<double, Vector3> Solid::rough_distance(const Vector3& point) const {
-  if (far_.empty()) return distance(point);
-  const double beyond2 = squared_distance(box_, point);
-  if (beyond2 > far_cell_ * far_cell_) {
-    return {std::sqrt(beyond2), (point - box_.center()).normalized()};
+std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& point,
+                                                  Neighbourhood& neighbourhood) const {
+  const int cell = cell_of(point);
+  double least = 0;
+  if (cell < 0) {
+    least = std::sqrt(squared_distance(box_, point));
+  } else if (const int steps = steps_[static_cast<std::size_t>(cell)]; steps > 0) {
+    // Whatever is within the band of the surface lies in a cell with candidates.
+    least = band() + (steps - 1) * cell_;
   }
-  std::array<int, 3> at{};
-  Vector3 center;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<std::size_t>(axis);
-    const double along = (point[axis] - box_.min()[axis]) / far_cell_;
-    at[k] = std::clamp(static_cast<int>(along), 0, far_cells_[k] - 1);
-    center[axis] = box_.min()[axis] + (at[k] + 0.5) * far_cell_;
+  if (least >= near) return {least, Vector3::UnitZ()};
+
+  const double way = (point - neighbourhood.place).norm() + smallest_gap * radius_;
+  Nearest nearest;
+  for (std::size_t i = 0; i < neighbourhood.count; ++i) {
+    const double far = neighbourhood.distances[i] - way;
+    if (far > 0 && far * far > nearest.squared) break;
+    const Nearest one = look_at(neighbourhood.faces[i], point);
+    if (one.is_before(nearest)) nearest = one;
   }
-  const FarCell& cell =
-      far_[static_cast<std::size_t>((at[2] * far_cells_[1] + at[1]) * far_cells_[0] + at[0])];
-  const double off = (point - center).norm();
-  if (std::abs(cell.value) - off < far_cell_) return distance(point);
-  return {cell.value - std::copysign(off, cell.value), cell.normal};
+  const double beyond = neighbourhood.beyond - way;
+  if (beyond > 0 && nearest.squared < beyond * beyond) return signed_distance(nearest);
+  if (beyond >= near && least > 0) return {beyond, Vector3::UnitZ()};
+
+  NearestFew few;
+  if (cell >= 0 && has_candidates(static_cast<std::size_t>(cell))) {
+    visit_candidates(cell, point, few.most(), [&](int face) { few.add(look_at(face, point)); });
+    neighbourhood = few.at(point, beyond_candidates(cell, point));
+  } else {
+    // Inside the solid the nearest is asked for however far it is.
+    const double most = least > 0 ? near : infinity;
+    double most2 = most * most;
+    face_tree_.search([&](const Box& box) { return squared_distance(box, point); }, most2,
+                      [&](int i) {
+                        few.add(look_at(i, point));
+                        most2 = std::min(most2, few.most() * few.most());
+                      });
+    neighbourhood = few.at(point, most);
+    if (few.first().squared > most * most) return {most, Vector3::UnitZ()};
+  }
+  return signed_distance(few.first());
 }
 
-void Solid::build_far_grid() {
-  far_cell_ = box_.sizes().maxCoeff() / far_cells;
-  for (int axis = 0; axis < 3; ++axis) {
-    far_cells_[static_cast<std::size_t>(axis)] =
-        std::max(1, static_cast<int>(std::ceil(box_.sizes()[axis] / far_cell_)));
-  }
-  for (int z = 0; z < far_cells_[2]; ++z) {
-    for (int y = 0; y < far_cells_[1]; ++y) {
-      for (int x = 0; x < far_cells_[0]; ++x) {
-        const Vector3 center = box_.min() + far_cell_ * Vector3(x + 0.5, y + 0.5, z + 0.5);
-        const auto [value, normal] = distance(center);
-        far_.push_back({value, normal});
-      }
+double Solid::beyond_candidates(int cell, const Vector3& point) const {
+  const Candidate& first =
+      candidates_[static_cast<std::size_t>(first_of_[static_cast<std::size_t>(cell)])];
+  return first.least + just_below * std::sqrt(3.0) * cell_ - (point - center_of(cell)).norm();
+}
+
+/// Two sweeps over the grid, from either end, see each shortest way (Rosenfeld & Pfaltz 1968).
+void Solid::count_steps() {
+  const auto [nx, ny, nz] = cells_;
+  const auto index = [&](int x, int y, int z) {
+    return static_cast<std::size_t>((z * ny + y) * nx + x);
+  };
+  constexpr unsigned char most = std::numeric_limits<unsigned char>::max();
+  steps_.assign(first_of_.size() - 1, most);
+  const auto look = [&](int x, int y, int z, int back) {
+    const std::size_t here = index(x, y, z);
+    int steps = has_candidates(here) ? 0 : steps_[here];
+    // Those of its neighbours that this sweep has been to.
+    for (int i = 0; i < 13 && steps > 0; ++i) {
+      const int ox = x + back * (i % 3 - 1), oy = y + back * (i / 3 % 3 - 1);
+      const int oz = z + back * (i / 9 - 1);
+      if (ox < 0 || ox >= nx || oy < 0 || oy >= ny || oz < 0 || oz >= nz) continue;
+      steps = std::min(steps, steps_[index(ox, oy, oz)] + 1);
     }
-  }
+    steps_[here] = static_cast<unsigned char>(steps);
+  };
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) look(x, y, z, 1);
+  for (int z = nz; z-- > 0;)
+    for (int y = ny; y-- > 0;)
+      for (int x = nx; x-- > 0;) look(x, y, z, -1);
 }
 
 int Solid::cell_of(const Vector3& point) const {
@@ -197,6 +275,29 @@ void Solid::build_grid() {
     if (near[cell]) find_candidates(center_of(static_cast<int>(cell)), half);
   }
   first_of_.back() = static_cast<int>(candidates_.size());
+  count_steps();
+  forget_steps_inside();
+}
+
+/// Neighbours without candidates are on one side: there is no surface between them.
+void Solid::forget_steps_inside() {
+  const std::array<std::size_t, 3> to_last = {
+      1, static_cast<std::size_t>(cells_[0]),
+      static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1])};
+  for (std::size_t cell = 0; cell < steps_.size(); ++cell) {
+    if (has_candidates(cell)) continue;
+    std::size_t place = cell;
+    bool is_known = false, is_inside = false;
+    for (std::size_t axis = 0; axis < 3 && !is_known; ++axis) {
+      const auto along = static_cast<std::size_t>(cells_[axis]);
+      const std::size_t last = cell - to_last[axis];
+      is_known = place % along > 0 && !has_candidates(last);
+      if (is_known) is_inside = steps_[last] == 0;
+      place /= along;
+    }
+    if (!is_known) is_inside = distance(center_of(static_cast<int>(cell))).first < 0;
+    if (is_inside) steps_[cell] = 0;
+  }
 }
 
 /// By cell: whether a triangle's box comes as near to it.
@@ -239,8 +340,7 @@ void Solid::find_candidates(const Vector3& center, double half) {
   face_tree_.search(
       [&](const Box& box) { return squared_distance(box, center); }, most2,
       [&](int i) {
-        Nearest one{infinity, -1, Vector3::Zero(), {1, 0, 0}};
-        look_at(i, center, one);
+        const Nearest one = look_at(i, center);
         if (one.squared > most2) return;
         candidates_.push_back({i, static_cast<float>(just_below * std::sqrt(one.squared))});
       });

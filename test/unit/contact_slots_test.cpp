@@ -121,7 +121,7 @@ TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
       const ContactStep other_step{h, reach, other_start, other_drifted, Workers()};
       const double scale = k % 2 == 0 ? 1.0 : 0.7;
 
-      const ContactSlots::Seeker seeker(collider, offset);
+      const ContactSlots::Seeker seeker(collider, offset, {});
       slots.start_over();
       for (const Span& span : spans) slots.find(span, seeker, cloth, step, state);
       slots.close();
@@ -187,8 +187,8 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   const Points at = Points::Constant(40, 3, offset), still = Points::Zero(40, 3);
   State state{at, still, 0};
   slots.start_over();
-  slots.find({3, 4}, ContactSlots::Seeker(plane, offset), cloth, {h, reach, at, still, Workers()},
-             state);
+  slots.find({3, 4}, ContactSlots::Seeker(plane, offset, {}), cloth,
+             {h, reach, at, still, Workers()}, state);
   slots.close();
   slots.resume(cloth, 0.5, state.velocities);
   EXPECT_EQ(slots.count(), 1) << "the other two are in a block that nobody looked at";

@@ -38,7 +38,7 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
 
       Scalars distance(count);
       Points normals(count, 3);
-      signed_distances(shape, Frame(pose), run_from(x, 0), Frame(pose), run_from(x, 0), count,
+      signed_distances(shape, Frame(pose), run_from(x, 0), Frame(pose), run_from(x, 0), count, {},
                        distance.data(), run_from(normals, 0));
       std::vector<char> is_near(count, 0);
       for (const Span& span : near) {

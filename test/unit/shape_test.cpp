@@ -138,7 +138,7 @@ TEST(Shape, DistancesOfManyPointsAreThoseOfEach) {
     Scalars distances(count);
     Points normals(count, 3);
     signed_distances(shape, Frame(now), run_from(points, 0), Frame(before), run_from(sides, 0),
-                     count, distances.data(), run_from(normals, 0));
+                     count, {}, distances.data(), run_from(normals, 0));
     for (int i = 0; i < count; ++i) {
       const Distance one =
           signed_distance(shape, to_local(now, row(points, i)), to_local(before, row(sides, i)));

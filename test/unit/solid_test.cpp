@@ -95,24 +95,62 @@ TEST(Solid, DistanceIsThatOfTheNearestOfAllTriangles) {
   }
 }
 
-TEST(Solid, ARoughDistanceIsExactNearAndNotMoreAfar) {
+TEST(Solid, DistanceWithinIsExactNearAndInsideAndNotMoreAfar) {
   Random random(7);
   for (const TriangleSoup& soup : soups) {
     const Solid solid(soup);
-    int exact = 0;
-    for (int n = 0; n < 2000; ++n) {
-      const Vector3 p = random.near(soup, solid);
-      const double value = solid.distance(p).first;
-      const auto [rough, normal] = solid.rough_distance(p);
-      EXPECT_GE(rough * value, 0);
-      EXPECT_LE(std::abs(rough), std::abs(value) + 1e-12);
-      EXPECT_NEAR(normal.norm(), 1, 1e-12);
-      exact += rough == value;
-      if (std::abs(value) < solid.box().sizes().maxCoeff() / 24) {
-        EXPECT_EQ(rough, value);
+    for (const double share : {1e-4, 0.01, 0.1, 3.0}) {
+      const double near = share * solid.radius();
+      int beyond = 0, inside = 0;
+      for (int n = 0; n < 2000; ++n) {
+        const Vector3 p = random.near(soup, solid);
+        const auto [value, normal] = solid.distance(p);
+        Solid::Neighbourhood none;
+        const auto [within, about] = solid.distance_within(near, p, none);
+        EXPECT_NEAR(about.norm(), 1, 1e-12);
+        inside += value < 0;
+        if (value < near) {
+          EXPECT_EQ(within, value);
+          EXPECT_EQ(about, normal);
+        } else {
+          ++beyond;
+          EXPECT_GE(within, near);
+          EXPECT_LE(within, value + 1e-12);
+        }
+      }
+      EXPECT_GT(inside, 100);
+      if (share < 1) {
+        EXPECT_GT(beyond, 100);
       }
     }
-    EXPECT_GT(exact, 500);
+  }
+}
+
+TEST(Solid, DistanceWithinIsTheSameWhereverOnesWayCameFrom) {
+  Random random(8);
+  for (const TriangleSoup& soup : soups) {
+    const Solid solid(soup);
+    const double near = 0.1 * solid.radius();
+    Solid::Neighbourhood kept;
+    Vector3 p = random.near(soup, solid);
+    int beside = 0;
+    for (int n = 0; n < 20000; ++n) {
+      // Mostly small steps, now and then another place.
+      p += std::pow(10, random(-7, -2)) * solid.radius() * random.vector();
+      if (random(0, 1) < 0.02) p = random.near(soup, solid);
+      const auto [value, normal] = solid.distance(p);
+      const Solid::Neighbourhood before = kept;
+      const auto [within, about] = solid.distance_within(near, p, kept);
+      beside += before.count > 0 && kept.place == before.place;
+      if (value < near) {
+        ASSERT_EQ(within, value) << n;
+        ASSERT_EQ(about, normal) << n;
+      } else {
+        ASSERT_GE(within, near) << n;
+        ASSERT_LE(within, value + 1e-12) << n;
+      }
+    }
+    EXPECT_GT(beside, 2000) << "what was kept was of use";
   }
 }
 

@@ -78,6 +78,9 @@ class ColliderContacts {
     bool is_close = false;           // whether this step looks at its points one by one
     std::optional<Vector3> way_out;  // of what leaves it together, in its own frame, unit
     std::vector<char> leaves;        // by point, with way_out
+    std::vector<Solid::Neighbourhood> neighbourhoods;  // of points, on a mesh
+
+    Asked asked(const MovingCollider&, const Cloth&, double near);
   };
 
   /// What was in a collider when a step began: points and how deep [m], and triangles.

@@ -71,12 +71,19 @@ class ContactSlots {
 
   /// What finds contacts in a step.
   struct Seeker {
-    Seeker(const MovingCollider&, double offset);
+    /// `asked`: of all points. Nothing farther away than its `near` can touch.
+    Seeker(const MovingCollider&, double offset, const Asked& asked);
 
     const MovingCollider& collider;
     Frame frame;
     Frame before;   // at the step's start
     double offset;  // that points keep from the surface [m]
+
+    /// Of the points from this one on.
+    Asked asked(int first) const;
+
+   private:
+    Asked asked_;
   };
 
   /// Keeps the contacts of the last step as those to resume.

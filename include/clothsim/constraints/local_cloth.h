@@ -14,7 +14,7 @@ struct LocalCloth {
   Points from;         // at a step's start [m]
   Points to;           // at its end [m]
   Points middle;       // where impulses act, as if it followed the collider from there on [m]
-  Scalars distance;    // of `to` from the surface [m]
+  Scalars distance;    // of `to` from the surface, see signed_distances() [m]
   double longest = 0;  // of the ways from `from` to `to`, however they bend as the frame turns [m]
   double edge = 0;     // no triangle's is longer [m]
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <limits>
+
 #include "clothsim/model/point_run.h"
 #include "clothsim/shapes/collider.h"
+#include "clothsim/shapes/solid.h"
 
 namespace clothsim {
 
@@ -14,10 +17,17 @@ struct Frame {
   Vector3 origin;  // [m]
 };
 
+/// What is asked of a mesh; of other shapes all is known at once.
+struct Asked {
+  double near = std::numeric_limits<double>::infinity();  // [m] see Solid::distance_within()
+  Solid::Neighbourhood* neighbourhoods = nullptr;         // of the points; none: none is kept
+};
+
 /// Signed distances [m] of `count` points of the world from the surface of a solid at `frame`, and
 /// their normals in the world. `sides`: where the points came from, when the solid was at `before`;
-/// see signed_distance(). Of a mesh far away, distances nearer to 0 than that.
+/// see signed_distance(). Those from a mesh are such as `asked`.
 void signed_distances(const Shape&, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, double* distances, MutablePointRun normals);
+                      PointRun sides, int count, const Asked& asked, double* distances,
+                      MutablePointRun normals);
 
 }  // namespace clothsim

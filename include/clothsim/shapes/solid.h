@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct TriangleSoup {
 
 /// A solid within a closed surface of triangles. Distances are exact, up to rounding.
 ///
-/// A grid of cells about the surface lists, for each, the triangles that can be nearest to a point
-/// in it, nearest first; elsewhere a tree of boxes finds it. What is inside tell normals of faces,
+/// A grid of cells lists, for each about the surface, the triangles that can be nearest to a point
+/// in it, nearest first; elsewhere a tree of boxes finds it. Outside, the grid also knows how many
+/// cells there are to the surface at least. What is inside tell normals of faces,
 /// edges and vertices, these weighted by angles (Baerentzen & Aanaes 2005, "Signed distance
 /// computation using the angle weighted pseudonormal").
 class Solid {
@@ -44,8 +46,22 @@ class Solid {
   /// is not one alone, it is one of those possible.
   std::pair<double, Vector3> distance(const Vector3& point) const;
 
-  /// The same, but far away a value of the right sign that is nearer to 0, and about the normal.
-  std::pair<double, Vector3> rough_distance(const Vector3& point) const;
+  /// The triangles that are nearest to a place, with which those of places beside it are found.
+  struct Neighbourhood {
+    static constexpr std::size_t most = 4;
+
+    Vector3 place = Vector3::Zero();
+    double beyond = 0;  // all other triangles are at least so far from it [m]
+    std::size_t count = 0;
+    std::array<int, most> faces{};
+    std::array<double, most> distances{};  // of these [m]
+  };
+
+  /// The same up to `near` [m], to the same bits whatever the `neighbourhood` of earlier points is.
+  /// What is farther outside has a value that is no more than its distance, but more than `near`,
+  /// or as much, and any normal.
+  std::pair<double, Vector3> distance_within(double near, const Vector3& point,
+                                             Neighbourhood& neighbourhood) const;
 
   /// Calls visit(ridge) for those that may be no farther than `most` [m] from a triangle, the
   /// nearer ones first; it may lower `most`.
@@ -99,13 +115,19 @@ class Solid {
     Vector3 normal;                       // unit; zero where it has no area
     std::array<Vector3, 3> edge_normals;  // of the edge from corner i on
   };
-  /// The nearest of the triangles looked at.
+  /// A triangle and its point nearest to another one.
   struct Nearest {
-    double squared;
-    int face;
-    Vector3 gap;  // from the surface to the point
-    std::array<double, 3> weights;
+    double squared = std::numeric_limits<double>::infinity();
+    int face = -1;
+    Vector3 gap = Vector3::Zero();  // from the surface to the point
+    std::array<double, 3> weights{1, 0, 0};
+
+    /// Of two at the same distance the first: what is found does not depend on how.
+    bool is_before(const Nearest& other) const {
+      return squared < other.squared || (squared == other.squared && face < other.face);
+    }
   };
+  class NearestFew;
   /// Holds a triangle. In single precision, so that those of many faces stay in the cache.
   struct Ball {
     float x, y, z;
@@ -122,14 +144,23 @@ class Solid {
   double band() const;
   void build_grid();
   std::vector<char> cells_near_surface(double reach) const;
-  void build_far_grid();
+  void count_steps();
+  void forget_steps_inside();
   void find_candidates(const Vector3& center, double reach);
   double measure_thickness() const;
   double thickness_below(std::size_t face) const;
-  void look_at(int face, const Vector3& point, Nearest&) const;
+  Nearest look_at(int face, const Vector3& point) const;
+  template <class Visit>
+  void visit_candidates(int cell, const Vector3& point, const double& most,
+                        const Visit& visit) const;
   void wrap_faces();
   Nearest nearest_by_tree(const Vector3& point, double most) const;
   Vector3 normal_at(const Nearest&) const;
+  std::pair<double, Vector3> signed_distance(const Nearest&) const;
+  bool has_candidates(std::size_t cell) const { return first_of_[cell] < first_of_[cell + 1]; }
+
+  /// Triangles that are no candidates of a cell are at least so far from a point of it [m].
+  double beyond_candidates(int cell, const Vector3& point) const;
 
   int cell_of(const Vector3& point) const;
   Vector3 center_of(int cell) const;
@@ -149,19 +180,13 @@ class Solid {
 
   NearestTree face_tree_{{}};
   NearestTree ridge_tree_{{}};
-  /// What is known of a large cell: the distance of its centre.
-  struct FarCell {
-    double value;
-    Vector3 normal;
-  };
-  double far_cell_ = 0;             // size of a large cell [m]
-  std::array<int, 3> far_cells_{};  // along each axis, from the box's least corner on
-  std::vector<FarCell> far_;        // none where there are few triangles
-
   double cell_ = 0;             // size of a cell [m]
   std::array<int, 3> cells_{};  // along each axis
   std::vector<int> first_of_;   // by cell, and one more: its first candidate
   std::vector<Candidate> candidates_;
+  // By cell: at least so many steps to the next one with candidates, over corners too; 0 for those,
+  // and inside the solid.
+  std::vector<unsigned char> steps_;
 };
 
 }  // namespace clothsim
