@@ -246,7 +246,7 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
 struct Offer {
   const Candidate* candidate;
   int substeps;
-  int apart;  // of these while all colliders are out of reach
+  int apart;     // of these while all colliders are out of reach
   double error;  // of the cloth's size
   double cost;   // CPU seconds a simulated second
   bool stable;
@@ -286,8 +286,8 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
 }
 
 MethodChoice choice_of(const Offer& offer, Reason reason) {
-  return {offer.candidate->method, offer.substeps, offer.apart, reason, true, offer.error,
-          offer.cost};
+  return {
+      offer.candidate->method, offer.substeps, offer.apart, reason, true, offer.error, offer.cost};
 }
 
 }  // namespace
@@ -324,6 +324,19 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     return best;
   };
 
+  // Errors are foretold of the motion that gravity starts. Whatever else moves the cloth, explicit
+  // methods damp nothing.
+  const auto is_explicit = [](const Offer& a) {
+    return a.real_time && std::isfinite(stability_limit_of(a.candidate->method));
+  };
+  if (motion.gravity == 0 && best_of(is_explicit, cheaper)) {
+    MethodChoice choice =
+        choice_of(*best_of(is_explicit, cheaper), Reason::cheapest_within_tolerance);
+    choice.reasons = {Reason::cheapest_within_tolerance,
+                      "of the explicit ones: without gravity no error is foretold"};
+    choice.predicted_error.reset();
+    return choice;
+  }
   if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
     return choice_of(*o, Reason::cheapest_within_tolerance);
   }

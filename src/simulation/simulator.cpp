@@ -57,7 +57,7 @@ StepReport Simulator::Impl::step() {
   const std::vector<MovingCollider> last_colliders = colliders;
   const bool was_disturbed = disturbed;
 
-  is_apart = must_look = false;
+  must_look = is_apart = false;
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   allow_work(dt);
   StepReport report;
@@ -79,6 +79,10 @@ StepReport Simulator::Impl::step() {
   };
   while (!succeeds()) {
     take_back();
+    if (went_too_far) {
+      must_look = true;
+      continue;
+    }
     if (budget.is_spent()) {
       forget();
       throw Diverged("the frame after t = " + std::to_string(state.time) +
@@ -124,6 +128,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report = {};
   report.recoveries = recoveries;
   report.method = method->choice.method;
+  went_too_far = false;
   is_apart = !must_look && has_colliders() && is_out_of_reach(dt);
   if (is_apart) collider_contacts.reset();
   const std::optional<Tension> tension_now = tension();
@@ -171,8 +176,8 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     if (!substep(h, report)) return false;
   }
   if (!is_good(state)) return false;
-  must_look = is_apart && longest_row(state.positions - before.positions) > allowed_way;
-  if (must_look) return false;
+  went_too_far = is_apart && longest_row(state.positions - before.positions) > allowed_way;
+  if (went_too_far) return false;
   if (report.ran_out > 0) {
     report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
                                                    std::to_string(report.substeps) + " substeps");
@@ -246,12 +251,13 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 bool Simulator::Impl::is_out_of_reach(double dt) {
   const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                                 state.positions.colwise().maxCoeff().transpose());
-  // Twice what it does by itself: what pins and springs do beside that, hardly ever is as much
-  // again.
+  // What pins and springs do beside what it does by itself, hardly ever is as much and an edge
+  // more.
+  const double edge = shortest_rest_length(cloth);
   const double own = longest_row(state.velocities) + scene.simulation.gravity.norm() * dt;
-  allowed_way = 2 * own * dt;
+  allowed_way = 2 * own * dt + edge;
   // Contact begins that much before the surfaces meet.
-  const double apart = shortest_rest_length(cloth) + cloth.thickness;
+  const double apart = edge + cloth.thickness;
   return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
     return collider.reaches(box, apart + allowed_way + collider.fastest_in(box) * dt);
   });

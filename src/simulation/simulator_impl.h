@@ -264,7 +264,8 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   bool is_apart = false;         // in this frame: nothing is looked for at colliders
-  bool must_look = false;        // at colliders in this step: points have gone too far
+  bool must_look = false;        // at colliders in this step, whatever their reach
+  bool went_too_far = false;     // points, in a frame that is apart
   double allowed_way = 0;        // see is_out_of_reach()
   bool disturbed = false;        // by a jump since the last frame
   bool is_given = false;         // state that was set, and is not yet calm: it may be anything

@@ -78,7 +78,8 @@ TEST(PoseInFrame, MovesWithTheFrame) {
   expect_at({0.2, 0, 2.1}, Vector3::UnitX());
 }
 
-/// What a frame cannot reach is not looked at. (Faster ones than these tear the cloth from its pins.)
+/// What a frame cannot reach is not looked at. (Faster ones than these tear the cloth from its
+/// pins.)
 TEST(OutOfReach, ACollidersTouchIsNotMissedHoweverFastItComes) {
   for (const double speed : {5.0, 20.0}) {
     Scene scene = above(Sphere{0.2}, {Vector3(0.5, 0.5, -4)});
@@ -119,6 +120,34 @@ TEST(OutOfReach, AHangingClothIsAsWithoutThemAndGoesOnToTheSameBits) {
   }
   EXPECT_EQ(first.state().positions, second.state().positions);
   EXPECT_EQ(first.state().velocities, second.state().velocities);
+}
+
+TEST(OutOfReach, APinPulledFartherThanThoughtIsFollowedWithoutARecovery) {
+  Scene scene = above(Sphere{0.2}, {Vector3(0.5, 0.5, -0.5)});
+  scene.cloth.pinned = {{0, 0, ""}, {29, 0, ""}, {0, 29, ""}, {29, 29, ""}};
+  scene.cloth.strain_limit.reset();
+  Simulator simulator(scene);
+  run(simulator, 0.2);
+  int recoveries = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    for (int pin = 0; pin < 4; ++pin) {
+      Vector3 target = simulator.state().positions.row(pin % 2 * 29 + pin / 2 * 870).transpose();
+      target.z() -= frame == 10 ? 0.3 : 0.0;  // 27 m/s at once
+      simulator.move_pin(pin, target);
+    }
+    recoveries += simulator.step().recoveries;
+    ASSERT_LT(deepest_sample(simulator, 0), surface_offset) << frame;
+  }
+  EXPECT_EQ(recoveries, 0);
+}
+
+TEST(OutOfReach, WhatNothingMovesIsLeftAlone) {
+  Scene scene = above(Plane{}, {});
+  scene.cloth.origin = {0, 0, 1};
+  scene.simulation.gravity = Vector3::Zero();
+  Simulator simulator(scene);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_EQ(simulator.step().recoveries, 0);
+  EXPECT_LT(simulator.state().velocities.cwiseAbs().maxCoeff(), 1e-9);
 }
 
 /// What stands off by 0.1 mm may sink in by as much.
