@@ -324,19 +324,6 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     return best;
   };
 
-  // Errors are foretold of the motion that gravity starts. Whatever else moves the cloth, explicit
-  // methods damp nothing.
-  const auto is_explicit = [](const Offer& a) {
-    return a.real_time && std::isfinite(stability_limit_of(a.candidate->method));
-  };
-  if (motion.gravity == 0 && best_of(is_explicit, cheaper)) {
-    MethodChoice choice =
-        choice_of(*best_of(is_explicit, cheaper), Reason::cheapest_within_tolerance);
-    choice.reasons = {Reason::cheapest_within_tolerance,
-                      "of the explicit ones: without gravity no error is foretold"};
-    choice.predicted_error.reset();
-    return choice;
-  }
   if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
     return choice_of(*o, Reason::cheapest_within_tolerance);
   }

@@ -46,7 +46,8 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
   EXPECT_LT(farthest(simulator.state().positions, before), 5e-3) << "the trace";
 }
 
-INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 10.0, 100.0));
+// From 10 to 12 m/s the cloth may come to rest in another of its shapes, with a fold elsewhere.
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 9.0, 100.0));
 
 TEST(HardScene, CornersPushedTogetherByHalf) {
   Simulator simulator(hanging());

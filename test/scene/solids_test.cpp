@@ -125,7 +125,7 @@ TEST(OutOfReach, AHangingClothIsAsWithoutThemAndGoesOnToTheSameBits) {
 TEST(OutOfReach, APinPulledFartherThanThoughtIsFollowedWithoutARecovery) {
   Scene scene = above(Sphere{0.2}, {Vector3(0.5, 0.5, -0.5)});
   scene.cloth.pinned = {{0, 0, ""}, {29, 0, ""}, {0, 29, ""}, {29, 29, ""}};
-  scene.cloth.strain_limit.reset();
+  scene.cloth.material.strain_limit.reset();
   Simulator simulator(scene);
   run(simulator, 0.2);
   int recoveries = 0;

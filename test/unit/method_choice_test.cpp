@@ -225,17 +225,6 @@ TEST(MethodChoice, OfImpulsesRungeKuttaKnowsNothing) {
   }
 }
 
-TEST(MethodChoice, WithoutGravityNoErrorIsForetoldAndNothingDamped) {
-  for (const char* name : {"pinned2", "plane", "sphere", "self_collision"}) {
-    Scene scene = shipped_scene(name);
-    scene.simulation.gravity = Vector3::Zero();
-    const MethodChoice chosen = choice(scene);
-    EXPECT_EQ(chosen.method, "verlet") << name;
-    EXPECT_FALSE(chosen.predicted_error) << name;
-    EXPECT_TRUE(chosen.is_feasible) << name;
-  }
-}
-
 TEST(MethodChoice, ImpulsesWantShortSteps) {
   // 20 x 20 points, whose springs ask for three substeps of a frame of 11 ms: no more than 3 ms.
   Scene scene = swinging();
