@@ -1,13 +1,8 @@
 #version 330 core
-// Depth and id of a mesh.
+// The images of a mesh's surface.
+#include "truth.glsl"
+
+in vec2 surface_uv;
 in float surface_depth;
 
-uniform float id;
-
-layout(location = 0) out float depth;  // [m]
-layout(location = 1) out float mask;
-
-void main() {
-  depth = surface_depth;
-  mask = id / 255.0;
-}
+void main() { show(surface_depth, surface_uv); }

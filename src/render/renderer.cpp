@@ -1,9 +1,9 @@
 #include "clothsim/render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
-#include <limits>
 #include <map>
 
 #include "clothsim/render/egl_context.h"
@@ -68,7 +68,8 @@ struct Renderer::Impl {
 
   void upload(const Snapshot&, const Camera&);
   void draw_color(const Snapshot&, const Camera&);
-  void draw_truth(const Camera&);
+  void draw_truth(const Camera&, const TruthImages&);
+  void start_reading(const Camera&, bool color, const TruthImages&);
   void draw_background(const Snapshot&, const Camera&);
   void draw_lines(const DrawItem&, const Wireframe&);
   void draw_translucent(const std::vector<const DrawItem*>&);
@@ -88,7 +89,8 @@ struct Renderer::Impl {
   std::optional<GpuMesh> box;
   std::optional<ColorTarget> color_target;
   std::optional<TruthTarget> truth_target;
-  PixelReader color_reader, depth_reader, mask_reader;
+  PixelReader color_reader;
+  std::array<PixelReader, std::tuple_size_v<TruthImages>> truth_readers;
   std::vector<DrawItem> items;
   Eigen::Matrix3d optical_axes;
   RenderTimes times;
@@ -268,19 +270,13 @@ void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
   glDisable(GL_CULL_FACE);
 }
 
-void Renderer::Impl::draw_truth(const Camera& camera) {
+void Renderer::Impl::draw_truth(const Camera& camera, const TruthImages& wanted) {
   if (!truth_target || truth_target->width() != camera.width ||
-      truth_target->height() != camera.height)
-    truth_target.emplace(camera.width, camera.height);
-  truth_target->bind();
+      truth_target->height() != camera.height || truth_target->wanted() != wanted)
+    truth_target.emplace(camera.width, camera.height, wanted);
+  truth_target->clear();
   glViewport(0, 0, camera.width, camera.height);
   glDisable(GL_FRAMEBUFFER_SRGB);
-  const float nothing[] = {std::numeric_limits<float>::infinity(), 0, 0, 0};
-  const float no_id[] = {0, 0, 0, 0};
-  const float farthest = 1;
-  glClearBufferfv(GL_COLOR, 0, nothing);
-  glClearBufferfv(GL_COLOR, 1, no_id);
-  glClearBufferfv(GL_DEPTH, 0, &farthest);
 
   for (const DrawItem& item : items) {
     if (item.sphere_radius && !std::holds_alternative<Displacement>(*item.shading)) {
@@ -292,7 +288,21 @@ void Renderer::Impl::draw_truth(const Camera& camera) {
       item.mesh->draw_triangles();
     }
   }
-  check_gl("drawing depth and mask");
+  check_gl("drawing the images of the surfaces");
+}
+
+/// Each image starts on its way back before one is waited for.
+void Renderer::Impl::start_reading(const Camera& camera, bool color, const TruthImages& truth) {
+  if (color) {
+    color_target->resolve_for_reading();
+    color_reader.start(camera.width, camera.height, GL_RGB, GL_UNSIGNED_BYTE, 3);
+  }
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!truth[i]) continue;
+    const TruthFormat& format = truth_formats[i];
+    truth_target->bind_for_reading(i);
+    truth_readers[i].start(camera.width, camera.height, format.format, format.type, format.bytes);
+  }
 }
 
 Renderer::Renderer(const RendererOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -316,38 +326,29 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   impl_->end_stage();
   const auto uploaded = Clock::now();
 
-  // Each image starts on its way as soon as it is drawn.
-  const bool truth = wanted.depth || wanted.mask;
+  const TruthImages truth{wanted.depth, wanted.mask, wanted.uv};
   if (wanted.color) impl_->draw_color(snapshot, camera);
-  if (truth) impl_->draw_truth(camera);
+  if (truth != TruthImages{}) impl_->draw_truth(camera, truth);
   impl_->textures.sweep();
   impl_->end_stage();
   const auto drawn = Clock::now();
-  if (wanted.color) {
-    impl_->color_target->resolve_for_reading();
-    impl_->color_reader.start(camera.width, camera.height, GL_RGB, GL_UNSIGNED_BYTE, 3);
-  }
-  if (truth) {
-    if (wanted.depth) {
-      impl_->truth_target->bind_depth_for_reading();
-      impl_->depth_reader.start(camera.width, camera.height, GL_RED, GL_FLOAT, sizeof(float));
-    }
-    if (wanted.mask) {
-      impl_->truth_target->bind_mask_for_reading();
-      impl_->mask_reader.start(camera.width, camera.height, GL_RED, GL_UNSIGNED_BYTE, 1);
-    }
-  }
+  impl_->start_reading(camera, wanted.color, truth);
 
-  const auto pixels =
-      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   images.width = camera.width;
   images.height = camera.height;
-  images.color.resize(wanted.color ? 3 * pixels : 0);
-  images.depth.resize(wanted.depth ? pixels : 0);
-  images.mask.resize(wanted.mask ? pixels : 0);
-  if (wanted.color) impl_->color_reader.finish(images.color.data());
-  if (wanted.depth) impl_->depth_reader.finish(images.depth.data());
-  if (wanted.mask) impl_->mask_reader.finish(images.mask.data());
+  const auto place = [&](auto& image, bool is_wanted, std::size_t channels) {
+    const auto pixels =
+        static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+    image.resize(is_wanted ? channels * pixels : 0);
+    return static_cast<void*>(image.data());
+  };
+  void* const color = place(images.color, wanted.color, 3);
+  const std::array<void*, truth.size()> places{place(images.depth, wanted.depth, 1),
+                                               place(images.mask, wanted.mask, 1),
+                                               place(images.uv, wanted.uv, 2)};
+  if (wanted.color) impl_->color_reader.finish(color);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (truth[i]) impl_->truth_readers[i].finish(places[i]);
   check_gl("reading the images back");
 
   impl_->times = {std::chrono::duration<double>(uploaded - start).count(),

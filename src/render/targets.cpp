@@ -1,5 +1,7 @@
 #include "clothsim/render/targets.h"
 
+#include <limits>
+
 #include "clothsim/render/gl_error.h"
 
 namespace clothsim {
@@ -16,13 +18,24 @@ void attach(const Renderbuffer& buffer, GLenum attachment) {
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.id());
 }
 
+GLenum attachment(std::size_t image) { return GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(image); }
+
 void check_complete() {
   check_gl("making a framebuffer");
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw GlError("the driver has no framebuffer of the kind and size asked for");
 }
 
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
 }  // namespace
+
+const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats{{
+    {GL_R32F, GL_RED, GL_FLOAT, sizeof(float), infinity},
+    {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 0},
+    {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
+}};
 
 ColorTarget::ColorTarget(int width, int height, int samples) : width_(width), height_(height) {
   make_storage(samples_, GL_SRGB8_ALPHA8, width, height, samples);
@@ -49,29 +62,36 @@ void ColorTarget::resolve_for_reading() const {
   glReadBuffer(GL_COLOR_ATTACHMENT0);
 }
 
-TruthTarget::TruthTarget(int width, int height) : width_(width), height_(height) {
-  make_storage(depth_image_, GL_R32F, width, height, 1);
-  make_storage(mask_, GL_R8, width, height, 1);
+TruthTarget::TruthTarget(int width, int height, const TruthImages& wanted)
+    : width_(width), height_(height), wanted_(wanted) {
   make_storage(depth_, GL_DEPTH_COMPONENT32F, width, height, 1);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-  attach(depth_image_, GL_COLOR_ATTACHMENT0);
-  attach(mask_, GL_COLOR_ATTACHMENT1);
   attach(depth_, GL_DEPTH_ATTACHMENT);
-  const GLenum images[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  glDrawBuffers(2, images);
+  std::array<GLenum, std::tuple_size_v<TruthImages>> outputs{};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    outputs[i] = wanted[i] ? attachment(i) : GL_NONE;
+    if (!wanted[i]) continue;
+    make_storage(images_[i].emplace(), truth_formats[i].storage, width, height, 1);
+    attach(*images_[i], attachment(i));
+  }
+  glDrawBuffers(static_cast<GLsizei>(outputs.size()), outputs.data());
   check_complete();
 }
 
-void TruthTarget::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id()); }
-
-void TruthTarget::bind_depth_for_reading() const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
+void TruthTarget::clear() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    const float nothing = truth_formats[i].nothing;
+    const float pixel[] = {nothing, nothing, nothing, nothing};
+    if (wanted_[i]) glClearBufferfv(GL_COLOR, static_cast<GLint>(i), pixel);
+  }
+  const float farthest = 1;
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
 }
 
-void TruthTarget::bind_mask_for_reading() const {
+void TruthTarget::bind_for_reading(std::size_t image) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
-  glReadBuffer(GL_COLOR_ATTACHMENT1);
+  glReadBuffer(attachment(image));
 }
 
 }  // namespace clothsim

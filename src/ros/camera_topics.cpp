@@ -21,7 +21,7 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
                            const std::function<void()>& subscriber_came)
     : transport_(ros::NodeHandle(node, "camera")) {
   ros::NodeHandle camera(node, "camera");
-  const std::array<std::string, 3> names = {"color", "depth", "mask"};
+  const std::array<std::string, 4> names = {"color", "depth", "mask", "uv"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     topics_[i].image = transport_.advertise(names[i] + "/image_raw", queue,
                                             [subscriber_came](const auto&) { subscriber_came(); });
@@ -33,7 +33,7 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
 
 clothsim::WantedImages CameraTopics::wanted() const {
   const auto listens = [](const Topic& topic) { return topic.image.getNumSubscribers() > 0; };
-  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2])};
+  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2]), listens(topics_[3])};
 }
 
 bool CameraTopics::subscribed() const {
@@ -45,23 +45,25 @@ bool CameraTopics::subscribed() const {
 void CameraTopics::publish(const std_msgs::Header& header, const clothsim::Camera& camera,
                            const clothsim::Images& images) const {
   namespace encodings = sensor_msgs::image_encodings;
-  send(topics_[0], header, encodings::RGB8, images, images.color.data(), images.color.size());
-  send(topics_[1], header, encodings::TYPE_32FC1, images, images.depth.data(),
-       images.depth.size() * sizeof(float));
-  send(topics_[2], header, encodings::MONO8, images, images.mask.data(), images.mask.size());
+  send(topics_[0], header, encodings::RGB8, images, images.color);
+  send(topics_[1], header, encodings::TYPE_32FC1, images, images.depth);
+  send(topics_[2], header, encodings::MONO8, images, images.mask);
+  send(topics_[3], header, encodings::TYPE_32FC2, images, images.uv);
   const sensor_msgs::CameraInfo info = to_camera_info(camera, header);
   for (const Topic& topic : topics_) topic.info.publish(info);
 }
 
+template <class Value>
 void CameraTopics::send(const Topic& topic, const std_msgs::Header& header,
                         const std::string& encoding, const clothsim::Images& images,
-                        const void* pixels, std::size_t bytes) const {
-  if (bytes == 0) return;
+                        const std::vector<Value>& pixels) const {
+  if (pixels.empty()) return;
   const auto msg = boost::make_shared<sensor_msgs::Image>();
   msg->header = header;
   const auto height = static_cast<std::uint32_t>(images.height);
+  const std::size_t bytes = pixels.size() * sizeof(Value);
   sensor_msgs::fillImage(*msg, encoding, height, static_cast<std::uint32_t>(images.width),
-                         static_cast<std::uint32_t>(bytes) / height, pixels);
+                         static_cast<std::uint32_t>(bytes) / height, pixels.data());
   topic.image.publish(sensor_msgs::ImageConstPtr(msg));
 }
 

@@ -154,6 +154,7 @@ std::string names(const clothsim::WantedImages& wanted) {
   add(wanted.color, "color");
   add(wanted.depth, "depth");
   add(wanted.mask, "mask");
+  add(wanted.uv, "uv");
   return names.empty() ? "none" : clothsim::join(names);
 }
 

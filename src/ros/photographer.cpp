@@ -26,10 +26,6 @@ clothsim::ImageFolders with_own(std::vector<std::string> folders) {
   return clothsim::ImageFolders(folders);
 }
 
-bool any(const clothsim::WantedImages& wanted) {
-  return wanted.color || wanted.depth || wanted.mask;
-}
-
 }  // namespace
 
 Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulator& simulator,
@@ -129,7 +125,7 @@ void Photographer::take() {
 
   clothsim::RenderJob job;
   job.wanted = topics_.wanted();
-  if (!any(job.wanted)) {  // a camera_info needs no picture
+  if (!job.wanted.any()) {  // a camera_info needs no picture
     topics_.publish(header(), prepared_.camera, {});
     return;
   }

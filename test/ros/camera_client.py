@@ -12,24 +12,25 @@ from sensor_msgs.msg import CameraInfo, Image
 from cloth_client import PATIENCE, Cloth, Recorder, wait_for
 
 KINDS = {"color": "rgb8", "depth": "32FC1", "mask": "mono8"}
+MORE_KINDS = {"uv": "32FC2"}
 
 
 class Frame:
-    """Colour, depth and mask of one stamp, each with its camera_info."""
+    """Images of one stamp, color, depth, mask and so on, each with its camera_info."""
 
     def __init__(self, images, infos):
         self.images, self.infos = images, infos
-        self.color, self.depth, self.mask = (
-            CvBridge().imgmsg_to_cv2(images[kind], KINDS[kind]) for kind in KINDS)
+        for kind, image in images.items():
+            setattr(self, kind, CvBridge().imgmsg_to_cv2(image, image.encoding))
 
 
 class Camera:
     """The image topics of a clothsim node."""
 
-    def __init__(self, name="/clothsim"):
+    def __init__(self, name="/clothsim", kinds=KINDS):
         topic = name + "/camera/%s/%s"
-        self._images = {k: Recorder(topic % (k, "image_raw"), Image) for k in KINDS}
-        self._infos = {k: Recorder(topic % (k, "camera_info"), CameraInfo) for k in KINDS}
+        self._images = {k: Recorder(topic % (k, "image_raw"), Image) for k in kinds}
+        self._infos = {k: Recorder(topic % (k, "camera_info"), CameraInfo) for k in kinds}
 
     def _recorders(self):
         return [*self._images.values(), *self._infos.values()]
@@ -133,8 +134,8 @@ class CameraTestCase(unittest.TestCase):
         if self.camera:
             self.camera.close()
 
-    def subscribe(self):
-        self.camera = Camera()
+    def subscribe(self, kinds=KINDS):
+        self.camera = Camera(kinds=kinds)
         self.camera.wait_for_connections()
 
     def step(self, frames):

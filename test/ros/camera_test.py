@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from image_geometry import PinholeCameraModel
 import tf2_ros
 
-from camera_client import KINDS, CameraTestCase, edges
+from camera_client import KINDS, MORE_KINDS, CameraTestCase, edges
 from cloth_client import make_transform, point, positions, wait_for
 
 WIDTH, HEIGHT = 320, 240
@@ -173,6 +173,32 @@ class CameraTest(CameraTestCase):
             b, c = ray @ offset, offset @ offset - SPHERE_RADIUS ** 2
             z = (-b - np.sqrt(b * b - a * c)) / a
             self.assertAlmostEqual(frame.depth[row, column], z, delta=1e-4)
+
+    def seen_points(self, state, frame):
+        """Points of the cloth's grid that depth shows: their numbers, rows and columns of pixels."""
+        pixels, distance = project(model(frame.infos["depth"]), positions(state).astype(float))
+        columns, rows = np.rint(pixels).astype(int).T
+        at = np.flatnonzero((columns >= 0) & (columns < WIDTH) & (rows >= 0) & (rows < HEIGHT))
+        at = at[frame.mask[rows[at], columns[at]] == CLOTH]
+        at = at[np.abs(frame.depth[rows[at], columns[at]] - distance[at]) < 0.01]
+        self.assertGreater(len(at), 1000)
+        return at, rows[at], columns[at]
+
+    def test_more_images(self):
+        """In form, and that they belong to the state of their stamp."""
+        self.subscribe({**KINDS, **MORE_KINDS})
+        state, frame = self.step(30)
+        for kind, encoding in MORE_KINDS.items():
+            image = frame.images[kind]
+            self.assertEqual((image.encoding, image.width, image.height), (encoding, WIDTH, HEIGHT))
+            self.assertEqual(image.step, WIDTH * 4 * int(encoding[-1]))
+            self.assertEqual(image.header, frame.images["depth"].header)
+            self.assertEqual(frame.infos[kind], frame.infos["depth"])
+        self.assertTrue(np.array_equal(np.isnan(frame.uv[..., 0]), frame.mask != CLOTH))
+        points, rows, columns = self.seen_points(state, frame)
+        uv = np.column_stack([points % 50, points // 50]) / 49
+        # Half a pixel of the cloth seen at a slant.
+        self.assertLess(np.abs(frame.uv[rows, columns] - uv).max(), 0.02)
 
     # ---- When images come ----
 

@@ -23,6 +23,9 @@ struct WantedImages {
   bool color = true;
   bool depth = true;
   bool mask = true;
+  bool uv = false;
+
+  bool any() const { return color || depth || mask || uv; }
 };
 
 /// Images of one instant, row 0 on top.
@@ -32,6 +35,7 @@ struct Images {
   std::vector<std::uint8_t> color;  // r, g, b of each pixel, sRGB
   std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
+  std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where none is seen
 };
 
 /// Seconds of the last render(). Without `measure`, `read` includes the wait for the drawing.
@@ -43,7 +47,7 @@ struct RenderTimes {
 
 /// Draws snapshots without window or display. Make, use and destroy it in one thread.
 ///
-/// Depth and mask show the surface of each object, not its lines or its opacity, without
+/// All but colour show the surface of each object, not its lines or its opacity, without
 /// antialiasing; spheres in them are exact, whatever their mesh.
 class Renderer {
  public:

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
+
 #include "clothsim/render/gl_handles.h"
 
 namespace clothsim {
@@ -22,20 +26,39 @@ class ColorTarget {
   Framebuffer drawn_, read_;
 };
 
-/// What depth (32 bits) and mask (8 bits) are drawn to, one sample a pixel.
+/// Which images of the surfaces, in the order of the outputs in shaders/truth.glsl: depth, mask,
+/// uv.
+using TruthImages = std::array<bool, 3>;
+
+/// How one of them is held and read back.
+struct TruthFormat {
+  GLenum storage;
+  GLenum format, type;  // of what is read back
+  std::size_t bytes;    // of a pixel, likewise
+  float nothing;        // what a pixel holds where nothing is seen
+};
+extern const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats;
+
+/// What the wanted images of the surfaces are drawn to, one sample a pixel.
 class TruthTarget {
  public:
-  TruthTarget(int width, int height);
+  TruthTarget(int width, int height, const TruthImages& wanted);
   int width() const { return width_; }
   int height() const { return height_; }
 
-  void bind() const;
-  void bind_depth_for_reading() const;
-  void bind_mask_for_reading() const;
+  const TruthImages& wanted() const { return wanted_; }
+
+  /// Binds it for drawing, with nothing to be seen yet.
+  void clear() const;
+
+  /// Binds a wanted image, by its place in TruthImages.
+  void bind_for_reading(std::size_t image) const;
 
  private:
   int width_, height_;
-  Renderbuffer depth_image_, mask_, depth_;
+  TruthImages wanted_;
+  std::array<std::optional<Renderbuffer>, std::tuple_size_v<TruthImages>> images_;
+  Renderbuffer depth_;
   Framebuffer framebuffer_;
 };
 

@@ -6,12 +6,13 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "clothsim/render/renderer.h"
 
 namespace clothsim_ros {
 
-/// The topics ~camera/color, ~camera/depth and ~camera/mask, each with image_raw, by
+/// The topics ~camera/color, ~camera/depth, ~camera/mask and ~camera/uv, each with image_raw, by
 /// image_transport, and camera_info.
 class CameraTopics {
  public:
@@ -33,11 +34,12 @@ class CameraTopics {
     ros::Publisher info;
   };
 
+  template <class Value>
   void send(const Topic&, const std_msgs::Header&, const std::string& encoding,
-            const clothsim::Images&, const void* pixels, std::size_t bytes) const;
+            const clothsim::Images&, const std::vector<Value>& pixels) const;
 
   image_transport::ImageTransport transport_;
-  std::array<Topic, 3> topics_;  // colour, depth, mask
+  std::array<Topic, 4> topics_;  // colour, depth, mask, uv
 };
 
 }  // namespace clothsim_ros
