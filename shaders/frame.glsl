@@ -2,7 +2,9 @@
 // that they stay small wherever the scene is.
 layout(std140) uniform Frame {
   mat4 clip_from_eye;
-  vec4 forward;         // xyz: the optical axis
+  vec4 right;           // xyz: the axes of the optical frame
+  vec4 down;
+  vec4 forward;
   vec4 depth_terms;     // x, y: clip z = x * depth + y; z, w: near and far [m]
   vec4 light_position;  // xyz [m]
   vec4 light;           // x: intensity I [1 at 1 m], y: ambient intensity Ia

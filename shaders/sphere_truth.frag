@@ -26,10 +26,10 @@ void main() {
   if (distance * along < depth_terms.z) distance = middle + sqrt(chord_squared);
   float hit_depth = distance * along;
   if (hit_depth < depth_terms.z || hit_depth > depth_terms.w) discard;
-  show(hit_depth, nowhere());
+  vec3 outward = (distance * ray - translation) / radius;
+  show(hit_depth, nowhere(), facing(dot(outward, ray) < 0.0 ? outward : -outward, ray));
 
   // Moved back by the dip along its normal, the sphere loses the pixel to cloth that lies on it.
-  vec3 normal = (distance * ray - translation) / radius;
-  float competing = hit_depth + dip * along / max(abs(dot(normal, ray)), steepest);
+  float competing = hit_depth + dip * along / max(abs(dot(outward, ray)), steepest);
   gl_FragDepth = 0.5 + 0.5 * (depth_terms.x + depth_terms.y / competing);
 }

@@ -7,13 +7,22 @@ uniform float id;
 layout(location = 0) out float depth;  // along the optical axis [m]
 layout(location = 1) out float mask;
 layout(location = 2) out vec2 uv;      // of the cloth
+layout(location = 3) out vec4 normal;  // in the optical frame, towards the camera
 
 const float cloth_id = 1.0;
 
 vec2 nowhere() { return vec2(intBitsToFloat(0x7fc00000)); }  // NaN
 
-void show(float surface_depth, vec2 surface_uv) {
+// The normal on the side that is seen. Smooth normals lean away from the camera near an outline: they
+// are brought back to square to the ray.
+vec3 facing(vec3 n, vec3 ray) {
+  vec3 bent = n - max(0.0, dot(n, ray)) * ray;
+  return dot(bent, bent) > 1e-12 ? safe_normalize(bent) : -ray;
+}
+
+void show(float surface_depth, vec2 surface_uv, vec3 n) {
   depth = surface_depth;
   mask = id / 255.0;
   uv = id == cloth_id ? surface_uv : nowhere();
+  normal = vec4(dot(n, right.xyz), dot(n, down.xyz), dot(n, forward.xyz), 0.0);
 }

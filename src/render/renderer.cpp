@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
 /// The block that all shaders share, as std140 lays it out (shaders/frame.glsl).
 struct FrameBlock {
   Eigen::Matrix4f clip_from_eye;
-  Eigen::Vector4f forward, depth_terms, light_position, light;
+  Eigen::Vector4f right, down, forward, depth_terms, light_position, light;
 };
 
 FrameBlock frame_block(const Snapshot& snapshot, const Camera& camera,
@@ -43,6 +43,8 @@ FrameBlock frame_block(const Snapshot& snapshot, const Camera& camera,
   };
   FrameBlock block;
   block.clip_from_eye = (projection * optical_from_eye).cast<float>();
+  block.right = padded(optical_axes.col(0));
+  block.down = padded(optical_axes.col(1));
   block.forward = padded(optical_axes.col(2));
   block.depth_terms =
       Eigen::Vector4d(projection(2, 2), projection(2, 3), camera.near, camera.far).cast<float>();
@@ -326,7 +328,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   impl_->end_stage();
   const auto uploaded = Clock::now();
 
-  const TruthImages truth{wanted.depth, wanted.mask, wanted.uv};
+  const TruthImages truth{wanted.depth, wanted.mask, wanted.uv, wanted.normals};
   if (wanted.color) impl_->draw_color(snapshot, camera);
   if (truth != TruthImages{}) impl_->draw_truth(camera, truth);
   impl_->textures.sweep();
@@ -343,9 +345,9 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
     return static_cast<void*>(image.data());
   };
   void* const color = place(images.color, wanted.color, 3);
-  const std::array<void*, truth.size()> places{place(images.depth, wanted.depth, 1),
-                                               place(images.mask, wanted.mask, 1),
-                                               place(images.uv, wanted.uv, 2)};
+  const std::array<void*, truth.size()> places{
+      place(images.depth, wanted.depth, 1), place(images.mask, wanted.mask, 1),
+      place(images.uv, wanted.uv, 2), place(images.normals, wanted.normals, 3)};
   if (wanted.color) impl_->color_reader.finish(color);
   for (std::size_t i = 0; i < truth.size(); ++i)
     if (truth[i]) impl_->truth_readers[i].finish(places[i]);

@@ -155,6 +155,7 @@ std::string names(const clothsim::WantedImages& wanted) {
   add(wanted.depth, "depth");
   add(wanted.mask, "mask");
   add(wanted.uv, "uv");
+  add(wanted.normals, "normals");
   return names.empty() ? "none" : clothsim::join(names);
 }
 

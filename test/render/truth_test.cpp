@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "clothsim/model/grid.h"
 #include "stage.h"
@@ -13,7 +14,7 @@ namespace {
 
 WantedImages everything() {
   WantedImages wanted;
-  wanted.uv = true;
+  wanted.uv = wanted.normals = true;
   return wanted;
 }
 
@@ -98,25 +99,130 @@ TEST(Truth, UvOfARopeGoesAlongIt) {
   EXPECT_GT(on_rope, 100);
 }
 
+// ---- Normals ----
+
+/// In the optical frame, bent back where a smooth normal leans away from the camera.
+Vector3 expected_normal(const Camera& camera, const Vector3& normal, const Vector3& ray) {
+  const Vector3 along = ray.normalized();
+  const Vector3 facing = normal - std::max(0.0, normal.dot(along)) * along;
+  return camera.pose.orientation.conjugate() * facing.normalized();
+}
+
+TEST(Truth, NormalsAreThoseOfTheClothAndOfTheExactSphere) {
+  Stage stage;
+  stage.snapshot.colliders[0].segments = 8;  // of a mesh that does not show
+  const Images images = draw_all(stage.snapshot, stage.camera);
+  const Vector3 eye = stage.camera.pose.position;
+  const Vector3 centre = stage.snapshot.colliders[0].pose.position;
+  int on_cloth = 0, on_sphere = 0;
+  for_each_pixel(stage.camera, [&](int u, int v) {
+    const Vector3 normal = pixel<3>(images, images.normals, u, v);
+    const Vector3 ray = pixel_ray(stage.camera, u, v);
+    const auto depth = double(images.depth[static_cast<std::size_t>(v * images.width + u)]);
+    if (id(images, u, v) == 0) {
+      EXPECT_TRUE(std::isnan(normal.x()) && std::isnan(normal.y()) && std::isnan(normal.z()));
+      return;
+    }
+    EXPECT_NEAR(normal.norm(), 1, 1e-5);
+    EXPECT_LT((stage.camera.pose.orientation * normal).dot(ray.normalized()), 1e-5);
+    if (id(images, u, v) == 2) {
+      const Vector3 radius = (eye + depth * ray - centre) / 0.3;
+      EXPECT_LT((stage.camera.pose.orientation * normal - radius).norm(), 1e-5) << u << " " << v;
+      ++on_sphere;
+      return;
+    }
+    const auto hit = trace(stage.cloth, eye, ray);
+    if (!hit || std::abs(hit->distance - depth) > 1e-4) return;  // a rim runs through the pixel
+    const Vector3 expected = expected_normal(stage.camera, hit->normal, ray);
+    EXPECT_LT((normal - expected).norm(), 1e-4) << u << " " << v;
+    ++on_cloth;
+  });
+  EXPECT_GT(on_cloth, 2000);
+  EXPECT_GT(on_sphere, 300);
+}
+
+/// Whether the shape has about this normal at a point of its surface, on the side that the ray
+/// comes from. On an edge either face's will do.
+bool is_normal(const Shape& shape, const Vector3& at, const Vector3& normal, const Vector3& ray) {
+  constexpr double aside = 2e-3;  // [m]
+  for (int i = 0; i < 8; ++i) {
+    const Vector3 near = at + aside * Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    const Vector3 outward = signed_distance(shape, near, near).normal;
+    if (normal.dot(outward.dot(ray) < 0 ? outward : Vector3(-outward)) > 0.98) return true;
+  }
+  return false;
+}
+
+TEST(Truth, NormalsOfEachShapeFaceTheCamera) {
+  // From outside, and from within: planes and boxes exactly, round ones as finely as they are
+  // meshed.
+  for (const Shape& shape :
+       {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}), Shape(Capsule{0.5, 0.2}),
+        Shape(Cylinder{0.5, 0.2}), Shape(Sphere{0.3})}) {
+    Snapshot snapshot;
+    snapshot.colliders.resize(1);
+    snapshot.colliders[0].shape = shape;
+    for (const Vector3& eye : {Vector3(1, -1.5, 1.1), Vector3(0.01, 0.02, 0.03)}) {
+      Camera camera = camera_with_fov(80, 60, 1);
+      camera.pose = look_at(eye, {-0.3, 0.5, -0.2});
+      const Images images = draw_all(snapshot, camera);
+      int seen = 0;
+      for_each_pixel(camera, [&](int u, int v) {
+        if (id(images, u, v) == 0) return;
+        ++seen;
+        const Vector3 ray = pixel_ray(camera, u, v);
+        const Vector3 normal = camera.pose.orientation * pixel<3>(images, images.normals, u, v);
+        const auto depth = double(images.depth[static_cast<std::size_t>(v * images.width + u)]);
+        EXPECT_TRUE(is_normal(shape, eye + depth * ray, normal, ray)) << u << " " << v;
+        EXPECT_LT(normal.dot(ray), 1e-5);
+      });
+      EXPECT_GT(seen, 100);
+    }
+  }
+}
+
+TEST(Truth, NormalsOfADisplacedSurfaceAreThoseOfItsTriangles) {
+  // Height grows with u: a plane that is tilted.
+  Snapshot snapshot = flat_cloth(6, 6);
+  Displacement displacement;
+  const auto slope = std::make_shared<HeightMap>();
+  slope->width = slope->height = 64;
+  for (int i = 0; i < 64 * 64; ++i) slope->heights.push_back(static_cast<float>(i % 64) / 63);
+  displacement.height_map = slope;
+  displacement.height_scaling = 0.3;
+  snapshot.cloth_shading = displacement;
+  Camera camera = camera_with_fov(80, 60, 0.5);
+  camera.pose = look_at({0.5, 0.5, 2}, {0.5, 0.5, 0});
+  const Images images = draw_all(snapshot, camera);
+  const Vector3 normal = camera.pose.orientation * pixel<3>(images, images.normals, 40, 30);
+  EXPECT_LT((normal - Vector3(-0.3, 0, 1).normalized()).norm(), 0.02);
+}
+
 // ---- Together ----
 
 TEST(Truth, EachImageIsTheSameAloneAndWithOthers) {
   Stage stage;
   const Images all = draw_all(stage.snapshot, stage.camera);
-  WantedImages wanted{false, false, false};
-  wanted.uv = true;
-  Images uv;
-  shared_renderer().render(stage.snapshot, stage.camera, wanted, uv);
-  EXPECT_TRUE(uv.color.empty() && uv.depth.empty() && uv.mask.empty());
-  ASSERT_EQ(uv.uv.size(), all.uv.size());
-  for (std::size_t i = 0; i < uv.uv.size(); ++i)
-    EXPECT_TRUE(uv.uv[i] == all.uv[i] || (std::isnan(uv.uv[i]) && std::isnan(all.uv[i])));
+  const auto same = [](const std::vector<float>& one, const std::vector<float>& other) {
+    return one.size() == other.size() && !one.empty() &&
+           std::memcmp(one.data(), other.data(), one.size() * sizeof(float)) == 0;
+  };
+  const auto draw_one = [&](bool WantedImages::*image) {
+    WantedImages wanted{false, false, false};
+    wanted.*image = true;
+    Images images;
+    shared_renderer().render(stage.snapshot, stage.camera, wanted, images);
+    EXPECT_TRUE(images.color.empty() && images.depth.empty() && images.mask.empty());
+    return images;
+  };
+  EXPECT_TRUE(same(draw_one(&WantedImages::uv).uv, all.uv));
+  EXPECT_TRUE(same(draw_one(&WantedImages::normals).normals, all.normals));
 
   const Images usual = draw(stage.snapshot, stage.camera);
   EXPECT_EQ(usual.color, all.color);
   EXPECT_EQ(usual.depth, all.depth);
   EXPECT_EQ(usual.mask, all.mask);
-  EXPECT_TRUE(usual.uv.empty());
+  EXPECT_TRUE(usual.uv.empty() && usual.normals.empty());
 }
 
 }  // namespace

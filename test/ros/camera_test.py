@@ -192,13 +192,23 @@ class CameraTest(CameraTestCase):
             image = frame.images[kind]
             self.assertEqual((image.encoding, image.width, image.height), (encoding, WIDTH, HEIGHT))
             self.assertEqual(image.step, WIDTH * 4 * int(encoding[-1]))
-            self.assertEqual(image.header, frame.images["depth"].header)
-            self.assertEqual(frame.infos[kind], frame.infos["depth"])
+            for header in (image.header, frame.infos[kind].header):
+                self.assertEqual((header.stamp, header.frame_id), (state.header.stamp, OWN_FRAME))
+            self.assertEqual(list(frame.infos[kind].K), K)
         self.assertTrue(np.array_equal(np.isnan(frame.uv[..., 0]), frame.mask != CLOTH))
         points, rows, columns = self.seen_points(state, frame)
         uv = np.column_stack([points % 50, points // 50]) / 49
         # Half a pixel of the cloth seen at a slant.
         self.assertLess(np.abs(frame.uv[rows, columns] - uv).max(), 0.02)
+        # A sphere's normals are its radii.
+        rows, columns = np.nonzero(frame.mask == SPHERE)
+        camera = frame.infos["depth"].K
+        z = frame.depth[rows, columns]
+        seen = np.column_stack([(columns - camera[2]) / camera[0] * z,
+                                (rows - camera[5]) / camera[4] * z, z])
+        radii = (seen - (SPHERE_CENTRE - EYE) @ axes(EYE, TARGET)) / SPHERE_RADIUS
+        self.assertLess(np.abs(frame.normals[rows, columns] - radii).max(), 1e-3)
+        self.assertTrue(np.array_equal(np.isnan(frame.normals[..., 0]), frame.mask == NOTHING))
 
     # ---- When images come ----
 

@@ -24,8 +24,9 @@ struct WantedImages {
   bool depth = true;
   bool mask = true;
   bool uv = false;
+  bool normals = false;
 
-  bool any() const { return color || depth || mask || uv; }
+  bool any() const { return color || depth || mask || uv || normals; }
 };
 
 /// Images of one instant, row 0 on top.
@@ -36,6 +37,7 @@ struct Images {
   std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
   std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where none is seen
+  std::vector<float> normals;  // x, y, z of the unit normal in the optical frame; NaN for nothing
 };
 
 /// Seconds of the last render(). Without `measure`, `read` includes the wait for the drawing.

@@ -27,8 +27,8 @@ class ColorTarget {
 };
 
 /// Which images of the surfaces, in the order of the outputs in shaders/truth.glsl: depth, mask,
-/// uv.
-using TruthImages = std::array<bool, 3>;
+/// uv, normals.
+using TruthImages = std::array<bool, 4>;
 
 /// How one of them is held and read back.
 struct TruthFormat {
