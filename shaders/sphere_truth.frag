@@ -7,6 +7,8 @@ in vec3 surface_position;
 
 uniform vec3 translation;  // the sphere's centre relative to the camera [m]
 uniform float radius;      // [m]
+uniform mat3 turn;         // from now to the last picture
+uniform vec3 translation_before;
 uniform float dip;         // [m] how far cloth that lies on it may be below its surface
 
 // Cosine below which a sphere is seen edge on and the dip grows no more.
@@ -27,7 +29,8 @@ void main() {
   float hit_depth = distance * along;
   if (hit_depth < depth_terms.z || hit_depth > depth_terms.w) discard;
   vec3 outward = (distance * ray - translation) / radius;
-  show(hit_depth, nowhere(), facing(dot(outward, ray) < 0.0 ? outward : -outward, ray));
+  vec3 n = facing(dot(outward, ray) < 0.0 ? outward : -outward, ray);
+  show(hit_depth, nowhere(), n, radius * (turn * outward) + translation_before);
 
   // Moved back by the dip along its normal, the sphere loses the pixel to cloth that lies on it.
   float competing = hit_depth + dip * along / max(abs(dot(outward, ray)), steepest);

@@ -5,9 +5,13 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 tangent;
 layout(location = 3) in vec2 uv;
+layout(location = 4) in vec3 position_before;  // at the last picture
+layout(location = 5) in vec3 normal_before;
 
 uniform mat3 rotation;      // from the mesh's frame to the world's axes
 uniform vec3 translation;   // of the mesh's origin, relative to the camera [m]
+uniform mat3 rotation_before;
+uniform vec3 translation_before;  // relative to the camera then [m]
 uniform float displacement; // [m] along the normal for a height of 1
 uniform float shrinkage;    // [m] against the normal, so that cloth lying on it is seen
 uniform sampler2D height_map;
@@ -17,6 +21,7 @@ out vec3 surface_normal;
 out vec3 surface_tangent;
 out vec2 surface_uv;
 out float surface_depth;    // along the optical axis [m]
+out vec3 surface_before;    // relative to the camera of the last picture [m]
 
 void main() {
   float lift = -shrinkage;
@@ -28,6 +33,8 @@ void main() {
   surface_tangent = rotation * tangent;
   surface_uv = uv;
   surface_depth = dot(surface_position, forward.xyz);
+  surface_before =
+      rotation_before * (position_before + lift * normal_before) + translation_before;
 
   gl_Position = clip_from_eye * vec4(surface_position, 1.0);
 }

@@ -6,6 +6,7 @@ in vec3 surface_position;
 in vec3 surface_normal;
 in vec2 surface_uv;
 in float surface_depth;
+in vec3 surface_before;
 
 uniform float displacement;
 
@@ -17,5 +18,6 @@ vec3 normal_of_surface() {
 }
 
 void main() {
-  show(surface_depth, surface_uv, facing(normal_of_surface(), safe_normalize(surface_position)));
+  vec3 n = facing(normal_of_surface(), safe_normalize(surface_position));
+  show(surface_depth, surface_uv, n, surface_before);
 }

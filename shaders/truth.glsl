@@ -3,11 +3,14 @@
 #include "frame.glsl"
 
 uniform float id;
+uniform mat3 pixel_before;  // (u, v, 1) * depth in the last picture, from a place relative to its camera
+uniform float near_before;  // [m] the near plane then; infinity: this was not there
 
 layout(location = 0) out float depth;  // along the optical axis [m]
 layout(location = 1) out float mask;
 layout(location = 2) out vec2 uv;      // of the cloth
 layout(location = 3) out vec4 normal;  // in the optical frame, towards the camera
+layout(location = 4) out vec2 flow;    // pixels since the last picture
 
 const float cloth_id = 1.0;
 
@@ -20,9 +23,15 @@ vec3 facing(vec3 n, vec3 ray) {
   return dot(bent, bent) > 1e-12 ? safe_normalize(bent) : -ray;
 }
 
-void show(float surface_depth, vec2 surface_uv, vec3 n) {
+vec2 way_from(vec3 before) {
+  vec3 p = pixel_before * before;
+  return p.z > near_before ? gl_FragCoord.xy - 0.5 - p.xy / p.z : nowhere();
+}
+
+void show(float surface_depth, vec2 surface_uv, vec3 n, vec3 before) {
   depth = surface_depth;
   mask = id / 255.0;
   uv = id == cloth_id ? surface_uv : nowhere();
   normal = vec4(dot(n, right.xyz), dot(n, down.xyz), dot(n, forward.xyz), 0.0);
+  flow = way_from(before);
 }

@@ -1,6 +1,7 @@
 #include "clothsim/render/gpu_mesh.h"
 
 #include <cassert>
+#include <utility>
 
 namespace clothsim {
 namespace {
@@ -14,19 +15,28 @@ void upload(GLenum target, const Buffer& buffer, const void* data, std::size_t b
 
 const void* byte_offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
+/// Of the vertex array that is bound: `count` of position, normal and tangent from `first` on.
+void take_from(const Buffer& surface, GLuint first, GLuint count) {
+  glBindBuffer(GL_ARRAY_BUFFER, surface.id());
+  for (GLuint i = 0; i < count; ++i) {
+    glEnableVertexAttribArray(first + i);
+    glVertexAttribPointer(first + i, 3, GL_FLOAT, GL_FALSE, floats_per_point * sizeof(float),
+                          byte_offset(3 * sizeof(float) * i));
+  }
+}
+
+// Attributes of shaders/surface.vert: position, normal and tangent, uv, position and normal before.
+constexpr GLuint now = 0, uv_location = 3, before = 4;
+
 }  // namespace
 
 GpuMesh::GpuMesh() {
   glBindVertexArray(array_.id());
-  glBindBuffer(GL_ARRAY_BUFFER, surface_.id());
-  for (GLuint location = 0; location < 3; ++location) {
-    glEnableVertexAttribArray(location);
-    glVertexAttribPointer(location, 3, GL_FLOAT, GL_FALSE, floats_per_point * sizeof(float),
-                          byte_offset(3 * sizeof(float) * location));
-  }
+  take_from(surface_, now, 3);
+  take_from(surface_, before, 2);
   glBindBuffer(GL_ARRAY_BUFFER, uv_.id());
-  glEnableVertexAttribArray(3);
-  glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
+  glEnableVertexAttribArray(uv_location);
+  glVertexAttribPointer(uv_location, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
 }
 
 void GpuMesh::upload_topology(const Eigen::Matrix<double, Eigen::Dynamic, 2>& uv,
@@ -41,6 +51,18 @@ void GpuMesh::upload_topology(const Eigen::Matrix<double, Eigen::Dynamic, 2>& uv
   upload(GL_ELEMENT_ARRAY_BUFFER, lines_, lines.data(), lines.size() * sizeof(lines[0]),
          GL_STATIC_DRAW);
   num_triangles_ = static_cast<int>(triangles.size());
+}
+
+void GpuMesh::keep_surface() {
+  std::swap(surface_, before_);
+  glBindVertexArray(array_.id());
+  take_from(surface_, now, 3);
+  take_from(before_, before, 2);
+}
+
+void GpuMesh::stand_still() {
+  glBindVertexArray(array_.id());
+  take_from(surface_, before, 2);
 }
 
 void GpuMesh::upload_surface(const Points& positions, const Points& normals,

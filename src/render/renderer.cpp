@@ -4,18 +4,12 @@
 #include <array>
 #include <cassert>
 #include <chrono>
-#include <map>
+#include <utility>
 
-#include "clothsim/render/egl_context.h"
 #include "clothsim/render/gl_error.h"
-#include "clothsim/render/gl_handles.h"
-#include "clothsim/render/pixel_reader.h"
-#include "clothsim/render/scene_objects.h"
-#include "clothsim/render/shader_program.h"
 #include "clothsim/render/shading_uniforms.h"
-#include "clothsim/render/targets.h"
-#include "clothsim/render/texture_cache.h"
 #include "clothsim/render/translucency.h"
+#include "renderer_impl.h"
 
 namespace clothsim {
 namespace {
@@ -65,39 +59,6 @@ void set_state() {
 
 }  // namespace
 
-struct Renderer::Impl {
-  explicit Impl(const RendererOptions& o);
-
-  void upload(const Snapshot&, const Camera&);
-  void draw_color(const Snapshot&, const Camera&);
-  void draw_truth(const Camera&, const TruthImages&);
-  void start_reading(const Camera&, bool color, const TruthImages&);
-  void draw_background(const Snapshot&, const Camera&);
-  void draw_lines(const DrawItem&, const Wireframe&);
-  void draw_translucent(const std::vector<const DrawItem*>&);
-  void draw_sphere_truth(const DrawItem&);
-  const ShaderProgram& use_program(const std::string& vertex, const std::string& fragment);
-  const ShaderProgram& use_item(const DrawItem&, const std::string& fragment);
-  void end_stage();
-
-  RendererOptions options;
-  EglContext context;  // before all that lives in it
-  VertexArray no_vertices;
-  Buffer frame_buffer, sorted_triangles;
-  std::map<std::string, ShaderProgram> programs;
-  TextureCache textures;
-  std::optional<ClothObject> cloth;
-  std::vector<ColliderObject> colliders;
-  std::optional<GpuMesh> box;
-  std::optional<ColorTarget> color_target;
-  std::optional<TruthTarget> truth_target;
-  PixelReader color_reader;
-  std::array<PixelReader, std::tuple_size_v<TruthImages>> truth_readers;
-  std::vector<DrawItem> items;
-  Eigen::Matrix3d optical_axes;
-  RenderTimes times;
-};
-
 Renderer::Impl::Impl(const RendererOptions& o) : options(o), context(o.egl_device) {
   GLint most_samples = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
@@ -131,7 +92,7 @@ const ShaderProgram& Renderer::Impl::use_item(const DrawItem& item, const std::s
   return program;
 }
 
-void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
+void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera, bool keep_last) {
   const Vector3& eye = camera.pose.position;
   optical_axes = camera.pose.orientation.normalized().toRotationMatrix();
   const FrameBlock block = frame_block(snapshot, camera, optical_axes);
@@ -141,7 +102,7 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
   items.clear();
   if (snapshot.cloth) {
     if (!cloth) cloth.emplace();
-    cloth->update(snapshot);
+    cloth->update(snapshot, keep_last);
     items.push_back(cloth->item(snapshot, eye));
   } else {
     cloth.reset();
@@ -150,7 +111,10 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera) {
   colliders.resize(snapshot.colliders.size());
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const ColliderView& view = snapshot.colliders[i];
-    if (!view.visible) continue;
+    if (!view.visible) {
+      colliders[i].hide();
+      continue;
+    }
     colliders[i].update(view);
     items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
     DrawItem& item = items.back();
@@ -248,51 +212,6 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
   check_gl("drawing the colour image");
 }
 
-void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
-  if (!box) {
-    box.emplace();
-    const Mesh cube = box_mesh(Vector3::Ones());
-    box->upload_topology(cube.uv, cube.triangles, cube.lines);
-    box->upload_surface(cube.positions, cube.normals, cube.tangents);
-  }
-  // The far sides of a box around the sphere: they are there even where the camera is inside.
-  const ShaderProgram& program = use_program("surface.vert", "sphere_truth.frag");
-  program.set("rotation", Eigen::Matrix3d(*item.sphere_radius * Eigen::Matrix3d::Identity()));
-  program.set("translation", item.translation);
-  program.set("radius", *item.sphere_radius);
-  program.set("shrinkage", 0.0);
-  program.set("dip", item.dip);
-  program.set("id", static_cast<double>(item.id));
-  glEnable(GL_CULL_FACE);
-  glCullFace(GL_FRONT);
-  glEnable(GL_DEPTH_CLAMP);
-  box->draw_triangles();
-  glDisable(GL_DEPTH_CLAMP);
-  glCullFace(GL_BACK);
-  glDisable(GL_CULL_FACE);
-}
-
-void Renderer::Impl::draw_truth(const Camera& camera, const TruthImages& wanted) {
-  if (!truth_target || truth_target->width() != camera.width ||
-      truth_target->height() != camera.height || truth_target->wanted() != wanted)
-    truth_target.emplace(camera.width, camera.height, wanted);
-  truth_target->clear();
-  glViewport(0, 0, camera.width, camera.height);
-  glDisable(GL_FRAMEBUFFER_SRGB);
-
-  for (const DrawItem& item : items) {
-    if (item.sphere_radius && !std::holds_alternative<Displacement>(*item.shading)) {
-      draw_sphere_truth(item);
-    } else {
-      const ShaderProgram& program = use_item(item, "truth.frag");
-      program.set("shrinkage", 0.0);
-      program.set("id", static_cast<double>(item.id));
-      item.mesh->draw_triangles();
-    }
-  }
-  check_gl("drawing the images of the surfaces");
-}
-
 /// Each image starts on its way back before one is waited for.
 void Renderer::Impl::start_reading(const Camera& camera, bool color, const TruthImages& truth) {
   if (color) {
@@ -324,11 +243,13 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   const auto start = Clock::now();
   impl_->context.make_current();
   set_state();
-  impl_->upload(snapshot, camera);
+  // A picture that fails is none that the next one could have come from.
+  impl_->camera_before = std::exchange(impl_->camera_last, std::nullopt);
+  impl_->upload(snapshot, camera, wanted.flow);
   impl_->end_stage();
   const auto uploaded = Clock::now();
 
-  const TruthImages truth{wanted.depth, wanted.mask, wanted.uv, wanted.normals};
+  const TruthImages truth{wanted.depth, wanted.mask, wanted.uv, wanted.normals, wanted.flow};
   if (wanted.color) impl_->draw_color(snapshot, camera);
   if (truth != TruthImages{}) impl_->draw_truth(camera, truth);
   impl_->textures.sweep();
@@ -347,11 +268,13 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   void* const color = place(images.color, wanted.color, 3);
   const std::array<void*, truth.size()> places{
       place(images.depth, wanted.depth, 1), place(images.mask, wanted.mask, 1),
-      place(images.uv, wanted.uv, 2), place(images.normals, wanted.normals, 3)};
+      place(images.uv, wanted.uv, 2), place(images.normals, wanted.normals, 3),
+      place(images.flow, wanted.flow, 2)};
   if (wanted.color) impl_->color_reader.finish(color);
   for (std::size_t i = 0; i < truth.size(); ++i)
     if (truth[i]) impl_->truth_readers[i].finish(places[i]);
   check_gl("reading the images back");
+  if (wanted.flow) impl_->camera_last = camera;
 
   impl_->times = {std::chrono::duration<double>(uploaded - start).count(),
                   std::chrono::duration<double>(drawn - uploaded).count(), seconds_since(drawn)};

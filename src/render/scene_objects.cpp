@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "clothsim/model/surface.h"
 #include "clothsim/render/tube.h"
@@ -41,14 +42,18 @@ bool needs_tangents(const Shading& shading) {
   return std::holds_alternative<Bump>(shading) || std::holds_alternative<Displacement>(shading);
 }
 
-void ClothObject::update(const Snapshot& snapshot) {
+void ClothObject::update(const Snapshot& snapshot, bool keep_last) {
   const Cloth& cloth = *snapshot.cloth;
   assert(snapshot.positions && snapshot.positions->rows() == cloth.num_points());
   const bool new_cloth = snapshot.cloth != cloth_;
   cloth_ = snapshot.cloth;
+  anchor_before_ = new_cloth ? std::nullopt : std::optional(anchor_);
 
   const bool tangents = needs_tangents(snapshot.cloth_shading);
-  if (!new_cloth && snapshot.positions == positions_ && (has_tangents_ || !tangents)) return;
+  const bool same = !new_cloth && snapshot.positions == positions_ && (has_tangents_ || !tangents);
+  if (keep_last && (same || new_cloth)) mesh_.stand_still();
+  if (same) return;
+  if (keep_last && !new_cloth) mesh_.keep_surface();
   positions_ = snapshot.positions;
   has_tangents_ = tangents;
   anchor_ = positions_->row(0);
@@ -88,6 +93,7 @@ DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
   item.id = 1;
   item.rotation.setIdentity();
   item.translation = anchor_ - eye;
+  if (anchor_before_) item.before = {Eigen::Matrix3d::Identity(), *anchor_before_};
   return item;
 }
 
@@ -107,6 +113,10 @@ void ColliderObject::update(const ColliderView& view) {
   const int segments = flat ? flat_segments : view.segments;
   const auto* sphere = std::get_if<Sphere>(&view.shape);
   sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
+  before_ = std::exchange(
+      placement_,
+      Placement{view.pose.orientation.normalized().toRotationMatrix(), view.pose.position});
+  if (made_of_ && !(made_of_->shape == view.shape)) before_.reset();
   if (made_of_ && made_of_->shape == view.shape && made_of_->segments == segments &&
       made_of_->extent == view.extent) {
     return;
@@ -125,8 +135,9 @@ DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& e
   item.lines = {{0, static_cast<int>(shape_mesh_.lines.size()), 0}};
   item.shading = &view.shading;
   item.id = id;
-  item.rotation = view.pose.orientation.normalized().toRotationMatrix();
-  item.translation = view.pose.position - eye;
+  item.rotation = placement_->rotation;
+  item.translation = placement_->origin - eye;
+  item.before = before_;
   item.sphere_radius = sphere_radius_;
   return item;
 }

@@ -36,6 +36,7 @@ const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats{{
     {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 0},
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
     {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not draw to GL_RGB32F
+    {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
 }};
 
 ColorTarget::ColorTarget(int width, int height, int samples) : width_(width), height_(height) {

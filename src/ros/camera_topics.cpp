@@ -21,7 +21,7 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
                            const std::function<void()>& subscriber_came)
     : transport_(ros::NodeHandle(node, "camera")) {
   ros::NodeHandle camera(node, "camera");
-  const std::array<std::string, 5> names = {"color", "depth", "mask", "uv", "normals"};
+  const std::array<std::string, 6> names = {"color", "depth", "mask", "uv", "normals", "flow"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     topics_[i].image = transport_.advertise(names[i] + "/image_raw", queue,
                                             [subscriber_came](const auto&) { subscriber_came(); });
@@ -33,8 +33,8 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
 
 clothsim::WantedImages CameraTopics::wanted() const {
   const auto listens = [](const Topic& topic) { return topic.image.getNumSubscribers() > 0; };
-  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2]), listens(topics_[3]),
-          listens(topics_[4])};
+  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2]),
+          listens(topics_[3]), listens(topics_[4]), listens(topics_[5])};
 }
 
 bool CameraTopics::subscribed() const {
@@ -51,6 +51,7 @@ void CameraTopics::publish(const std_msgs::Header& header, const clothsim::Camer
   send(topics_[2], header, encodings::MONO8, images, images.mask);
   send(topics_[3], header, encodings::TYPE_32FC2, images, images.uv);
   send(topics_[4], header, encodings::TYPE_32FC3, images, images.normals);
+  send(topics_[5], header, encodings::TYPE_32FC2, images, images.flow);
   const sensor_msgs::CameraInfo info = to_camera_info(camera, header);
   for (const Topic& topic : topics_) topic.info.publish(info);
 }

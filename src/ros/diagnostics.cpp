@@ -156,6 +156,7 @@ std::string names(const clothsim::WantedImages& wanted) {
   add(wanted.mask, "mask");
   add(wanted.uv, "uv");
   add(wanted.normals, "normals");
+  add(wanted.flow, "flow");
   return names.empty() ? "none" : clothsim::join(names);
 }
 

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from cloth_client import PATIENCE, Cloth, Recorder, wait_for
 
 KINDS = {"color": "rgb8", "depth": "32FC1", "mask": "mono8"}
-MORE_KINDS = {"uv": "32FC2", "normals": "32FC3"}
+MORE_KINDS = {"uv": "32FC2", "normals": "32FC3", "flow": "32FC2"}
 
 
 class Frame:

@@ -187,7 +187,9 @@ class CameraTest(CameraTestCase):
     def test_more_images(self):
         """In form, and that they belong to the state of their stamp."""
         self.subscribe({**KINDS, **MORE_KINDS})
-        state, frame = self.step(30)
+        self.cloth.step(29)
+        before, frame_before = self.step(1)
+        state, frame = self.step(1)
         for kind, encoding in MORE_KINDS.items():
             image = frame.images[kind]
             self.assertEqual((image.encoding, image.width, image.height), (encoding, WIDTH, HEIGHT))
@@ -200,6 +202,14 @@ class CameraTest(CameraTestCase):
         uv = np.column_stack([points % 50, points // 50]) / 49
         # Half a pixel of the cloth seen at a slant.
         self.assertLess(np.abs(frame.uv[rows, columns] - uv).max(), 0.02)
+        # The sphere stands still; the cloth comes from where image_geometry puts it before.
+        self.assertTrue(np.array_equal(np.isnan(frame.flow[..., 0]), frame.mask == NOTHING))
+        self.assertLess(np.abs(frame.flow[frame.mask == SPHERE]).max(), 1e-3)
+        camera = model(frame_before.infos["flow"])
+        moved = (project(camera, positions(state).astype(float)[points])[0]
+                 - project(camera, positions(before).astype(float)[points])[0])
+        self.assertGreater(np.linalg.norm(moved, axis=1).max(), 1)
+        self.assertLess(np.abs(frame.flow[rows, columns] - moved).max(), 0.2)
         # A sphere's normals are its radii.
         rows, columns = np.nonzero(frame.mask == SPHERE)
         camera = frame.infos["depth"].K

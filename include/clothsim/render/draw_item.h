@@ -17,6 +17,12 @@ struct LineRange {
   int family;  // index into Wireframe's families and colours
 };
 
+/// Where a mesh is.
+struct Placement {
+  Eigen::Matrix3d rotation;  // from its frame to the world's axes
+  Vector3 origin;            // [m] in the world
+};
+
 /// One object as it is drawn: where it is and how it looks. Points to what others own.
 struct DrawItem {
   const GpuMesh* mesh;
@@ -27,6 +33,7 @@ struct DrawItem {
   int id;                               // in the mask
   Eigen::Matrix3d rotation;             // from the mesh's frame to the world's axes
   Vector3 translation;                  // [m] of the mesh's origin from the camera
+  std::optional<Placement> before;      // at the last picture; empty: it was not there
   std::optional<double> sphere_radius;  // [m] of a sphere about the mesh's origin
   double dip = 0;  // [m] how far the cloth's triangles may lie below this object's surface
 };

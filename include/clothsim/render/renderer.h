@@ -25,8 +25,9 @@ struct WantedImages {
   bool mask = true;
   bool uv = false;
   bool normals = false;
+  bool flow = false;
 
-  bool any() const { return color || depth || mask || uv || normals; }
+  bool any() const { return color || depth || mask || uv || normals || flow; }
 };
 
 /// Images of one instant, row 0 on top.
@@ -38,6 +39,11 @@ struct Images {
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
   std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where none is seen
   std::vector<float> normals;  // x, y, z of the unit normal in the optical frame; NaN for nothing
+
+  /// How far in pixels, to the right and down, what is seen in a pixel has come since the last
+  /// picture: from where that one's camera had it to this pixel. NaN for nothing, for what was not
+  /// there or lay before the near plane, and everywhere unless that picture had flow, too.
+  std::vector<float> flow;
 };
 
 /// Seconds of the last render(). Without `measure`, `read` includes the wait for the drawing.

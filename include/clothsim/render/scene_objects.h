@@ -15,8 +15,9 @@ namespace clothsim {
 /// the cloth.
 class ClothObject {
  public:
-  /// Uploads what differs from the last snapshot. Tangents are made only if its shading needs them.
-  void update(const Snapshot&);
+  /// Uploads what differs from the last snapshot, whose surface stays on the GPU if `keep_last`.
+  /// Tangents are made only if its shading needs them.
+  void update(const Snapshot&, bool keep_last);
 
   DrawItem item(const Snapshot&, const Vector3& eye) const;
 
@@ -29,8 +30,9 @@ class ClothObject {
   std::vector<LineRange> lines_;
   std::shared_ptr<const Cloth> cloth_;
   std::shared_ptr<const Points> positions_;
-  Points local_;                      // positions about anchor_ [m]
-  Vector3 anchor_ = Vector3::Zero();  // [m] keeps floats small wherever the cloth is
+  Points local_;                          // positions about anchor_ [m]
+  Vector3 anchor_ = Vector3::Zero();      // [m] keeps floats small wherever the cloth is
+  std::optional<Vector3> anchor_before_;  // of this cloth at the last snapshot [m]
   bool has_tangents_ = false;
   Mesh tube_;  // about anchor_; empty: the cloth has a surface
 
@@ -43,6 +45,9 @@ class ColliderObject {
  public:
   void update(const ColliderView&);
 
+  /// It is not to be seen this time.
+  void hide() { placement_.reset(); }
+
   DrawItem item(const ColliderView&, int id, const Vector3& eye) const;
 
  private:
@@ -54,7 +59,8 @@ class ColliderObject {
     int segments;
     double extent;
   };
-  std::optional<Recipe> made_of_;  // what the mesh is; empty: there is none yet
+  std::optional<Recipe> made_of_;                // what the mesh is; empty: there is none yet
+  std::optional<Placement> placement_, before_;  // now, and at the last snapshot if seen then
 };
 
 /// Whether the shading looks at tangents.

@@ -27,8 +27,8 @@ class ColorTarget {
 };
 
 /// Which images of the surfaces, in the order of the outputs in shaders/truth.glsl: depth, mask,
-/// uv, normals.
-using TruthImages = std::array<bool, 4>;
+/// uv, normals, flow.
+using TruthImages = std::array<bool, 5>;
 
 /// How one of them is held and read back.
 struct TruthFormat {

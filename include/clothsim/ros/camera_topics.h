@@ -12,8 +12,8 @@
 
 namespace clothsim_ros {
 
-/// The topics ~camera/color, depth, mask, uv and normals, each with image_raw, by image_transport,
-/// and camera_info.
+/// The topics ~camera/color, depth, mask, uv, normals and flow, each with image_raw, by
+/// image_transport, and camera_info.
 class CameraTopics {
  public:
   /// `subscriber_came` is called with the node's other callbacks.
@@ -39,7 +39,7 @@ class CameraTopics {
             const clothsim::Images&, const std::vector<Value>& pixels) const;
 
   image_transport::ImageTransport transport_;
-  std::array<Topic, 5> topics_;  // colour, depth, mask, uv, normals
+  std::array<Topic, 6> topics_;  // colour, depth, mask, uv, normals, flow
 };
 
 }  // namespace clothsim_ros
