@@ -100,5 +100,7 @@ int main(int argc, char** argv) {
   for (const std::string& shader : shading_names()) add(shader, "all", {});
   add("blinn_phong", "color", {true, false, false});
   add("blinn_phong", "depth", {false, true, false});
+  add("blinn_phong", "uv,normals,flow", {false, false, false, true, true, true});
+  add("blinn_phong", "visible_points", {false, false, false, false, false, false, true});
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -9,6 +9,7 @@
 #include "clothsim/render/gl_error.h"
 #include "clothsim/render/shading_uniforms.h"
 #include "clothsim/render/translucency.h"
+#include "clothsim/render/visible_points.h"
 #include "renderer_impl.h"
 
 namespace clothsim {
@@ -116,7 +117,7 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera, bool
       continue;
     }
     colliders[i].update(view);
-    items.push_back(colliders[i].item(view, static_cast<int>(i) + 2, eye));
+    items.push_back(colliders[i].item(view, static_cast<int>(i) + cloth_id + 1, eye));
     DrawItem& item = items.back();
     if (cloth && item.sphere_radius) {
       item.dip = cloth->dip_below_sphere(item.translation - items.front().translation,
@@ -270,6 +271,11 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
       place(images.depth, wanted.depth, 1), place(images.mask, wanted.mask, 1),
       place(images.uv, wanted.uv, 2), place(images.normals, wanted.normals, 3),
       place(images.flow, wanted.flow, 2)};
+  images.visible_points.reset();  // found while the GPU draws
+  if (wanted.visible_points && snapshot.cloth) {
+    images.visible_points = visible_points(camera, *snapshot.positions,
+                                           snapshot.cloth->triangles.empty(), impl_->items);
+  }
   if (wanted.color) impl_->color_reader.finish(color);
   for (std::size_t i = 0; i < truth.size(); ++i)
     if (truth[i]) impl_->truth_readers[i].finish(places[i]);

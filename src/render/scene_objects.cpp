@@ -90,7 +90,7 @@ DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
   item.triangles = is_tube ? &tube_.triangles : &cloth_->triangles;
   item.lines = lines_;
   item.shading = &snapshot.cloth_shading;
-  item.id = 1;
+  item.id = cloth_id;
   item.rotation.setIdentity();
   item.translation = anchor_ - eye;
   if (anchor_before_) item.before = {Eigen::Matrix3d::Identity(), *anchor_before_};

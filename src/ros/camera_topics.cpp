@@ -1,5 +1,6 @@
 #include "clothsim/ros/camera_topics.h"
 
+#include <clothsim/VisiblePoints.h>
 #include <ros/single_subscriber_publisher.h>
 #include <sensor_msgs/fill_image.h>
 #include <sensor_msgs/image_encodings.h>
@@ -29,22 +30,31 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node,
         names[i] + "/camera_info", queue,
         [subscriber_came](const ros::SingleSubscriberPublisher&) { subscriber_came(); });
   }
+  visible_points_ = camera.advertise<clothsim::VisiblePoints>(
+      "visible_points", queue,
+      [subscriber_came](const ros::SingleSubscriberPublisher&) { subscriber_came(); });
 }
 
 clothsim::WantedImages CameraTopics::wanted() const {
   const auto listens = [](const Topic& topic) { return topic.image.getNumSubscribers() > 0; };
-  return {listens(topics_[0]), listens(topics_[1]), listens(topics_[2]),
-          listens(topics_[3]), listens(topics_[4]), listens(topics_[5])};
+  return {listens(topics_[0]),
+          listens(topics_[1]),
+          listens(topics_[2]),
+          listens(topics_[3]),
+          listens(topics_[4]),
+          listens(topics_[5]),
+          visible_points_.getNumSubscribers() > 0};
 }
 
 bool CameraTopics::subscribed() const {
+  if (visible_points_.getNumSubscribers() > 0) return true;
   return std::any_of(topics_.begin(), topics_.end(), [](const Topic& topic) {
     return topic.image.getNumSubscribers() > 0 || topic.info.getNumSubscribers() > 0;
   });
 }
 
-void CameraTopics::publish(const std_msgs::Header& header, const clothsim::Camera& camera,
-                           const clothsim::Images& images) const {
+void CameraTopics::publish(const std_msgs::Header& header, unsigned topology_seq,
+                           const clothsim::Camera& camera, const clothsim::Images& images) const {
   namespace encodings = sensor_msgs::image_encodings;
   send(topics_[0], header, encodings::RGB8, images, images.color);
   send(topics_[1], header, encodings::TYPE_32FC1, images, images.depth);
@@ -52,6 +62,13 @@ void CameraTopics::publish(const std_msgs::Header& header, const clothsim::Camer
   send(topics_[3], header, encodings::TYPE_32FC2, images, images.uv);
   send(topics_[4], header, encodings::TYPE_32FC3, images, images.normals);
   send(topics_[5], header, encodings::TYPE_32FC2, images, images.flow);
+  if (images.visible_points) {
+    clothsim::VisiblePoints points;
+    points.header = header;
+    points.topology_seq = topology_seq;
+    points.points = *images.visible_points;
+    visible_points_.publish(points);
+  }
   const sensor_msgs::CameraInfo info = to_camera_info(camera, header);
   for (const Topic& topic : topics_) topic.info.publish(info);
 }

@@ -157,6 +157,7 @@ std::string names(const clothsim::WantedImages& wanted) {
   add(wanted.uv, "uv");
   add(wanted.normals, "normals");
   add(wanted.flow, "flow");
+  add(wanted.visible_points, "visible_points");
   return names.empty() ? "none" : clothsim::join(names);
 }
 

@@ -126,7 +126,7 @@ void Photographer::take() {
   clothsim::RenderJob job;
   job.wanted = topics_.wanted();
   if (!job.wanted.any()) {  // a camera_info needs no picture
-    topics_.publish(header(), prepared_.camera, {});
+    topics_.publish(header(), topology_seq_, prepared_.camera, {});
     return;
   }
   if (!renderer_) {
@@ -134,9 +134,8 @@ void Photographer::take() {
   }
   job.snapshot = snapshots_.make(simulator_, prepared_);
   job.camera = prepared_.camera;
-  job.done = [this, header = header(), camera = job.camera](const clothsim::Images& images) {
-    topics_.publish(header, camera, images);
-  };
+  job.done = [this, header = header(), seq = topology_seq_, camera = job.camera](
+                 const clothsim::Images& images) { topics_.publish(header, seq, camera, images); };
   renderer_->submit(std::move(job));
 }
 

@@ -8,8 +8,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from image_geometry import PinholeCameraModel
 import tf2_ros
 
+from clothsim.msg import VisiblePoints
 from camera_client import KINDS, MORE_KINDS, CameraTestCase, edges
-from cloth_client import make_transform, point, positions, wait_for
+from cloth_client import Recorder, make_transform, point, positions, wait_for
 
 WIDTH, HEIGHT = 320, 240
 K = [520, 0, 140.25, 0, 450, 126.5, 0, 0, 1]
@@ -219,6 +220,24 @@ class CameraTest(CameraTestCase):
         radii = (seen - (SPHERE_CENTRE - EYE) @ axes(EYE, TARGET)) / SPHERE_RADIUS
         self.assertLess(np.abs(frame.normals[rows, columns] - radii).max(), 1e-3)
         self.assertTrue(np.array_equal(np.isnan(frame.normals[..., 0]), frame.mask == NOTHING))
+
+    def test_visible_points(self):
+        """Also for those who want no image. Depth shows the same ones, but for edges of pixels."""
+        recorder = Recorder("/clothsim/camera/visible_points", VisiblePoints)
+        wait_for(recorder.connected, "the points that are seen")
+        state = self.cloth.step(40)
+        def has_its_stamp(message):
+            return message.header.stamp == state.header.stamp
+        message = recorder.wait("points at %s" % state.header.stamp, has_its_stamp)
+        recorder.close()
+        self.assertEqual((message.header.frame_id, message.topology_seq),
+                         (OWN_FRAME, state.topology_seq))
+        self.assertEqual(sorted(set(message.points)), list(message.points))
+
+        self.subscribe()
+        frame = self.camera.frame(state.header.stamp)
+        by_depth = set(self.seen_points(state, frame)[0])
+        self.assertLess(len(by_depth.symmetric_difference(message.points)), 0.05 * len(by_depth))
 
     # ---- When images come ----
 

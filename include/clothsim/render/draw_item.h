@@ -17,6 +17,9 @@ struct LineRange {
   int family;  // index into Wireframe's families and colours
 };
 
+/// Of the cloth in the mask. Colliders have those from 2 on.
+constexpr int cloth_id = 1;
+
 /// Where a mesh is.
 struct Placement {
   Eigen::Matrix3d rotation;  // from its frame to the world's axes

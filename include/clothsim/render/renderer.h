@@ -26,8 +26,9 @@ struct WantedImages {
   bool uv = false;
   bool normals = false;
   bool flow = false;
+  bool visible_points = false;
 
-  bool any() const { return color || depth || mask || uv || normals || flow; }
+  bool any() const { return color || depth || mask || uv || normals || flow || visible_points; }
 };
 
 /// Images of one instant, row 0 on top.
@@ -44,6 +45,10 @@ struct Images {
   /// picture: from where that one's camera had it to this pixel. NaN for nothing, for what was not
   /// there or lay before the near plane, and everywhere unless that picture had flow, too.
   std::vector<float> flow;
+
+  /// Numbers of the cloth's points that are seen, ascending: visible_points(). Empty: not wanted,
+  /// or no cloth.
+  std::optional<std::vector<std::uint32_t>> visible_points;
 };
 
 /// Seconds of the last render(). Without `measure`, `read` includes the wait for the drawing.

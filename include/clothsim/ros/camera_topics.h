@@ -13,7 +13,7 @@
 namespace clothsim_ros {
 
 /// The topics ~camera/color, depth, mask, uv, normals and flow, each with image_raw, by
-/// image_transport, and camera_info.
+/// image_transport, and camera_info; and ~camera/visible_points.
 class CameraTopics {
  public:
   /// `subscriber_came` is called with the node's other callbacks.
@@ -22,11 +22,13 @@ class CameraTopics {
   /// The images that somebody listens to.
   clothsim::WantedImages wanted() const;
 
-  /// Whether somebody listens to an image or a camera_info.
+  /// Whether somebody listens to any of them.
   bool subscribed() const;
 
-  /// Sends the images that are there, and all camera_infos, with one header. From any thread.
-  void publish(const std_msgs::Header&, const clothsim::Camera&, const clothsim::Images&) const;
+  /// Sends what is there of the images and points, and all camera_infos, with one header. From any
+  /// thread.
+  void publish(const std_msgs::Header&, unsigned topology_seq, const clothsim::Camera&,
+               const clothsim::Images&) const;
 
  private:
   struct Topic {
@@ -40,6 +42,7 @@ class CameraTopics {
 
   image_transport::ImageTransport transport_;
   std::array<Topic, 6> topics_;  // colour, depth, mask, uv, normals, flow
+  ros::Publisher visible_points_;
 };
 
 }  // namespace clothsim_ros
