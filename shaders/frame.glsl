@@ -8,6 +8,8 @@ layout(std140) uniform Frame {
   vec4 depth_terms;     // x, y: clip z = x * depth + y; z, w: near and far [m]
   vec4 light_position;  // xyz [m]
   vec4 light;           // x: intensity I [1 at 1 m], y: ambient intensity Ia
+  mat4 shadow_from_eye; // to the shadow map's clip space, if there is one
+  vec4 shadow;          // x: size of its pixels 1 m from the light [m]
 };
 
 // Unit vector, or zero for a zero vector; never NaN.

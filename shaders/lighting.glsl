@@ -1,5 +1,6 @@
 // A point light and ambient light on a surface with normal n.
 #include "surface.glsl"
+#include "shadow.glsl"
 
 uniform float ka;     // 0 switches the component off, as with kd and ks
 uniform float kd;
@@ -11,13 +12,13 @@ const float nearest_light_squared = 1e-6;  // [m^2]
 
 struct Incoming {
   vec3 direction;      // l, from the surface to the light
-  float irradiance;    // I / r^2
+  float irradiance;    // I / r^2, less what a shadow takes
 };
 
 Incoming incoming_light() {
   vec3 to_light = light_position.xyz - surface_position;
   float squared = max(dot(to_light, to_light), nearest_light_squared);
-  return Incoming(safe_normalize(to_light), light.x / squared);
+  return Incoming(safe_normalize(to_light), light.x / squared * unshadowed(to_light));
 }
 
 // (I / r^2) max(0, n.l)

@@ -21,33 +21,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The block that all shaders share, as std140 lays it out (shaders/frame.glsl).
-struct FrameBlock {
-  Eigen::Matrix4f clip_from_eye;
-  Eigen::Vector4f right, down, forward, depth_terms, light_position, light;
-};
-
-FrameBlock frame_block(const Snapshot& snapshot, const Camera& camera,
-                       const Eigen::Matrix3d& optical_axes) {
-  const Eigen::Matrix4d projection = projection_matrix(camera);
-  Eigen::Matrix4d optical_from_eye = Eigen::Matrix4d::Identity();
-  optical_from_eye.topLeftCorner<3, 3>() = optical_axes.transpose();
-  const auto padded = [](const Vector3& v) {
-    return Eigen::Vector4f(static_cast<float>(v.x()), static_cast<float>(v.y()),
-                           static_cast<float>(v.z()), 0);
-  };
-  FrameBlock block;
-  block.clip_from_eye = (projection * optical_from_eye).cast<float>();
-  block.right = padded(optical_axes.col(0));
-  block.down = padded(optical_axes.col(1));
-  block.forward = padded(optical_axes.col(2));
-  block.depth_terms =
-      Eigen::Vector4d(projection(2, 2), projection(2, 3), camera.near, camera.far).cast<float>();
-  block.light_position = padded(snapshot.light.position - camera.pose.position);
-  block.light = padded(Vector3(snapshot.light.intensity, snapshot.light.ambient, 0));
-  return block;
-}
-
 /// What draws change and set back at their end, which a draw that throws does not reach.
 void set_state() {
   glEnable(GL_DEPTH_TEST);
@@ -76,10 +49,11 @@ void Renderer::Impl::end_stage() {
 
 const ShaderProgram& Renderer::Impl::use_program(const std::string& vertex,
                                                  const std::string& fragment) {
-  const std::string name = vertex + " " + fragment;
+  const char* const define = shadowed ? "SHADOWS" : "";
+  const std::string name = vertex + " " + fragment + " " + define;
   auto place = programs.find(name);
   if (place == programs.end())
-    place = programs.emplace(name, ShaderProgram(options.shaders, vertex, fragment)).first;
+    place = programs.emplace(name, ShaderProgram(options.shaders, vertex, fragment, define)).first;
   place->second.use();
   return place->second;
 }
@@ -90,15 +64,13 @@ const ShaderProgram& Renderer::Impl::use_item(const DrawItem& item, const std::s
   program.set("translation", item.translation);
   program.set("shrinkage", item.dip);
   set_displacement(*item.shading, program, textures);
+  if (shadowed) program.set("shadow_map", shadow_unit);
   return program;
 }
 
 void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera, bool keep_last) {
   const Vector3& eye = camera.pose.position;
   optical_axes = camera.pose.orientation.normalized().toRotationMatrix();
-  const FrameBlock block = frame_block(snapshot, camera, optical_axes);
-  glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer.id());
-  glBufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
 
   items.clear();
   if (snapshot.cloth) {
@@ -251,7 +223,16 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   const auto uploaded = Clock::now();
 
   const TruthImages truth{wanted.depth, wanted.mask, wanted.uv, wanted.normals, wanted.flow};
-  if (wanted.color) impl_->draw_color(snapshot, camera);
+  impl_->shadowed = false;
+  if (wanted.color) {
+    const std::optional<Camera> light = impl_->draw_shadow_map(snapshot, camera);
+    impl_->set_frame(snapshot, camera, light);
+    impl_->shadowed = light.has_value();
+    impl_->draw_color(snapshot, camera);
+    impl_->shadowed = false;
+  } else {
+    impl_->set_frame(snapshot, camera, std::nullopt);
+  }
   if (truth != TruthImages{}) impl_->draw_truth(camera, truth);
   impl_->textures.sweep();
   impl_->end_stage();

@@ -12,16 +12,20 @@
 #include "clothsim/render/renderer.h"
 #include "clothsim/render/scene_objects.h"
 #include "clothsim/render/shader_program.h"
+#include "clothsim/render/shadow_map.h"
 #include "clothsim/render/targets.h"
 #include "clothsim/render/texture_cache.h"
 
 namespace clothsim {
 
-/// Drawing of colour in renderer.cpp, of the images of the surfaces in renderer_truth.cpp.
+/// Drawing of colour in renderer.cpp, of the images of the surfaces in renderer_truth.cpp, of
+/// shadows in renderer_light.cpp.
 struct Renderer::Impl {
   explicit Impl(const RendererOptions& o);
 
   void upload(const Snapshot&, const Camera&, bool keep_last);
+  void set_frame(const Snapshot&, const Camera&, const std::optional<Camera>& light);
+  std::optional<Camera> draw_shadow_map(const Snapshot&, const Camera&);
   void draw_color(const Snapshot&, const Camera&);
   void draw_truth(const Camera&, const TruthImages&);
   void start_reading(const Camera&, bool color, const TruthImages&);
@@ -45,6 +49,8 @@ struct Renderer::Impl {
   std::optional<GpuMesh> box;
   std::optional<ColorTarget> color_target;
   std::optional<TruthTarget> truth_target;
+  std::optional<ShadowMap> shadow_map;
+  bool shadowed = false;  // what is drawn just now
   PixelReader color_reader;
   std::array<PixelReader, std::tuple_size_v<TruthImages>> truth_readers;
   std::vector<DrawItem> items;

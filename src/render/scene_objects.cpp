@@ -139,6 +139,7 @@ DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& e
   item.translation = placement_->origin - eye;
   item.before = before_;
   item.sphere_radius = sphere_radius_;
+  item.is_plane = std::holds_alternative<Plane>(view.shape);
   return item;
 }
 

@@ -65,8 +65,13 @@ std::string info_log(const Object& object, void (*get_length)(GLuint, GLint*),
 }
 
 template <GLenum stage>
-GlHandle<ShaderKind<stage>> compile(const std::string& folder, const std::string& name) {
-  const ShaderSource source = read_shader(folder, name);
+GlHandle<ShaderKind<stage>> compile(const std::string& folder, const std::string& name,
+                                    const std::string& define) {
+  ShaderSource source = read_shader(folder, name);
+  if (!define.empty()) {  // behind #version, which comes first
+    source.text.insert(source.text.find('\n') + 1, "#define " + define + '\n');
+    source.origins.insert(source.origins.begin() + 1, source.origins.front());
+  }
   GlHandle<ShaderKind<stage>> shader;
   const char* text = source.text.c_str();
   glShaderSource(shader.id(), 1, &text, nullptr);
@@ -93,9 +98,9 @@ ShaderSource read_shader(const std::string& folder, const std::string& name) {
 }
 
 ShaderProgram::ShaderProgram(const std::string& folder, const std::string& vertex,
-                             const std::string& fragment) {
-  const auto vertex_shader = compile<GL_VERTEX_SHADER>(folder, vertex);
-  const auto fragment_shader = compile<GL_FRAGMENT_SHADER>(folder, fragment);
+                             const std::string& fragment, const std::string& define) {
+  const auto vertex_shader = compile<GL_VERTEX_SHADER>(folder, vertex, "");
+  const auto fragment_shader = compile<GL_FRAGMENT_SHADER>(folder, fragment, define);
   glAttachShader(program_.id(), vertex_shader.id());
   glAttachShader(program_.id(), fragment_shader.id());
   glLinkProgram(program_.id());

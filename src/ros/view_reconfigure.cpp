@@ -69,6 +69,7 @@ void visit_light(LightConfig& config, View& view, Visit visit) {
   visit_vector(view.light.position, config.position_x, config.position_y, config.position_z, visit);
   visit(config.intensity, view.light.intensity);
   visit(config.ambient, view.light.ambient);
+  visit(config.shadows, view.light.shadows);
   visit_vector(view.background, config.background_r, config.background_g, config.background_b,
                visit);
   visit(config.sky, view.sky);

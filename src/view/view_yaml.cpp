@@ -116,6 +116,7 @@ View read_view(const YAML::Node& root) {
             {"samples", into(view.samples)},
             {"egl_device", [&](const YAML::Node& node) { view.egl_device = read_int(node); }},
             {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},
+            {"shadows", into(view.light.shadows)},
             {"background", into(view.background)},
             {"sky", into(view.sky)},
             {"cloth", [&](const YAML::Node& node) { read_map(node, look_fields(view.cloth)); }},

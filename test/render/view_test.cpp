@@ -117,6 +117,12 @@ TEST(View, CollidersOfANameTakeTheRestFromAll) {
   EXPECT_EQ(view.colliders.at("sphere").look.color, Color(1, 0, 0));
 }
 
+TEST(View, ShadowsAreOffUnlessAskedFor) {
+  ImageStore images(textures_folder());
+  EXPECT_FALSE(prepare(read_view(YAML::Load("{}")), images).light.shadows);
+  EXPECT_TRUE(prepare(read_view(YAML::Load("{shadows: true}")), images).light.shadows);
+}
+
 TEST(View, MistakesAreNamed) {
   expect_refused("{widht: 3}", "widht: got an unknown key");
   expect_refused("{width: 0}", "width: got 0");
@@ -128,6 +134,8 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{near: 2, far: 1}", "far: got 1");
   expect_refused("{rate: 0}", "rate: got 0");
   expect_refused("{light: {intensity: -1}}", "light.intensity: got -1");
+  expect_refused("{shadows: 3}", "shadows: got 3");
+  expect_refused("{shadows: [true]}", "shadows: got [true]");
   expect_refused("{background: [0, 0, 2]}", "background.2: got 2");
   expect_refused("{sky: no/such/sky}", "sky: got \"no/such/sky\"");
   expect_refused("{cloth: {shader: shiny}}", "cloth.shader: got shiny");

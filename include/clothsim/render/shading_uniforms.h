@@ -11,6 +11,9 @@ namespace clothsim {
 /// The file of the fragment shader that draws a shading.
 std::string fragment_shader(const Shading&);
 
+/// Texture unit of a shadow map. No other texture takes it.
+constexpr int shadow_unit = 3;
+
 /// Hands the parameters and textures of a shading to its program, which is in use. The colours of
 /// a wireframe are set line by line, elsewhere.
 void set_shading(const Shading&, const ShaderProgram&, TextureCache&);

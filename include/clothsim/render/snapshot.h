@@ -14,6 +14,7 @@ struct Light {
   Vector3 position{1.5, -1, 3};  // [m] in the world
   double intensity = 10;         // what falls on a surface 1 m away that faces it
   double ambient = 1;
+  bool shadows = false;  // of all but planes and wireframes
 };
 
 /// What is seen past all objects: the sky if there is one, else the colour.
