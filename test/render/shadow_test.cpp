@@ -54,10 +54,24 @@ struct Spot {
   double radius() const { return std::sqrt(count / M_PI); }
 };
 
-TEST(Shadow, OfABallOnAPlaneIsWhereRaysToTheLightMeetTheBall) {
-  const Snapshot snapshot = ball_on_plane();
+/// The picture with and without shadows.
+std::pair<Images, Images> with_and_without(Snapshot snapshot, const Camera& camera) {
+  snapshot.light.shadows = true;
+  Images with = draw(snapshot, camera);
+  snapshot.light.shadows = false;
+  return {std::move(with), draw(snapshot, camera)};
+}
+
+// The light as it is, so far away that its rays are parallel, and nearer to the ball.
+class BallsShadow : public ::testing::TestWithParam<double> {};
+
+TEST_P(BallsShadow, IsWhereRaysToTheLightMeetTheBall) {
+  Snapshot snapshot = ball_on_plane();
+  const Vector3 center = snapshot.colliders[1].pose.position;
+  snapshot.light.position = center + GetParam() * (snapshot.light.position - center);
+  snapshot.light.intensity *= std::pow(std::max(1.0, GetParam()), 2);
   const Camera camera = camera_above();
-  const Images images = draw(snapshot, camera);
+  const auto [images, bright] = with_and_without(snapshot, camera);
   Spot drawn, expected;
   int wrong = 0;
   for (int v = 0; v < camera.height; ++v)
@@ -66,9 +80,9 @@ TEST(Shadow, OfABallOnAPlaneIsWhereRaysToTheLightMeetTheBall) {
       if (images.mask[i] != 2) continue;
       const Vector3 at = camera.pose.position + double(images.depth[i]) * pixel_ray(camera, u, v);
       const auto hides = [&](double radius) {
-        return sphere_hides(at, snapshot.light.position, {0.2, 0.1, 0.8}, radius);
+        return sphere_hides(at, snapshot.light.position, center, radius);
       };
-      const bool dark = channel(images, u, v, 0) < 100;
+      const bool dark = 2 * channel(images, u, v, 0) < channel(bright, u, v, 0);
       if (dark) drawn.add(u, v);
       if (hides(0.3)) expected.add(u, v);
       // Some 2 pixels of the picture, and of the map, to either side of the shadow's edge.
@@ -79,6 +93,8 @@ TEST(Shadow, OfABallOnAPlaneIsWhereRaysToTheLightMeetTheBall) {
   EXPECT_LT((drawn.center - expected.center).norm(), 0.2);  // [pixel]
   EXPECT_NEAR(drawn.radius(), expected.radius(), 0.5);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lights, BallsShadow, ::testing::Values(1, 1e4, 0.7));
 
 TEST(Shadow, OfABallUnderTheLightIsACircleOfTheConesRadius) {
   // Straight above it: the cone that touches the ball of radius r at distance d meets the plane at
@@ -96,14 +112,6 @@ TEST(Shadow, OfABallUnderTheLightIsACircleOfTheConesRadius) {
       if (channel(images, u, v, 0) < 100) drawn.add(u, v);
   EXPECT_LT((drawn.center - Eigen::Vector2d(camera.cx, camera.cy)).norm(), 0.2);
   EXPECT_NEAR(drawn.radius(), camera.fx / 0.6 * 3 * std::tan(std::asin(0.3 / 2)), 0.7);
-}
-
-/// The picture with and without shadows.
-std::pair<Images, Images> with_and_without(Snapshot snapshot, const Camera& camera) {
-  snapshot.light.shadows = true;
-  Images with = draw(snapshot, camera);
-  snapshot.light.shadows = false;
-  return {std::move(with), draw(snapshot, camera)};
 }
 
 TEST(Shadow, OfAClothOnItselfIsWhereRaysToTheLightMeetIt) {
