@@ -59,6 +59,7 @@ void validate(const Camera& c) {
   check_range("cy", c.cy, principal_point);
   check_range("near", c.near, plane_distance);
   check_range("far", c.far, {c.near, plane_distance.max, "m"});
+  inside("depth_noise", [&] { validate(c.depth_noise); });
   check_range("position", c.pose.position, coordinate);
   check_range("orientation", c.pose.orientation.vec(), unit_part);
   check_range("orientation", c.pose.orientation.w(), unit_part);

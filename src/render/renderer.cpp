@@ -260,6 +260,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   if (wanted.color) impl_->color_reader.finish(color);
   for (std::size_t i = 0; i < truth.size(); ++i)
     if (truth[i]) impl_->truth_readers[i].finish(places[i]);
+  add_noise(camera.depth_noise, snapshot.time, camera.near, images.depth);
   check_gl("reading the images back");
   if (wanted.flow) impl_->camera_last = camera;
 

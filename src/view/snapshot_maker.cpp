@@ -16,6 +16,7 @@ Snapshot SnapshotMaker::make(const Simulator& simulator, const PreparedView& vie
     positions_ = std::make_shared<const Points>(positions);
 
   Snapshot snapshot;
+  snapshot.time = simulator.state().time;
   snapshot.cloth = cloth_;
   snapshot.positions = positions_;
   snapshot.cloth_shading = view.cloth;

@@ -91,6 +91,10 @@ void read_light(const YAML::Node& node, Light& light) {
                   {"ambient", into(light.ambient)}});
 }
 
+void read_noise(const YAML::Node& node, DepthNoise& noise) {
+  read_map(node, {{"sigma", into(noise.sigma)}, {"seed", into(noise.seed)}});
+}
+
 }  // namespace
 
 View read_view(const YAML::Node& root) {
@@ -108,6 +112,7 @@ View read_view(const YAML::Node& root) {
             {"cy", into_optional(intrinsics.cy)},
             {"near", into(camera.near)},
             {"far", into(camera.far)},
+            {"depth_noise", [&](const YAML::Node& node) { read_noise(node, camera.depth_noise); }},
             {"eye", into(view.eye)},
             {"target", into(view.target)},
             {"frame", into(view.frame)},

@@ -134,6 +134,13 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{near: 2, far: 1}", "far: got 1");
   expect_refused("{rate: 0}", "rate: got 0");
   expect_refused("{light: {intensity: -1}}", "light.intensity: got -1");
+  expect_refused("{depth_noise: {sigma: -1}}", "depth_noise.sigma: got -1");
+  expect_refused("{depth_noise: {sigma: 2}}", "depth_noise.sigma: got 2");
+  expect_refused("{depth_noise: {sigma: .nan}}", "depth_noise.sigma: got");
+  expect_refused("{depth_noise: {seed: -1}}", "depth_noise.seed: got -1");
+  expect_refused("{depth_noise: {seed: 1.5}}", "depth_noise.seed: got 1.5");
+  expect_refused("{depth_noise: {sigmas: 1}}", "depth_noise.sigmas: got an unknown key");
+  expect_refused("{depth_noise: 0.1}", "depth_noise: got 0.1");
   expect_refused("{shadows: 3}", "shadows: got 3");
   expect_refused("{shadows: [true]}", "shadows: got [true]");
   expect_refused("{background: [0, 0, 2]}", "background.2: got 2");

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "clothsim/model/types.h"
+#include "clothsim/render/depth_noise.h"
 #include "clothsim/shapes/collider.h"
 
 namespace clothsim {
@@ -20,6 +21,7 @@ struct Camera {
   Pose pose;                    // optical frame in the world: x right, y down, z forward
   double near = 0.05;           // [m] along z; nearer things are cut away
   double far = 100;             // [m] along z
+  DepthNoise depth_noise;       // of the depth image
 };
 
 /// Camera with square pixels and a centred principal point, at the world's origin, looking up.

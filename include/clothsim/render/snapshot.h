@@ -37,6 +37,7 @@ struct ColliderView {
 /// All that is seen at one instant. What is shared is never written to again: a renderer uploads it
 /// once and knows it by its address.
 struct Snapshot {
+  double time = 0;                          // [s] of this instant, for what is random
   std::shared_ptr<const Cloth> cloth;       // null: none
   std::shared_ptr<const Points> positions;  // [m], N x 3
   Shading cloth_shading = BlinnPhong{};
