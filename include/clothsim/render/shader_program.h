@@ -33,8 +33,8 @@ ShaderSource read_shader(const std::string& folder, const std::string& name);
 /// A compiled and linked pair of a vertex and a fragment shader.
 class ShaderProgram {
  public:
-  /// Reads both from `folder`. `define` is a name for the fragment shader's #ifdef; empty: none.
-  /// Throws ShaderError.
+  /// Reads both from `folder`. `define` is a name that the fragment shader may ask for by its
+  /// preprocessor; empty: none. Throws ShaderError.
   ShaderProgram(const std::string& folder, const std::string& vertex, const std::string& fragment,
                 const std::string& define = "");
 
