@@ -24,7 +24,7 @@ SHOULDER, UPPER_ARM, FOREARM, HAND = 0.35, 0.45, 0.45, 0.20
 OPEN, CLOSED = 0.05, -0.001  # between the fingers [m]; closed ones press
 RIDGE = 0.03  # behind the edge, where they close [m]
 TOUCH = 0.0015  # tips above the table [m]: half into the cloth's upper side, so that they take it along
-RELEASE = 0.022  # tips above the table [m], above the layers
+RELEASE = 0.03  # tips above the table [m], above the layers
 HANG = 0.07  # more than the towel's length, so that it hangs free [m]
 
 
@@ -62,7 +62,7 @@ def moves(edge, side):
     over = (lay - 0.055, 0, RELEASE, CLOSED)
     far, above, down, closed = ((take, 0.3, 0.3, OPEN), (take, 0, 0.1, OPEN), (take, 0, TOUCH, OPEN),
                                 (take, 0, TOUCH, CLOSED))
-    opened, away = (over[0], 0, 0.04, OPEN), (over[0], 0, 0.25, OPEN)
+    opened, away = (over[0], 0, 0.05, OPEN), (over[0], 0, 0.25, OPEN)
     return ([(1.5, line(far, above)), (0.8, line(above, down)), (1.0, line(down, closed)), (1.2, line(closed, half)),
              (1.5, line(half, hung)), (2.5, line(hung, hung))],
             [(0.8, line(hung, lowered)), (2.0, line(lowered, back)), (1.6, arc(back, over)),
