@@ -122,6 +122,7 @@ def main():
     for duration, way in lay_down:
         arm.go(way, duration)
     rospy.loginfo("the towel is folded")
+    rospy.spin()  # a robot that says no more where it is would be missed
     arm.timer.shutdown()
     arm.timer.join()
 
