@@ -175,12 +175,12 @@ class Rviz(unittest.TestCase):
         client.close()
 
     def test_panel_loads_a_scene(self):
-        """Of another size; the first one of the list is the curtain. Then back."""
+        """Of another size; the first one of the list is that of the arm. Then back."""
         scene = rospy.get_param("/clothsim/scene")
         try:
             self.desktop.click(self.panel(LOAD))
-            self.topologies.wait("the curtain", lambda t: (t.columns, t.rows) != (COLUMNS, COLUMNS))
-            self.assertIn("rod", str(rospy.get_param("/clothsim/scene")))
+            self.topologies.wait("the towel", lambda t: (t.columns, t.rows) != (COLUMNS, COLUMNS))
+            self.assertIn("arm.urdf", str(rospy.get_param("/clothsim/scene")))
             ready(self.desktop, shows_cloth)
         finally:
             rospy.set_param("/clothsim/scene", scene)
