@@ -88,8 +88,7 @@ void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, co
     const auto& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const int i = corners[k];
-      if (cloth.inv_mass[i] == 0) continue;
-      sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.weights[k] * impulse);
+      sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.moves[k] * impulse);
     }
   }
 }

@@ -100,7 +100,8 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
                        double depth, LocalCloth& local, State& state) {
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(id.triangle)];
   const std::array<double, 3>& weights = distance.weights;
-  const double yield = yield_of(cloth, corners, weights);
+  const CornerWeights moves = moves_of(cloth, corners, weights);
+  const double yield = yield_of(weights, moves);
   if (yield == 0) return;
   const double lever = lever_of(cloth, corners, weights);
 
@@ -111,8 +112,8 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   if (swept) {
     // Back to where it came in, less what the impulse that ends its approach will move it.
     const double back = cloth.offset - distance.value + step.reach * step.h * std::min(0.0, drift);
-    spread(cloth, corners, weights, back / yield * normal, state.positions);
-    spread(cloth, corners, weights, back / yield * distance.normal, local.to);
+    spread(corners, moves, back / yield * normal, state.positions);
+    spread(corners, moves, back / yield * distance.normal, local.to);
   }
 
   // The gap this step would leave if the triangle only followed the surface.
@@ -125,6 +126,7 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   contacts_.push_back(
       {id,
        weights,
+       moves,
        yield,
        lever,
        {normal, surface_velocity, slowest + lever * way_out_speed(depth), collider.friction()}});
@@ -135,8 +137,8 @@ void FaceContacts::resume(const Cloth& cloth, double scale, Points& velocities) 
   for (Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
     c.impulse.resume(c.impulse, scale);
-    spread(cloth, cloth.triangles[static_cast<std::size_t>(c.id.triangle)], c.weights,
-           c.impulse.total(), velocities);
+    spread(cloth.triangles[static_cast<std::size_t>(c.id.triangle)], c.moves, c.impulse.total(),
+           velocities);
   }
 }
 
@@ -205,7 +207,7 @@ double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
   for (Contact& c : contacts_) {
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
     const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), 1 / c.yield);
-    spread(cloth, corners, c.weights, change, velocities);
+    spread(corners, c.moves, change, velocities);
     residual2 = std::max(residual2, change.squaredNorm());
   }
   return std::sqrt(residual2);
@@ -230,7 +232,8 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;
-      const double yield = yield_of(cloth, corners, weights);
+      const CornerWeights moves = moves_of(cloth, corners, weights);
+      const double yield = yield_of(weights, moves);
       if (yield == 0) return;
       const double in_reach = lever_of(cloth, corners, weights) * h;
       const double wanted = found.before < 0
@@ -238,7 +241,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
                                 : raised(now, cloth.offset);
       const bool must = now < wanted - grace * surface_offset;
       if (!must && (pass > 1 || now >= cloth.offset)) return;
-      spread(cloth, corners, weights, (wanted - now) / yield * found.distance->normal, local.to);
+      spread(corners, moves, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;
         if (must) last_move[static_cast<std::size_t>(i)] = pass;

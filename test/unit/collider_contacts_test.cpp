@@ -158,6 +158,36 @@ TEST(ColliderContacts, ABarThatTurnsFarInOneStepTakesAPointAlong) {
   EXPECT_NEAR(angle, 2.5 + std::asin(0.02 / 0.4), 0.01) << "in front of the bar";
 }
 
+TEST(ColliderContacts, AnImpulseOnAnEdgeMovesItsEndsByTheirMasses) {
+  // A sheet without springs falls on a bar at the share x of its width: what ends its approach
+  // there is one impulse P, of which its sides take (1 - x) P / m_0 and x P / m_1.
+  const double x = 0.3, m_0 = 1, m_1 = 0.25, radius = 0.01, speed = 1;
+  ClothSpec spec;
+  spec.columns = spec.rows = 2;
+  spec.material.springs = {false, false, false};
+  Cloth cloth = make_grid(spec);
+  cloth.mass << m_0, m_1, m_0, m_1;
+  cloth.inv_mass = cloth.mass.cwiseInverse();
+  ColliderSpec bar;
+  bar.name = "bar";
+  bar.shape = Capsule{4, radius};
+  bar.friction = 0;
+  bar.pose.position = {x, 0.5, 0};
+  bar.pose.orientation = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitY());
+  std::vector<MovingCollider> colliders{MovingCollider(bar)};
+  State state{cloth.rest_positions, Points::Zero(4, 3), 0};
+  state.positions.col(2).setConstant(radius + surface_offset);
+  state.velocities.col(2).setConstant(-speed);
+  ColliderContacts contacts;
+  step(contacts, colliders, cloth, state);
+  const double impulse = speed / ((1 - x) * (1 - x) / m_0 + x * x / m_1);
+  for (const int i : {0, 2}) {
+    EXPECT_NEAR(state.velocities(i, 2), (1 - x) * impulse / m_0 - speed, 1e-3 * speed);
+    EXPECT_NEAR(state.velocities(i + 1, 2), x * impulse / m_1 - speed, 1e-3 * speed);
+  }
+  EXPECT_LT(kinetic_energy(cloth, state), 2 * (m_0 + m_1) * speed * speed / 2);
+}
+
 TEST(ColliderContacts, FrictionStaysInCoulombsCone) {
   // One impact: the normal impulse is m v_n; friction takes min(mu v_n, v_t) from the sliding.
   const double mu = 0.3;

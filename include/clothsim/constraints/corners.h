@@ -27,20 +27,31 @@ inline Vector3 weighted(const Points& points, const Corners& corners,
       .transpose();
 }
 
-/// Adds a change to the free corners by their weights.
-inline void spread(const Cloth& cloth, const Corners& corners, const CornerWeights& weights,
-                   const Vector3& change, Points& points) {
+/// By how much an impulse at a point of a triangle moves its corners, by the point's weights of
+/// them: by inverse mass, over that of the lightest. Held ones not at all.
+inline CornerWeights moves_of(const Cloth& cloth, const Corners& corners,
+                              const CornerWeights& weights) {
+  double largest = 0;
+  for (const int i : corners) largest = std::max(largest, cloth.inv_mass[i]);
+  CornerWeights moves{};
+  if (largest == 0) return moves;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) points.row(corners[i]) += weights[i] * change.transpose();
+    moves[i] = weights[i] * (cloth.inv_mass[corners[i]] / largest);
+  }
+  return moves;
+}
+
+/// Adds a change to the corners by how much each moves.
+inline void spread(const Corners& corners, const CornerWeights& moves, const Vector3& change,
+                   Points& points) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (moves[i] > 0) points.row(corners[i]) += moves[i] * change.transpose();
   }
 }
 
-inline double yield_of(const Cloth& cloth, const Corners& corners, const CornerWeights& weights) {
-  double yield = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) yield += weights[i] * weights[i];
-  }
-  return yield;
+/// Velocity at the point of those weights, over an impulse there.
+inline double yield_of(const CornerWeights& weights, const CornerWeights& moves) {
+  return weights[0] * moves[0] + weights[1] * moves[1] + weights[2] * moves[2];
 }
 
 inline bool any_held(const Cloth& cloth, const Corners& corners) {
@@ -51,11 +62,9 @@ inline bool any_held(const Cloth& cloth, const Corners& corners) {
 /// next to that the free ones have long ways to go. 1 where all are free.
 inline double lever_of(const Cloth& cloth, const Corners& corners, const CornerWeights& weights) {
   if (!any_held(cloth, corners)) return 1;
-  double largest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (cloth.inv_mass[corners[i]] > 0) largest = std::max(largest, weights[i]);
-  }
-  return largest > 0 ? yield_of(cloth, corners, weights) / largest : 0;
+  const CornerWeights moves = moves_of(cloth, corners, weights);
+  const double largest = *std::max_element(moves.begin(), moves.end());
+  return largest > 0 ? yield_of(weights, moves) / largest : 0;
 }
 
 }  // namespace clothsim

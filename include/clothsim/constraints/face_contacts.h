@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/corners.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
 #include "clothsim/constraints/triangle_blocks.h"
@@ -26,9 +27,10 @@ struct CaughtFace {
 
 /// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
 /// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
-/// its point has of them. What a corner touches is left to the contact of that point. So is all of
-/// a triangle with a corner that is held in the solid, which nothing could bring out. Next to a
-/// held corner a triangle may sink in by up to a tenth of its longest edge.
+/// its point has of them, and moves each by its inverse mass. What a corner touches is left to the
+/// contact of that point. So is all of a triangle with a corner that is held in the solid, which
+/// nothing could bring out. Next to a held corner a triangle may sink in by up to a tenth of its
+/// longest edge.
 class FaceContacts {
  public:
   /// Keeps the contacts of the last step as those to resume.
@@ -90,9 +92,10 @@ class FaceContacts {
 
   struct Contact {
     Id id;
-    std::array<double, 3> weights;  // of the corners
-    double yield;                   // velocity there over impulse, 1 at a point alone
-    double lever;                   // velocity there over the fastest corner's
+    CornerWeights weights;  // of the corners
+    CornerWeights moves;    // of the corners, by an impulse
+    double yield;           // velocity there over impulse, 1 at a point alone
+    double lever;           // velocity there over the fastest corner's
     ContactImpulse impulse;
   };
 
