@@ -118,7 +118,14 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     d.z -= back * speed.z;
     Vector length2;
     set_dot(d, d, length2);
-    const auto is_long = length2 > 0;  // others are slack, and have no direction to hold
+    const Ends ends(s, positions);
+    Vector w_a, w_b;  // inverse masses, with what tension adds
+    for (int k = 0; k < 4; ++k) {
+      w_a[k] = ends.a[k]->w;
+      w_b[k] = ends.b[k]->w;
+    }
+    // Others are slack, or between two pins, and have no direction to hold.
+    const auto is_long = length2 * (w_a + w_b) > 0;
     Vector length;
     for (int k = 0; k < 4; ++k) length[k] = std::sqrt(length2[k]);
     const Vector zero = {};
@@ -127,7 +134,15 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     vector(s.x) = direction.x;
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
-    vector(s.kick) = is_long ? vector(s.kick) : zero;
+    const Vector mass = is_long ? 1 / (w_a + w_b) : zero;
+    const Vector most_kept = {step.most_kept, step.most_kept, step.most_kept, step.most_kept};
+    const Vector same_impulse = vector(s.kick) * (vector(s.mass) / mass);
+    const Vector bounded = same_impulse < most_kept ? same_impulse : most_kept;
+    const Vector kick = is_long ? bounded : zero;
+    vector(s.mass) = mass;
+    vector(s.share) = w_a * mass;
+    vector(s.kick) = kick;
+    vector(s.before) = kick;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
     // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
@@ -165,9 +180,10 @@ void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities
 }
 
 CLOTHSIM_TARGET_CLONES
-double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad* velocities) {
+PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, double most,
+                         Quad* velocities) {
   const Vector highest = {most, most, most, most};
-  Vector largest = {};
+  Vector largest = {}, descent = {};
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
     const Ends ends(s, velocities);
@@ -175,17 +191,32 @@ double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad*
     gather_differences(ends, difference);
     Vector rate;
     set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
-    const Vector least = -vector(s.kick);
-    const Vector room = highest + least;
+    const Vector kick = vector(s.kick);
+    const Vector from = kick + momentum * (kick - vector(s.before));
+    const Vector least = -from;
+    const Vector room = highest - from;
     const Vector wanted = rate - vector(s.fastest);
     const Vector free = least < wanted ? wanted : least;
     const Vector change = free < room ? free : room;
-    vector(s.kick) += change;
+    const Vector now = from + change;
+    vector(s.before) = kick;
+    vector(s.kick) = now;
     const Vector size = change < 0 ? -change : change;
     largest = largest < size ? size : largest;
+    descent += change * (now - kick);
     give(s, change, ends);
   }
-  return std::max({largest[0], largest[1], largest[2], largest[3]});
+  return {std::max({largest[0], largest[1], largest[2], largest[3]}),
+          (descent[0] + descent[1]) + (descent[2] + descent[3])};
+}
+
+CLOTHSIM_TARGET_CLONES
+void extrapolate(double momentum, std::size_t count, Quad* last, Quad* velocities) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector now = vector(velocities[i]);
+    vector(velocities[i]) = now + momentum * (now - vector(last[i]));
+    vector(last[i]) = now;
+  }
 }
 
 CLOTHSIM_TARGET_CLONES
@@ -202,6 +233,19 @@ bool any_longer(const FourSprings* springs, const double* longest, std::size_t f
     any |= length2 > allowed * allowed;
   }
   return (any[0] | any[1] | any[2] | any[3]) != 0;
+}
+
+CLOTHSIM_TARGET_CLONES
+bool any_longer(const double* x, const double* y, const double* z, int offset, int count,
+                double longest2) {
+  long longer = 0;
+  for (int i = 0; i < count; ++i) {
+    const double dx = x[i + offset] - x[i];
+    const double dy = y[i + offset] - y[i];
+    const double dz = z[i + offset] - z[i];
+    longer += dx * dx + dy * dy + dz * dz > longest2;
+  }
+  return longer > 0;
 }
 
 CLOTHSIM_TARGET_CLONES

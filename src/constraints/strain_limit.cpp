@@ -7,14 +7,16 @@
 #include <limits>
 #include <utility>
 
+#include "clothsim/constraints/momentum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim {
 namespace {
 
-/// Fours of springs of a colour that a thread takes at least: half a microsecond of work.
-constexpr int least_shared = 128;
+/// Springs that are checked as one.
+constexpr int piece_length = 64;
+constexpr int neighbourhood = 512;  // points
 
 /// Visits that it takes to look at four, see WorkBudget.
 constexpr int visits_of_four = 2;
@@ -51,6 +53,7 @@ void set_row(Points& points, int i, const Quad& q) {
 StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
     : longest_(1 + cloth.strain_limit.value()),
       shortest_(shortest_rest_length(cloth)),
+      inertia_(cloth),
       budget_(budget) {
   int direction = -1;
   const SpringRun* last = nullptr;
@@ -60,15 +63,26 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
     last = &run;
     // Springs of one offset share a point only where their first points differ by that offset.
     const int colour = 2 * direction + (a / run.offset) % 2;
-    const double inv_mass = cloth.inv_mass[a] + cloth.inv_mass[b];
-    const double mass = inv_mass > 0 ? 1 / inv_mass : 0;
-    constraints_.push_back({a, b, run.rest_length, mass, cloth.inv_mass[a] * mass, colour});
+    constraints_.push_back({a, b, run.rest_length, colour});
   });
   assert(2 * (direction + 1) <= num_colours);
 
+  for_each_band(cloth, [&, id = 0](const SpringBand& band) mutable {
+    for (const SpringRun* run = band.begin; run != band.end; ++run) {
+      for (int done = 0; done < run->count; done += piece_length) {
+        const int count = std::min(piece_length, run->count - done);
+        pieces_.push_back({run->first + done, count, run->offset, run->rest_length, id + done});
+      }
+      id += run->count;
+    }
+  });
+  // Those of a neighbourhood one after the other: its points stay in the nearest cache.
+  std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& p, const Piece& q) {
+    return p.first / neighbourhood < q.first / neighbourhood;
+  });
   local_.assign(index(cloth.num_points()), -1);
   has_moved_.assign(index(cloth.num_points()), 0);
-  kept_.assign(constraints_.size(), 0.0);
+  kept_.assign(constraints_.size(), {});
   flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
   close_active();
 }
@@ -76,29 +90,29 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
 void StrainLimit::add_impulses(double scale, Points& sum) const {
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const Constraint& c = constraints_[index(id)];
-    const Vector3 impulse = scale * c.mass * s.kick[k] * Vector3(s.x[k], s.y[k], s.z[k]);
+    const Vector3 impulse = scale * s.mass[k] * s.kick[k] * Vector3(s.x[k], s.y[k], s.z[k]);
     sum.row(c.a) += impulse.transpose();
     sum.row(c.b) -= impulse.transpose();
   });
 }
 
-double StrainLimit::tension_frequency() {
+double StrainLimit::tension_frequency() const {
   // omega^2 = sum T / (m l), with T h / m what an end takes of the kick.
-  across_.assign(touched_.size() + 1, 0.0);
+  std::vector<double> across(touched_.size() + 1, 0.0);
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
-      const double across = s.kick[k] / lengths_[FourSprings::count * i + k];
-      const double of_a = s.share[k] * across;
-      across_[index(FourSprings::point(s.a[k]))] += of_a;
-      across_[index(FourSprings::point(s.b[k]))] += across - of_a;
+      const double both = s.kick[k] / lengths_[FourSprings::count * i + k];
+      const double of_a = s.share[k] * both;
+      across[index(FourSprings::point(s.a[k]))] += of_a;
+      across[index(FourSprings::point(s.b[k]))] += both - of_a;
     }
   }
-  const double largest = *std::max_element(across_.begin(), across_.end());
+  const double largest = *std::max_element(across.begin(), across.end());
   return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
-bool StrainLimit::outruns_steps() { return step_.h * tension_frequency() > fastest_swing; }
+bool StrainLimit::outruns_steps() const { return step_.h * tension_frequency() > fastest_swing; }
 
 void StrainLimit::learn(double violation) {
   if (violation > 0) {
@@ -115,22 +129,19 @@ double StrainLimit::insistence() const {
 
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
-  const StrainLimit kept = std::move(last);
-  reset();
-  doubt_ = kept.doubt_;
-  step_ = kept.step_;
-  kept.for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    const double mass = constraints_[index(id)].mass;  // perhaps another one
-    const double scale = mass > 0 ? kept.constraints_[index(id)].mass / mass : 0;
-    add_active(id, scale * s.kick[k], {s.x[k], s.y[k], s.z[k]});
-  });
-  close_active();
+  const double longest = longest_;
+  *this = std::move(last);
+  longest_ = longest;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i] >= 0) lengths_[i] = longest_ * constraints_[index(ids_[i])].rest_length;
+  }
 }
 
 void StrainLimit::reset() {
   last_flags_.clear();
   clear_active();
   close_active();
+  inertia_.reset();
   step_ = {};
   doubt_ = 0;
 }
@@ -145,8 +156,11 @@ void StrainLimit::write(MemoryWriter& memory) const {
     if (s.kick[k] <= 0) return;
     memory.add(id);
     memory.add(s.kick[k]);
+    memory.add(s.mass[k]);
+    memory.add(s.share[k]);
     memory.add(Vector3(s.x[k], s.y[k], s.z[k]));
   });
+  inertia_.write(memory);
 }
 
 void StrainLimit::read(MemoryReader& memory) {
@@ -161,19 +175,24 @@ void StrainLimit::read(MemoryReader& memory) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
-    const double kick = std::max(0.0, memory.number());
-    add_active(id, kick, memory.vector());
+    Kick kick;
+    kick.kick = std::max(0.0, memory.number());
+    kick.mass = std::max(0.0, memory.number());
+    kick.share = memory.number();
+    kick.direction = memory.vector();
+    add_active(id, kick);
   }
   close_active();
+  inertia_.read(memory);
 }
 
 void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
-  step_ = {h, reach, 0, insistence()};
   const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
+  step_ = {h, reach, 0, insistence(), most_kept_swing * speed};
   most_kick_ = most_swing * speed;
   for (FourSprings& s : active_) {
-    for (double& kick : s.kick) kick = std::min(scale * kick, most_kept_swing * speed);
+    for (double& kick : s.kick) kick = std::min(scale * kick, step_.most_kept);
   }
 
   std::fill(given_.begin(), given_.end(), Quad{});
@@ -202,7 +221,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
                                 const Workers& workers, const Points* before) {
   step_.reach = reach;
   solved_alone_ = false;
-  if (find_active(cloth, state.positions, workers)) {
+  if (find_active(state.positions, workers)) {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
       positions_[i] = quad(state.positions, touched_[i]);
       predicted_[i] = quad(state.velocities, touched_[i]);
@@ -221,6 +240,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
       velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, 0};
     }
   }
+  for (std::size_t i = 0; i < touched_.size(); ++i) positions_[i].w = cloth.inv_mass[touched_[i]];
   step_.active = static_cast<double>(num_active_) / static_cast<double>(constraints_.size());
   if (before) {
     before_.resize(velocities_.size());
@@ -231,154 +251,56 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
   pull_points(active_.data(), active_.size(), velocities_.data());
 }
 
-/// Springs longer than their limit, and those an impulse still holds. False where they are those of
-/// the last step.
-bool StrainLimit::find_active(const Cloth& cloth, const Points& positions, const Workers& workers) {
-  flag_longer_than(cloth, longest_, positions, workers);
-  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.kick[k] > 0) flags_[index(id)] = 1;
-  });
-  if (flags_ == last_flags_) return false;  // as ever at rest
-  last_flags_ = flags_;
-
-  for_each_active(
-      [&](const FourSprings& s, std::size_t k, int id) { kept_[index(id)] = s.kick[k]; });
-  last_touched_ = touched_;
-  last_given_.swap(given_);
-  last_ids_ = ids_;
-  clear_active();
-  const auto add = [&](int id) { add_active(id, kept_[index(id)], Vector3::Zero()); };
-  const auto add_second_colour = [&] {
-    for (const int id : second_colour_) add(id);
-    second_colour_.clear();
-  };
-  int direction = 0;
-  for_each_flagged([&](int id) {
-    const Constraint& c = constraints_[index(id)];
-    if (c.mass == 0) return;  // between two pins
-    if (c.colour / 2 != direction) add_second_colour();
-    direction = c.colour / 2;
-    if (c.colour % 2 == 1) {
-      second_colour_.push_back(id);
-    } else {
-      add(id);
-    }
-  });
-  add_second_colour();
-  close_active();
-  for (const int id : last_ids_) {
-    if (id >= 0) kept_[index(id)] = 0;
-  }
-  return true;
-}
-
-void StrainLimit::clear_active() {
-  for (const int point : touched_) local_[index(point)] = -1;
-  touched_.clear();
-  active_.clear();
-  ids_.clear();
-  lengths_.clear();
-  colour_ends_.clear();
-  num_active_ = 0;
-}
-
-/// To be called in the order of colours.
-void StrainLimit::add_active(int id, double kick, const Vector3& direction) {
-  const Constraint& c = constraints_[index(id)];
-  const bool new_colour = active_.empty() || c.colour != colour_;
-  if (new_colour || lane_ == FourSprings::count) {
-    if (new_colour && !active_.empty()) colour_ends_.push_back(static_cast<int>(active_.size()));
-    active_.push_back({});
-    ids_.insert(ids_.end(), FourSprings::count, -1);
-    lengths_.insert(lengths_.end(), FourSprings::count, 1.0);
-    colour_ = c.colour;
-    lane_ = 0;
-  }
-  FourSprings& s = active_.back();
-  s.x[lane_] = direction.x();
-  s.y[lane_] = direction.y();
-  s.z[lane_] = direction.z();
-  s.kick[lane_] = kick;
-  s.share[lane_] = c.share;
-  s.a[lane_] = FourSprings::place(touch(c.a));
-  s.b[lane_] = FourSprings::place(touch(c.b));
-  const std::size_t place = ids_.size() - FourSprings::count + lane_;
-  ids_[place] = id;
-  lengths_[place] = longest_ * c.rest_length;
-  ++lane_;
-  ++num_active_;
-}
-
-/// Place of a point in touched_.
-int StrainLimit::touch(int point) {
-  int& place = local_[index(point)];
-  if (place < 0) {
-    place = static_cast<int>(touched_.size());
-    touched_.push_back(point);
-  }
-  return place;
-}
-
-void StrainLimit::close_active() {
-  if (!active_.empty()) colour_ends_.push_back(static_cast<int>(active_.size()));
-  const std::size_t nobody = touched_.size();
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0) continue;
-    FourSprings& s = active_[i / FourSprings::count];
-    const std::size_t lane = i % FourSprings::count;
-    s.a[lane] = s.b[lane] = FourSprings::place(static_cast<int>(nobody));
-  }
-  for (std::vector<Quad>* quads : {&positions_, &predicted_, &velocities_, &given_}) {
-    quads->resize(nobody + 1);
-    quads->back() = {};
-  }
-}
-
 void StrainLimit::store(Points& velocities) const {
   for (std::size_t i = 0; i < touched_.size(); ++i)
     set_row(velocities, touched_[i], velocities_[i]);
 }
 
-/// One pass over active_, colour by colour: within one, springs share no point. A few are not worth
-/// sharing.
-double StrainLimit::sweep_active(const Workers& workers) {
+/// One pass over active_, colour by colour: within one, springs share no point. Sums are of
+/// segments, whoever has taken them.
+PassChange StrainLimit::sweep_active(double momentum, const Workers& workers) {
   if (budget_) budget_->spend(visits_of_four * static_cast<std::int64_t>(active_.size()));
-  const bool are_few = active_.size() < 2 * index(least_shared) * colour_ends_.size();
-  if (workers.threads() == 1 || are_few) {
-    return sweep_springs(active_.data(), active_.size(), most_kick_, velocities_.data());
-  }
-  std::atomic<double> largest{0};
+  changes_.resize(segment_ends_.size());
   int first = 0;
   for (const int end : colour_ends_) {
-    const auto sweep_band = [&](int from, int to) {
-      const double change = sweep_springs(&active_[index(first + from)], index(to - from),
-                                          most_kick_, velocities_.data());
-      double seen = largest;
-      while (change > seen && !largest.compare_exchange_weak(seen, change)) {
+    const auto sweep_segments = [&](int from, int to) {
+      for (int k = first + from; k < first + to; ++k) {
+        const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
+        changes_[index(k)] =
+            sweep_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
+                          most_kick_, velocities_.data());
       }
     };
-    workers.share(end - first, sweep_band, least_shared);
+    workers.share(end - first, sweep_segments, 1);
     first = end;
   }
-  return largest;
+  PassChange all;
+  for (const PassChange& change : changes_) {
+    all.largest = std::max(all.largest, change.largest);
+    all.descent += change.descent;
+  }
+  return all;
 }
 
 double StrainLimit::sweep(Points& velocities, const Workers& workers) {
   for (std::size_t i = 0; i < touched_.size(); ++i) velocities_[i] = quad(velocities, touched_[i]);
-  const double change = sweep_active(workers);
+  const PassChange change = sweep_active(0, workers);
   store(velocities);
-  return step_.h * change;
+  return step_.h * change.largest;
 }
 
 int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
                        State& state, const Workers& workers) {
   turn_impulses(cloth, reach, state, workers, nullptr);
+  Momentum momentum;
   int passes = 0;
-  double change = 0;
+  PassChange change;
   do {
-    change = step_.h * sweep_active(workers);
+    extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
+    change = sweep_active(momentum.share(), workers);
+    if (!yields()) momentum.next(change.descent);  // towards what cannot be met it overshoots
     ++passes;
-  } while (passes < most && (passes < least || change > enough));
+  } while (passes < most && (passes < least || step_.h * change.largest > enough));
 
   const double way = step_.reach * step_.h;
   double moved2 = 0;
@@ -387,7 +309,7 @@ int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int leas
     const Quad& from = predicted_[i];
     Quad& x = positions_[i];
     const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
-    x = {x.x + move.x, x.y + move.y, x.z + move.z, 0};
+    x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};
     set_row(state.positions, touched_[i], x);
     moved2 = std::max(moved2, move.x * move.x + move.y * move.y + move.z * move.z);
   }
@@ -395,6 +317,23 @@ int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int leas
   moved_ = std::sqrt(moved2);
   solved_alone_ = true;
   return passes;
+}
+
+void StrainLimit::learn_tension() {
+  inertia_.fade();
+  if (yields()) return inertia_.reset();  // what it gives then is bounded to what steps can follow
+  tensions_.assign(touched_.size() + 1, 0.0);
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const FourSprings& s = active_[i];
+    for (std::size_t k = 0; k < FourSprings::count; ++k) {
+      const double tension = s.mass[k] * s.kick[k] / lengths_[FourSprings::count * i + k];
+      tensions_[index(FourSprings::point(s.a[k]))] += tension;
+      tensions_[index(FourSprings::point(s.b[k]))] += tension;
+    }
+  }
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
+    if (positions_[i].w > 0) inertia_.add(touched_[i], tensions_[i] / step_.h);
+  }
 }
 
 }  // namespace clothsim

@@ -20,8 +20,8 @@ constexpr double beyond_repair = 1.5;
 /// Springs of a colour that a thread takes at least.
 constexpr int least_shared = 512;
 
-/// Points whose springs a thread looks at at least: two microseconds of work.
-constexpr int least_points = 2048;
+/// Pieces that a thread looks at at least: two microseconds of work.
+constexpr int least_pieces = 32;
 
 /// points_a += w_a d, points_b -= w_b d.
 void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
@@ -46,9 +46,9 @@ bool StrainLimit::holds(double tolerance) const {
 int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
                          const Workers& workers) {
   if (yields() || holds(tolerance)) return 0;
-  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  flag_longer_than(longest_ + tolerance, positions, workers);
   bool any = false;
-  for_each_flagged([&](int id) { any = add_over(id, tolerance, positions) || any; });
+  for_each_flagged([&](int id) { any = add_over(cloth, id, tolerance, positions) || any; });
 
   int sweeps = 0;
   while (any && sweeps < max_sweeps) {
@@ -69,11 +69,11 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
 
 double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points& positions,
                               const Workers& workers) {
-  flag_longer_than(cloth, longest_ + tolerance, positions, workers);
+  flag_longer_than(longest_ + tolerance, positions, workers);
   double worst = 0;
   for_each_flagged([&](int id) {
     const Constraint& c = constraints_[index(id)];
-    if (c.mass == 0) return;
+    if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return;
     const double length = (row(positions, c.b) - row(positions, c.a)).norm();
     worst = std::max(worst, length / c.rest_length - longest_);
   });
@@ -81,9 +81,9 @@ double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points
 }
 
 /// Puts a spring on its list if it is to be repaired. Is it?
-bool StrainLimit::add_over(int id, double tolerance, const Points& positions) {
+bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const Points& positions) {
   const Constraint& c = constraints_[index(id)];
-  if (c.mass == 0) return false;
+  if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return false;
   const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
   const double longest = (longest_ + tolerance) * c.rest_length;
   const double farthest = beyond_repair * longest_ * c.rest_length;
@@ -104,7 +104,8 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
       if (length > beyond_repair * longest_ * c.rest_length) continue;
       const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
-      pull_together(cloth, c.a, c.b, c.mass * excess / length * d, positions);
+      const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
+      pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);
       shortened_[index(i)] = 1;
     }
   };
@@ -133,7 +134,7 @@ bool StrainLimit::find_over_again(const Cloth& cloth, double tolerance, const Po
   for (const int point : moved_points_) {
     has_moved_[index(point)] = 0;
     for (int i = first_spring_[index(point)]; i < first_spring_[index(point + 1)]; ++i) {
-      any = add_over(springs_of_points_[index(i)], tolerance, positions) || any;
+      any = add_over(cloth, springs_of_points_[index(i)], tolerance, positions) || any;
     }
   }
   moved_points_.clear();
@@ -160,33 +161,24 @@ void StrainLimit::list_springs_of_points(const Cloth& cloth) {
   }
 }
 
-/// Each thread looks at the springs that begin at its points.
-void StrainLimit::flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
+void StrainLimit::flag_longer_than(double stretch, const Points& positions,
                                    const Workers& workers) {
-  over_length_.resize(index(cloth.num_points()));
   const auto look = [&](int begin, int end) {
-    std::size_t id = 0;  // of the band's first spring
-    for_each_band(cloth, [&](const SpringBand& band) {
-      const int first = std::max(band.first(), begin);
-      const int last = std::min(band.first() + band.count(), end);
-      const double longest = stretch * band.begin->rest_length;
-      if (first < last) {
-        flag_longer(&positions(first, 0), &positions(first, 1), &positions(first, 2),
-                    band.begin->offset, last - first, longest * longest,
-                    &over_length_[index(first)]);
+    for (int k = begin; k < end; ++k) {
+      const Piece& piece = pieces_[index(k)];
+      const double longest = stretch * piece.rest_length;
+      const double* const x = &positions(piece.first, 0);
+      const double* const y = &positions(piece.first, 1);
+      const double* const z = &positions(piece.first, 2);
+      unsigned char* const flags = &flags_[index(piece.id)];
+      if (any_longer(x, y, z, piece.offset, piece.count, longest * longest)) {
+        flag_longer(x, y, z, piece.offset, piece.count, longest * longest, flags);
+      } else {
+        std::fill_n(flags, piece.count, 0);
       }
-      for (const SpringRun* run = band.begin; run != band.end; ++run) {
-        const int from = std::max(run->first, first);
-        const int to = std::min(run->first + run->count, last);
-        if (from < to) {
-          std::copy_n(&over_length_[index(from)], to - from,
-                      &flags_[id + index(from - run->first)]);
-        }
-        id += index(run->count);
-      }
-    });
+    }
   };
-  workers.share(cloth.num_points(), look, least_points);
+  workers.share(static_cast<int>(pieces_.size()), look, least_pieces);
 }
 
 }  // namespace clothsim

@@ -208,12 +208,8 @@ double limit_cost(const SimulationSpec& spec, const Cloth& cloth) {
   return (check_cost + share * solve_cost) * cloth.num_springs();
 }
 
-bool touches(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
-  return cloth.self_collision != SelfCollision::off || !colliders.empty();
-}
-
 bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
-  return cloth.strain_limit || touches(cloth, colliders);
+  return cloth.strain_limit || cloth.self_collision != SelfCollision::off || !colliders.empty();
 }
 
 double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
@@ -231,11 +227,7 @@ double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& collide
 int usual_substeps(double stability_limit, const SimulationSpec& spec, const Cloth& cloth,
                    const std::vector<ColliderSpec>& colliders) {
   const double dt = 1 / spec.frames_per_second;
-  // Explicit methods follow the strain limit's tension, from none on.
-  std::optional<Tension> tension;
-  if (std::isfinite(stability_limit)) tension = Tension{0, touches(cloth, colliders)};
-  const int needed =
-      count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt, tension);
+  const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt);
   const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
   const double most = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
@@ -246,7 +238,6 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
 struct Offer {
   const Candidate* candidate;
   int substeps;
-  int apart;     // of these while all colliders are out of reach
   double error;  // of the cloth's size
   double cost;   // CPU seconds a simulated second
   bool stable;
@@ -280,14 +271,11 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   }
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
   const double cost = n * spec.frames_per_second * (step_cost + contact_cost(cloth, colliders));
-  // What the tolerance asks for holds there, too.
-  const int apart = n > needed ? n : usual_substeps(stability_limit, spec, cloth, {});
-  return {&c, n, apart, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
+  return {&c, n, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
 }
 
 MethodChoice choice_of(const Offer& offer, Reason reason) {
-  return {
-      offer.candidate->method, offer.substeps, offer.apart, reason, true, offer.error, offer.cost};
+  return {offer.candidate->method, offer.substeps, reason, true, offer.error, offer.cost};
 }
 
 }  // namespace
@@ -296,11 +284,10 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
   if (spec.method != "auto") {
     const double limit = stability_limit_of(spec.method);
-    return {spec.method, usual_substeps(limit, spec, cloth, colliders),
-            usual_substeps(limit, spec, cloth, {}), Reason::named_by_scene};
+    return {spec.method, usual_substeps(limit, spec, cloth, colliders), Reason::named_by_scene};
   }
   if (!cloth.has_forces()) {
-    return {VelocityVerlet::name, 1, 1, Reason::no_springs, true, 0.0, 0.0};
+    return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
   }
 
   const Motion motion = motion_of(spec, cloth, colliders);
@@ -311,7 +298,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     if (offer.stable) offers.push_back(offer);
   }
   if (offers.empty()) {
-    return {VelocityVerlet::name, 1, 1, Reason::none_stable, false};
+    return {VelocityVerlet::name, 1, Reason::none_stable, false};
   }
 
   const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "clothsim/dynamics/spectrum.h"
@@ -131,20 +132,21 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   went_too_far = false;
   is_apart = !must_look && has_colliders() && is_out_of_reach(dt);
   if (is_apart) collider_contacts.reset();
-  const std::optional<Tension> tension_now = tension();
   approach_speed = contact_speed(dt);
-  int at_speed = substeps_at_speed(cloth, approach_speed, dt);
-  is_fast = at_speed > 1;
-  if (tension_now) at_speed = std::max(at_speed, substeps_for_parting(dt));
+  int least = substeps_at_speed(cloth, approach_speed, dt);
+  is_fast = least > 1;
+  if (follows_tension()) {
+    least = std::max(least, substeps_under_tension(dt));
+    if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
+  }
   if (has_air()) {
     const SimulationSpec& spec = scene.simulation;
     wind = wind_at(spec.wind.value_or(Vector3::Zero()), {spec.gusts, spec.seed}, before.time);
     const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
     const double steps = std::min(std::ceil(dt * rate / most_air_share), double{max_substeps});
-    at_speed = std::max(at_speed, static_cast<int>(steps));
+    least = std::max(least, static_cast<int>(steps));
   }
-  int steps =
-      method->substeps(scene.simulation, cloth, state.positions, at_speed, tension_now, workers);
+  int steps = method->substeps(scene.simulation, cloth, state.positions, least, workers);
   report.predicted_error = method->choice.predicted_error;
   report.reasons = method->choice.reasons;
   const bool is_unstable = scene.simulation.substeps && is_beyond_stability(dt / steps);
@@ -162,14 +164,13 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 
-  const double weight = weight_frequency(cloth, scene.simulation.gravity);
   for (double h = dt / steps; steps > 0; --steps, ++report.substeps) {
     // More and shorter ones where tension has come.
-    if (const std::optional<Tension> now = report.substeps > 0 ? tension() : std::nullopt) {
-      const double left = h * steps;
-      const int needed = substeps_under_tension(weight, *now, left * (1 << method->halvings));
-      if (needed > steps) h = left / (steps = needed);
-    }
+    const double left = h * steps;
+    const bool looks_again =
+        report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
+    const int needed = looks_again ? substeps_under_tension(left * (1 << method->halvings)) : 1;
+    if (needed > steps) h = left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
@@ -229,13 +230,23 @@ bool Simulator::Impl::recover() {
   return false;
 }
 
-std::optional<Tension> Simulator::Impl::tension() {
+bool Simulator::Impl::follows_tension() const {
   // Implicit methods keep to one step: to change it costs them a factorisation or their history.
-  // What is being pushed out of a collider is no tension.
-  const bool follows = strain_limit && !scene.simulation.substeps &&
-                       std::isfinite(method->stability_limit()) && !collider_contacts.recovers();
-  if (!follows) return {};
-  return Tension{strain_limit->tension_frequency(), touches()};
+  return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
+}
+
+int Simulator::Impl::substeps_under_tension(double dt) const {
+  const Vector3& gravity = scene.simulation.gravity;
+  constexpr double any = std::numeric_limits<double>::infinity();
+  // What is being pushed out of a collider is no tension: as many as follow the whole weight.
+  if (collider_contacts.recovers()) return substeps_at_share(cloth, gravity, any, dt);
+  if (strain_limit->yields()) {
+    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt);
+  }
+  const TensionInertia& inertia = strain_limit->inertia();
+  const int by_share = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
+  if (!touches()) return by_share;
+  return std::max(by_share, substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt));
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
@@ -277,6 +288,14 @@ double Simulator::Impl::contact_speed(double dt) const {
   return fastest;
 }
 
+const Cloth& Simulator::Impl::weigh(double h) {
+  // Implicit methods hold tension by themselves. Where contact passes impacts on, steps follow it:
+  // with inertia piles that are hit keep knots.
+  if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
+  strain_limit->inertia().weigh(cloth, h, state, weighed.inv_mass);
+  return weighed;
+}
+
 bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
@@ -286,14 +305,18 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
   if (has_air()) blow(h);
   const Loads loads{scene.simulation.gravity};
-  std::visit([&](auto& m) { m.step(cloth, loads, h, state, workers); }, method->integrator);
+  const Cloth& inert = weigh(h);
+  if (&inert == &weighed) {
+    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(cloth, h));
+  }
+  std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
   const int newton_steps =
       std::visit([](const auto& m) { return m.newton_steps(); }, method->integrator);
   spend(1 + newton_steps * visits_of_newton_step());
 
   if (touches() && !is_good(state)) return false;  // numbers to sort by
-  if (strain_limit || touches()) constrain(h, report);
+  if (strain_limit || touches()) constrain(inert, h, report);
   if (!grips.empty()) add_impulses(h);
   if (weighs_colliders) add_collider_impulses(h);
   return !budget.is_spent();

@@ -14,7 +14,7 @@ namespace {
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
 /// seconds; without contact passes are cheap and steps long. The most is met only in a shock.
 constexpr int min_sweeps = 4;
-constexpr int min_sweeps_alone = 7;
+constexpr int min_sweeps_alone = 12;
 constexpr int max_sweeps = 200;
 constexpr int max_corrections = 600;
 
@@ -59,7 +59,7 @@ double least_spacing(const Cloth& cloth) {
 
 }  // namespace
 
-void Simulator::Impl::constrain(double h, StepReport& report) {
+void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
   const double reach =
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
 
@@ -71,10 +71,12 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   const int limit_sweeps = yields ? max_yielding_sweeps : max_sweeps;
   if (strain_limit) strain_limit->predict(h, reach, state);
   if (!touches()) {  // the limit alone
-    const int passes = strain_limit->solve(cloth, reach, length / precision_alone, min_sweeps_alone,
+    const int passes = strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
                                            limit_sweeps, state, workers);
     report.sweeps += passes;
-    repair(passes < limit_sweeps, report);
+    strain_limit->inertia().give_back(cloth, h, reach, state);
+    strain_limit->learn_tension();
+    repair(inert, passes < limit_sweeps, report);
     return;
   }
   predicted = state.velocities;
@@ -119,10 +121,11 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
     if ((solved && sweep >= min_sweeps) || budget.is_spent()) break;
   }
   state.positions += reach * h * (state.velocities - predicted);
+  if (strain_limit) strain_limit->learn_tension();
   if (self_contacts) by_impulses = state.positions;
 
   // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(stretching <= small, report);
+  if (strain_limit) repair(cloth, stretching <= small, report);
   visit_self_contacts([&](const auto& contacts) { contacts.correct(cloth, state.positions); });
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
@@ -132,17 +135,17 @@ void Simulator::Impl::constrain(double h, StepReport& report) {
   });
 }
 
-void Simulator::Impl::repair(bool solved, StepReport& report) {
+void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {
   const double tolerance = scene.simulation.strain_tolerance;
   const int passes =
-      strain_limit->correct(cloth, tolerance, max_corrections, state.positions, workers);
+      strain_limit->correct(inert, tolerance, max_corrections, state.positions, workers);
   report.corrections += passes;
   const bool ran_out = passes == max_corrections;
   repairs_ran_out = repairs_ran_out || ran_out;
   double unmet = 0;
   if (ran_out || !solved) {
     const double least = std::max(tolerance, least_violation);
-    unmet = strain_limit->violation(cloth, least, state.positions, workers);
+    unmet = strain_limit->violation(inert, least, state.positions, workers);
     // A scene that names few substeps may have them.
     const bool outruns = !scene.simulation.substeps && strain_limit->outruns_steps();
     if (outruns) unmet = std::max(unmet, least);

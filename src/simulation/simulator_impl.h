@@ -52,16 +52,13 @@ struct Method {
         omega_max(omega_max_bound(cloth)) {}
 
   /// Substeps of a frame from `positions`, `at_speed` at least.
-  /// Without a `tension` as for the whole cloth's weight.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
-               int at_speed = 1, std::optional<Tension> tension = {},
-               const Workers& workers = {}) const {
+               int at_speed = 1, const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                                      1 / spec.frames_per_second, tension, workers);
-    const bool is_apart = tension && !tension->touches;
-    const int least = is_apart ? choice.least_apart : choice.least_substeps;
-    return std::min(std::max({needed, least, at_speed}) << halvings, max_substeps);
+                                      1 / spec.frames_per_second,
+                                      std::max(choice.least_substeps, at_speed), workers);
+    return std::min(needed << halvings, max_substeps);
   }
 
   double stability_limit() const {
@@ -81,7 +78,7 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
   spec.method = refuge;
   Method method(spec, cloth, colliders);
   method.choice.reasons = reasons;
-  method.choice.least_substeps = method.choice.least_apart = 1;
+  method.choice.least_substeps = 1;
   return method;
 }
 
@@ -146,7 +143,9 @@ struct Simulator::Impl {
 
   void build_strain_limit() {
     strain_limit.reset();
-    if (cloth.strain_limit && !cloth.springs.empty()) strain_limit.emplace(cloth, &budget);
+    if (!cloth.strain_limit || cloth.springs.empty()) return;
+    strain_limit.emplace(cloth, &budget);
+    weighed = cloth;
   }
 
   int pin_point(std::size_t pin) const {
@@ -194,7 +193,8 @@ struct Simulator::Impl {
   bool recover();
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
-  void constrain(double h, StepReport&);
+  /// `inert`: the cloth with the inertia of this step.
+  void constrain(const Cloth& inert, double h, StepReport&);
   /// Takes from the frame's budget so many visits to each point.
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
@@ -214,7 +214,7 @@ struct Simulator::Impl {
   }
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
-  void repair(bool solved, StepReport&);
+  void repair(const Cloth&, bool solved, StepReport&);
   /// Sets the budget of a frame of dt [s], with all that is tried.
   void allow_work(double dt);
   /// For each point.
@@ -225,6 +225,10 @@ struct Simulator::Impl {
   double least_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
+  /// Do substeps follow tension?
+  bool follows_tension() const;
+  /// Substeps of `dt` [s] that the tension of now asks for.
+  int substeps_under_tension(double dt) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything in this frame?
@@ -233,16 +237,17 @@ struct Simulator::Impl {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// Where substeps follow it.
-  std::optional<Tension> tension();
   /// Are all colliders out of reach of the cloth in a frame of dt [s], while its points go no
   /// farther than `allowed_way` [m]?
   bool is_out_of_reach(double dt);
+  /// The cloth with the inertia that tension adds in a step of h [s].
+  const Cloth& weigh(double h);
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed(double dt) const;
 
   Scene scene;
   Cloth cloth;
+  Cloth weighed;  // with the inertia that tension adds; empty without strain limit
   State state;
   std::optional<Method> method;
   std::optional<StrainLimit> strain_limit;

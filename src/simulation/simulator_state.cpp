@@ -13,7 +13,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-constexpr int memory_version = 5;
+constexpr int memory_version = 6;
 
 /// How far from where it is held a point may be in a state that is given [m].
 constexpr double held_tolerance = 1e-6;

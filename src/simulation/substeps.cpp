@@ -16,33 +16,36 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.85;
 
-/// How tension sets the step.
-struct Limits {
-  double h_omega;      // largest across springs under tension
-  double least_share;  // of the substeps that the whole weight asks for
-  double most_share;
-};
+/// h omega for the springs of a point that carry the whole cloth's weight. Inertia that tension
+/// adds keeps longer steps stable, but they stretch soft and heavy cloth beyond its limit as it
+/// falls.
+constexpr double weight_limit = 3.5;
 
-/// Here the limit's sweeps, not stability, set the step: at less than two thirds of Verlet's limit
-/// the directions of the springs hold through a step and a few sweeps do; nearer to it they turn so
-/// far that hundreds do not.
-constexpr Limits free_limits{1.2, 0.45, 1};
-
-/// Contact passes impacts on to the springs within a step, so steps are shorter: longer ones never
-/// rest on a tip. Where the limit cannot be met, tension grows without end: twice the substeps must
-/// do. See docs/experiments.md.
-constexpr Limits contact_limits{0.5, 0.7, 2};
-
-/// h omega for the springs of a point that carry the whole cloth's weight.
-constexpr double weight_limit = 1;
+/// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip of
+/// a box a cloth trembles for ever at 0.7 and rests at 0.5. Between two colliders tension grows
+/// without end: as many steps as the weight asks for at the second must do.
+constexpr double touching_limit = 0.5;
+constexpr double touching_weight_limit = 0.5;
 
 /// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
 /// other, of its length: half of it already tears points off or leaves too much to repairs (see
 /// docs/experiments.md).
 constexpr double way_share = 0.25;
 
+/// Inertia that tension adds at most, of the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
+/// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
+constexpr double most_added = 0.015;
+
 /// Of what a straight line of springs can reach; a way with corners reaches further.
 constexpr double taut = 0.99;
+
+/// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
+/// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
+double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
+  if (!cloth.strain_limit || cloth.springs.empty()) return 0;
+  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
+                   shortest_rest_length(cloth));
+}
 
 int whole_steps(double steps) {
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
@@ -50,25 +53,9 @@ int whole_steps(double steps) {
 
 }  // namespace
 
-double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
-  if (!cloth.strain_limit || cloth.springs.empty()) return 0;
-  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
-                   shortest_rest_length(cloth));
-}
-
-int substeps_under_tension(double weight, const Tension& tension, double dt) {
-  const Limits& limits = tension.touches ? contact_limits : free_limits;
-  const double usual = weight / weight_limit;
-  return whole_steps(dt * std::clamp(tension.frequency / limits.h_omega, limits.least_share * usual,
-                                     limits.most_share * usual));
-}
-
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<Tension> tension,
-                   const Workers& workers) {
-  const double weight = weight_frequency(cloth, gravity);
-  double steps = tension ? substeps_under_tension(weight, *tension, dt)
-                         : whole_steps(dt * weight / weight_limit);
+                   double stability_limit, double dt, int least, const Workers& workers) {
+  double steps = std::max(least, whole_steps(dt * weight_frequency(cloth, gravity) / weight_limit));
 
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
@@ -87,6 +74,16 @@ int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
 int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt) {
   const double rate = worst_stretch(cloth, velocities) + 1;  // |v_b - v_a| / L0, largest
   return whole_steps(dt * rate / way_share);
+}
+
+int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt) {
+  const double most = weight_frequency(cloth, gravity) / touching_weight_limit;
+  return whole_steps(dt * std::min(frequency / touching_limit, most));
+}
+
+int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt) {
+  const double most = dt * weight_frequency(cloth, gravity);
+  return whole_steps(std::min(std::sqrt(share / most_added), most));
 }
 
 bool are_pulled_taut(const Cloth& cloth, const Points& positions) {

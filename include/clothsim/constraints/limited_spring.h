@@ -18,8 +18,10 @@ struct alignas(32) FourSprings {
 
   double x[count], y[count], z[count];  // direction from a to b; 0 where there is none
   double kick[count];                   // impulse over the reduced mass of both ends [m/s], >= 0
+  double before[count];                 // the kicks before the last pass
   double fastest[count];                // largest rate of elongation allowed [m/s]
   double share[count];                  // of a kick that a takes
+  double mass[count];                   // reduced, of both ends [kg]; 0 where there is none
   unsigned a[count];  // points, as place() has them: an address is one instruction
   unsigned b[count];
 
@@ -34,6 +36,7 @@ struct LimitStep {
   double reach;
   double active;      // share of all springs that are at their limit
   double insistence;  // share of what is worked off a violation where the limit can be met
+  double most_kept;   // of a kick that the step begins with [m/s]
 };
 
 /// Directions in the middle of the step, and the rates of elongation allowed. Velocities and
@@ -45,13 +48,29 @@ void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const
 /// Gives the points their impulses.
 void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);
 
-/// One pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s].
-/// Returns the largest change of a rate of elongation [m/s].
-double sweep_springs(FourSprings* springs, std::size_t fours, double most, Quad* velocities);
+/// What a pass has changed.
+struct PassChange {
+  double largest = 0;  // of a rate of elongation [m/s]
+  double descent = 0;  // sum of changes times ways since the pass before: where it falls below
+                       // zero, momentum has led uphill
+};
+
+/// One pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s], from
+/// kicks that are by `momentum` times the last pass's way further on, as the velocities must be.
+PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, double most,
+                         Quad* velocities);
+
+/// Moves velocities on by `momentum` times their way since `last`, and sets that to where they
+/// were.
+void extrapolate(double momentum, std::size_t count, Quad* last, Quad* velocities);
 
 /// Is any longer than `share` of its limit?
 bool any_longer(const FourSprings* springs, const double* longest, std::size_t fours, double share,
                 const Quad* positions);
+
+/// Is any of `count` springs (i, i + offset) from i = 0 on longer than sqrt(longest2)?
+bool any_longer(const double* x, const double* y, const double* z, int offset, int count,
+                double longest2);
 
 /// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2), else 0; i in [0,
 /// count).

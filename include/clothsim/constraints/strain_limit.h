@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clothsim/constraints/limited_spring.h"
+#include "clothsim/constraints/tension_inertia.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -20,11 +21,10 @@ namespace clothsim {
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
 /// mass, take its rate of elongation out of the velocities, and points follow (Moreau's time
 /// stepping; Jean 1999, "The non-smooth contact dynamics method"). Impulses are found by projected
-/// Gauss-Seidel, kept from step to step and free to shrink again, so a hanging cloth starts each
-/// step almost solved and its rest shape does not depend on the order of the springs. Acting on
-/// velocities instead of lengths is what makes kept impulses stable when a step's sweeps stop
-/// early. Every impulse is equal and opposite, so momentum is conserved; impulses act along the
-/// springs as they lie in the middle of the step, so angular momentum is too.
+/// Gauss-Seidel with Nesterov's momentum, kept from step to step and free to shrink again, so a
+/// hanging cloth starts each step almost solved and its rest shape does not depend on the order of
+/// the springs. Every impulse is equal and opposite, so momentum is conserved; impulses act along
+/// the springs as they lie in the middle of the step, so angular momentum is too.
 ///
 /// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
 /// velocities have been solved already, and following this too would shake a soft cloth for ever.
@@ -38,9 +38,13 @@ namespace clothsim {
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
 class StrainLimit {
  public:
-  /// Needs cloth.strain_limit; every other call must be given the same cloth. `budget`: what passes
-  /// take their visits from, if any.
+  /// Needs cloth.strain_limit; every other call must be given the same cloth, of whatever masses.
+  /// `budget`: what passes take their visits from, if any.
   explicit StrainLimit(const Cloth& cloth, WorkBudget* budget = nullptr);
+
+  /// What its tension asks of the points' inertia, so that steps can follow.
+  TensionInertia& inertia() { return inertia_; }
+  const TensionInertia& inertia() const { return inertia_; }
 
   /// Gives the points, after a step of h [s], the impulses of the last step along the directions
   /// of then. `reach`: the method's own, see Integrator.
@@ -63,9 +67,12 @@ class StrainLimit {
   int solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
             const Workers& = {});
 
+  /// Has inertia() learn of the tension that the last step's impulses have.
+  void learn_tension();
+
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
-  /// in at most `max_sweeps` passes. Returns the passes taken.
-  int correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
+  /// in at most `most` passes; none where the limit yields. Returns the passes taken.
+  int correct(const Cloth& cloth, double tolerance, int most, Points& positions,
               const Workers& = {});
 
   /// How far springs are over their limit at most, of their rest length; 0 where none is by more
@@ -75,7 +82,7 @@ class StrainLimit {
 
   /// Do the impulses let points swing faster than steps can follow? They grow so where pins or
   /// colliders ask for more than the limit grants, though repairs may hide it.
-  bool outruns_steps();
+  bool outruns_steps() const;
 
   /// Learns from a step what violation passes that ran out have left, 0 where they did not: to be
   /// called once after each.
@@ -89,7 +96,7 @@ class StrainLimit {
 
   /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
-  double tension_frequency();
+  double tension_frequency() const;
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -109,6 +116,24 @@ class StrainLimit {
 
   static constexpr int num_colours = 12;
 
+  /// What a spring keeps of the last step.
+  struct Kick {
+    double kick = 0;  // see FourSprings
+    double mass = 0;
+    double share = 0;
+    Vector3 direction{0, 0, 0};
+  };
+
+  /// Springs that begin at neighbours, few enough that it is worth to know whether any is over its
+  /// limit.
+  struct Piece {
+    int first;  // of the points they begin at
+    int count;
+    int offset;
+    double rest_length;  // [m]
+    int id;              // of the first constraint
+  };
+
   /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
   /// the further a spring is over it.
   static constexpr double patience = 0.1;
@@ -121,13 +146,10 @@ class StrainLimit {
     int a;
     int b;
     double rest_length;  // [m]
-    double mass;         // reduced, of both ends [kg]; 0 between two pins
-    double share;        // of a change of the rate of elongation that a takes
     int colour;
   };
 
-  void flag_longer_than(const Cloth& cloth, double stretch, const Points& positions,
-                        const Workers&);
+  void flag_longer_than(double stretch, const Points& positions, const Workers&);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
   template <typename Visitor>
@@ -135,25 +157,27 @@ class StrainLimit {
   void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
                      const Points* before);
   double insistence() const;
-  bool find_active(const Cloth& cloth, const Points& positions, const Workers&);
+  bool find_active(const Points& positions, const Workers&);
   void clear_active();
-  void add_active(int id, double kick, const Vector3& direction);
+  void add_active(int id, const Kick&);
   void close_active();
   int touch(int point);
-  double sweep_active(const Workers&);
+  PassChange sweep_active(double momentum, const Workers&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
-  bool add_over(int id, double tolerance, const Points& positions);
+  bool add_over(const Cloth&, int id, double tolerance, const Points& positions);
   bool shorten(const Cloth&, const std::vector<int>& ids, double tolerance, Points& positions,
                const Workers&);
   bool find_over_again(const Cloth&, double tolerance, const Points& positions);
   void list_springs_of_points(const Cloth&);
 
-  double longest_;                       // 1 + limit
-  double shortest_;                      // rest length [m]
-  LimitStep step_{};                     // that the impulses belong to
-  double doubt_ = 0;                     // time of steps that could not meet it, less others [s]
-  double most_kick_ = 0;                 // of this step, see FourSprings [m/s]
+  double longest_;        // 1 + limit
+  double shortest_;       // rest length [m]
+  LimitStep step_{};      // that the impulses belong to
+  double doubt_ = 0;      // time of steps that could not meet it, less others [s]
+  double most_kick_ = 0;  // of this step, see FourSprings [m/s]
+  TensionInertia inertia_;
+  std::vector<Piece> pieces_;
   std::vector<Constraint> constraints_;  // in the order of cloth.springs
 
   // The springs at their limit, in fours of one colour. Between add_active() and close_active()
@@ -161,7 +185,8 @@ class StrainLimit {
   std::vector<FourSprings> active_;  // in the order of their sweeps
   std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
   std::vector<double> lengths_;      // at the limit [m], as ids_
-  std::vector<int> colour_ends_;     // in active_
+  std::vector<int> segment_ends_;    // in active_, of what a thread takes at once
+  std::vector<int> colour_ends_;     // in segment_ends_
   std::vector<int> touched_;         // points of active_, which knows them by their places here
   std::size_t num_active_ = 0;       // springs
   int colour_ = -1;                  // of the last four
@@ -170,20 +195,21 @@ class StrainLimit {
   WorkBudget* budget_;               // what passes may take of it; none: any
   double moved_ = 0;                 // farthest that solve() has moved a point [m]
 
-  // As touched_, and one more for springs that are none. All w are 0.
-  std::vector<Quad> positions_;
+  // As touched_, and one more for springs that are none. All w are 0 but in positions_.
+  std::vector<Quad> positions_;   // w: inverse mass
   std::vector<Quad> predicted_;   // velocities after predict()
   std::vector<Quad> velocities_;  // when solved
+  std::vector<Quad> last_;        // before the last pass
   std::vector<Quad> before_;      // at the step's start, of begin()
   std::vector<Quad> given_;       // velocities given by predict()
   std::vector<int> local_;        // places in touched_ by point; -1: in none
 
   // Scratch.
-  std::vector<double> across_;              // rates, as touched_
-  std::vector<double> kept_;                // kicks by constraint; all 0 between calls
-  std::vector<unsigned char> flags_;        // by constraint, padded to whole words
-  std::vector<unsigned char> over_length_;  // by first point, of one direction
-  std::vector<unsigned char> last_flags_;   // what active_ is of; none: of fewer
+  std::vector<double> tensions_;      // sum of T h / l of the last impulses, as touched_ [N s/m]
+  std::vector<Kick> kept_;            // by constraint; all 0 between calls
+  std::vector<unsigned char> flags_;  // by constraint, padded to whole words
+  std::vector<unsigned char> last_flags_;  // what active_ is of; none: of fewer
+  std::vector<PassChange> changes_;        // by segment
   std::vector<int> last_ids_;
   std::vector<int> last_touched_;
   std::vector<Quad> last_given_;    // as last_touched_

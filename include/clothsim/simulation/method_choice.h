@@ -14,7 +14,6 @@ namespace clothsim {
 struct MethodChoice {
   std::string method;      // a name of method_names()
   int least_substeps = 1;  // a frame, whatever the state
-  int least_apart = 1;     // the same while all colliders are out of reach
   Reasons reasons;
   bool is_feasible = true;  // stable and, as far as can be foretold, in real time
   // Foretold by `auto` alone.

@@ -28,6 +28,7 @@ struct StepReport {
   int corrections = 0;       // passes that shortened springs still over the limit, likewise
   double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
   int contacts = 0;          // points on colliders plus those of self contact, last substep
+  double added_mass = 0;     // inertia that tension adds, of the cloth's mass, most in a substep
   int ran_out = 0;           // substeps whose method stopped iterating before its tolerance
   int held_back = 0;         // moves of points cut short lest the cloth cross itself
   int pinched = 0;           // points that two colliders leave no room, most in a substep

@@ -1,38 +1,18 @@
 #pragma once
 
-#include <optional>
-
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
 
-/// What the strain limit puts into springs.
-struct Tension {
-  double frequency;  // [rad/s], see StrainLimit::tension_frequency()
-  bool touches;      // a cloth that may touch something: contact wants shorter steps
-};
-
 /// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
 /// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
-/// and, with a strain limit, to follow the tension that the limit puts into the springs: that of
-/// substeps_under_tension(), without a `tension` that of the whole weight. A function of its
-/// arguments alone, so that a run goes on the same way from any state. At most max_substeps,
-/// whatever the material.
+/// and, with a strain limit, enough for the tension of the whole weight on the springs of one
+/// point; at least `least`. A function of its arguments alone, so that a run goes on the same way
+/// from any state. At most max_substeps, whatever the material.
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, std::optional<Tension> tension = {},
-                   const Workers& = {});
-
-/// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
-/// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
-double weight_frequency(const Cloth&, const Vector3& gravity);
-
-/// Substeps of `dt` [s] in which the strain limit can follow a tension: not more than the whole
-/// `weight` [rad/s] on the springs of one point would ask for, and not less than nearly half of
-/// that, since tension can come within a substep. If the cloth may touch something, which may carry
-/// it by fewer points than pins would: from two thirds of that number to twice it.
-int substeps_under_tension(double weight, const Tension&, double dt);
+                   double stability_limit, double dt, int least = 1, const Workers& = {});
 
 /// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
 /// quarter of its shortest spring at once: springs must not be torn over a collider before their
@@ -43,6 +23,16 @@ int substeps_at_speed(const Cloth&, double speed, double dt);
 /// each other: a spring that has been torn open, or turned round, before its limit can answer, the
 /// limit does not bring back. At most max_substeps.
 int substeps_at_parting(const Cloth&, const Points& velocities, double dt);
+
+/// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
+/// lets points swing at `frequency` [rad/s]. At most max_substeps.
+int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt);
+
+/// Substeps in which the inertia that tension adds, `share` of the cloth's mass in a step as long
+/// as the frame of `dt` [s], is 1.5 % of it at most: it grows with the square of the step. With
+/// more, passes over the strain limit do not get there. Not more than follow the whole weight on
+/// the springs of one point: where pins ask for more than the limit grants, tension has no end.
+int substeps_at_share(const Cloth&, const Vector3& gravity, double share, double dt);
 
 /// Do two points that are held ask for all that the strain limit grants, within 1 %, or more? Then
 /// it pulls without end, and springs part the faster the shorter the steps. Needs a strain limit.

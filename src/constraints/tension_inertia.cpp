@@ -1,0 +1,212 @@
+#include "clothsim/constraints/tension_inertia.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/model/lanes.h"
+#include "clothsim/model/point_run.h"
+#include "clothsim/model/target_clones.h"
+
+namespace clothsim {
+namespace {
+
+/// Inertia added, of h^2 sum(T / l). More keeps longer steps stable than the weight asks for, but
+/// passes have a harder time with masses that differ: at 0.5 a cloth of 50 x 50 points may shake
+/// for want of them.
+constexpr double added = 0.4;
+
+/// What inertia keeps of itself from step to step where tension falls. Passes that end early leave
+/// noise in tension, and inertia that followed that would make the next step's: at 0.9 the same
+/// cloth may shake for ever.
+constexpr double kept = 0.97;
+
+/// Most of that, of a point's mass: with more, no step is stable. Where pins or colliders ask for
+/// what cannot be, tension has no end.
+constexpr double most = 10 * added;
+
+/// Adds time2 * stiffness to the masses of free points. Drops stiffness beyond the most, that is
+/// lost in a mass, or at a point that is held.
+CLOTHSIM_TARGET_CLONES
+void add_inertia(int count, double time2, const double* mass, double* stiffness, double* inv_mass) {
+  for_each_lane(count, [&](int i) CLOTHSIM_INLINE {
+    const double largest = most * mass[i] / time2;
+    const double bounded = stiffness[i] < largest ? stiffness[i] : largest;
+    const double all = mass[i] + time2 * bounded;
+    const bool counts = (inv_mass[i] > 0) & (all > mass[i]);
+    stiffness[i] = counts ? bounded : 0;
+    inv_mass[i] = counts ? 1 / all : inv_mass[i];
+  });
+}
+
+/// What a cloth is as a rigid body, about an origin, and what inertia beyond its mass has taken.
+struct Body {
+  double first[3];   // m x [kg m]
+  double second[6];  // m x x, xx yy zz xy yz zx [kg m^2]
+  double momentum[3];
+  double angular[3];
+};
+
+/// Where the points were when the step's impulses acted, and what they carry.
+struct Carriers {
+  PointRun x;  // at the step's end
+  PointRun v;
+  PointRun before;  // velocities as the step began
+  const double* mass;
+  const double* stiffness;
+  double way;    // back to where impulses acted, of a velocity [s]
+  double time2;  // inertia of a stiffness [s^2]
+  double decay;  // of velocities by drag in the step
+  Vector3 origin;
+};
+
+CLOTHSIM_TARGET_CLONES
+void add_up(int count, const Carriers& c, Body& sums) {
+  constexpr int n = sizeof(Body) / sizeof(double);
+  double lanes[n][num_lanes] = {};
+  const double ox = c.origin.x(), oy = c.origin.y(), oz = c.origin.z();
+  for (int first = 0; first < count; first += num_lanes) {
+    for_each_lane(std::min(num_lanes, count - first), [&](int lane) CLOTHSIM_INLINE {
+      const int i = first + lane;
+      const double vx = c.v.x[i], vy = c.v.y[i], vz = c.v.z[i];
+      const double x = c.x.x[i] - ox - c.way * vx;
+      const double y = c.x.y[i] - oy - c.way * vy;
+      const double z = c.x.z[i] - oz - c.way * vz;
+      const double m = c.mass[i], more = c.time2 * c.stiffness[i];
+      const double px = more * (vx - c.decay * c.before.x[i]);
+      const double py = more * (vy - c.decay * c.before.y[i]);
+      const double pz = more * (vz - c.decay * c.before.z[i]);
+      lanes[0][lane] += m * x;
+      lanes[1][lane] += m * y;
+      lanes[2][lane] += m * z;
+      lanes[3][lane] += m * x * x;
+      lanes[4][lane] += m * y * y;
+      lanes[5][lane] += m * z * z;
+      lanes[6][lane] += m * x * y;
+      lanes[7][lane] += m * y * z;
+      lanes[8][lane] += m * z * x;
+      lanes[9][lane] += px;
+      lanes[10][lane] += py;
+      lanes[11][lane] += pz;
+      lanes[12][lane] += y * pz - z * py;
+      lanes[13][lane] += z * px - x * pz;
+      lanes[14][lane] += x * py - y * px;
+    });
+  }
+  double* const all = sums.first;
+  for (int k = 0; k < n; ++k) {
+    double sum = 0;
+    for (const double lane : lanes[k]) sum += lane;
+    all[k] = sum;
+  }
+}
+
+/// Gives points velocities shift + turn x (middle - origin), and what these move them.
+CLOTHSIM_TARGET_CLONES
+void move_rigidly(int count, const Vector3& shift, const Vector3& turn, const Vector3& origin,
+                  double way, MutablePointRun x, MutablePointRun v) {
+  const double wx = turn.x(), wy = turn.y(), wz = turn.z();
+  const double sx = shift.x(), sy = shift.y(), sz = shift.z();
+  const double ox = origin.x(), oy = origin.y(), oz = origin.z();
+  for_each_lane(count, [&](int i) CLOTHSIM_INLINE {
+    const double ax = x.x[i] - ox - way * v.x[i];
+    const double ay = x.y[i] - oy - way * v.y[i];
+    const double az = x.z[i] - oz - way * v.z[i];
+    const double gx = sx + wy * az - wz * ay;
+    const double gy = sy + wz * ax - wx * az;
+    const double gz = sz + wx * ay - wy * ax;
+    v.x[i] += gx;
+    v.y[i] += gy;
+    v.z[i] += gz;
+    x.x[i] += way * gx;
+    x.y[i] += way * gy;
+    x.z[i] += way * gz;
+  });
+}
+
+}  // namespace
+
+TensionInertia::TensionInertia(const Cloth& cloth)
+    : stiffness_(Scalars::Zero(cloth.num_points())) {}
+
+void TensionInertia::weigh(const Cloth& cloth, double h, const State& state, Scalars& inv_mass) {
+  inv_mass = cloth.inv_mass;
+  is_free_ = false;
+  if (!is_tense_) return;
+  add_inertia(cloth.num_points(), added * h * h, cloth.mass.data(), stiffness_.data(),
+              inv_mass.data());
+  is_free_ = cloth.inv_mass.minCoeff() > 0;
+  if (is_free_) start_velocities_ = state.velocities;
+}
+
+void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State& state) {
+  if (!is_free_) return;
+  is_free_ = false;
+  const int count = cloth.num_points();
+  const double way = reach * h, mass = cloth.mass.sum();
+  const Vector3 origin = row(state.positions, 0);
+  Body body;
+  add_up(count,
+         {run_from(state.positions, 0), run_from(state.velocities, 0),
+          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), way, added * h * h,
+          std::exp(-cloth.damping * h), origin},
+         body);
+
+  // About the centre of mass, as a rigid motion of the whole.
+  const Vector3 centre = Vector3(body.first[0], body.first[1], body.first[2]) / mass;
+  const Vector3 momentum(body.momentum[0], body.momentum[1], body.momentum[2]);
+  const Vector3 angular =
+      Vector3(body.angular[0], body.angular[1], body.angular[2]) - centre.cross(momentum);
+  Eigen::Matrix3d spread;
+  spread << body.second[0], body.second[3], body.second[5],  //
+      body.second[3], body.second[1], body.second[4],        //
+      body.second[5], body.second[4], body.second[2];
+  spread -= mass * centre * centre.transpose();
+  const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  const Vector3 turn = inertia.completeOrthogonalDecomposition().solve(angular);
+  move_rigidly(count, momentum / mass, turn, origin + centre, way, run_from(state.positions, 0),
+               run_from(state.velocities, 0));
+}
+
+double TensionInertia::share(const Cloth& cloth, double h) const {
+  return is_tense_ ? added * h * h * stiffness_.sum() / cloth.mass.sum() : 0;
+}
+
+double TensionInertia::frequency(const Cloth& cloth) const {
+  return is_tense_ ? std::sqrt((stiffness_.array() / cloth.mass.array()).maxCoeff()) : 0;
+}
+
+void TensionInertia::fade() {
+  if (!is_tense_) return;
+  stiffness_ *= kept;
+}
+
+void TensionInertia::add(int point, double stiffness) {
+  if (stiffness == 0) return;
+  is_tense_ = true;
+  stiffness_[point] = std::max(stiffness_[point], stiffness);
+}
+
+void TensionInertia::reset() {
+  stiffness_.setZero();
+  is_tense_ = is_free_ = false;
+}
+
+void TensionInertia::write(MemoryWriter& memory) const {
+  memory.add(static_cast<double>((stiffness_.array() > 0).count()));
+  for (int i = 0; i < stiffness_.size(); ++i) {
+    if (stiffness_[i] == 0) continue;
+    memory.add(i);
+    memory.add(stiffness_[i]);
+  }
+}
+
+void TensionInertia::read(MemoryReader& memory) {
+  reset();
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    const int point = memory.index(static_cast<std::size_t>(stiffness_.size()));
+    add(point, std::max(0.0, memory.number()));
+  }
+}
+
+}  // namespace clothsim
