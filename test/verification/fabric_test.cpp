@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include "clothsim/dynamics/bends.h"
-#include "clothsim/dynamics/implicit_euler.h"
-#include "clothsim/dynamics/spectrum.h"
 #include "verification/fabric_testing.h"
 
 namespace clothsim {
@@ -117,125 +114,6 @@ TEST(Fabric, BendingIsNoneOfStretch) {
   Eigen::Matrix3d map;
   map << 1.3, 0.2, 0, -0.1, 0.7, 0, 0.4, 0.5, 1;
   EXPECT_LT(elastic_energy(cloth, cloth.rest_positions * map), 1e-20);
-}
-
-// ---- Peirce's cantilever
-
-struct EndOfStrip {
-  double drop;
-  double reach;
-};
-
-/// Free end of the elastica of length 1 under its own weight, theta'' = -gamma t cos(theta) with t
-/// from the free end, theta the angle below the horizontal: theta(1) = 0, theta'(0) = 0.
-EndOfStrip elastica(double gamma) {
-  constexpr int steps = 20000;
-  constexpr double h = 1.0 / steps;
-  const auto integrate = [&](double end_angle) {
-    double angle = end_angle, slope = 0;
-    EndOfStrip end{0, 0};
-    for (int i = 0; i < steps; ++i) {  // the midpoint rule
-      const double t = i * h;
-      const double middle = angle + h / 2 * slope;
-      const double middle_slope = slope - h / 2 * gamma * t * std::cos(angle);
-      end.drop += h * std::sin(middle);
-      end.reach += h * std::cos(middle);
-      slope -= h * gamma * (t + h / 2) * std::cos(middle);
-      angle += h * middle_slope;
-      if (angle < 0) break;  // it swings back from there
-    }
-    return std::pair(angle, end);
-  };
-  double low = 0, high = M_PI / 2;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = (low + high) / 2;
-    (integrate(middle).first < 0 ? low : high) = middle;
-  }
-  return integrate((low + high) / 2).second;
-}
-
-TEST(Elastica, IsTheMasterCurve) {
-  // Drop over reach, as tabled by Romero et al. 2021, "Physical validation of simulators in
-  // computer graphics", for their cantilever.
-  const std::pair<double, double> table[] = {{0.1, 0.0125}, {1, 0.125},  {3, 0.365},  {10, 1.065},
-                                             {30, 2.55},    {100, 5.89}, {1000, 21.2}};
-  for (const auto& [gamma, ratio] : table) {
-    const EndOfStrip end = elastica(gamma);
-    EXPECT_NEAR(end.drop / end.reach, ratio, 0.01 * ratio) << gamma;
-  }
-}
-
-EndOfStrip end_of(const ClothSpec& spec, const Points& x, bool along_weft) {
-  const int points = along_weft ? spec.rows : spec.columns;
-  const int along = along_weft ? 1 : 0;
-  const int end = along_weft ? (points - 1) * spec.columns + 1 : points + points - 1;
-  const double spacing = strip_length / (points - 1.5);
-  return {-x(end, 2), x(end, along) - spacing / 2};
-}
-
-/// At rest, by steps of implicit Euler that are long against all swings but converge each.
-EndOfStrip at_rest(const ClothSpec& spec, bool along_weft) {
-  const Cloth cloth = make_grid(spec);
-  State state = start_state(spec, cloth, 1);
-  ImplicitEuler::Parameters parameters;
-  parameters.tolerance = 1e-6;
-  parameters.max_iterations = 100;
-  ImplicitEuler method(parameters);
-  for (int i = 0; i < 400; ++i) {
-    method.step(cloth, Loads{}, 0.1, state);
-    if (rms_velocity(state) < 1e-6) break;
-  }
-  EXPECT_LT(rms_velocity(state), 1e-5);
-  return end_of(spec, state.positions, along_weft);
-}
-
-TEST(Fabric, HangsFromATableAsPeircesStrip) {
-  for (const bool along_weft : {false, true}) {
-    for (const double gamma : {0.1, 1.0, 10.0, 30.0, 100.0}) {
-      const EndOfStrip exact = elastica(gamma);
-      const double ratio = exact.drop / exact.reach;
-      for (const auto& [points, share] : {std::pair(10, 0.03), std::pair(40, 0.01)}) {
-        SCOPED_TRACE(std::to_string(gamma) + ", points " + std::to_string(points));
-        const EndOfStrip end = at_rest(strip(gamma, points, along_weft), along_weft);
-        EXPECT_NEAR(end.drop / end.reach, ratio, share * ratio);
-      }
-    }
-  }
-}
-
-TEST(Fabric, HangsFromATableWhereItsBendIsHardlyResolved) {
-  // The least radius is about the length over gamma's cubic root, 0.1 of it at 1000: one cell of 10
-  // points. There the end's place tells and not the ratio, whose denominator is 5 % of the length.
-  for (const auto& [gamma, points, share] :
-       {std::tuple(300.0, 10, 0.05), std::tuple(1000.0, 10, 0.05), std::tuple(300.0, 40, 0.002),
-        std::tuple(1000.0, 40, 0.002)}) {
-    SCOPED_TRACE(std::to_string(gamma) + ", points " + std::to_string(points));
-    const EndOfStrip exact = elastica(gamma);
-    const EndOfStrip end = at_rest(strip(gamma, points, false), false);
-    EXPECT_NEAR(end.drop / strip_length, exact.drop, share);
-    EXPECT_NEAR(end.reach / strip_length, exact.reach, share);
-  }
-}
-
-template <typename Method>
-class FabricMethod : public ::testing::Test {};
-TYPED_TEST_SUITE(FabricMethod, EachMethod);
-
-TYPED_TEST(FabricMethod, HangsTheSame) {
-  // With drag to come to rest; methods that iterate are let converge.
-  ClothSpec spec = strip(10, 10, false);
-  spec.material.fabric->stretch_stiffness = {2000, 2000};
-  spec.material.damping = 25;
-  const EndOfStrip expected = at_rest(spec, false);
-  const Cloth cloth = make_grid(spec);
-  State state = start_state(spec, cloth, 1);
-  TypeParam method = converged<TypeParam>();
-  const bool is_explicit = std::isfinite(TypeParam::stability_limit);
-  const double h = is_explicit ? 0.9 * TypeParam::stability_limit / omega_max_bound(cloth) : 2e-3;
-  run(method, cloth, Loads{}, h, static_cast<int>(2 / h), state);
-  const EndOfStrip end = end_of(spec, state.positions, false);
-  EXPECT_NEAR(end.drop, expected.drop, 1e-4 * strip_length);
-  EXPECT_NEAR(end.reach, expected.reach, 1e-4 * strip_length);
 }
 
 }  // namespace
