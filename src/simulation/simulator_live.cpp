@@ -1,10 +1,23 @@
 // Values that change between two frames.
 
+#include <algorithm>
 #include <utility>
 
 #include "simulator_impl.h"
 
 namespace clothsim {
+namespace {
+
+/// Do the springs of both join the same points, in the same order?
+bool join_alike(const Cloth& one, const Cloth& other) {
+  return std::equal(one.springs.begin(), one.springs.end(), other.springs.begin(),
+                    other.springs.end(), [](const SpringRun& a, const SpringRun& b) {
+                      return a.family == b.family && a.first == b.first && a.offset == b.offset &&
+                             a.count == b.count;
+                    });
+}
+
+}  // namespace
 
 void Simulator::Impl::check_feasible(const SimulationSpec& spec, const Cloth& with,
                                      const std::vector<std::string>& key) const {
@@ -33,13 +46,13 @@ void Simulator::Impl::set_collider_friction() {
 void Simulator::set(const LiveSpec& live) {
   validate(live);
   ClothSpec spec = impl_->scene.cloth;
-  const bool springs_changed = live.material.springs != spec.material.springs;
   spec.material = live.material;
   spec.thickness = live.thickness;
   spec.self_collision = live.self_collision;
   spec.friction = live.friction;
   validate(spec);
   Cloth cloth = make_grid(spec, live.simulation.gravity.norm());
+  const bool springs_changed = !join_alike(impl_->cloth, cloth);
   impl_->grips.hold(cloth);
   impl_->check_feasible(live.simulation, cloth, {"ks"});
 

@@ -125,6 +125,26 @@ TEST(FabricScene, TakesValuesWhileItRuns) {
   EXPECT_GT(x.col(1).mean(), 0.05) << "it blows out";
 }
 
+TEST(FabricScene, TakesTheLimitOfOtherSprings) {
+  // A classic cloth has springs that a fabric has not: what the limit remembers of them is void.
+  Scene scene = hanging_towel();
+  Material& fabric = scene.cloth.material;
+  fabric.fabric->stretch_stiffness = {5, 5};
+  fabric.fabric->shear_stiffness = 1;
+  fabric.strain_limit = 0.05;
+  Material classic = fabric;
+  classic.fabric.reset();
+  classic.ks = 5;
+  Simulator simulator(scene);
+  run(simulator, 1);
+  for (const Material& next : {classic, fabric, classic}) {
+    const unsigned topology = simulator.topology_seq();
+    simulator.set_material(next);
+    EXPECT_GT(simulator.topology_seq(), topology);
+    EXPECT_LT(run(simulator, 1).worst_stretch, 0.05 + 0.01);
+  }
+}
+
 TEST(FabricScene, IsCarriedByItsWeight) {
   // Two hands that move evenly bear it once it hangs still: drag against the world there is none.
   Scene scene = hanging_towel();
