@@ -28,8 +28,9 @@ const std::vector<std::string> frames = {"left", "right", "other"};
 
 class Caller {
  public:
-  explicit Caller(std::uint64_t seed)
-      : draw_(seed), simulator_(random_scene(seed, most_points).scene) {}
+  /// With fabrics: classic cloths become fabrics and fabrics classic cloths, in wind.
+  Caller(std::uint64_t seed, bool with_fabrics)
+      : draw_(seed), with_fabrics_(with_fabrics), simulator_(scene(seed)) {}
 
   /// One call; its name.
   const char* call();
@@ -47,6 +48,7 @@ class Caller {
   };
 
   void step();
+  void spoil(Fabric&);
   void set_material();
   void set_simulation();
   void attach();
@@ -68,9 +70,13 @@ class Caller {
     EXPECT_EQ(simulator_.state().time, 0);
     EXPECT_TRUE(simulator_.grips().empty());
   }
-  void load() { simulator_.load(random_scene(seed(), most_points).scene); }
+  void load() { simulator_.load(scene(seed())); }
 
   // What calls are made with.
+  Scene scene(std::uint64_t seed) {
+    const bool is_fabric = with_fabrics_ && draw_.happens(0.7);
+    return (is_fabric ? random_fabric_scene : random_scene)(seed, most_points).scene;
+  }
   std::uint64_t seed() { return static_cast<std::uint64_t>(draw_.whole(1, 1'000'000)); }
   bool is_hostile() { return draw_.happens(0.1); }
   double hostile() {
@@ -88,6 +94,7 @@ class Caller {
   void expect_held() const;
 
   Draw draw_;
+  bool with_fabrics_;
   Simulator simulator_;
   std::shared_ptr<const Simulator::Saved> saved_;
   int refused_ = 0;
@@ -112,22 +119,31 @@ std::vector<int> Caller::points() {
   return points;
 }
 
+void Caller::spoil(Fabric& fabric) {
+  if (is_hostile()) fabric.stretch_stiffness[draw_.whole(0, 1)] = hostile();
+  if (is_hostile()) fabric.shear_stiffness = hostile();
+  if (is_hostile()) fabric.bending_stiffness[draw_.whole(0, 1)] = hostile();
+  if (is_hostile()) fabric.internal_damping[draw_.whole(0, 1)] = hostile();
+}
+
 void Caller::set_material() {
-  Material material = random_scene(seed(), most_points).scene.cloth.material;
+  Material material = scene(seed()).cloth.material;
   if (is_hostile()) material.ks = hostile();
   if (is_hostile()) material.density = hostile();
   if (is_hostile()) material.damping = hostile();
   if (is_hostile()) material.strain_limit = hostile();
+  if (material.fabric) spoil(*material.fabric);
   for (bool& family : material.springs) family = draw_.happens(0.9);
   simulator_.set_material(material);
 }
 
 void Caller::set_simulation() {
-  SimulationSpec simulation = random_scene(seed(), most_points).scene.simulation;
+  SimulationSpec simulation = scene(seed()).simulation;
   if (draw_.happens(0.2)) simulation.substeps = draw_.whole(1, 20);
   if (is_hostile()) simulation.gravity.x() = hostile();
   if (is_hostile()) simulation.frames_per_second = hostile();
   if (is_hostile()) simulation.method = "no method";
+  if (simulation.wind && is_hostile()) simulation.wind->y() = hostile();
   simulator_.set_simulation(simulation);
 }
 
@@ -249,18 +265,24 @@ const char* Caller::call() {
   return chosen.name;
 }
 
+void make_calls(std::uint64_t seed, bool with_fabrics) {
+  const double begun = cpu_seconds();
+  Caller caller(seed, with_fabrics);
+  for (int i = 0; i < calls && !has_failed(); ++i) {
+    const std::string name = caller.call();
+    EXPECT_TRUE(caller.is_finite()) << name;
+    if (has_failed()) std::cout << "call " << i << ", " << name << ": ";
+  }
+  std::cout << caller.refused() << " of " << calls << " calls refused, " << caller.diverged()
+            << " diverged, " << cpu_seconds() - begun << " CPU seconds";
+}
+
 TEST(FuzzCalls, RandomCalls) {
-  for_each_seed([](std::uint64_t seed) {
-    const double begun = cpu_seconds();
-    Caller caller(seed);
-    for (int i = 0; i < calls && !has_failed(); ++i) {
-      const std::string name = caller.call();
-      EXPECT_TRUE(caller.is_finite()) << name;
-      if (has_failed()) std::cout << "call " << i << ", " << name << ": ";
-    }
-    std::cout << caller.refused() << " of " << calls << " calls refused, " << caller.diverged()
-              << " diverged, " << cpu_seconds() - begun << " CPU seconds";
-  });
+  for_each_seed([](std::uint64_t seed) { make_calls(seed, false); });
+}
+
+TEST(FuzzCalls, RandomCallsOfFabrics) {
+  for_each_seed([](std::uint64_t seed) { make_calls(seed, true); });
 }
 
 }  // namespace

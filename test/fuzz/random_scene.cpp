@@ -24,6 +24,34 @@ Material random_material(Draw& draw) {
   return material;
 }
 
+/// Zero now and then, as every value of a fabric may be.
+double or_zero(Draw& draw, double value) { return draw.happens(0.1) ? 0 : value; }
+
+/// Of cells `ratio` times as wide as they are high. Within what a scene may ask for: diagonals give
+/// no more stretch stiffness than there is.
+Fabric random_fabric(Draw& draw, double ratio) {
+  Fabric fabric;
+  double most_shear = 1e4;
+  for (const int i : {0, 1}) {
+    double& stretch = fabric.stretch_stiffness[i];
+    stretch = or_zero(draw, draw.decades(10, 1e4));
+    const double added = i == 0 ? ratio * ratio : 1 / (ratio * ratio);
+    if (stretch > 0) most_shear = std::min(most_shear, stretch / added);
+  }
+  fabric.shear_stiffness = or_zero(draw, draw.decades(0.001, 0.999) * most_shear);
+  for (double& bending : fabric.bending_stiffness)
+    bending = or_zero(draw, draw.decades(1e-7, 1e-2));
+  fabric.internal_damping = {or_zero(draw, draw.decades(1e-7, 1e-3)),
+                             or_zero(draw, draw.decades(1e-5, 0.1))};
+  return fabric;
+}
+
+/// Wind, gusts, both or none.
+void add_wind(Draw& draw, SimulationSpec& simulation) {
+  if (draw.happens(0.4)) simulation.wind = draw.decades(0.1, 30) * draw.direction();
+  if (draw.happens(0.2)) simulation.gusts = draw.decades(0.1, 10);
+}
+
 ClothSpec random_cloth(Draw& draw, int most) {
   ClothSpec cloth;
   cloth.columns = static_cast<int>(draw.decades(2, most + 1));
@@ -145,6 +173,20 @@ SimulationSpec random_simulation(Draw& draw) {
   return simulation;
 }
 
+std::string text_of_springs(const Material& material) {
+  std::ostringstream out;
+  out.precision(3);
+  if (!material.fabric) {
+    out << "ks " << material.ks;
+    return out.str();
+  }
+  const auto& [stretch, shear, bending, damping] = *material.fabric;
+  out << "stretch " << stretch[0] << " " << stretch[1] << ", shear " << shear << ", bending "
+      << bending[0] << " " << bending[1] << ", internal damping " << damping[0] << " "
+      << damping[1];
+  return out.str();
+}
+
 double reach_of(const Shape& shape) {
   const double radius = bounding_radius(shape);
   return std::isfinite(radius) ? radius : 0;
@@ -197,13 +239,30 @@ RandomScene random_scene(std::uint64_t seed, int most) {
   return random;
 }
 
+RandomScene random_fabric_scene(std::uint64_t seed, int most) {
+  RandomScene random = random_scene(seed, most);
+  Draw draw(seed + 1);
+  ClothSpec& cloth = random.scene.cloth;
+  Material& material = cloth.material;
+  const double du = cloth.width / std::max(1, cloth.columns - 1);
+  const double dv = cloth.height / std::max(1, cloth.rows - 1);
+  material.fabric = random_fabric(draw, du / dv);
+  material.density = draw.decades(0.03, 1);
+  material.drag = {or_zero(draw, draw.decades(0.1, 3)), or_zero(draw, draw.decades(0.001, 0.3))};
+  if (draw.happens(0.7)) material.damping = 0;
+  if (draw.happens(0.7)) material.strain_limit.reset();
+  cloth.thickness = draw.decades(1e-4, 0.2 * std::min(du, dv));
+  add_wind(draw, random.scene.simulation);
+  return random;
+}
+
 std::string RandomScene::text() const {
   const ClothSpec& cloth = scene.cloth;
   const Material& material = cloth.material;
   std::ostringstream out;
   out.precision(3);
   out << cloth.columns << " x " << cloth.rows << " of " << cloth.width << " x " << cloth.height
-      << " m, ks " << material.ks << ", density " << material.density << ", damping "
+      << " m, " << text_of_springs(material) << ", density " << material.density << ", damping "
       << material.damping << ", limit ";
   if (material.strain_limit) {
     out << *material.strain_limit;
@@ -212,6 +271,8 @@ std::string RandomScene::text() const {
   }
   out << ", self " << self_collision_names[static_cast<std::size_t>(cloth.self_collision)] << ", "
       << scene.simulation.method << ", " << pins.size() << " pins";
+  if (scene.simulation.wind) out << ", wind " << scene.simulation.wind->norm();
+  if (scene.simulation.gusts > 0) out << ", gusts " << scene.simulation.gusts;
   const auto moves = [](const Motion& motion) { return motion.moves(); };
   if (std::any_of(pins.begin(), pins.end(), moves)) out << " moved";
   for (std::size_t i = 0; i < colliders.size(); ++i) {
@@ -229,6 +290,9 @@ double RandomScene::fastest_drive() const {
     const double reach = reach_of(scene.colliders[i].shape);
     fastest = std::max(fastest, colliders[i].velocity.norm() + colliders[i].turn.norm() * reach);
   }
+  const SimulationSpec& simulation = scene.simulation;
+  const double wind = simulation.wind.value_or(Vector3::Zero()).norm();
+  fastest = std::max(fastest, wind + std::sqrt(3) * simulation.gusts);
   for (const Motion& pin : pins) fastest = std::max(fastest, pin.velocity.norm());
   return fastest;
 }

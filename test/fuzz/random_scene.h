@@ -36,7 +36,7 @@ struct RandomScene {
   /// In a line, for people.
   std::string text() const;
 
-  /// Fastest that anything is driven, at the radius of a collider's far end [m/s].
+  /// Fastest that anything is driven, at the radius of a collider's far end, or the wind [m/s].
   double fastest_drive() const;
 
   /// May pins and colliders ask for longer springs than the strain limit grants?
@@ -45,5 +45,8 @@ struct RandomScene {
 
 /// Of a cloth with `most` points along a side at most. Equal seeds give equal scenes.
 RandomScene random_scene(std::uint64_t seed, int most = 25);
+
+/// The same scene with a fabric for a cloth, and in half of them wind.
+RandomScene random_fabric_scene(std::uint64_t seed, int most = 25);
 
 }  // namespace clothsim::testing
