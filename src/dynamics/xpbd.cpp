@@ -70,7 +70,7 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
   Colouring<Constraint> colouring(cloth);
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     const double inv_mass = cloth.inv_mass[a] + cloth.inv_mass[b];
-    if (run.stiffness == 0 || inv_mass == 0) return;
+    if (run.stiffness == 0) return;
     const double compliance = 1 / (run.stiffness * damped * time2);
     colouring.add({a, b, run.rest_length, compliance, 1 / (inv_mass + compliance), run.rest_length},
                   std::array<int, 2>{a, b});
@@ -90,7 +90,6 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
         inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficients[k] * Bend::coefficients[l];
       }
     }
-    if (inv_mass == 0) return;
     const double compliance = 1 / (bend.stiffness * damped * time2);
     colouring.add({bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
                   bend.points);
@@ -121,6 +120,8 @@ void Xpbd::sweep(const Cloth& cloth, Points& positions, const Workers& workers) 
     const Eigen::RowVector3d push = (change / length) * d.transpose();
     positions.row(spring.a) -= cloth.inv_mass[spring.a] * push;
     positions.row(spring.b) += cloth.inv_mass[spring.b] * push;
+    react(cloth, spring.a, -push);
+    react(cloth, spring.b, push);
   };
   share_by_colour(colour_ends_, workers, sweep_one);
 }
@@ -132,7 +133,9 @@ void Xpbd::sweep_bends(const Cloth& cloth, Points& positions, const Workers& wor
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      positions.row(i) += cloth.inv_mass[i] * Bend::coefficients[k] * change.transpose();
+      const Eigen::RowVector3d push = Bend::coefficients[k] * change.transpose();
+      positions.row(i) += cloth.inv_mass[i] * push;
+      react(cloth, i, push);
     }
   });
 }
@@ -142,6 +145,7 @@ void Xpbd::sweep_bends(const Cloth& cloth, Points& positions, const Workers& wor
 /// lambda / l of that, and its other end may do the same. This converges however long the step.
 void Xpbd::realign(const Cloth& cloth, Points& positions) {
   target_ = start_;
+  reactions_.setZero();
   turn_.setOnes(cloth.num_points());
   for (std::size_t c = 0; c < constraints_.size(); ++c) {
     const Constraint& spring = constraints_[c];
@@ -153,16 +157,24 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
     const double w_b = cloth.inv_mass[spring.b];
     target_.row(spring.a) -= w_a * push * d.transpose();
     target_.row(spring.b) += w_b * push * d.transpose();
+    react(cloth, spring.a, -push * d.transpose());
+    react(cloth, spring.b, push * d.transpose());
     turn_[spring.a] += 2 * w_a * std::abs(push);
     turn_[spring.b] += 2 * w_b * std::abs(push);
   }
   for (const BendConstraint& c : bends_) {
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      target_.row(i) += cloth.inv_mass[i] * Bend::coefficients[k] * c.lambda.transpose();
+      const Eigen::RowVector3d push = Bend::coefficients[k] * c.lambda.transpose();
+      target_.row(i) += cloth.inv_mass[i] * push;
+      react(cloth, i, push);
     }
   }
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
+}
+
+void Xpbd::add_reactions(const Cloth& cloth, double h, Points& impulses) const {
+  impulses += reactions_ / Drag(cloth.damping, h).distance;
 }
 
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
@@ -172,6 +184,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
 
   coast(cloth, loads, h, state);
   start_ = state.positions;
+  reactions_.setZero(cloth.num_points(), 3);
   lambda_.assign(constraints_.size(), 0);
   for (BendConstraint& c : bends_) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {

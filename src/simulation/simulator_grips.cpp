@@ -2,6 +2,7 @@
 // colliders.
 
 #include <utility>
+#include <variant>
 
 #include "clothsim/dynamics/drag.h"
 #include "simulator_impl.h"
@@ -34,7 +35,11 @@ void Simulator::Impl::hold_points() {
 }
 
 void Simulator::Impl::add_impulses(double h) {
-  grips.add_spring_impulses(cloth, h, state, impulses);
+  if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
+    solver->add_reactions(cloth, h, impulses);  // as far as it solved
+  } else {
+    grips.add_spring_impulses(cloth, h, state, impulses);
+  }
   const double scale = as_force(cloth, h);
   if (strain_limit) strain_limit->add_impulses(scale, impulses);
   visit_self_contacts([&](const auto& contacts) { contacts.add_impulses(scale, impulses); });

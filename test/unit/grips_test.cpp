@@ -93,7 +93,36 @@ TEST_P(Carried, WeightIsThatOfTheClothAtRest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Carried,
-                         ::testing::Values("auto", "verlet", "rk4", "implicit_euler", "bdf2"));
+                         ::testing::Values("auto", "verlet", "rk4", "implicit_euler", "bdf2",
+                                           "xpbd"));
+
+TEST(Grips, MomentumBalancesHoweverFewStepsXpbdTakes) {
+  // The wrench of the hands that swing a cloth takes its weight, less what it gains in momentum.
+  for (const int substeps : {1, 10}) {
+    for (const bool is_fabric : {false, true}) {
+      Scene scene = free_cloth("xpbd");
+      scene.cloth.material.damping = 0;
+      if (is_fabric) scene.cloth.material.fabric = {{600, 450}, 25, {1e-3, 1e-3}, {1e-4, 1e-2}};
+      scene.simulation.substeps = substeps;
+      Simulator simulator(scene);
+      simulator.attach("hand", at(0, 0, 1), {0, 1});
+      simulator.attach("other", at(0, 0.1, 1), {10});  // with springs between the hands
+      const double mass = simulator.cloth().mass.sum();
+      for (int i = 1; i <= 30; ++i) {
+        simulator.move_grip("hand", at(0.2 * std::sin(0.1 * i), 0, 1));
+        const Vector3 before = momentum(simulator.cloth(), simulator.state());
+        simulator.step();
+        const Vector3 gained = momentum(simulator.cloth(), simulator.state()) - before;
+        const auto& grips = simulator.grips();
+        const Vector3 force = grips.at("hand").wrench.force + grips.at("other").wrench.force;
+        const Vector3 expected =
+            mass * scene.simulation.gravity - gained / simulator.frame_duration();
+        ASSERT_LT((force - expected).norm(), 1e-9 * (mass * g + expected.norm()))
+            << substeps << " substeps, frame " << i;
+      }
+    }
+  }
+}
 
 TEST(Grips, WeightBorneByTheStrainLimitCountsToo) {
   Scene scene = free_cloth();

@@ -49,6 +49,12 @@ class Xpbd {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
+  /// Adds what springs and bends gave the held points in the last step, of h [s] [N s, N x 3]: as
+  /// forces through the step. Momentum balances by these with one iteration, however long the step;
+  /// with more, as far as they converge. What springs ask for where the step ends is more, by as
+  /// much as the step has not solved.
+  void add_reactions(const Cloth&, double h, Points& impulses) const;
+
   static constexpr bool ran_out() { return false; }  // see Integrator
   static constexpr int newton_steps() { return 0; }  // see Integrator
 
@@ -76,6 +82,9 @@ class Xpbd {
   void sweep_bends(const Cloth&, Points& positions, const Workers&);
   void sweep(const Cloth&, Points& positions, const Workers&);
   void realign(const Cloth&, Points& positions);
+  void react(const Cloth& cloth, int i, const Eigen::RowVector3d& push) {
+    if (cloth.inv_mass[i] == 0) reactions_.row(i) += push;
+  }
 
   Parameters parameters_;
   ClothWatch watch_;
@@ -84,6 +93,7 @@ class Xpbd {
   std::vector<double> lambda_;           // as constraints_
   std::vector<BendConstraint> bends_;    // by colour
   std::vector<int> bend_colour_ends_;    // in bends_
+  Points reactions_;                     // sums of what multipliers gave held points [kg m], N x 3
   Points start_;                         // positions before the sweeps [m], N x 3
   Points target_;                        // where multipliers put the points [m], N x 3
   Scalars turn_;                         // stiffness against turning, times inverse mass, N
