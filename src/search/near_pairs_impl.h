@@ -165,11 +165,13 @@ struct NearPairs::Impl {
   struct Kept {
     double gap;  // when it was kept [m]
     std::uint64_t key;
+    std::size_t place;  // by key, among all that are kept
     SurfacePair pair;
   };
   // Pairs whose gap was within kept_reach(), by SurfacePair::edges and gap.
   std::array<std::vector<Kept>, 2> kept;
-  Points kept_at;  // positions then; none are kept: no rows
+  Points kept_at;                      // positions then; none are kept: no rows
+  std::vector<const Kept*> asked_for;  // of a look, by place; none where nothing is asked for
 
   std::vector<Scratch> scratches;  // by band, in any order
   std::vector<NearPair> near;

@@ -72,8 +72,10 @@ std::optional<double> NearPairs::Impl::keep(const Cloth& cloth, const Query& que
   advance(cloth, query.positions, workers);
   const auto all = [this](const PatchPair&) { return kept_reach(); };
   for (std::vector<Kept>& pairs : kept) pairs.clear();
+  std::size_t place = 0;  // what is found is in the order of keys
   for (const NearPair& n : look({query.positions, nullptr, infinity, query.budget}, all, workers)) {
-    kept[n.pair.edges()].push_back({n.separation.distance - n.pair.nearest, n.key, n.pair});
+    kept[n.pair.edges()].push_back(
+        {n.separation.distance - n.pair.nearest, n.key, place++, n.pair});
   }
   if (!query.spend(0)) return {};
   const auto nearer = [](const Kept& a, const Kept& b) {
@@ -87,7 +89,8 @@ std::optional<double> NearPairs::Impl::keep(const Cloth& cloth, const Query& que
 /// What is asked for of the pairs kept whose gap was within `reach` then.
 const std::vector<NearPair>& NearPairs::Impl::look_at_kept(const Query& query, double reach) {
   near.clear();
-  std::vector<const Kept*> found;
+  asked_for.assign(kept[0].size() + kept[1].size(), nullptr);
+  std::size_t count = 0;
   for (const bool edges : {false, true}) {
     Distances distances(edges);
     const Kept* next = kept[edges].data();
@@ -102,15 +105,16 @@ const std::vector<NearPair>& NearPairs::Impl::look_at_kept(const Query& query, d
       for (std::size_t k = 0; k < distances.size(); ++k) {
         const SurfacePair& pair = first[k].pair;
         if (is_asked_for(query, infinity, distances, k, pair.points, rounded_up(pair.nearest))) {
-          found.push_back(first + k);
+          asked_for[first[k].place] = first + k;
+          ++count;
         }
       }
       distances.clear();
     }
   }
-  if (!query.spend(WorkBudget::pair_found * found.size())) return near;
-  std::sort(found.begin(), found.end(), [](auto a, auto b) { return a->key < b->key; });
-  for (const Kept* of : found) {
+  if (!query.spend(WorkBudget::pair_found * count)) return near;
+  for (const Kept* of : asked_for) {
+    if (!of) continue;
     const Separation s = separation(of->pair, query.positions);
     if (s.distance <= query.distance) near.push_back({of->key, of->pair, s});
   }
