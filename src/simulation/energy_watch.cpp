@@ -26,54 +26,80 @@ constexpr double tremble = 1e-3;
 /// below their limit show their fastest waves with some tens of the energy that they have.
 constexpr double margin_in_all = 100;
 
-/// Fastest speed of pins and of collider surfaces near the cloth [m/s].
-double fastest_boundary(const Cloth& cloth, const State& before, const State& after,
-                        const std::vector<MovingCollider>& colliders) {
-  double fastest = 0;
-  for (Eigen::Index i = 0; i < cloth.inv_mass.size(); ++i) {
-    if (cloth.inv_mass[i] == 0) fastest = std::max(fastest, after.velocities.row(i).norm());
-  }
-  if (colliders.empty()) return fastest;
+Eigen::AlignedBox3d box_of(const State& before, const State& after) {
   Eigen::AlignedBox3d box;
   for (const Points* points : {&before.positions, &after.positions}) {
     box.extend(points->colwise().minCoeff().transpose());
     box.extend(points->colwise().maxCoeff().transpose());
   }
-  for (const MovingCollider& collider : colliders) {
-    if (collider.enabled()) fastest = std::max(fastest, collider.fastest_in(box));
-  }
-  return fastest;
+  return box;
 }
 
-/// Work of pins that move for dt against their bends [J], likewise.
-double work_on_bends(const Cloth& cloth, double dt, const State& before, const State& after) {
+/// Ways that points are taken in a frame [m], N x 3 each; empty: none is.
+struct Drive {
+  double fastest = 0;  // of pins and of the surfaces of colliders near the cloth [m/s]
+  Points pinned;
+  Points pushed;  // perhaps, by colliders
+};
+
+void take(int i, const Vector3& way, int count, Points& ways) {
+  if (ways.size() == 0) ways.setZero(count, 3);
+  if (way.squaredNorm() > ways.row(i).squaredNorm()) ways.row(i) = way.transpose();
+}
+
+Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& after,
+               const std::vector<MovingCollider>& colliders) {
+  Drive drive;
+  const int count = cloth.num_points();
+  for (int i = 0; i < count; ++i) {
+    if (cloth.inv_mass[i] > 0) continue;
+    const Vector3 velocity = row(after.velocities, i);
+    drive.fastest = std::max(drive.fastest, velocity.norm());
+    if (!velocity.isZero(0)) take(i, dt * velocity, count, drive.pinned);
+  }
+  if (colliders.empty()) return drive;
+  // A triangle that touches has corners that are not farther away than its edges are long.
+  double edge = 0;
+  for (const SpringRun& run : cloth.springs) edge = std::max(edge, run.rest_length);
+  const Eigen::AlignedBox3d box = box_of(before, after);
+  for (const MovingCollider& collider : colliders) {
+    const double speed = collider.enabled() ? collider.fastest_in(box) : 0;
+    drive.fastest = std::max(drive.fastest, speed);
+    if (speed == 0 || !collider.reaches(box, 2 * edge)) continue;
+    for (int i = 0; i < count; ++i) {
+      const Vector3 at = row(after.positions, i);
+      if (cloth.inv_mass[i] == 0 || !collider.reaches({at, at}, 2 * edge)) continue;
+      take(i, dt * collider.velocity_at(at), count, drive.pushed);
+    }
+  }
+  return drive;
+}
+
+/// Work of what takes points along against bends [J], as below.
+double work_on_bends(const Cloth& cloth, const State& before, const Points& ways) {
   double work = 0;
   for_each_bend(cloth, [&](const Bend& bend) {
     double way = 0;  // of the stencil
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      const int i = bend.points[k];
-      if (cloth.inv_mass[i] == 0) way += dt * after.velocities.row(i).norm();
-    }
+    for (const int i : bend.points) way += ways.row(i).norm();
     if (way == 0) return;
     work += bend.stiffness * (bend.of(before.positions).norm() * way + way * way / 2);
   });
   return work;
 }
 
-/// Work of pins that move for dt against their springs [J]: F s + k s^2 / 2 with the force at
-/// first.
-double work_on_springs(const Cloth& cloth, double dt, const State& before, const State& after) {
+/// Work of what takes points along against springs [J]: F s + k s^2 / 2 with the force at first,
+/// where both ends go their ways, or one of them.
+double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
+  if (ways.size() == 0) return 0;
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    for (const int pin : {a, b}) {
-      if (cloth.inv_mass[pin] > 0) continue;
-      const double way = dt * after.velocities.row(pin).norm();
-      if (way == 0) continue;
-      const double length = (before.positions.row(b) - before.positions.row(a)).norm();
-      work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
-    }
+    const double way =
+        std::max({ways.row(a).norm(), ways.row(b).norm(), (ways.row(b) - ways.row(a)).norm()});
+    if (way == 0) return;
+    const double length = (before.positions.row(b) - before.positions.row(a)).norm();
+    work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
   });
-  return work + work_on_bends(cloth, dt, before, after);
+  return work + work_on_bends(cloth, before, ways);
 }
 
 }  // namespace
@@ -106,7 +132,8 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   }
 
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
-  const double speed = std::max(fastest_boundary(cloth, before, after, colliders), wind) + push_out;
+  const Drive drive = drive_of(cloth, dt, before, after, colliders);
+  const double speed = std::max(drive.fastest, wind) + push_out;
   const double work = mass * (2 * speed * speed + g * speed * dt);
   given_ += work;
   const double kinetic_before = kinetic_energy(cloth, before);
@@ -118,12 +145,14 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
 
   const double fall = 2 * g * dt;
   if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
-  const double on_springs = speed > 0 ? work_on_springs(cloth, dt, before, after) : 0;
   const double elastic_before = elastic_energy(cloth, before.positions);
   const double gain = kinetic_after - kinetic_before + elastic_energy(cloth, after.positions) -
                       elastic_before + gravitational_energy(cloth, gravity, after.positions) -
                       gravitational_energy(cloth, gravity, before.positions);
-  return gain <= work + on_springs + margin * (kinetic_before + elastic_before) + unseen;
+  const double small = margin * (kinetic_before + elastic_before);
+  const double by_pins = work_on_springs(cloth, before, drive.pinned);
+  const double by_colliders = work_on_springs(cloth, before, drive.pushed);
+  return gain <= work + by_pins + std::max(by_colliders, small) + unseen;
 }
 
 }  // namespace clothsim
