@@ -72,6 +72,34 @@ TEST(EnergyWatch, PinsAndCollidersPutWorkIn) {
   EXPECT_TRUE(plausible(cloth, before, after, {ball}));
 }
 
+TEST(EnergyWatch, CollidersPutWorkIntoSprings) {
+  // A box that moves along x presses the first column of a cloth, whose springs take 200 times as
+  // much as its mass.
+  ClothSpec sheet = square_spec(10, 1e5);
+  sheet.material.density = 0.1;
+  const Cloth cloth = make_grid(sheet);
+  const State before = resting(cloth);
+  State after = before;
+  for (int i = 0; i < 100; i += 10) {
+    after.positions(i, 0) += dt;
+    after.velocities(i, 0) = 1;
+  }
+  const auto pressed_by = [&](double x, double speed) {
+    ColliderSpec spec;
+    spec.shape = Cuboid{{0.1, 2, 0.1}};
+    spec.pose.position = {x, 0.5, 1};
+    MovingCollider box(spec);
+    Pose target = spec.pose;
+    target.position.x() += speed * dt;
+    box.aim(target, dt);
+    box.advance(dt);
+    return plausible(cloth, before, after, {box});
+  };
+  EXPECT_TRUE(pressed_by(-0.05, 1));
+  EXPECT_FALSE(pressed_by(-0.05, 0)) << "rests";
+  EXPECT_FALSE(pressed_by(-5, 1)) << "far away";
+}
+
 TEST(EnergyWatch, GrowthByLittleIsSeenInTheEnd) {
   const Cloth cloth = make_grid(square_spec(10));
   const State start{cloth.rest_positions, random_points(100, 0.1, 1), 0};
