@@ -24,13 +24,14 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   h_ = step.h;
   stretch_ = step.stretch;
   faces_.start_over();
-  has_pinched_ = pinches_.count() > 0;
+  has_pinched_ = pinches_.count() > 0 || is_restored_pinched_;
+  is_restored_pinched_ = false;
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
   if (colliders.empty()) return;
 
   std::vector<Caught> caught = find(colliders, cloth, step, state);
-  if (caught.size() > 1) find_pinched(colliders, cloth, state.positions, caught);
+  if (caught.size() > 1) find_pinched(colliders, cloth, step, caught);
   for (const Caught& c : caught) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
@@ -232,6 +233,7 @@ void ColliderContacts::reset() {
   travel_ = {};
   faces_.reset();
   pinches_.start_over(0);
+  is_restored_pinched_ = false;
   recovers_ = false;
   h_ = 0;
 }
@@ -249,7 +251,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
-  pinches_.write(memory);
+  memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
 }
 
@@ -266,7 +268,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.hold(point, impulse);
   }
   faces_.read(memory, colliders, cloth);
-  pinches_.read(memory, cloth);
+  is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
 }
 

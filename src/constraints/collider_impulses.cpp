@@ -96,7 +96,6 @@ void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, co
 void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                            double scale, const Points& positions, std::vector<Wrench>& sums) const {
   for (const Pinch& p : pinches_) {
-    const Jaws& jaws = jaws_[p.jaws];
     const auto put_on = [&](const MovingCollider& collider, const Vector3& change) {
       sums[static_cast<std::size_t>(&collider - colliders.data())].add(
           row(positions, p.point) - collider.pose().position,
@@ -104,11 +103,9 @@ void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const C
     };
     const Vector3 across = p.across.dot(p.given) * p.across;
     const Vector3 along = p.given - across;
-    const double friction = jaws.a->friction() + jaws.b->friction();
-    put_on(p.across.dot(p.given) > 0 ? *jaws.a : *jaws.b, across);
-    if (friction == 0) continue;  // then there is nothing along them
-    put_on(*jaws.a, jaws.a->friction() / friction * along);
-    put_on(*jaws.b, jaws.b->friction() / friction * along);
+    put_on(p.across.dot(p.given) > 0 ? *p.a : *p.b, across);
+    put_on(*p.a, (1 - p.share_of_b) * along);
+    put_on(*p.b, p.share_of_b * along);
   }
 }
 

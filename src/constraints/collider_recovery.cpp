@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "clothsim/constraints/collider_contacts.h"
 
@@ -101,32 +102,65 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
   s.slots.put(i, normal, surface_velocity, slowest + way_out_speed(depth));
 }
 
-void ColliderContacts::pinch_points(const std::vector<MovingCollider>& colliders,
-                                    const Cloth& cloth, const Points& positions) {
-  for (std::size_t l = 1; l < sides_.size(); ++l) {
-    for (std::size_t k = l; k-- > 0;) {
-      const ContactSlots &a = sides_[k].slots, &b = sides_[l].slots;
-      a.for_each_touching_both(b, [&](int point) {
-        const ContactImpulse of_a = a.contact(point, colliders[k].friction());
-        const ContactImpulse of_b = b.contact(point, colliders[l].friction());
-        if (!Pinches::leave_no_room(of_a, of_b)) return;
-        pinches_.add(point, row(positions, point), {of_a, colliders[k]}, {of_b, colliders[l]},
-                     cloth);
+ColliderContacts::Touched ColliderContacts::touched_by(int number, const Cloth& cloth,
+                                                       const Points& positions) {
+  Touched result;
+  const ContactSlots& slots = side(number).slots;
+  slots.for_each_touching_both(slots, [&](int i) {
+    result.normals.extend(slots.normal(i));
+    result.places.extend(row(positions, i));
+  });
+  faces_.for_each_on(number, [&](int triangle, const auto&, const Vector3& normal, double) {
+    result.normals.extend(normal);
+    for (const int i : cloth.triangles[static_cast<std::size_t>(triangle)]) {
+      result.places.extend(row(positions, i));
+    }
+  });
+  return result;
+}
+
+Jaw ColliderContacts::jaw_of(int number, const MovingCollider& collider, const Cloth& cloth) {
+  Jaw jaw{collider, clearance(collider.shape(), cloth, stretch_, has_pinched_).points, {}};
+  const ContactSlots& slots = side(number).slots;
+  slots.for_each_touching_both(slots, [&](int i) {
+    jaw.footholds.push_back({Foothold::no_triangle, {i, i, i}, {1, 0, 0}, slots.normal(i), 0});
+  });
+  faces_.for_each_on(
+      number, [&](int triangle, const auto& weights, const Vector3& normal, double distance) {
+        jaw.footholds.push_back({triangle, cloth.triangles[static_cast<std::size_t>(triangle)],
+                                 weights, normal, distance});
       });
+  return jaw;
+}
+
+void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                             const ContactStep& step, const std::vector<Caught>& caught) {
+  std::vector<Touched> touched;
+  for (const Caught& c : caught) touched.push_back(touched_by(c.collider, cloth, step.start));
+  const auto can_hold = [&](const Touched& a, const Touched& b) {
+    // Points of round shapes may stand off a little more than the offset.
+    const double reach = 2 * Stacks::reach(cloth, cloth.offset);
+    return can_face(a.normals, b.normals) && a.places.exteriorDistance(b.places) <= reach;
+  };
+  std::map<std::size_t, Jaw> jaws;  // of those that face another one
+  const auto jaw = [&](std::size_t k) -> const Jaw& {
+    const int number = caught[k].collider;
+    const MovingCollider& collider = colliders[static_cast<std::size_t>(number)];
+    if (jaws.count(k) == 0) jaws.emplace(k, jaw_of(number, collider, cloth));
+    return jaws.at(k);
+  };
+  for (std::size_t l = 1; l < caught.size(); ++l) {
+    for (std::size_t k = l; k-- > 0;) {
+      if (!can_hold(touched[k], touched[l])) continue;
+      stacks_.pinch(jaw(k), jaw(l), cloth, step.start, step.h, step.touches, pinches_);
     }
   }
 }
 
 void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders,
-                                    const Cloth& cloth, const Points& positions,
+                                    const Cloth& cloth, const ContactStep& step,
                                     std::vector<Caught>& caught) {
-  pinch_points(colliders, cloth, positions);
-  const auto of_point = [&](int collider, int point) -> std::optional<ContactImpulse> {
-    const auto k = static_cast<std::size_t>(collider);
-    if (!sides_[k].slots.touches(point)) return {};
-    return sides_[k].slots.contact(point, colliders[k].friction());
-  };
-  faces_.find_pinched(colliders, of_point, cloth, positions, pinches_);
+  pinch(colliders, cloth, step, caught);
   if (pinches_.count() == 0) return;
 
   // Nothing else pushes them about.
@@ -135,7 +169,7 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
       if (pinches_.holds(point)) s.slots.remove(point);
     });
   }
-  faces_.leave_to(pinches_, cloth);
+  faces_.leave_to(pinches_, colliders, cloth, step);
   const auto drop = [](auto& list, const auto& is_held) {
     list.erase(std::remove_if(list.begin(), list.end(), is_held), list.end());
   };

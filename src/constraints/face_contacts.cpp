@@ -27,6 +27,14 @@ std::optional<std::size_t> feature_of(const CornerWeights& w) {
   return w[2] == 0 ? 0 : (w[0] == 0 ? 1 : 2);
 }
 
+/// Push on a triangle next to a pinched corner, of the weight of the cloth, on one of its points:
+/// what colliders ask of it may be more than it can give.
+constexpr double firmest = 0.3;
+
+/// Cosine of the angle to its normal from which on such a triangle is pushed: along itself it would
+/// be pushed out of solids that overlap where they hold it.
+constexpr double off_plane = 0.5;
+
 /// Longest way of a corner between where impulses act and the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
   double longest2 = 0;
@@ -129,6 +137,7 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
        moves,
        yield,
        lever,
+       distance.value,
        {normal, surface_velocity, slowest + lever * way_out_speed(depth), collider.friction()}});
   if (last) contacts_.back().impulse.resume(last->impulse, 1);
 }
@@ -142,69 +151,45 @@ void FaceContacts::resume(const Cloth& cloth, double scale, Points& velocities) 
   }
 }
 
-void FaceContacts::find_pinched(const std::vector<MovingCollider>& colliders,
-                                const PointContacts& of_point, const Cloth& cloth,
-                                const Points& positions, Pinches& pinches) const {
-  const auto collider_of = [&](const Contact& c) -> const MovingCollider& {
-    return colliders[static_cast<std::size_t>(c.id.collider)];
-  };
-  const auto pinch = [&](int triangle, const Pinches::Side& a, const Pinches::Side& b) {
-    if (!Pinches::leave_no_room(a.contact, b.contact)) return;
-    for (const int corner : cloth.triangles[static_cast<std::size_t>(triangle)]) {
-      pinches.add(corner, row(positions, corner), a, b, cloth);
-    }
-  };
-
-  const auto triangle = [&](std::size_t i) { return contacts_[i].id.triangle; };
-  for_each_two(contacts_.size(), cloth.triangles.size(), triangle, [&](auto i, auto j) {
-    const Contact &a = contacts_[i], &b = contacts_[j];
-    if (a.id.collider == b.id.collider) return;
-    pinch(a.id.triangle, {a.impulse, collider_of(a)}, {b.impulse, collider_of(b)});
-  });
-
-  // The other side may hold the corners alone.
-  for (const Contact& c : contacts_) {
-    for (int other = 0; other < static_cast<int>(colliders.size()); ++other) {
-      if (other == c.id.collider) continue;
-      const auto corners = under(c, other, of_point, cloth);
-      if (!corners) continue;
-      pinch(c.id.triangle, {c.impulse, collider_of(c)},
-            {*corners, colliders[static_cast<std::size_t>(other)]});
-    }
-  }
-}
-
-/// What the contacts of a triangle's corners with another collider ask for where `c` acts; nothing
-/// if one that has a share of it has none.
-std::optional<ContactImpulse> FaceContacts::under(const Contact& c, int other,
-                                                  const PointContacts& of_point,
-                                                  const Cloth& cloth) {
-  ContactImpulse all;
-  all.normal.setZero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (c.weights[k] == 0) continue;
-    const int corner = cloth.triangles[static_cast<std::size_t>(c.id.triangle)][k];
-    const std::optional<ContactImpulse> of_corner = of_point(other, corner);
-    if (!of_corner) return {};
-    all.normal += c.weights[k] * of_corner->normal;
-    all.surface_velocity += c.weights[k] * of_corner->surface_velocity;
-    all.slowest += c.weights[k] * of_corner->slowest;
-    all.friction += c.weights[k] * of_corner->friction;
-  }
-  all.normal.normalize();
-  return all;
-}
-
-void FaceContacts::leave_to(const Pinches& pinches, const Cloth& cloth) {
+void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingCollider>& colliders,
+                            const Cloth& cloth, const ContactStep& step) {
   for (Contact& c : contacts_) {
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
-    if (pinches.holds_any(corners)) c.impulse.let_go();
+    if (!pinches.holds_any(corners)) continue;
+    const MovingCollider& collider = colliders[static_cast<std::size_t>(c.id.collider)];
+    double lacking = 0, largest = 0;
+    Vector3 held(0, 0, 0);  // share of the velocity there [m/s]
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!pinches.holds(corners[k])) {
+        held += c.weights[k] * c.impulse.surface_velocity;
+        largest = std::max(largest, c.moves[k]);
+        c.impulse.most = firmest * pinches.weight_on(corners[k], cloth);
+        continue;
+      }
+      held += c.weights[k] * pinches.velocity(corners[k]);
+      const Vector3 x = to_local(collider.previous(), row(step.start, corners[k]));
+      const double distance = signed_distance(collider.shape(), x, x).value;
+      lacking += c.weights[k] * std::max(0.0, cloth.offset - distance);
+      c.moves[k] = 0;
+    }
+    c.yield = yield_of(c.weights, c.moves);
+    const Triangle t = triangle_of(step.start, corners);
+    const Vector3 square = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+    if (c.yield == 0 || std::abs(square.dot(c.impulse.normal)) < off_plane) {
+      c.impulse.let_go();
+      continue;
+    }
+    const double lever = c.yield / largest;
+    const double sinks = lacking + leeway(lever, t);
+    const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
+    c.impulse.slowest = -std::max(0.0, c.distance + sinks - cloth.offset) / step.h - closing;
   }
 }
 
 double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
+    if (c.yield == 0) continue;
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
     const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), 1 / c.yield);
     spread(corners, c.moves, change, velocities);

@@ -6,36 +6,47 @@
 namespace clothsim {
 namespace {
 
-/// Cosine of the angle between normals from which on surfaces face each other: out of a wider wedge
-/// impulses push sideways.
-constexpr double facing = -0.5;
-
 /// Force that holds all points between two colliders along them, of the weight of the whole cloth:
 /// as friction of a gripper that may lift it by one point and shake it. With as much for each, a
 /// cloth held by its pins too shook at up to 0.3 m/s.
 constexpr double strongest_grip = 3;
 
-/// Points that would go to the middle no faster than this stay where they are [m/s]: layers that
-/// all had to go there would have to pass through each other.
-constexpr double least_draw = 0.2;
+/// Of the room that layers need: where less than that is left, they come no nearer to each other.
+constexpr double thinnest = 0.3;
 
-/// Least velocity along `across` that a contact asks for, where its surface moves at `surface`.
-double least_rate(const ContactImpulse& contact, const Vector3& surface, const Vector3& across) {
-  return contact.slowest + across.dot(surface);
+Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
+  return (normal_a - normal_b).normalized();
 }
 
-Vector3 direction_across(const ContactImpulse& a, const ContactImpulse& b) {
-  return (a.normal - b.normal).normalized();
+/// Friction of what a point touches on a side: of the collider, or of the weakest in a row of
+/// layers.
+double friction_of(const Pinches::Side& side, const Cloth& cloth) {
+  const double of_collider = side.collider->friction();
+  return side.touches ? of_collider : std::min(of_collider, cloth.friction);
+}
+
+/// How firmly that holds the point: surfaces rub in a row, each of which yields by 1 / friction.
+double firmness_of(const Pinches::Side& side, const Cloth& cloth) {
+  if (friction_of(side, cloth) == 0) return 0;
+  const double layers = (side.room - cloth.offset) / (2 * cloth.thickness);
+  const double yield = 1 / side.collider->friction();
+  return 1 / (side.touches ? yield : yield + layers / cloth.friction);
 }
 
 /// Is the wedge between them so narrow that friction keeps what it presses on from slipping out? It
 /// is where its angle is below the sum of both angles of friction, the arctangents of both
-/// coefficients. Without friction nothing sticks, whatever roundings make of the normals.
-bool jams(const ContactImpulse& a, const ContactImpulse& b) {
-  const double cos_wedge = -a.normal.dot(b.normal);
-  const double m = a.friction, n = b.friction;
+/// coefficients m and n. Without friction nothing sticks, whatever roundings make of the normals.
+bool jams(const Vector3& normal_a, const Vector3& normal_b, double m, double n) {
+  const double cos_wedge = -normal_a.dot(normal_b);
   if (m + n == 0) return false;
   return cos_wedge * std::sqrt((1 + m * m) * (1 + n * n)) > 1 - m * n;
+}
+
+/// Where a point is between both, from 0 at a to 1 at b.
+double share_across(const Pinches::Side& a, const Pinches::Side& b) {
+  const double gap = a.distance + b.distance;
+  if (gap <= thinnest * (a.room + b.room)) return 0.5;
+  return std::clamp(a.distance / gap, 0.0, 1.0);
 }
 
 }  // namespace
@@ -57,33 +68,39 @@ std::size_t Pinches::jaws_of(const MovingCollider& a, const MovingCollider& b) {
   return jaws_.size() - 1;
 }
 
-bool Pinches::leave_no_room(const ContactImpulse& a, const ContactImpulse& b) {
-  if (a.normal.dot(b.normal) > facing) return false;
-  const Vector3 across = direction_across(a, b);
-  return least_rate(a, a.surface_velocity, across) + least_rate(b, b.surface_velocity, -across) >=
-         0;
+bool Pinches::face_each_other(const Vector3& a, const Vector3& b) { return a.dot(b) <= facing; }
+
+bool Pinches::leave_no_room(const Side& a, const Side& b, const Vector3& x, double h) {
+  const Vector3 across = direction_across(a.normal, b.normal);
+  const double opening = across.dot(b.collider->velocity_at(x) - a.collider->velocity_at(x));
+  return a.distance + b.distance + h * opening <= a.room + b.room;
 }
 
 void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, const Cloth& cloth) {
   if (cloth.inv_mass[point] == 0 || holds(point)) return;
   if (held_.empty()) held_.assign(static_cast<std::size_t>(cloth.num_points()), 0);
   held_[static_cast<std::size_t>(point)] = 1;
+  number_.resize(held_.size());
+  number_[static_cast<std::size_t>(point)] = static_cast<int>(pinches_.size());
 
-  const Vector3 across = direction_across(a.contact, b.contact);
-  const Vector3 of_a = a.collider.velocity_at(x), of_b = b.collider.velocity_at(x);
-  const double still = across.dot(of_a + of_b) / 2;
-  const double centred =
-      (least_rate(a.contact, of_a, across) - least_rate(b.contact, of_b, -across)) / 2;
-  const double rate = std::clamp(still, centred - least_draw, centred + least_draw);
-  const bool sticks = jams(a.contact, b.contact);
-  const double share = sticks ? a.contact.friction / (a.contact.friction + b.contact.friction) : 0;
-  const Vector3 along = share * of_a + (1 - share) * of_b;
-  const double weight = cloth.mass.sum() * gravity_;
-  const double grip = sticks ? strongest_grip * weight * cloth.inv_mass[point] * h_ : 0;
-  const std::size_t jaws = jaws_of(a.collider, b.collider);
+  const Vector3 across = direction_across(a.normal, b.normal);
+  const Vector3 of_a = a.collider->velocity_at(x), of_b = b.collider->velocity_at(x);
+  const double share = share_across(a, b);
+  const double rate = across.dot((1 - share) * of_a + share * of_b);
+  const double firm_a = firmness_of(a, cloth), firm_b = firmness_of(b, cloth);
+  const bool sticks =
+      firm_a + firm_b > 0 && jams(a.normal, b.normal, friction_of(a, cloth), friction_of(b, cloth));
+  const double share_of_b = sticks ? firm_b / (firm_a + firm_b) : 0.5;
+  const Vector3 along = (1 - share_of_b) * of_a + share_of_b * of_b;
+  const double grip = sticks ? strongest_grip * weight_on(point, cloth) : 0;
+  const std::size_t jaws = jaws_of(*a.collider, *b.collider);
   if (sticks) ++jaws_[jaws].points;
-  pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, grip, jaws,
-                      Vector3::Zero(), !sticks});
+  pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, a.collider,
+                      b.collider, share_of_b, grip, jaws, Vector3::Zero(), !sticks});
+}
+
+double Pinches::weight_on(int point, const Cloth& cloth) const {
+  return cloth.mass.sum() * gravity_ * cloth.inv_mass[point] * h_;
 }
 
 double Pinches::sweep(Points& velocities) {
@@ -104,27 +121,17 @@ double Pinches::sweep(Points& velocities) {
   return std::sqrt(largest2);
 }
 
+int Pinches::slipping() const {
+  return static_cast<int>(std::count_if(pinches_.begin(), pinches_.end(),
+                                        [](const Pinch& p) { return p.grip > 0 && p.slips; }));
+}
+
 void Pinches::correct(const Points& start, Points& positions) const {
   for (const Pinch& p : pinches_) {
     Vector3 back = row(start, p.point) + h_ * p.velocity - row(positions, p.point);
     if (p.slips) back = p.across.dot(back) * p.across;
     positions.row(p.point) += back.transpose();
   }
-}
-
-void Pinches::write(MemoryWriter& memory) const {
-  memory.add(static_cast<double>(std::count(held_.begin(), held_.end(), 1)));
-  for (std::size_t i = 0; i < held_.size(); ++i) {
-    if (held_[i] != 0) memory.add(static_cast<double>(i));
-  }
-}
-
-void Pinches::read(MemoryReader& memory, const Cloth& cloth) {
-  start_over(0);
-  const auto points = static_cast<std::size_t>(cloth.num_points());
-  const std::size_t count = memory.count();
-  if (count > 0) held_.assign(points, 0);
-  for (std::size_t k = 0; k < count; ++k) held_[static_cast<std::size_t>(memory.index(points))] = 1;
 }
 
 }  // namespace clothsim

@@ -93,6 +93,12 @@ void PointContacts::begin(const Cloth& cloth, const ContactStep& step, State& st
   }
 }
 
+void PointContacts::leave_to(const Pinches& pinches) {
+  for (Contact& c : contacts_) {
+    if (pinches.holds(c.pair.a) && pinches.holds(c.pair.b)) c.impulse.let_go();
+  }
+}
+
 double PointContacts::sweep(const Cloth& cloth, double, Points& velocities, const Workers&) {
   double residual2 = 0;
   for (Contact& c : contacts_) {
@@ -121,6 +127,16 @@ void PointContacts::add_impulses(double scale, Points& sum) const {
     const Vector3 impulse = scale * c.impulse.total();
     sum.row(c.pair.b) += impulse.transpose();
     sum.row(c.pair.a) -= impulse.transpose();
+  }
+}
+
+void PointContacts::for_each_touch(const Cloth& cloth,
+                                   const std::function<void(const SelfTouch&)>& visit) const {
+  for (const Contact& c : contacts_) {
+    visit({{c.pair.b, c.pair.a, c.pair.a, c.pair.a},
+           {1, -1, 0, 0},
+           c.impulse.normal,
+           contact_distance(cloth)});
   }
 }
 

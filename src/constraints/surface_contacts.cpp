@@ -8,7 +8,6 @@
 #include <mutex>
 
 #include "clothsim/constraints/crossing_guard.h"
-#include "clothsim/constraints/pinches.h"
 #include "clothsim/geometry/box_tree.h"
 
 namespace clothsim {
@@ -26,6 +25,9 @@ constexpr double unseen_share = 0.0125;
 /// Force that works off an overlap, of the weight of the cloth: more shakes layers that fingers
 /// leave a little room, but not their thickness.
 constexpr double parting_push = 0.1;
+
+/// Force on what is pinched in part, of the weight of the cloth.
+constexpr double next_to_pinched = 0.2;
 
 /// Cosine of the angle by which the direction of a pair may turn in half a step.
 constexpr double least_turn = 0.5;
@@ -87,7 +89,6 @@ bool SurfaceContacts::is_nearest_on_surface(const SurfacePair& pair, const Separ
 std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth,
                                                               const NearPair& near, bool held,
                                                               const Points& middle,
-                                                              const ContactStep& step,
                                                               const Points& velocities) const {
   const SurfacePair& pair = near.pair;
   if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) return {};
@@ -112,20 +113,16 @@ std::optional<SurfaceContacts::Contact> SurfaceContacts::find(const Cloth& cloth
   if (!held && rate >= slowest && gap > 0) return {};
 
   double inv_mass = 0;
-  bool is_pinched = step.pinches != nullptr;  // then there may be no room to part
   for (std::size_t k = 0; k < 4; ++k) {
     inv_mass += s.weights[k] * s.weights[k] * cloth.inv_mass[pair.points[k]];
-    is_pinched = is_pinched && (s.weights[k] == 0 || step.pinches->holds(pair.points[k]));
   }
   if (inv_mass == 0) return {};
   const double to_stop = std::abs(rate) / inv_mass;
   const double most = strongest_push_ + 2 * to_stop;
-  return Contact{near.key,
-                 pair.points,
-                 s.weights,
-                 1 / inv_mass,
-                 {s.normal, Vector3::Zero(), is_pinched ? std::min(slowest, 0.0) : slowest,
-                  cloth.friction, most, most_to_part_}};
+  return Contact{
+      near.key,     pair.points,
+      s.weights,    1 / inv_mass,
+      pair.nearest, {s.normal, Vector3::Zero(), slowest, cloth.friction, most, most_to_part_}};
 }
 
 void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
@@ -154,7 +151,7 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
           if (k == begin) kept = std::lower_bound(kept, last_.end(), near.key, comes_before);
           while (kept != last_.end() && kept->key < near.key) ++kept;
           const bool held = kept != last_.end() && kept->key == near.key && kept->impulse.push > 0;
-          std::optional<Contact> contact = find(cloth, near, held, middle, step, state.velocities);
+          std::optional<Contact> contact = find(cloth, near, held, middle, state.velocities);
           if (!contact) continue;
           if (held) contact->impulse.resume(kept->impulse, scale);
           contacts.push_back(*contact);
@@ -171,6 +168,24 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   for (const Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
     push_apart(cloth, c.points, c.weights, c.impulse.total(), state.velocities);
+  }
+}
+
+/// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
+/// would have to leap to keep its distance.
+void SurfaceContacts::leave_to(const Pinches& pinches) {
+  for (Contact& c : contacts_) {
+    int points = 0, held = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (c.weights[k] == 0) continue;
+      ++points;
+      held += pinches.holds(c.points[k]);
+    }
+    if (held == points) {
+      c.impulse.let_go();
+    } else if (held > 0) {
+      c.impulse.most = std::min(c.impulse.most, next_to_pinched * strongest_push_);
+    }
   }
 }
 
@@ -251,6 +266,11 @@ void SurfaceContacts::add_impulses(double scale, Points& total) const {
   }
 }
 
+void SurfaceContacts::for_each_touch(const Cloth&,
+                                     const std::function<void(const SelfTouch&)>& visit) const {
+  for (const Contact& c : contacts_) visit({c.points, c.weights, c.impulse.normal, c.nearest});
+}
+
 int SurfaceContacts::count() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
                                         [](const Contact& c) { return c.impulse.push > 0; }));
@@ -278,7 +298,7 @@ void SurfaceContacts::read(MemoryReader& memory, const Cloth&) {
   reset();
   h_ = std::max(0.0, memory.number());
   for (std::size_t left = memory.count(); left > 0; --left) {
-    Contact c{0, {}, {}, 0, {}};
+    Contact c{0, {}, {}, 0, 0, {}};
     for (const int bits : {24, 24, 16}) {
       c.key = c.key << bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << bits));
     }

@@ -81,17 +81,23 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   }
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
+  const SelfTouches touches_of_itself = [&](const auto& visit) {
+    visit_self_contacts([&](const auto& contacts) { contacts.for_each_touch(cloth, visit); });
+  };
   const ContactStep contact_step{h,
                                  reach,
                                  start,
                                  predicted,
                                  workers,
-                                 &collider_contacts.pinches(),
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
                                  colliders.empty() ? 0 : stretch_after(h),
-                                 &budget};
+                                 &budget,
+                                 &touches_of_itself};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
+  if (collider_contacts.pinches().count() > 0) {
+    visit_self_contacts([&](auto& contacts) { contacts.leave_to(collider_contacts.pinches()); });
+  }
   if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
   recovers = recovers || collider_contacts.recovers();
   if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
@@ -120,6 +126,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     const bool solved = limited && touching <= small_touch && folding <= small_fold;
     if ((solved && sweep >= min_sweeps) || budget.is_spent()) break;
   }
+  report.slipping = collider_contacts.pinches().slipping();
   state.positions += reach * h * (state.velocities - predicted);
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts) by_impulses = state.positions;

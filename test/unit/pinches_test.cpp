@@ -1,8 +1,6 @@
 #include "clothsim/constraints/pinches.h"
 
 #include <cmath>
-#include <random>
-#include <set>
 
 #include "verification/testing.h"
 
@@ -12,17 +10,6 @@ namespace {
 using namespace testing;
 
 constexpr double h = 0.01;  // [s]
-
-/// Of a surface that faces `normal`, goes at `velocity` and is `gap` away.
-ContactImpulse contact(const Vector3& normal, const Vector3& velocity, double gap,
-                       double friction) {
-  ContactImpulse result;
-  result.normal = normal;
-  result.surface_velocity = velocity;
-  result.slowest = -gap / h;
-  result.friction = friction;
-  return result;
-}
 
 /// That goes at `velocity`.
 MovingCollider moving(const Vector3& velocity) {
@@ -34,65 +21,125 @@ MovingCollider moving(const Vector3& velocity) {
 }
 
 const Vector3 up(0, 0, 1), down(0, 0, -1), still(0, 0, 0);
+constexpr double thickness = 0.002;  // of a layer [m]
 
-TEST(Pinches, RoomIsWhatBothGapsAndTheWayOfBothSurfacesLeave) {
-  const auto no_room = [](double gap, double speed) {
-    return Pinches::leave_no_room(contact(up, {0, 0, speed}, gap, 0),
-                                  contact(down, {0, 0, -speed}, gap, 0));
+/// A cloth in a row, whose layers are that thick and rub on each other.
+Cloth row_of(int points, double friction = 0.5) {
+  ClothSpec spec = chain_spec(points, 1, 0);
+  spec.thickness = thickness / 2;
+  spec.friction = friction;
+  Cloth cloth = make_grid(spec);
+  cloth.offset = thickness / 2;
+  return cloth;
+}
+
+MovingCollider rough(const Vector3& velocity, double friction) {
+  MovingCollider collider = moving(velocity);
+  collider.set_friction(friction);
+  return collider;
+}
+
+/// Of a collider that faces `normal`, so far away, with so many layers between.
+Pinches::Side side(const MovingCollider& collider, const Vector3& normal, double distance,
+                   int layers = 0) {
+  return {&collider, normal, distance, thickness / 2 + layers * thickness, layers == 0};
+}
+
+TEST(Pinches, RoomIsWhatLayersNeedAndTheWayOfBothSurfacesLeaves) {
+  const auto no_room = [](double gap, double speed, int below, int above) {
+    const MovingCollider a = moving({0, 0, speed}), b = moving({0, 0, -speed});
+    return Pinches::leave_no_room(side(a, up, 0.3 * gap, below), side(b, down, 0.7 * gap, above),
+                                  still, h);
   };
-  EXPECT_FALSE(no_room(0.001, 0));
-  EXPECT_TRUE(no_room(0, 0));
-  EXPECT_FALSE(no_room(0.001, 0.09)) << "0.9 mm of each";
-  EXPECT_TRUE(no_room(0.001, 0.11)) << "1.1 mm of each";
-  EXPECT_FALSE(no_room(0.001, -5)) << "they part";
+  EXPECT_FALSE(no_room(0.0021, 0, 0, 0));
+  EXPECT_TRUE(no_room(0.0019, 0, 0, 0));
+  EXPECT_FALSE(no_room(0.004, 0.09, 0, 0)) << "0.9 mm of each";
+  EXPECT_TRUE(no_room(0.004, 0.11, 0, 0)) << "1.1 mm of each";
+  EXPECT_FALSE(no_room(0.001, -5, 0, 0)) << "they part";
+  for (const int layers : {2, 3, 4}) {
+    for (int below = 0; below < layers; ++below) {
+      const double room = layers * thickness;
+      EXPECT_TRUE(no_room(room - 1e-6, 0, below, layers - 1 - below));
+      EXPECT_FALSE(no_room(room + 1e-6, 0, below, layers - 1 - below));
+    }
+  }
 }
 
 TEST(Pinches, SurfacesThatDoNotFaceEachOtherPushSideways) {
   for (const double angle : {0.0, 60.0, 100.0, 119.0, 121.0, 180.0}) {  // between normals
     const double a = angle * M_PI / 180;
-    const Vector3 other(std::sin(a), 0, std::cos(a));
-    EXPECT_EQ(Pinches::leave_no_room(contact(up, still, 0, 1), contact(other, still, 0, 1)),
-              angle > 120)
-        << angle;
+    EXPECT_EQ(Pinches::face_each_other(up, {std::sin(a), 0, std::cos(a)}), angle > 120) << angle;
   }
 }
 
-TEST(Pinches, APointGoesMidwayAcrossAndMoreWithTheRougherAlong) {
-  const Cloth cloth = make_grid(chain_spec(2, 1, 0));
-  const Vector3 of_floor(1, 0, 2), of_thumb(5, 0, -8);
-  const auto velocity = [&](double of_floor_friction, double of_thumb_friction) {
-    const ContactImpulse a = contact(up, of_floor, 0, of_floor_friction);
-    const ContactImpulse b = contact(down, of_thumb, 0, of_thumb_friction);
-    Pinches pinches;
-    pinches.start_over(100 * h);  // a firm grip
-    pinches.add(1, still, {a, moving(of_floor)}, {b, moving(of_thumb)}, cloth);
-    EXPECT_TRUE(pinches.holds(1));
-    EXPECT_FALSE(pinches.holds(0));
-    Points velocities(2, 3);
-    velocities << 7, 7, 7, 10, 20, 30;
-    pinches.sweep(velocities);
-    EXPECT_EQ(row(velocities, 0), Vector3(7, 7, 7));
-    EXPECT_LT(pinches.sweep(velocities), 1e-12) << "held already";
-    return row(velocities, 1);
+/// Velocity of a point that had (10, 20, 30) m/s.
+Vector3 pinched(const Pinches::Side& a, const Pinches::Side& b, double friction_of_cloth = 0.5) {
+  const Cloth cloth = row_of(2, friction_of_cloth);
+  Pinches pinches;
+  pinches.start_over(100 * h);  // a firm grip
+  pinches.add(1, still, a, b, cloth);
+  EXPECT_TRUE(pinches.holds(1));
+  EXPECT_FALSE(pinches.holds(0));
+  Points velocities(2, 3);
+  velocities << 7, 7, 7, 10, 20, 30;
+  pinches.sweep(velocities);
+  EXPECT_EQ(row(velocities, 0), Vector3(7, 7, 7));
+  EXPECT_LT(pinches.sweep(velocities), 1e-12) << "held already";
+  EXPECT_EQ(pinches.slipping(), 0);
+  return row(velocities, 1);
+}
+
+TEST(Pinches, APointGoesAlongMoreWithTheRougher) {
+  const Vector3 of_floor(1, 0, 0), of_thumb(5, 0, 0);
+  const auto velocity = [&](double friction_of_floor, double friction_of_thumb) {
+    const MovingCollider a = rough(of_floor, friction_of_floor),
+                         b = rough(of_thumb, friction_of_thumb);
+    return pinched(side(a, up, 0), side(b, down, 0));
   };
-  EXPECT_LT((velocity(0.5, 0.5) - Vector3(3, 0, -3)).norm(), 1e-12);
-  EXPECT_LT((velocity(0.3, 0.1) - Vector3(2, 0, -3)).norm(), 1e-12);
-  EXPECT_LT((velocity(0, 0.1) - Vector3(5, 0, -3)).norm(), 1e-12);
-  EXPECT_LT((velocity(0, 0) - Vector3(10, 20, -3)).norm(), 1e-12) << "slips";
+  EXPECT_LT((velocity(0.5, 0.5) - Vector3(3, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((velocity(0.3, 0.1) - Vector3(2, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((velocity(0, 0.1) - Vector3(5, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((velocity(0, 0) - Vector3(10, 20, 0)).norm(), 1e-12) << "slips";
+}
+
+TEST(Pinches, LayersShareWhatSurfacesRubInARow) {
+  // Each surface yields by 1 / friction: jaw, layer, layer, jaw.
+  const double of_jaws = 0.4, of_cloth = 0.2;
+  const MovingCollider a = rough(still, of_jaws), b = rough({1, 0, 0}, of_jaws);
+  const double all = 2 / of_jaws + 1 / of_cloth;
+  EXPECT_NEAR(pinched(side(a, up, 0), side(b, down, 0, 1), of_cloth).x(), 1 / of_jaws / all, 1e-12);
+  EXPECT_NEAR(pinched(side(a, up, 0, 1), side(b, down, 0), of_cloth).x(),
+              (1 / of_jaws + 1 / of_cloth) / all, 1e-12);
+  EXPECT_NEAR(pinched(side(a, up, 0, 1), side(b, down, 0), 0).x(), 1, 1e-12) << "with its own jaw";
+  EXPECT_NEAR(pinched(side(a, up, 0, 1), side(b, down, 0, 1), 0).x(), 10, 1e-12)
+      << "between layers that slide on it";
+}
+
+TEST(Pinches, LayersKeepTheirSharesOfAGapThatCloses) {
+  const MovingCollider a = moving({0, 0, 2}), b = moving({0, 0, -8});
+  for (const double share : {0.0, 0.25, 0.5, 0.9}) {
+    const double gap = 0.003;
+    const double rate =
+        pinched(side(a, up, share * gap, 1), side(b, down, (1 - share) * gap, 1)).z();
+    EXPECT_NEAR(rate, (1 - share) * 2 - share * 8, 1e-12) << share;
+    const double overlap = -0.001;
+    const double least =
+        pinched(side(a, up, share * overlap, 1), side(b, down, (1 - share) * overlap, 1)).z();
+    EXPECT_NEAR(least, -3, 1e-12) << "as thin as they get: together";
+  }
 }
 
 TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
-  const Cloth cloth = make_grid(chain_spec(2, 1, 0));
+  const Cloth cloth = row_of(2);
   for (const auto& [first, second] : {std::pair{0.3, 0.3}, {0.1, 0.5}, {0.0, 0.2}, {2.0, 2.0}}) {
     const double most = std::atan(first) + std::atan(second);
     for (const double wedge : {most - 0.01, most + 0.01}) {
       if (wedge > M_PI / 3) continue;  // wider ones are left to impulses
-      const ContactImpulse a = contact(up, still, 0, first);
-      const ContactImpulse b = contact({std::sin(wedge), 0, -std::cos(wedge)}, still, 0, second);
-      ASSERT_TRUE(Pinches::leave_no_room(a, b));
+      const MovingCollider a = rough(still, first), b = rough(still, second);
       Pinches pinches;
       pinches.start_over(100 * h);  // a firm grip
-      pinches.add(0, still, {a, moving(still)}, {b, moving(still)}, cloth);
+      pinches.add(0, still, side(a, up, 0), side(b, {std::sin(wedge), 0, -std::cos(wedge)}, 0),
+                  cloth);
       Points velocities = Points::Ones(2, 3);
       pinches.sweep(velocities);
       EXPECT_EQ(velocities.row(0).norm() < 1e-12, wedge < most) << first << ' ' << wedge;
@@ -102,32 +149,33 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
 
 TEST(Pinches, WithoutFrictionNothingSticksWhateverTheRoundings) {
   // Normals whose product is beyond 1 by a rounding.
-  const Cloth cloth = make_grid(chain_spec(2, 1, 0));
+  const Cloth cloth = row_of(2);
+  const MovingCollider a = moving(still), b = moving(still);
   const Points directions = random_points(200, 1, 1);
   for (int k = 0; k < directions.rows(); ++k) {
     const Vector3 normal = row(directions, k).normalized();
-    const ContactImpulse a = contact(normal, still, 0, 0), b = contact(-normal, still, 0, 0);
     Pinches pinches;
     pinches.start_over(h);
-    pinches.add(0, still, {a, moving(still)}, {b, moving(still)}, cloth);
+    pinches.add(0, still, side(a, normal, 0), side(b, -normal, 0), cloth);
     Points velocities = Points::Ones(2, 3);
     pinches.sweep(velocities);
     const Vector3 along = Vector3::Ones() - normal.sum() * normal;
     EXPECT_LT((row(velocities, 0) - along).norm(), 1e-12) << k;
+    EXPECT_EQ(pinches.slipping(), 0) << "nothing could hold it";
   }
 }
 
 TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
-  const Cloth cloth = make_grid(chain_spec(4, 1, 0));
+  const Cloth cloth = row_of(4);
   const double all = 3 * 9.81 * h * cloth.mass.sum() * cloth.inv_mass[1];  // [m/s]
   const double grip = all / 2;
-  const MovingCollider finger = moving(still), thumb = moving(still), other = moving(still);
-  const ContactImpulse a = contact(up, still, 0, 1), b = contact(down, still, 0, 1);
+  const MovingCollider finger = rough(still, 1), thumb = rough(still, 1), other = rough(still, 1);
   Pinches pinches;
   pinches.start_over(h);
-  pinches.add(1, still, {a, finger}, {b, thumb}, cloth);
-  pinches.add(2, still, {b, thumb}, {a, finger}, cloth);
-  pinches.add(3, still, {a, finger}, {b, other}, cloth);  // shares with none
+  EXPECT_NEAR(pinches.weight_on(1, cloth), all / 3, 1e-12 * all);
+  pinches.add(1, still, side(finger, up, 0), side(thumb, down, 0), cloth);
+  pinches.add(2, still, side(thumb, down, 0), side(finger, up, 0), cloth);
+  pinches.add(3, still, side(finger, up, 0), side(other, down, 0), cloth);  // shares with none
   // In two pulls.
   Points velocities = Points::Zero(4, 3);
   for (int pull = 0; pull < 2; ++pull) {
@@ -139,6 +187,7 @@ TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
   EXPECT_LT(row(velocities, 1).norm(), 1e-9 * grip);
   EXPECT_LT((row(velocities, 2) - Vector3(0.02 * grip, 0, 0)).norm(), 1e-9 * grip);
   EXPECT_LT(row(velocities, 3).norm(), 1e-9 * grip);
+  EXPECT_EQ(pinches.slipping(), 1);
 
   // It is moved along as far as it slips, and never across.
   Points positions = Points::Constant(4, 3, 5);
@@ -148,39 +197,21 @@ TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
 }
 
 TEST(Pinches, PinsAndPointsThatAreHeldAreLeftAlone) {
-  Cloth cloth = make_grid(chain_spec(2, 1, 0));
+  Cloth cloth = row_of(2);
   cloth.inv_mass[0] = 0;
-  const ContactImpulse a = contact(up, still, 0, 1), b = contact(down, still, 0, 1);
+  const MovingCollider a = rough(still, 1), b = rough({0, 0, 0.3}, 1);
   Pinches pinches;
   pinches.start_over(h);
   EXPECT_EQ(pinches.first(), -1);
   for (const int point : {0, 1, 1}) {
-    pinches.add(point, still, {a, moving(still)}, {b, moving(still)}, cloth);
+    pinches.add(point, still, side(a, up, 0.001), side(b, down, 0.002), cloth);
   }
   EXPECT_EQ(pinches.count(), 1);
   EXPECT_EQ(pinches.first(), 1);
+  EXPECT_LT((pinches.velocity(1) - Vector3(0, 0, 0.1)).norm(), 1e-12);
   pinches.start_over(h);
   EXPECT_EQ(pinches.count(), 0);
   EXPECT_FALSE(pinches.holds(1));
-}
-
-TEST(ForEachTwo, VisitsWhatBruteForceFinds) {
-  std::mt19937 random(3);
-  std::uniform_int_distribution<int> key(0, 9);
-  for (int round = 0; round < 20; ++round) {
-    std::vector<int> keys(30);
-    for (int& k : keys) k = key(random);
-    std::multiset<std::pair<std::size_t, std::size_t>> expected, found;
-    for (std::size_t j = 0; j < keys.size(); ++j) {
-      for (std::size_t i = 0; i < j; ++i) {
-        if (keys[i] == keys[j]) expected.emplace(i, j);
-      }
-    }
-    for_each_two(
-        keys.size(), 10, [&](std::size_t i) { return keys[i]; },
-        [&](std::size_t i, std::size_t j) { found.emplace(i, j); });
-    EXPECT_EQ(found, expected);
-  }
 }
 
 }  // namespace

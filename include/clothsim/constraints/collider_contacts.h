@@ -9,6 +9,7 @@
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
 #include "clothsim/constraints/room.h"
+#include "clothsim/constraints/stacks.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -110,9 +111,17 @@ class ColliderContacts {
                     Caught&);
 
   /// Holds what colliders leave no room, and takes it out of what they caught.
-  void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const Points& positions,
+  void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
                     std::vector<Caught>&);
-  void pinch_points(const std::vector<MovingCollider>&, const Cloth&, const Points& positions);
+  void pinch(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
+             const std::vector<Caught>&);
+  /// Bounds of where a collider touches, and of the normals there.
+  struct Touched {
+    Normals normals;
+    Eigen::AlignedBox3d places;  // [m] of points, with the corners of triangles
+  };
+  Touched touched_by(int number, const Cloth&, const Points& positions);
+  Jaw jaw_of(int number, const MovingCollider&, const Cloth&);
 
   /// Sends what is caught in a collider out in one direction.
   void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
@@ -143,7 +152,9 @@ class ColliderContacts {
   Travel travel_;
   FaceContacts faces_;
   Pinches pinches_;
-  bool has_pinched_ = false;  // in the step before
+  Stacks stacks_;
+  bool has_pinched_ = false;          // in the step before
+  bool is_restored_pinched_ = false;  // likewise, as it was written
   bool recovers_ = false;
   LocalCloth local_;  // about a collider whose faces count
 };

@@ -129,6 +129,7 @@ class ContactSlots {
   const std::vector<int>& active() const { return active_; }
 
   ContactImpulse contact(int point, double friction) const;
+  Vector3 normal(int point) const { return at(point / block).normal.get(point % block); }
 
   /// Adds what the points, at `positions`, gave the collider in the step, times `scale`: impulse
   /// [N s] and its moment about `origin` [N m s].

@@ -1,12 +1,11 @@
 #pragma once
 
+#include "clothsim/constraints/self_touches.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
-
-class Pinches;
 
 /// Contact takes a cloth to weigh as much as on Earth at least: where there is no gravity it is
 /// pressed and pulled all the same [m/s^2].
@@ -19,10 +18,10 @@ struct ContactStep {
   const Points& start;    // positions at its start [m]
   const Points& drifted;  // the velocities that brought the points where they are [m/s]
   const Workers& workers;
-  const Pinches* pinches = nullptr;  // of the last step; none: nothing is pinched
-  double gravity = least_gravity;    // [m/s^2], no less
-  double stretch = 0;                // l / L0 - 1 that springs may have at its end
-  WorkBudget* budget = nullptr;      // of the frame; none: all is done
+  double gravity = least_gravity;        // [m/s^2], no less
+  double stretch = 0;                    // l / L0 - 1 that springs may have at its end
+  WorkBudget* budget = nullptr;          // of the frame; none: all is done
+  const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -16,6 +16,8 @@ bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 /// How much further away a contact next to a held corner counts, so that it may sink in by as much:
 /// by a lever without end a triangle could not rest on what it is pinned to [m].
 double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
+/// The same, of a lever as of lever_of().
+double leeway(double lever, const Triangle&);
 
 /// As face_distance(), with that leeway.
 std::optional<FaceDistance> distance_with_leeway(const Shape&, const Cloth&, const Corners&,

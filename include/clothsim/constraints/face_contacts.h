@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -44,16 +43,19 @@ class FaceContacts {
   /// Gives the contacts the impulses of the last step, `scale` times as large.
   void resume(const Cloth&, double scale, Points& velocities);
 
-  /// The contact of a point with a collider, if there is one.
-  using PointContacts = std::function<std::optional<ContactImpulse>(int collider, int point)>;
+  /// Calls visit(triangle, weights of its corners, normal, distance [m]) for each contact with a
+  /// collider.
+  template <typename Visit>
+  void for_each_on(int collider, Visit&& visit) const {
+    for (const Contact& c : contacts_) {
+      if (c.id.collider == collider) visit(c.id.triangle, c.weights, c.impulse.normal, c.distance);
+    }
+  }
 
-  /// Finds triangles that two colliders leave no room, one of them perhaps by their corners' own
-  /// contacts: their corners, at `positions` [m, N x 3], are pinched.
-  void find_pinched(const std::vector<MovingCollider>&, const PointContacts&, const Cloth&,
-                    const Points& positions, Pinches&) const;
-
-  /// Drops the impulses on triangles with a corner that is held.
-  void leave_to(const Pinches&, const Cloth&);
+  /// Acts on no corner that is held. What such corners lack of their distance from the collider, as
+  /// layers that have to be thinner do, their triangles may lack by their shares.
+  void leave_to(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
+                const ContactStep&);
 
   /// One pass over the contacts. Returns the largest change of a velocity [m/s].
   double sweep(const Cloth&, Points& velocities);
@@ -93,15 +95,14 @@ class FaceContacts {
   struct Contact {
     Id id;
     CornerWeights weights;  // of the corners
-    CornerWeights moves;    // of the corners, by an impulse
+    CornerWeights moves;    // of the corners, by an impulse; 0 of those that are pinched
     double yield;           // velocity there over impulse, 1 at a point alone
     double lever;           // velocity there over the fastest corner's
+    double distance;        // from the surface, where impulses act [m]
     ContactImpulse impulse;
   };
 
   const Contact* last_of(const Id&);
-  static std::optional<ContactImpulse> under(const Contact&, int other, const PointContacts&,
-                                             const Cloth&);
 
   /// Adds a contact at `distance`, if it matters in this step.
   void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,

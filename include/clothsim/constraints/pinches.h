@@ -5,10 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/model/cloth.h"
-#include "clothsim/model/memory.h"
 #include "clothsim/model/wrench.h"
 #include "clothsim/shapes/moving_collider.h"
 
@@ -16,28 +14,39 @@ namespace clothsim {
 
 /// Points of a cloth that two colliders leave no room.
 ///
-/// What surfaces that close on a cloth ask of it cannot both be met, and impulses that try grow
-/// without end. So such a point goes across them with both, or midway between what they ask for if
-/// that differs much. Solids press as hard as it takes: where friction can keep it from slipping
-/// out, it does, and the point goes along with both, more with the rougher one. Else it slips, and
-/// so it does where it is pulled out with more than its share of some weights of the whole cloth,
-/// before what pulls it is torn.
+/// What surfaces that close on a cloth, one layer or several, ask of it cannot all be met, and
+/// impulses that try grow without end. So such a point goes across them in its share of what is
+/// between both, and layers keep their order; where that is next to nothing, it goes as their mean.
+/// Solids press as hard as it takes: where friction can keep it from slipping out, it does, and the
+/// point goes along with both, more with what holds it firmer. Else it slips, and so it does where
+/// it is pulled out with more than its share of some weights of the whole cloth, before what pulls
+/// it is torn.
 class Pinches {
  public:
-  /// A contact, and the collider that it is with.
+  /// What a point has to do with one of two colliders.
   struct Side {
-    const ContactImpulse& contact;
-    const MovingCollider& collider;
+    const MovingCollider* collider;
+    Vector3 normal;   // of its surface, towards the point, unit
+    double distance;  // from it at the step's start [m]
+    double room;      // that the point and the layers between them need there [m]
+    bool touches;     // no other layer is between them
   };
 
   /// Forgets all points, for a step of h [s]. The weight of the cloth is that under `gravity`
   /// [m/s^2].
   void start_over(double h, double gravity = least_gravity);
 
-  /// Can no velocity of what is between them meet both?
-  static bool leave_no_room(const ContactImpulse& a, const ContactImpulse& b);
+  /// Cosine of the angle between normals from which on surfaces face each other: out of a wider
+  /// wedge impulses push sideways.
+  static constexpr double facing = -0.5;
 
-  /// Takes a point at `x` [m], unless it is taken, that two contacts leave no room.
+  /// Do surfaces with these normals face each other?
+  static bool face_each_other(const Vector3& a, const Vector3& b);
+
+  /// Will there be less than a point at `x` [m] needs between both at the end of a step of h [s]?
+  static bool leave_no_room(const Side& a, const Side& b, const Vector3& x, double h);
+
+  /// Takes a point at `x` [m], unless it is taken, that two colliders leave no room.
   void add(int point, const Vector3& x, const Side& a, const Side& b, const Cloth&);
 
   /// Gives the points their velocities. Returns the largest change [m/s].
@@ -48,8 +57,8 @@ class Pinches {
   void correct(const Points& start, Points& positions) const;
 
   /// As of FaceContacts. Of two colliders the one that pushed has what a point got across them; of
-  /// what it got along them each has its share of the friction. What both press against each other
-  /// through the point is in no sum: nothing says how much that is.
+  /// what it got along them each has its share. What both press against each other through the
+  /// point is in no sum: nothing says how much that is.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
@@ -59,14 +68,19 @@ class Pinches {
   bool holds_any(const std::array<int, 3>& points) const {
     return std::any_of(points.begin(), points.end(), [&](int point) { return holds(point); });
   }
+  /// Velocity that a point which has been added is to have [m/s].
+  const Vector3& velocity(int point) const {
+    return pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(point)])].velocity;
+  }
+  /// The cloth's weight in the step, on one of its points [m/s].
+  double weight_on(int point, const Cloth&) const;
+
   /// By point; empty: none.
   const std::vector<char>& held() const { return held_; }
 
-  /// Which points are held. `read` throws InvalidValue for what was not written.
-  void write(MemoryWriter&) const;
-  void read(MemoryReader&, const Cloth&);
-
   int count() const { return static_cast<int>(pinches_.size()); }
+  /// Those that are pulled with more than friction holds.
+  int slipping() const;
   /// The first of them; -1: none.
   int first() const { return pinches_.empty() ? -1 : pinches_.front().point; }
 
@@ -74,10 +88,13 @@ class Pinches {
   struct Pinch {
     int point;
     Vector3 velocity;  // wanted [m/s]
-    Vector3 across;    // from one collider to the other
-    double grip;       // greatest change of velocity along them in the step, were it alone [m/s]
-    std::size_t jaws;  // that hold it
-    Vector3 given;     // change of velocity in the step so far [m/s]
+    Vector3 across;    // from a to b
+    const MovingCollider* a;
+    const MovingCollider* b;
+    double share_of_b;  // of what holds it along them
+    double grip;        // greatest change of velocity along them in the step, were it alone [m/s]
+    std::size_t jaws;   // that hold it
+    Vector3 given;      // change of velocity in the step so far [m/s]
     bool slips;
   };
 
@@ -95,18 +112,7 @@ class Pinches {
   std::vector<Pinch> pinches_;
   std::vector<Jaws> jaws_;
   std::vector<char> held_;
+  std::vector<int> number_;  // by point, of those that are held
 };
-
-/// Calls visit(i, j) for every two of `count` things, i < j, with the same key(i), below `keys`.
-template <typename Key, typename Visit>
-void for_each_two(std::size_t count, std::size_t keys, const Key& key, const Visit& visit) {
-  std::vector<std::size_t> last(keys, count), before(count, count);
-  for (std::size_t j = 0; j < count; ++j) {
-    std::size_t& newest = last[static_cast<std::size_t>(key(j))];
-    for (std::size_t i = newest; i < count; i = before[i]) visit(i, j);
-    before[j] = newest;
-    newest = j;
-  }
-}
 
 }  // namespace clothsim

@@ -4,6 +4,7 @@
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/pinches.h"
 #include "clothsim/geometry/cell_list.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -21,6 +22,9 @@ class PointContacts {
   /// Finds touching pairs after a step to `state`, and gives them their last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
+  /// Acts no more on what colliders hold.
+  void leave_to(const Pinches&);
+
   /// One pass over the pairs, whatever the `precision` [m]. Returns the largest change as a
   /// displacement in h [m].
   double sweep(const Cloth&, double precision, Points& velocities, const Workers& = {});
@@ -33,6 +37,9 @@ class PointContacts {
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
+
+  /// As of SelfTouches, in the last step.
+  void for_each_touch(const Cloth&, const std::function<void(const SelfTouch&)>& visit) const;
 
   /// To be called when other points than before are held: pairs of two are left out.
   void seek_anew() { found_at_.resize(0, 3); }

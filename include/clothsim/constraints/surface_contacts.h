@@ -6,6 +6,7 @@
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/pinches.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -27,6 +28,9 @@ class SurfaceContacts {
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
+  /// Acts no more on what colliders hold.
+  void leave_to(const Pinches&);
+
   /// One pass over the contacts, but for those where nothing has changed that matters to a
   /// `precision` [m]. Returns the largest change as a displacement in h [m].
   double sweep(const Cloth&, double precision, Points& velocities, const Workers& = {});
@@ -39,6 +43,9 @@ class SurfaceContacts {
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
+
+  /// As of SelfTouches, in the last step.
+  void for_each_touch(const Cloth&, const std::function<void(const SelfTouch&)>& visit) const;
 
   /// To be called when other points than before are held.
   void seek_anew() {}
@@ -63,6 +70,7 @@ class SurfaceContacts {
     std::array<int, 4> points;
     std::array<double, 4> weights;  // see Separation
     double mass;                    // of the closest points together [kg]
+    double nearest;                 // how near these may come [m]
     ContactImpulse impulse;         // of b on a [N s]
   };
 
@@ -80,7 +88,7 @@ class SurfaceContacts {
   double sweep_group(Group, const Cloth&, double least, Points& velocities);
   bool is_nearest_on_surface(const SurfacePair&, const Separation&) const;
   std::optional<Contact> find(const Cloth&, const NearPair&, bool held, const Points& middle,
-                              const ContactStep&, const Points& velocities) const;
+                              const Points& velocities) const;
 
   NearPairs near_;
   double h_ = 0;

@@ -33,6 +33,7 @@ struct StepReport {
   int held_back = 0;         // moves of points cut short lest the cloth cross itself
   int pinched = 0;           // points that two colliders leave no room, most in a substep
   int pinched_point = -1;    // one of them
+  int slipping = 0;          // of the pinched that friction could hold: pulled out, last substep
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.

@@ -1,0 +1,235 @@
+#include "clothsim/constraints/stacks.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace clothsim {
+namespace {
+
+/// Cosine of the angle to a jaw's normal at which one layer still lies upon another there.
+constexpr double upon = 0.5;
+
+/// Speed of one collider against the other up to which layers between them are a grip [m/s]: what
+/// is hit faster is left to impulses, which let piles fly apart.
+constexpr double fastest_grip = 1;
+
+/// Why a point has no node.
+constexpr int not_seen = -1, not_between = -2;
+
+using Box = Eigen::AlignedBox3d;
+
+Box around(const Jaw& jaw, const Points& positions) {
+  Box box;
+  for (const Foothold& f : jaw.footholds) {
+    for (const int i : f.points) box.extend(row(positions, i));
+  }
+  return box;
+}
+
+/// The jaw without what is not within the box.
+Jaw within(const Box& box, const Jaw& jaw, const Points& positions) {
+  Jaw result{jaw.collider, jaw.offset, {}};
+  for (const Foothold& f : jaw.footholds) {
+    if (box.contains(f.place(positions))) result.footholds.push_back(f);
+  }
+  return result;
+}
+
+/// Of a point from which no layer is known to the jaw, as the step began.
+Pinches::Side side_of(const Jaw& jaw, const Vector3& x) {
+  const Pose& pose = jaw.collider.previous();
+  const Vector3 local = to_local(pose, x);
+  const Distance d = signed_distance(jaw.collider.shape(), local, local);
+  return {&jaw.collider, pose.orientation * d.normal, d.value, 0, false};
+}
+
+Pinches::Side touching(const Jaw& jaw, Pinches::Side side) {
+  side.room = jaw.offset;
+  side.touches = true;
+  return side;
+}
+
+/// Of what touches the jaw there.
+Pinches::Side own_side(const Jaw& jaw, const Foothold& f, const Points& start) {
+  if (f.triangle == Foothold::no_triangle) return touching(jaw, side_of(jaw, f.place(start)));
+  return touching(jaw, {&jaw.collider, f.normal, f.distance, 0, false});
+}
+
+/// What touches a jaw.
+class Footing {
+ public:
+  explicit Footing(const Jaw& jaw) : jaw_(jaw) {
+    for (const Foothold& f : jaw.footholds) {
+      if (f.triangle == Foothold::no_triangle) {
+        points_.insert(f.points[0]);
+      } else {
+        triangles_[f.triangle].push_back(&f);
+      }
+    }
+  }
+
+  /// On that triangle.
+  std::vector<const Foothold*> on(int triangle) const {
+    const auto found = triangles_.find(triangle);
+    return found == triangles_.end() ? std::vector<const Foothold*>() : found->second;
+  }
+
+  /// The jaw as seen from where another one touches. It is touched there if the points are.
+  Pinches::Side beyond(const Foothold& f, const Points& start) const {
+    bool touches = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      touches = touches && (f.weights[k] == 0 || points_.count(f.points[k]) > 0);
+    }
+    const Pinches::Side side = side_of(jaw_, f.place(start));
+    return touches ? touching(jaw_, side) : side;
+  }
+
+ private:
+  const Jaw& jaw_;
+  std::set<int> points_;
+  std::map<int, std::vector<const Foothold*>> triangles_;
+};
+
+}  // namespace
+
+bool can_face(const Normals& a, const Normals& b) {
+  if (a.isEmpty() || b.isEmpty()) return false;
+  double least = 0;  // of the product of two normals
+  for (int axis = 0; axis < 3; ++axis) {
+    const double p[] = {a.min()[axis], a.max()[axis]};
+    const double q[] = {b.min()[axis], b.max()[axis]};
+    least += std::min({p[0] * q[0], p[0] * q[1], p[1] * q[0], p[1] * q[1]});
+  }
+  return least <= Pinches::facing;
+}
+
+void Stacks::pinch(const Jaw& all_of_a, const Jaw& all_of_b, const Cloth& cloth,
+                   const Points& start, double h, const SelfTouches* touches, Pinches& pinches) {
+  if (all_of_a.footholds.empty() || all_of_b.footholds.empty()) return;
+  const double most = Stacks::reach(cloth, std::max(all_of_a.offset, all_of_b.offset));
+  const Vector3 margin = Vector3::Constant(most);
+  const auto wider = [&](Box box) { return Box(box.min() - margin, box.max() + margin); };
+  const Jaw a = within(wider(around(all_of_b, start)), all_of_a, start);
+  const Jaw b = within(wider(around(all_of_a, start)), all_of_b, start);
+  if (a.footholds.empty() || b.footholds.empty()) return;
+
+  nodes_.clear();
+  edges_.clear();
+  node_of_.assign(static_cast<std::size_t>(cloth.num_points()), not_seen);
+  add_footholds(a, b, start);
+  if (nodes_.empty()) return;
+  if (touches) add_edges(a, b, start, most, *touches);
+  climb();
+  for (const Node& node : nodes_) {
+    if (node.a.room == 0 || node.b.room == 0) continue;  // nothing lies between it and a jaw
+    if (node.a.touches && node.b.touches && !node.is_between) continue;  // beside each other
+    const Vector3 x = row(start, node.point);
+    const double speed = (b.collider.velocity_at(x) - a.collider.velocity_at(x)).norm();
+    if (!node.is_between && speed > fastest_grip) continue;
+    if (Pinches::leave_no_room(node.a, node.b, x, h)) {
+      pinches.add(node.point, x, node.a, node.b, cloth);
+    }
+  }
+}
+
+void Stacks::add_footholds(const Jaw& a, const Jaw& b, const Points& start) {
+  const Footing on_a(a), on_b(b);
+  const auto take = [&](const Foothold& f, const Pinches::Side& of_a, const Pinches::Side& of_b) {
+    if (!Pinches::face_each_other(of_a.normal, of_b.normal)) return;
+    for (const int i : f.points) add(i, of_a, of_b);
+  };
+  for (const Foothold& f : a.footholds) {
+    const Pinches::Side of_a = own_side(a, f, start);
+    const auto same = on_b.on(f.triangle);
+    if (same.empty()) take(f, of_a, on_b.beyond(f, start));
+    for (const Foothold* other : same) take(f, of_a, own_side(b, *other, start));
+  }
+  for (const Foothold& f : b.footholds) {
+    if (on_a.on(f.triangle).empty()) take(f, on_a.beyond(f, start), own_side(b, f, start));
+  }
+}
+
+void Stacks::add(int point, const Pinches::Side& a, const Pinches::Side& b) {
+  const bool is_between = a.touches && b.touches;
+  int& number = node_of_[static_cast<std::size_t>(point)];
+  if (number < 0) {
+    number = static_cast<int>(nodes_.size());
+    nodes_.push_back({point, is_between, a, b});
+    return;
+  }
+  Node& node = nodes_[static_cast<std::size_t>(number)];
+  const bool is_nearer = a.distance + b.distance < node.a.distance + node.b.distance;
+  const bool counts = is_between == node.is_between ? is_nearer : is_between;
+  node.is_between = node.is_between || is_between;
+  const auto merge = [&](Pinches::Side& side, const Pinches::Side& now) {
+    if (counts) {
+      side.normal = now.normal;
+      side.distance = now.distance;
+    }
+    side.touches = side.touches || now.touches;
+    side.room = std::max(side.room, now.room);
+  };
+  merge(node.a, a);
+  merge(node.b, b);
+}
+
+int Stacks::node_between(int point, const Jaw& a, const Jaw& b, const Points& start, double most) {
+  int& number = node_of_[static_cast<std::size_t>(point)];
+  if (number != not_seen) return number;
+  const Vector3 x = row(start, point);
+  number = not_between;
+  const Pinches::Side of_a = side_of(a, x);
+  if (of_a.distance > most) return number;
+  const Pinches::Side of_b = side_of(b, x);
+  if (of_a.distance + of_b.distance > most) return number;
+  if (Pinches::face_each_other(of_a.normal, of_b.normal)) add(point, of_a, of_b);
+  return number;
+}
+
+void Stacks::add_edges(const Jaw& a, const Jaw& b, const Points& start, double most,
+                       const SelfTouches& touches) {
+  touches([&](const SelfTouch& touch) {
+    for (std::size_t p = 0; p < 4; ++p) {
+      if (touch.weights[p] <= 0) continue;
+      const int upper = node_between(touch.points[p], a, b, start, most);
+      if (upper < 0) continue;
+      for (std::size_t q = 0; q < 4; ++q) {
+        if (touch.weights[q] >= 0) continue;
+        const int lower = node_between(touch.points[q], a, b, start, most);
+        if (lower < 0) continue;
+        const Pinches::Side &of_upper = nodes_[static_cast<std::size_t>(upper)].a,
+                            &of_lower = nodes_[static_cast<std::size_t>(lower)].a;
+        const double cosine = touch.normal.dot(of_upper.normal);
+        // So that no chain comes back to where it began.
+        if (cosine > upon && of_upper.distance > of_lower.distance) {
+          edges_.push_back({lower, upper, touch.nearest});
+        } else if (cosine < -upon && of_upper.distance < of_lower.distance) {
+          edges_.push_back({upper, lower, touch.nearest});
+        }
+      }
+    }
+  });
+}
+
+/// Longest chains from either jaw: there are no circles, so that it ends.
+void Stacks::climb() {
+  const auto raise = [](Pinches::Side& to, const Pinches::Side& from, double room) {
+    if (from.room == 0 || to.room >= from.room + room) return false;
+    to.room = from.room + room;
+    to.touches = false;
+    return true;
+  };
+  for (bool rises = true; rises;) {
+    rises = false;
+    for (const Edge& edge : edges_) {
+      Node& below = nodes_[static_cast<std::size_t>(edge.below)];
+      Node& above = nodes_[static_cast<std::size_t>(edge.above)];
+      const bool from_a = raise(above.a, below.a, edge.room);
+      const bool from_b = raise(below.b, above.b, edge.room);
+      rises = rises || from_a || from_b;
+    }
+  }
+}
+
+}  // namespace clothsim

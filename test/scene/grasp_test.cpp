@@ -1,0 +1,218 @@
+// Two fingers take a ridge of a cloth on a table, lift it by friction alone and carry it: a few
+// cases of scripts/grasp_matrix, whose table stands in docs/grasping.md.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/geometry/intersections.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double side = 0.24;    // of the cloth [m]
+constexpr double rod = 0.005;    // radius of what holds the ridge up [m]
+constexpr double top = 0.055;    // height of its middle [m]
+constexpr double tips = 0.024;   // height of the fingers' middle when they close [m]
+constexpr double lift = 0.15;    // [m]
+constexpr double speed = 0.1;    // of a finger [m/s]
+constexpr double gravity = 9.8;  // [m/s^2]
+constexpr int table = 0, left = 1, right = 2, under = 3;
+
+struct Case {
+  const char* name;
+  double gap;  // [m]
+  Shape finger;
+  double reach;      // of the finger, from its face to its middle [m]
+  double spacing;    // of points [m]
+  double thickness;  // of a layer [m]
+  double friction;   // of the fingers
+  bool holds;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+const Shape box = Cuboid{{0.02, 0.04, 0.03}};
+
+const Case cases[] = {
+    {"room_for_less_than_one", 0.0, box, 0.01, 0.01, 0.002, 0.6, true},
+    {"room_for_one", 0.002, box, 0.01, 0.01, 0.002, 0.6, true},
+    {"room_for_one_and_a_half", 0.003, box, 0.01, 0.01, 0.002, 0.6, true},
+    {"coarse", 0.001, box, 0.01, 0.02, 0.002, 0.6, true},
+    {"thin_fingers", 0.001, Capsule{0.04, 0.002}, 0.002, 0.02, 0.002, 0.6, true},
+    {"too_wide", 0.003, box, 0.01, 0.01, 0.001, 0.2, false},
+};
+
+/// Along a line that runs up one side of the rod and down the other: place and height there, of a
+/// way from its top [m].
+Eigen::Vector2d ridge(double way, double radius, double height) {
+  const double sign = way < 0 ? -1 : 1;
+  const double round = radius * M_PI / 2, wall = top - height;
+  double left_over = std::abs(way);
+  if (left_over < round) {
+    const double angle = left_over / radius;
+    return {sign * radius * std::sin(angle), top + radius * std::cos(angle)};
+  }
+  left_over -= round;
+  if (left_over < wall) return {sign * radius, top - left_over};
+  return {sign * (radius + left_over - wall), height};
+}
+
+class Grasp : public ::testing::TestWithParam<Case> {
+ protected:
+  Grasp() : case_(GetParam()), simulator_(scene(GetParam())) {
+    const double height = case_.thickness / 2 + 2e-4;
+    // So wide that chords between points clear the rod.
+    const double radius = std::hypot(rod + case_.thickness / 2 + 5e-4, case_.spacing / 2);
+    State state = simulator_.state();
+    const int columns = simulator_.cloth().columns;
+    for (int i = 0; i < state.positions.rows(); ++i) {
+      const Eigen::Vector2d at = ridge((i % columns) * case_.spacing - side / 2, radius, height);
+      state.positions.row(i) << at.x(), (i / columns) * case_.spacing - side / 2, at.y();
+    }
+    simulator_.set_state(state);
+    half_ = radius + 0.012;
+    place();
+    for (int frame = 0; frame < 36; ++frame) simulator_.step();
+  }
+
+  static Scene scene(const Case& c) {
+    Scene scene;
+    scene.cloth.width = scene.cloth.height = side;
+    scene.cloth.columns = scene.cloth.rows = static_cast<int>(std::lround(side / c.spacing)) + 1;
+    scene.cloth.origin = Vector3(0, -side / 2, 0.01);
+    Fabric fabric;  // as config/fabrics/cotton_towel.yaml
+    fabric.stretch_stiffness = {600, 450};
+    fabric.shear_stiffness = 25;
+    fabric.bending_stiffness = {2.5e-5, 1.8e-5};
+    fabric.internal_damping = {1e-5, 4e-3};
+    scene.cloth.material.fabric = fabric;
+    scene.cloth.material.density = 0.35;
+    scene.cloth.material.strain_limit.reset();
+    scene.cloth.material.damping = 1;
+    scene.cloth.thickness = c.thickness / 2;
+    scene.cloth.friction = 0.5;
+    scene.cloth.self_collision = SelfCollision::surface;
+    scene.simulation.method = "xpbd";
+    scene.simulation.substeps = 10;
+    const Pose level{Vector3::Zero(), Eigen::Quaterniond::Identity()};
+    const Pose along_y{Vector3(0, 0, top), turn_to_y()};
+    scene.colliders = {{"table", Plane{}, level, 0.5, ""},
+                       {"left", c.finger, level, c.friction, ""},
+                       {"right", c.finger, level, c.friction, ""},
+                       {"rod", Capsule{side, rod}, along_y, 0, ""}};
+    return scene;
+  }
+
+  static Eigen::Quaterniond turn_to_y() {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3::UnitX()));
+  }
+
+  Pose finger(int which) const {
+    const double x = (which == left ? -1 : 1) * (half_ + case_.reach);
+    const bool is_rod = std::holds_alternative<Capsule>(case_.finger);
+    return {Vector3(x, 0, z_), is_rod ? turn_to_y() : Eigen::Quaterniond::Identity()};
+  }
+
+  void place() {
+    for (const int which : {left, right}) simulator_.place_collider(which, finger(which));
+  }
+
+  /// Moves the fingers to a half opening and a height [m], from rest to rest.
+  void go(double half, double z, double seconds) {
+    const int frames = static_cast<int>(std::lround(seconds / simulator_.frame_duration()));
+    const double from_half = half_, from_z = z_;
+    fastest_beyond_fall_ = 0;
+    for (int frame = 1; frame <= frames; ++frame) {
+      const double linear = static_cast<double>(frame) / frames;
+      const double share = linear * linear * (3 - 2 * linear);  // 1.5 times as fast at most
+      half_ = from_half + share * (half - from_half);
+      z_ = from_z + share * (z - from_z);
+      for (const int which : {left, right}) simulator_.move_collider(which, finger(which));
+      const StepReport report = simulator_.step();
+      pinched_ = report.pinched;
+      EXPECT_EQ(report.recoveries, 0);
+      const State& state = simulator_.state();
+      const double highest = state.positions.col(2).maxCoeff();
+      for (int i = 0; i < state.positions.rows(); ++i) {
+        const double fall = 2 * gravity * (highest - state.positions(i, 2));
+        fastest_beyond_fall_ =
+            std::max(fastest_beyond_fall_, state.velocities.row(i).squaredNorm() - fall);
+      }
+    }
+    fastest_beyond_fall_ = std::sqrt(fastest_beyond_fall_);
+  }
+
+  /// Points between the fingers.
+  std::vector<int> between() const {
+    std::vector<int> points;
+    for (int i = 0; i < simulator_.state().positions.rows(); ++i) {
+      const Vector3 x = row(simulator_.state().positions, i);
+      const bool is_near = std::abs(x.x()) < 0.01 && std::abs(x.y()) < 0.018;
+      if (is_near && std::abs(x.z() - z_) < std::max(0.012, 0.6 * case_.spacing)) {
+        points.push_back(i);
+      }
+    }
+    return points;
+  }
+
+  Case case_;
+  Simulator simulator_;
+  double half_ = 0;
+  double z_ = tips;
+  int pinched_ = 0;
+  double fastest_beyond_fall_ = 0;  // [m/s]
+};
+
+TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
+  const double closed = case_.gap / 2;
+  go(closed, z_, (half_ - closed) / speed);
+  go(closed, z_, 0.2);
+  simulator_.enable_collider(under, false);
+  const std::vector<int> held = between();
+  ASSERT_FALSE(held.empty());
+  const Points before = simulator_.state().positions;
+
+  go(closed, z_ + lift, lift / speed);
+  const double up = fastest_beyond_fall_;
+  go(closed, z_, 0.5);
+  std::vector<double> lag;  // [m]
+  for (const int i : held) {
+    lag.push_back(
+        (row(simulator_.state().positions, i) - row(before, i) - Vector3(0, 0, lift)).norm());
+  }
+  std::nth_element(lag.begin(), lag.begin() + static_cast<std::ptrdiff_t>(lag.size() / 2),
+                   lag.end());
+  const double slipped = lag[lag.size() / 2];
+  EXPECT_EQ(count_intersections(simulator_.cloth(), simulator_.state().positions), 0);
+  if (!case_.holds) {
+    EXPECT_GT(slipped, 0.03);
+    return;
+  }
+  EXPECT_LT(slipped, 5e-3);
+  EXPECT_GT(pinched_, 0);
+  EXPECT_LT(up, 2 * 1.5 * speed) << "nothing is flung";
+
+  // To the same bits after a copy.
+  const auto saved = simulator_.save();
+  go(closed, z_, 0.05);
+  const Points expected = simulator_.state().positions;
+  simulator_.restore(*saved);
+  go(closed, z_, 0.05);
+  EXPECT_TRUE(simulator_.state().positions == expected);
+
+  go(0.015, z_, 0.015 / speed);
+  go(0.015, z_, 0.3);
+  EXPECT_EQ(pinched_, 0);
+  EXPECT_LT(simulator_.state().positions.col(2).maxCoeff(), z_ + 0.04) << "it falls";
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, Grasp, ::testing::ValuesIn(cases),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+}  // namespace
+}  // namespace clothsim
