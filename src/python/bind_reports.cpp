@@ -27,6 +27,8 @@ void bind_reports(py::module_& module) {
       .def_readonly("held_back", &StepReport::held_back,
                     "Moves of points cut short lest the cloth cross itself.")
       .def_readonly("pinched", &StepReport::pinched, "Points that two colliders leave no room.")
+      .def_readonly("slipping", &StepReport::slipping,
+                    "Those of them that are pulled with more than friction holds.")
       .def("__repr__", [](const StepReport& self) {
         return "<clothsim.StepReport: " + self.method + ", " + std::to_string(self.substeps) +
                " substeps, " + std::to_string(self.contacts) + " contacts>";

@@ -88,11 +88,9 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
     }
   }
   out.add("contacts", report.contacts);
-  if (report.pinched > 0) {
-    out.mergeSummaryf(DiagnosticStatus::WARN,
-                      "colliders leave no room to %d points, point %d among them", report.pinched,
-                      report.pinched_point);
-  }
+  // What a gripper holds is no mistake, nor is what slips out of it.
+  out.add("points between colliders", report.pinched);
+  out.add("slipping between colliders", report.slipping);
   if (status.intersecting_pairs) {
     const int pairs = *status.intersecting_pairs;
     out.add("intersecting pairs", pairs);

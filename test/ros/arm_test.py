@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
 
 from clothsim.msg import Colliders
@@ -55,6 +55,14 @@ class Arm(unittest.TestCase):
         self.assertLess(upper.max(), 0.01)
         self.assertLess(np.abs(y.max(axis=0) - y[-1]).max(), 2 * CELL)
         self.assertLess(z.max(), 3 * CELL)
+
+        # To hold is no mistake: green while there are points between the fingers.
+        simulation = [s for array in diagnostics.all() for s in array.status if "points between colliders"
+                      in (v.key for v in s.values)]
+        holding = [s for s in simulation
+                   if int(next(v.value for v in s.values if v.key == "points between colliders")) > 0]
+        self.assertGreater(len(holding), 0)
+        self.assertIn(DiagnosticStatus.OK, {s.level for s in holding}, {s.message for s in holding})
 
         # Nothing ever crossed, once a second.
         crossings = [v.value for array in diagnostics.all() for s in array.status
