@@ -21,8 +21,8 @@ constexpr double spring_margin = 0.85;
 /// falls.
 constexpr double weight_limit = 3.5;
 
-/// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip of
-/// a box a cloth trembles for ever at 0.7 and rests at 0.5. Between two colliders tension grows
+/// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip
+/// of a box a cloth trembles for ever at 0.7 and rests at 0.5. Between two colliders tension grows
 /// without end: as many steps as the weight asks for at the second must do.
 constexpr double touching_limit = 0.5;
 constexpr double touching_weight_limit = 0.5;
