@@ -257,13 +257,16 @@ struct Put {
 
 class PutInto : public ::testing::TestWithParam<Put> {};
 
+/// What a shape put into a taut cloth may fling a point to [m/s].
+constexpr double fastest_out = 8;
+
 /// Runs until the cloth is out; the time it took [s].
 double time_to_leave(Simulator& simulator) {
   for (int frame = 1; frame <= 90; ++frame) {
     const StepReport report = simulator.step();
     EXPECT_EQ(report.recoveries, 0) << frame;
     EXPECT_TRUE(simulator.state().positions.allFinite()) << frame;
-    EXPECT_LT(fastest(simulator.state()), 6) << frame;
+    EXPECT_LT(fastest(simulator.state()), fastest_out) << frame;
     if (deepest_penetration(simulator) == 0) return frame / 90.0;
   }
   return 10;
@@ -279,10 +282,33 @@ TEST_P(PutInto, AHangingClothComesOutAtABoundedSpeed) {
     RecordProperty("seconds_at_" + std::to_string(depth), std::to_string(t));
     EXPECT_LT(t, 0.5) << depth;
     for (int frame = 0; frame < 90; ++frame) {
-      step_checked(simulator, 8);
+      step_checked(simulator, fastest_out);
       if (HasFatalFailure()) return;
     }
   }
+}
+
+TEST(RodPutInto, HardlyEverFlingsATautClothWhereverItIs) {
+  // Where the middle of the rod lies in the cloth, both sides are as near a way out. At a few
+  // depths a point is flung for a frame there.
+  const Vector3 turn(0, 1.57, 0.2);
+  Simulator simulator(hanging_with({{"rod", Capsule{0.6, 0.02}, pose_at({0, 0, 5}), 0.3, ""}}));
+  for (int frame = 0; frame < 270; ++frame) simulator.step();
+  const Vector3 middle = point(simulator.cloth(), simulator.state().positions, 12, 12);
+  const auto hanging = simulator.save();
+  int flung = 0;
+  for (int depth = -30; depth < 30; ++depth) {  // [mm]
+    simulator.restore(*hanging);
+    simulator.place_collider(0, pose_at(middle + Vector3(0, 1e-3 * depth, 0), turn));
+    double fast = 0;
+    for (int frame = 0; frame < 4; ++frame) {
+      simulator.step();
+      fast = std::max(fast, fastest(simulator.state()));
+    }
+    EXPECT_LT(fast, fastest_out) << depth;
+    flung += fast > 3.5;
+  }
+  EXPECT_LE(flung, 3) << "of 60";
 }
 
 TEST_P(PutInto, ASceneMayStartWithTheShapeInTheCloth) {
