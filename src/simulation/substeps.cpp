@@ -77,11 +77,13 @@ int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt)
 }
 
 int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt) {
+  if (dt * frequency <= touching_limit) return 1;  // the weight takes a look at all points
   const double most = weight_frequency(cloth, gravity) / touching_weight_limit;
   return whole_steps(dt * std::min(frequency / touching_limit, most));
 }
 
 int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt) {
+  if (share <= most_added) return 1;
   const double most = dt * weight_frequency(cloth, gravity);
   return whole_steps(std::min(std::sqrt(share / most_added), most));
 }
