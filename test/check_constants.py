@@ -16,7 +16,8 @@ HEAD = """# Constants
 Every named number of the floors {floors}: {count} in {files} files. The words
 are the code's own. They say what a number trades, or where it comes from. "Likewise" refers to the row above. Where no
 unit stands, it is a share or a count.
-Numbers of a formula that was fitted stand in that formula alone (`method_choice.cpp`).
+Numbers of a formula that was fitted stand in that formula alone (`method_choice.cpp`). What mathematics or a format
+sets, and nobody could tune, as the order of a method, is an enumerator: {structure} of these stand at the end.
 [method.md](method.md) says where the numbers act. This page is written by `test/check_constants.py --write`;
 `scripts/test` fails where it differs from the code.
 """
@@ -26,6 +27,8 @@ Numbers of a formula that was fitted stand in that formula alone (`method_choice
 CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char)[\w:]+(?:<[^>]*>)? "
                       r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ [*/] |-)?\d[^;]*)|"
                       r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
+# A number of structure.
+ENUMERATOR = re.compile(r"enum(?: : [\w:]+)? \{ (?P<name>\w+) = (?P<value>\d+) \};")
 # These share their words with a number that has a unit, and have none.
 PURE = {"most_of_violation", "margin", "lift"}
 # Not that of a function of the number.
@@ -83,17 +86,24 @@ def constants_of(path):
     return rows
 
 
+def enumerators_of(path):
+    """Rows of a file: name, value, the file."""
+    return [(found["name"], found["value"], path.relative_to(PACKAGE).as_posix())
+            for found in map(ENUMERATOR.match, map(str.strip, path.read_text().splitlines())) if found]
+
+
 def row(cells):
     name, value, unit, words = (cell.replace("|", "\\|") for cell in cells)
     return f"| `{name}` | {value} | {unit} | {words} |"
 
 
 def page():
-    parts, count, files = [], 0, 0
+    parts, count, files, structure = [], 0, 0, []
     for floor in FLOORS:
         parts.append(f"\n## {floor}\n")
         for base in ("include/clothsim", "src"):
             for path in sorted((PACKAGE / base / floor).glob("*")):
+                structure += enumerators_of(path)
                 rows = constants_of(path)
                 if not rows:
                     continue
@@ -103,7 +113,9 @@ def page():
                 parts.append("\n| name | value | unit | why |\n|---|---|---|---|\n")
                 parts.append("\n".join(map(row, rows)) + "\n")
     floors = ", ".join(FLOORS[:-1]) + " and " + FLOORS[-1]
-    return HEAD.format(floors=floors, count=count, files=files) + "".join(parts)
+    parts.append("\n## Structure\n\n| name | value | file |\n|---|---|---|\n")
+    parts += [f"| `{name}` | {value} | {path} |\n" for name, value, path in structure]
+    return HEAD.format(floors=floors, count=count, files=files, structure=len(structure)) + "".join(parts)
 
 
 def main():

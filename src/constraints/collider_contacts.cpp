@@ -8,9 +8,6 @@
 namespace clothsim {
 namespace {
 
-/// What moved by less between two steps is where it was, as far as it may be from a surface.
-constexpr double still = surface_offset / 4;
-
 /// Distance of the farthest point [m].
 double farthest_from(const Vector3& origin, const Points& points) {
   return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
@@ -137,7 +134,7 @@ void ColliderContacts::follow(Side& s, const MovingCollider& collider,
   const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
   const double jumped = s.room.follow(collider.previous(), radius) + travel_.between_steps();
   s.moved = s.room.follow(collider.pose(), radius);
-  s.is_clear = s.is_clear && jumped <= still;
+  s.is_clear = s.is_clear && jumped < may_sink;
   s.is_close = !s.is_clear || travel_.in_step() + s.moved > safe_depth(collider.shape());
 }
 
@@ -161,7 +158,7 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
     const double way = correct_at(sides_[k], colliders[k], cloth, start, positions);
     travel_.add(way);
     // It may have been moved into another one.
-    for (std::size_t other = 0; other < k && way > still; ++other) {
+    for (std::size_t other = 0; other < k && way >= may_sink; ++other) {
       sides_[other].is_clear = false;
     }
   }
@@ -191,7 +188,7 @@ double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, con
       const double nearest = least[b - span.begin];
       if (!s.slots.has_active(b)) s.room.keep(b, nearest, travel_.total());
       // A pin in the solid may be let go.
-      if (nearest < surface_offset / 2 && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
+      if (nearest < may_sink && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
     }
   }
   if (is_near_faces(s, keeps, keeps.points)) {
@@ -217,7 +214,7 @@ double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, 
     const Vector3 to = to_world(collider.pose(), row(local_.to, i));
     longest = std::max(longest, (to - row(positions, i)).norm());
     positions.row(i) = to.transpose();
-    s.is_clear = s.is_clear && local_.distance[i] >= surface_offset / 2;
+    s.is_clear = s.is_clear && local_.distance[i] >= may_sink;
   }
   return longest;
 }

@@ -240,7 +240,7 @@ std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
     to += std::max(0.0, required_distance(before, seeker.offset, h_) - d.value) * d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
-  s.is_clear = s.is_clear && ends >= surface_offset / 2;
+  s.is_clear = s.is_clear && ends >= may_sink;
   const Vector3 end = to_world(collider.pose(), to);
   const double way = (end - row(positions, i)).norm();
   positions.row(i) = end.transpose();

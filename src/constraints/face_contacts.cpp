@@ -16,15 +16,14 @@ constexpr int max_passes = 50;
 constexpr double grace = 0.1;
 
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
-constexpr std::size_t features = 4;
-constexpr std::size_t face = 3;
+enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
 
 /// With which of them it does; empty where it touches with a corner alone.
-std::optional<std::size_t> feature_of(const CornerWeights& w) {
+std::optional<Feature> feature_of(const CornerWeights& w) {
   const auto zeros = std::count(w.begin(), w.end(), 0.0);
   if (zeros > 1) return std::nullopt;
   if (zeros == 0) return face;
-  return w[2] == 0 ? 0 : (w[0] == 0 ? 1 : 2);
+  return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
 }
 
 /// Push on a triangle next to a pinched corner, of the weight of the cloth, on one of its points:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/signed_distances.h"
 
 namespace clothsim {
@@ -12,10 +13,6 @@ namespace {
 /// Most that corners may stand off a shape to keep their triangles off it, of the longest edge: an
 /// edge e does so by e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
 constexpr double highest_lift = 1.0 / 16;
-
-/// A strain limit for those that have none: how far points are lifted is to change with springs
-/// only where they stretch further.
-constexpr double usual_limit = 0.1;
 
 /// How much longer than its limit lets it an edge is thought to get while others pull it.
 constexpr double overstretch = 1.05;
@@ -57,6 +54,9 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   });
   const double edge =
       sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
+  // Those that have no limit get the usual one: how far points are lifted is to change with springs
+  // only where they stretch further.
+  static const double usual_limit = Material().strain_limit.value();
   const double limit = cloth.strain_limit.value_or(usual_limit);
   return std::max(overstretch * (1 + limit), 1 + stretch) * edge;
 }

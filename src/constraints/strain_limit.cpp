@@ -14,13 +14,6 @@
 namespace clothsim {
 namespace {
 
-/// Springs that are checked as one.
-constexpr int piece_length = 64;
-constexpr int neighbourhood = 512;  // points
-
-/// Visits that it takes to look at four, see WorkBudget.
-constexpr int visits_of_four = 2;
-
 /// Violation [of a rest length] from which on a step counts for more time, in proportion, until the
 /// limit yields: where springs are twice their length, patience would fling the cloth about.
 constexpr double usual_violation = 0.05;
@@ -65,20 +58,20 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
     const int colour = 2 * direction + (a / run.offset) % 2;
     constraints_.push_back({a, b, run.rest_length, colour});
   });
-  assert(2 * (direction + 1) <= num_colours);
+  over_.resize(index(2 * (direction + 1)));
 
   for_each_band(cloth, [&, id = 0](const SpringBand& band) mutable {
     for (const SpringRun* run = band.begin; run != band.end; ++run) {
-      for (int done = 0; done < run->count; done += piece_length) {
-        const int count = std::min(piece_length, run->count - done);
+      for (int done = 0; done < run->count; done += Piece::length) {
+        const int count = std::min(Piece::length, run->count - done);
         pieces_.push_back({run->first + done, count, run->offset, run->rest_length, id + done});
       }
       id += run->count;
     }
   });
-  // Those of a neighbourhood one after the other: its points stay in the nearest cache.
+  // Those of a neighbourhood one after the other.
   std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& p, const Piece& q) {
-    return p.first / neighbourhood < q.first / neighbourhood;
+    return p.first / at_once < q.first / at_once;
   });
   local_.assign(index(cloth.num_points()), -1);
   has_moved_.assign(index(cloth.num_points()), 0);
@@ -259,7 +252,7 @@ void StrainLimit::store(Points& velocities) const {
 /// One pass over active_, colour by colour: within one, springs share no point. Sums are of
 /// segments, whoever has taken them.
 PassChange StrainLimit::sweep_active(double momentum, const Workers& workers) {
-  if (budget_) budget_->spend(visits_of_four * static_cast<std::int64_t>(active_.size()));
+  if (budget_) budget_->spend(static_cast<std::int64_t>(num_active_));
   changes_.resize(segment_ends_.size());
   int first = 0;
   for (const int end : colour_ends_) {

@@ -3,13 +3,6 @@
 #include "clothsim/constraints/strain_limit.h"
 
 namespace clothsim {
-namespace {
-
-/// Fours of springs of a colour that a thread takes at once: half a microsecond of work.
-constexpr int segment_length = 128;
-
-}  // namespace
-
 /// Springs longer than their limit, and those an impulse still holds. False where they are those of
 /// the last step.
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
@@ -68,6 +61,7 @@ void StrainLimit::add_active(int id, const Kick& kick) {
   const bool new_colour = active_.empty() || c.colour != colour_;
   if (new_colour || lane_ == FourSprings::count) {
     const auto fours = static_cast<int>(active_.size());
+    constexpr int segment_length = at_once / static_cast<int>(FourSprings::count);
     const int begun = segment_ends_.empty() ? 0 : segment_ends_.back();
     if (fours > begun && (new_colour || fours - begun == segment_length)) {
       segment_ends_.push_back(fours);

@@ -17,12 +17,6 @@ constexpr double aim = 0.95;
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
 
-/// Springs of a colour that a thread takes at least.
-constexpr int least_shared = 512;
-
-/// Pieces that a thread looks at at least: two microseconds of work.
-constexpr int least_pieces = 32;
-
 /// points_a += w_a d, points_b -= w_b d.
 void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
   const double weight_a = cloth.inv_mass[a];
@@ -109,7 +103,7 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
       shortened_[index(i)] = 1;
     }
   };
-  workers.share(static_cast<int>(ids.size()), shorten_band, least_shared);
+  workers.share(static_cast<int>(ids.size()), shorten_band, at_once);
 
   bool any = false;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -178,7 +172,7 @@ void StrainLimit::flag_longer_than(double stretch, const Points& positions,
       }
     }
   };
-  workers.share(static_cast<int>(pieces_.size()), look, least_pieces);
+  workers.share(static_cast<int>(pieces_.size()), look, at_once / Piece::length);
 }
 
 }  // namespace clothsim

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -18,15 +20,12 @@ namespace {
 /// loops lose more than the first level wins.
 constexpr int block = 2560;
 
-/// Directions that one pass over a block's points sums.
-constexpr int most = 6;
+/// Directions that one pass over a block's points sums: those of a classic cloth.
+enum { most = 6 };
 
-/// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force. It
-/// changes no length above 1e-142 m, in single precision above 1e-11 m.
+/// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force.
 template <typename Real>
-constexpr Real least_length2 = 1e-300;
-template <>
-constexpr float least_length2<float> = 1e-30F;
+constexpr Real least_length2 = std::numeric_limits<Real>::min();
 
 /// Where points begin in each coordinate's column.
 template <typename Real>
@@ -212,7 +211,7 @@ template <typename Real>
 }
 
 /// Bytes in a line of the caches. Stores that begin at one are twice as fast as those across two.
-constexpr std::size_t line = 64;
+constexpr std::size_t line = sizeof(Lanes);
 
 /// Lines between one array and the next: 4 % faster than where arrays begin at nearly the same
 /// place within 4 KiB, by which the processor tells whether a load waits for a store.

@@ -21,8 +21,8 @@ constexpr double least_fall = 1e-4;
 /// Share of a point's inertia that its springs may use up.
 constexpr double shared_inertia = 0.9;
 
-/// Shortest step tried, of Newton's. Below, rounding decides.
-constexpr double shortest_step = 1e-6;
+/// Shortest step tried, of Newton's. Below, it is lost in rounding.
+constexpr double shortest_step = std::numeric_limits<double>::epsilon();
 
 /// Longest spring [m], or of bends alone the distance of two neighbours.
 double longest_link(const Cloth& cloth) {

@@ -5,9 +5,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -17,7 +19,7 @@ namespace {
 constexpr int block = 768;
 
 /// Coefficients of a symmetric 3 x 3 matrix, each in a column of its own: xx, yy, zz, xy, yz, xz.
-constexpr int coefficients = 6;
+enum { coefficients = 6 };
 
 /// What single precision may be off by, of a frequency's square: some tens of roundings of the sum
 /// of all springs at a point, which is less than three times that.
@@ -28,7 +30,7 @@ constexpr double single_margin = 1e-4;
 constexpr double share = 1e-13;
 
 /// Points that are compared at once.
-constexpr int batch = 64;
+constexpr int batch = num_lanes;
 
 /// Columns of matrices, `stride` numbers from one to the next.
 template <typename Real>
@@ -41,9 +43,7 @@ struct Matrices {
 /// A spring that is no longer than sqrt(least_length2) [m] has no direction. It counts nothing, as
 /// it has no force; in single precision, where that is not sure, it counts in all directions.
 template <typename Real>
-constexpr Real least_length2 = 0;
-template <>
-constexpr float least_length2<float> = 1e-24F;
+constexpr Real least_length2 = std::numeric_limits<Real>::min();
 template <typename Real>
 constexpr bool counts_without_length = false;
 template <>

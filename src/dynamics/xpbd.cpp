@@ -87,7 +87,7 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
     for (std::size_t k = 0; k < bend.points.size(); ++k) {
       for (std::size_t l = 0; l < bend.points.size(); ++l) {  // those in the middle may be one
         if (bend.points[k] != bend.points[l]) continue;
-        inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficients[k] * Bend::coefficients[l];
+        inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficient(k) * Bend::coefficient(l);
       }
     }
     const double compliance = 1 / (bend.stiffness * damped * time2);
@@ -133,7 +133,7 @@ void Xpbd::sweep_bends(const Cloth& cloth, Points& positions, const Workers& wor
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      const Eigen::RowVector3d push = Bend::coefficients[k] * change.transpose();
+      const Eigen::RowVector3d push = Bend::coefficient(k) * change.transpose();
       positions.row(i) += cloth.inv_mass[i] * push;
       react(cloth, i, push);
     }
@@ -165,7 +165,7 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
   for (const BendConstraint& c : bends_) {
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      const Eigen::RowVector3d push = Bend::coefficients[k] * c.lambda.transpose();
+      const Eigen::RowVector3d push = Bend::coefficient(k) * c.lambda.transpose();
       target_.row(i) += cloth.inv_mass[i] * push;
       react(cloth, i, push);
     }

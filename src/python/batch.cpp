@@ -15,8 +15,8 @@ using clothsim::InvalidValue;
 
 int checked_threads(std::optional<int> threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  if (!threads) return std::clamp(cores, 1, clothsim::max_threads);
-  constexpr clothsim::Range range{1, clothsim::max_threads, ""};
+  constexpr clothsim::Range range = clothsim::threads_range;
+  if (!threads) return std::clamp(cores, 1, static_cast<int>(range.max));
   clothsim::check_range("threads", *threads, range);
   return *threads;
 }

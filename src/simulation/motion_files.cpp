@@ -1,3 +1,4 @@
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -13,8 +14,7 @@ namespace {
 constexpr std::size_t most_key_frames = 1'000'000;
 
 /// Time, place and quaternion x, y, z, w, row by row.
-constexpr std::size_t row_size = 8;
-using Row = std::array<double, row_size>;
+using Row = std::array<double, 8>;
 
 constexpr const char* csv_header = "time,x,y,z";
 constexpr const char* csv_header_turned = "time,x,y,z,qx,qy,qz,qw";
@@ -52,7 +52,7 @@ std::vector<Row> read_csv(const std::filesystem::path& path) {
   std::vector<Row> rows;
   while (rows.size() <= most_key_frames && next()) {
     inside(std::to_string(rows.size() + 2),
-           [&] { rows.push_back(parse_line(line, is_turned ? row_size : 4)); });
+           [&] { rows.push_back(parse_line(line, is_turned ? std::tuple_size_v<Row> : 4)); });
   }
   return rows;
 }
@@ -86,10 +86,9 @@ std::vector<Row> read_npz_rows(const std::filesystem::path& path) {
 
 MotionEntry to_entry(const Row& row, const std::string& frame) {
   constexpr Range time_range{0, 1e6, "s"};
-  constexpr double shortest = 1e-6;  // a quaternion that is no more than rounding
   check_range("time", row[0], time_range);
   const Eigen::Vector4d xyzw(row[4], row[5], row[6], row[7]);
-  if (!(xyzw.stableNorm() >= shortest && xyzw.allFinite())) {
+  if (!(xyzw.stableNorm() >= written_rounding && xyzw.allFinite())) {
     throw InvalidValue({"orientation"}, "none", "a quaternion x, y, z, w");
   }
   KeyFrame key{frame, {}};

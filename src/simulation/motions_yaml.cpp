@@ -15,12 +15,11 @@ ReadValue into_points(std::vector<int>& points) {
 
 /// A quaternion [x, y, z, w] of any length.
 Eigen::Quaterniond read_quaternion(const YAML::Node& node) {
-  constexpr double shortest = 1e-6;  // below, it is no more than rounding
   Eigen::Vector4d xyzw = Eigen::Vector4d::Zero();
   const bool has_four = node.IsSequence() && node.size() == 4;
   int i = 0;
   if (has_four) read_list(node, [&](const YAML::Node& item) { xyzw[i++] = read_number(item); });
-  if (!has_four || !(xyzw.stableNorm() >= shortest)) {
+  if (!has_four || !(xyzw.stableNorm() >= written_rounding)) {
     throw InvalidValue({}, describe(node), "a quaternion [x, y, z, w]");
   }
   return Eigen::Quaterniond(Eigen::Vector4d(xyzw.stableNormalized()));

@@ -50,7 +50,7 @@ Points last_points(const std::map<std::string, NumberArray>& arrays, const std::
 }
 
 /// Of a pose in an array: its position and its quaternion.
-constexpr std::size_t pose_numbers = 7;
+enum : std::size_t { pose_numbers = 7 };
 
 NumberArray pose_array(const std::vector<Pose>& poses) {
   NumberArray array{{poses.size(), pose_numbers}, {}};

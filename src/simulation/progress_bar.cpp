@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -19,12 +20,12 @@ void ProgressBar::update(long long done) {
   if (!on_terminal_ || now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
 
-  constexpr int width = 40;
+  std::string bar = "----------------------------------------";
   const double share = static_cast<double>(done) / static_cast<double>(total_);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double left = done > 0 ? elapsed / share - elapsed : 0;
-  const auto filled = static_cast<size_t>(share * width);
-  const std::string bar = std::string(filled, '#') + std::string(width - filled, '-');
+  std::fill_n(bar.begin(), static_cast<std::ptrdiff_t>(share * static_cast<double>(bar.size())),
+              '#');
   std::fprintf(stderr, "\r[%s] %3.0f %%  %lld/%lld  %.0f s left\033[K", bar.c_str(), 100 * share,
                done, total_, left);
   std::fflush(stderr);

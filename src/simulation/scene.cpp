@@ -14,7 +14,6 @@ constexpr Range gravity_range{-1e6, 1e6, "m/s^2"};
 constexpr Range wind_range{-300, 300, "m/s"};
 constexpr Range gusts_range{0, 300, "m/s"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
-constexpr Range threads_range{1, max_threads, ""};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range tolerance_range{1e-9, 1, ""};
 constexpr Range size_range{1e-6, 1e6, "m"};
@@ -188,9 +187,8 @@ void validate(const LiveSpec& live) {
 }
 
 void check_orientation(const Eigen::Quaterniond& orientation) {
-  constexpr double tolerance = 1e-6;
   const double norm = orientation.norm();
-  if (!(std::abs(norm - 1) < tolerance)) {
+  if (!(std::abs(norm - 1) < written_rounding)) {
     throw InvalidValue({"orientation"}, "a quaternion of norm " + to_text(norm), "norm 1");
   }
 }

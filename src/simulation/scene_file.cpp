@@ -17,9 +17,6 @@
 namespace clothsim {
 namespace {
 
-/// Far above any scene written by hand.
-constexpr std::uintmax_t max_file_size = 4'000'000;  // bytes
-
 /// Of an assignment: several times what the deepest value of a scene or a view takes.
 constexpr size_t max_keys = 20;
 

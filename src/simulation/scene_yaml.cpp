@@ -94,9 +94,8 @@ ClothSpec read_cloth(const YAML::Node& node) {
 
 /// Rotation that takes +z to the direction of `normal`.
 Eigen::Quaterniond read_normal(const YAML::Node& node) {
-  constexpr double shortest = 1e-6;  // below, the direction is no more than rounding
   const Vector3 normal = read_vector(node);
-  if (!(normal.stableNorm() >= shortest)) {
+  if (!(normal.stableNorm() >= written_rounding)) {
     throw InvalidValue({}, describe(node), "a direction, of a length of at least 1e-06");
   }
   return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal.stableNormalized());

@@ -13,10 +13,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-constexpr int memory_version = 6;
-
-/// How far from where it is held a point may be in a state that is given [m].
-constexpr double held_tolerance = 1e-6;
+enum { memory_version = 6 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -29,7 +26,7 @@ MemoryShape shape_of(const Scene& scene, const Cloth& cloth) {
   const std::vector<std::string> names = method_names();
   const std::string method = choose_method(scene.simulation, cloth, scene.colliders).method;
   const auto place = std::find(names.begin(), names.end(), method) - names.begin();
-  return {double{memory_version},
+  return {static_cast<double>(memory_version),
           static_cast<double>(cloth.columns),
           static_cast<double>(cloth.rows),
           static_cast<double>(cloth.num_springs()),
@@ -42,9 +39,8 @@ MemoryShape shape_of(const Scene& scene, const Cloth& cloth) {
 
 bool has_other_material(const Cloth& a, const Cloth& b) {
   ClothWatch watch;
-  constexpr double any_step = 0;
-  watch.changed(a, any_step);
-  return watch.differs(b, any_step);
+  watch.changed(a, 0);  // whatever the step
+  return watch.differs(b, 0);
 }
 
 /// Throws InvalidValue unless there are `count`, each below `limit`.
@@ -157,7 +153,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     if (cloth.inv_mass[i] > 0) continue;
     const Vector3 here = given.positions.row(i).transpose();
     const Vector3 held = state.positions.row(i).transpose();
-    if ((here - held).norm() > held_tolerance) {
+    if ((here - held).norm() > written_rounding) {
       throw InvalidValue({"positions", std::to_string(i)}, vector_text(here),
                          vector_text(held) + ", where the point is held");
     }

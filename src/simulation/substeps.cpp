@@ -23,9 +23,8 @@ constexpr double weight_limit = 3.5;
 
 /// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip
 /// of a box a cloth trembles for ever at 0.7 and rests at 0.5. Between two colliders tension grows
-/// without end: as many steps as the weight asks for at the second must do.
+/// without end: as many steps as the weight asks for at that must do.
 constexpr double touching_limit = 0.5;
-constexpr double touching_weight_limit = 0.5;
 
 /// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
 /// other, of its length: half of it already tears points off or leaves too much to repairs (see
@@ -78,8 +77,8 @@ int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt)
 
 int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt) {
   if (dt * frequency <= touching_limit) return 1;  // the weight takes a look at all points
-  const double most = weight_frequency(cloth, gravity) / touching_weight_limit;
-  return whole_steps(dt * std::min(frequency / touching_limit, most));
+  const double most = weight_frequency(cloth, gravity);
+  return whole_steps(dt * (std::min(frequency, most) / touching_limit));
 }
 
 int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt) {

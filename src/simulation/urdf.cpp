@@ -9,21 +9,18 @@
 #include <sstream>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 namespace {
 
 using tinyxml2::XMLElement;
 
-/// Far above any robot.
-constexpr std::size_t most_bytes = 16'000'000;
-constexpr std::size_t longest_words = 100;  // of a text that a message repeats
-
 /// What is wrong with one collision.
 using Fault = std::runtime_error;
 
 std::string quoted(const char* text) {
-  return text ? '"' + shortened(text, longest_words) + '"' : "nothing";
+  return text ? '"' + shortened(text, longest_shown) + '"' : "nothing";
 }
 
 /// `count` finite numbers with blanks between them, of an attribute.
@@ -91,7 +88,7 @@ void read_geometry(const XMLElement& element, Urdf::Collision& collision) {
     if (kind->Attribute("scale")) mesh.scale = vector(*kind, "scale");
     collision.geometry = mesh;
   } else {
-    throw Fault("<" + shortened(name, longest_words) +
+    throw Fault("<" + shortened(name, longest_shown) +
                 "> is no box, sphere, cylinder, capsule or mesh");
   }
 }
@@ -169,9 +166,9 @@ Pose pose_of(const std::string& link, const std::map<std::string, Joint>& joints
 }  // namespace
 
 Urdf read_urdf(const std::string& text) {
-  if (text.size() > most_bytes) {
+  if (text.size() > max_file_size) {
     throw InvalidValue({}, std::to_string(text.size()) + " bytes",
-                       "at most " + std::to_string(most_bytes));
+                       "at most " + std::to_string(max_file_size));
   }
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {

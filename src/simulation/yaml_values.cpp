@@ -7,11 +7,10 @@
 #include <set>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 namespace {
-
-constexpr size_t longest_shown = 40;  // characters, or items of a list, that a message repeats
 
 /// Tags that yaml-cpp gives to scalars: "?" read without quotes, "!" with, "" made by a program.
 bool is_plain(const YAML::Node& node) {
@@ -43,7 +42,7 @@ Parsed parse(const std::string& text, Number& value) {
 
 /// A whole number, however it is written: 50, 50.0 or 5.0e+1.
 Parsed parse_whole(const std::string& text, std::int64_t& value) {
-  constexpr double exact = 9007199254740992;  // up to here doubles hold each whole number
+  const double exact = std::ldexp(1.0, std::numeric_limits<double>::digits);  // and all below
   const Parsed parsed = parse(text, value);
   double number = 0;
   if (parsed != Parsed::no_number || parse(text, number) != Parsed::number) return parsed;
@@ -73,20 +72,19 @@ std::string describe_scalar(const YAML::Node& node) {
 }  // namespace
 
 std::string describe(const YAML::Node& node) {
-  constexpr size_t longest_list = 6;
   if (!node.IsDefined() || node.IsNull()) return "nothing";
   if (node.IsScalar()) return describe_scalar(node);
   if (node.IsMap()) return "a map";
 
   // One level only: a list may hold itself.
-  std::vector<std::string> items;
+  std::string items;
   for (const YAML::Node& item : node) {
-    if (!item.IsScalar() || items.size() == longest_list) {
+    if (!item.IsScalar() || items.size() > longest_shown) {
       return "a list of " + std::to_string(node.size());
     }
-    items.push_back(describe_scalar(item));
+    items += (items.empty() ? "" : ", ") + describe_scalar(item);
   }
-  return '[' + join(items) + ']';
+  return '[' + items + ']';
 }
 
 double read_number(const YAML::Node& node, const std::string& expected) {

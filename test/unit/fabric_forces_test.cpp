@@ -29,7 +29,7 @@ Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, con
   for_each_bend(cloth, [&](const Bend& bend) {
     const Vector3 pull = bend.stiffness * (bend.of(x) + cloth.internal_damping[1] * bend.of(v));
     for (std::size_t k = 0; k < 4; ++k) {
-      forces.row(bend.points[k]) -= Bend::coefficients[k] * pull.transpose();
+      forces.row(bend.points[k]) -= Bend::coefficient(k) * pull.transpose();
     }
   });
   return forces;

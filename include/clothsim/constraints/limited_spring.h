@@ -14,7 +14,7 @@ struct alignas(32) Quad {
 /// take all four at once, and those of a few hundred stay in the nearest cache. Where there are
 /// fewer, the rest are zero, between a point that nothing else touches and itself.
 struct alignas(32) FourSprings {
-  static constexpr std::size_t count = 4;
+  static constexpr std::size_t count = sizeof(Quad) / sizeof(double);
 
   double x[count], y[count], z[count];  // direction from a to b; 0 where there is none
   double kick[count];                   // impulse over the reduced mass of both ends [m/s], >= 0

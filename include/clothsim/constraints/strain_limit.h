@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -114,8 +113,6 @@ class StrainLimit {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  static constexpr int num_colours = 12;
-
   /// What a spring keeps of the last step.
   struct Kick {
     double kick = 0;  // see FourSprings
@@ -124,9 +121,15 @@ class StrainLimit {
     Vector3 direction{0, 0, 0};
   };
 
+  /// Springs that are worth a thread: half a microsecond of work. What so many points have stays in
+  /// the nearest cache.
+  static constexpr int at_once = 512;
+
   /// Springs that begin at neighbours, few enough that it is worth to know whether any is over its
   /// limit.
   struct Piece {
+    static constexpr int length = 64;
+
     int first;  // of the points they begin at
     int count;
     int offset;
@@ -216,12 +219,12 @@ class StrainLimit {
   std::vector<int> second_colour_;  // constraint ids of one direction
 
   // Of correct(). Springs by point are listed when they are first asked for.
-  std::array<std::vector<int>, num_colours> over_;  // constraint ids; none between calls
-  std::vector<unsigned char> shortened_;            // by the place in a list of over_
-  std::vector<unsigned char> has_moved_;            // by point; all 0 between calls
-  std::vector<int> moved_points_;                   // none between calls
-  std::vector<int> first_spring_;                   // by point, in springs_of_points_; one more
-  std::vector<int> springs_of_points_;              // constraint ids
+  std::vector<std::vector<int>> over_;    // constraint ids by colour; none between calls
+  std::vector<unsigned char> shortened_;  // by the place in a list of over_
+  std::vector<unsigned char> has_moved_;  // by point; all 0 between calls
+  std::vector<int> moved_points_;         // none between calls
+  std::vector<int> first_spring_;         // by point, in springs_of_points_; one more
+  std::vector<int> springs_of_points_;    // constraint ids
 };
 
 template <typename Visitor>

@@ -29,7 +29,7 @@ namespace clothsim {
 class Bdf2 {
  public:
   static constexpr const char* name = "bdf2";
-  static constexpr int order = 2;
+  enum { order = 2 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
   static double reach(double, double) { return 1; }  // see Integrator; of a point that is held
 

@@ -12,7 +12,7 @@ struct Bend {
   std::array<int, 4> points;
   double stiffness;  // [N/m]
 
-  static constexpr std::array<double, 4> coefficients{1, -1, -1, 1};
+  static double coefficient(std::size_t k) { return k == 0 || k == 3 ? 1 : -1; }
 
   /// Sum of coefficient times value [m, or m/s], N x 3.
   Vector3 of(const Points& values) const {

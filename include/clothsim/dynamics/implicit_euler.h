@@ -18,7 +18,7 @@ namespace clothsim {
 class ImplicitEuler {
  public:
   static constexpr const char* name = "implicit_euler";
-  static constexpr int order = 1;
+  enum { order = 1 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
   static double reach(double, double) { return 1; }  // see Integrator
 

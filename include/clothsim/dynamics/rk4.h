@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
@@ -15,9 +17,9 @@ namespace clothsim {
 class RungeKutta4 {
  public:
   static constexpr const char* name = "rk4";
-  static constexpr int order = 4;
-  static constexpr double stability_limit = 2.8284271247461903;  // h omega_max, 2 sqrt(2)
-  static double reach(double damping, double h);                 // see Integrator
+  enum { order = 4 };
+  static constexpr double stability_limit = 2 * M_SQRT2;  // h omega_max
+  static double reach(double damping, double h);          // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>

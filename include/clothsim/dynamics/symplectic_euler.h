@@ -14,7 +14,7 @@ namespace clothsim {
 class SymplecticEuler {
  public:
   static constexpr const char* name = "symplectic_euler";
-  static constexpr int order = 1;
+  enum { order = 1 };
   static constexpr double stability_limit = 2;       // h omega_max
   static double reach(double, double) { return 1; }  // see Integrator
 

@@ -20,7 +20,7 @@ namespace clothsim {
 class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
-  static constexpr int order = 2;
+  enum { order = 2 };
   static constexpr double stability_limit = 2;    // h omega_max
   static double reach(double damping, double h);  // see Integrator
 

@@ -30,7 +30,7 @@ namespace clothsim {
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
-  static constexpr int order = 1;
+  enum { order = 1 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
   static double reach(double, double) { return 1; }  // see Integrator
 

@@ -2,26 +2,39 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "clothsim/dynamics/integrator.h"
+#include "clothsim/model/checks.h"
 #include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/motion.h"
 
 namespace clothsim {
 
-/// Most substeps a frame may have: beyond, a frame takes minutes.
-inline constexpr int max_substeps = 10'000;
+/// Substeps that a frame may have: with more it takes minutes.
+inline constexpr Range substeps_range{1, 10'000, ""};
+inline constexpr int max_substeps = static_cast<int>(substeps_range.max);
 
-/// Most threads that may compute.
-inline constexpr int max_threads = 64;
+/// Threads that may compute.
+inline constexpr Range threads_range{1, 64, ""};
 
-/// Most colliders: their ids in the mask image go from 2 to 255.
-inline constexpr std::size_t max_colliders = 254;
+/// Most colliders: their ids in the mask image go from 2 to that of the last byte.
+inline constexpr std::size_t max_colliders = std::numeric_limits<std::uint8_t>::max() - 1;
+
+/// Most bytes of a scene's file, or of a robot's: far above any.
+inline constexpr std::size_t max_file_size = 16'000'000;
+
+/// Characters of what a user wrote, or items of a list, that a message repeats.
+inline constexpr std::size_t longest_shown = 40;
+
+/// What is written with some digits may be off by so much, of its size or [m]; a direction or a
+/// quaternion that is shorter is none.
+inline constexpr double written_rounding = 1e-6;
 
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
