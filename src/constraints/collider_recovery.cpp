@@ -10,9 +10,6 @@
 namespace clothsim {
 namespace {
 
-/// A turn within a step that is so small is taken as a straight way in the collider's frame [rad].
-constexpr double smallest_turn = 0.1;
-
 /// Where a point that may have passed through the shape in one step came in, in the collider's own
 /// frame at the step's end.
 std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3& from,
@@ -20,11 +17,12 @@ std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3
   const double depth = safe_depth(collider.shape());
   const double turn = collider.last_turn();
   if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
-  if (turn <= smallest_turn) return entry_point(collider.shape(), from, to, offset);
 
-  // Its way is bent in a frame that turns: piece by piece.
+  // Its way is bent in a frame that turns: piece by piece, each off a chord by less than matters.
   const Vector3 start = to_world(collider.previous(), from), end = to_world(collider.pose(), to);
-  const int pieces = static_cast<int>(std::ceil(turn / smallest_turn));
+  const double radius = std::max(from.norm(), to.norm());
+  const int pieces =
+      std::max(1, static_cast<int>(std::ceil(turn * std::sqrt(radius / (8 * depth)))));
   Vector3 last = from;
   for (int i = 1; i <= pieces; ++i) {
     const double share = static_cast<double>(i) / pieces;

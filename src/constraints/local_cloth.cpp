@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clothsim/constraints/strain_limit.h"
 #include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/signed_distances.h"
 
@@ -13,9 +14,6 @@ namespace {
 /// Most that corners may stand off a shape to keep their triangles off it, of the longest edge: an
 /// edge e does so by e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
 constexpr double highest_lift = 1.0 / 16;
-
-/// How much longer than its limit lets it an edge is thought to get while others pull it.
-constexpr double overstretch = 1.05;
 
 void move_into(const Pose& pose, const Points& points, Points& local) {
   const Eigen::Matrix3d turn = pose.orientation.toRotationMatrix();
@@ -58,7 +56,7 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   // only where they stretch further.
   static const double usual_limit = Material().strain_limit.value();
   const double limit = cloth.strain_limit.value_or(usual_limit);
-  return std::max(overstretch * (1 + limit), 1 + stretch) * edge;
+  return (1 + std::max(limit + overpulled, stretch)) * edge;
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch, bool pinched) {

@@ -14,10 +14,6 @@
 namespace clothsim {
 namespace {
 
-/// Violation [of a rest length] from which on a step counts for more time, in proportion, until the
-/// limit yields: where springs are twice their length, patience would fling the cloth about.
-constexpr double usual_violation = 0.05;
-
 /// h omega of a tension that steps cannot follow: `auto` chooses them for 1.2 at most, and at 2 a
 /// point flies from side to side.
 constexpr double fastest_swing = 1.5;
@@ -109,7 +105,8 @@ bool StrainLimit::outruns_steps() const { return step_.h * tension_frequency() >
 
 void StrainLimit::learn(double violation) {
   if (violation > 0) {
-    const double haste = yields() ? 1 : std::max(violation / usual_violation, 1.0);
+    // Where springs are twice their length, patience would fling the cloth about.
+    const double haste = yields() ? 1 : std::max(violation / overpulled, 1.0);
     doubt_ = std::min(doubt_ + haste * step_.h, patience + most_doubt);
   } else {
     doubt_ = std::max(doubt_ - (yields() ? relief : 1) * step_.h, 0.0);

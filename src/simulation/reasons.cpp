@@ -19,8 +19,6 @@ const char* clause_of(Reason reason) {
       return "none is in real time: the cheapest";
     case Reason::none_stable:
       return "no method is stable with so few substeps";
-    case Reason::substeps_halved:
-      return "a frame failed: substeps halved";
     case Reason::method_failed:
       return "a frame failed with";
     case Reason::failed_before_set_state:

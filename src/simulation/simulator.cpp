@@ -17,9 +17,6 @@
 namespace clothsim {
 namespace {
 
-/// Stretch over the strain limit that pins must be asking for.
-constexpr double overpulled = 0.05;
-
 /// Times the usual substeps that springs which part fast may ask for. Of material that changes a
 /// hundredfold every frame 4 tears springs in 3 of 10000 frames, 16 in none of 54000.
 constexpr int most_for_parting = 16;
@@ -114,7 +111,7 @@ StepReport Simulator::Impl::step() {
   }
   for (MovingCollider& collider : colliders) collider.arrive();
 
-  is_given = is_given && !is_calm();
+  is_given = false;
   disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
   if (weighs_colliders) finish_colliders(dt);
@@ -169,7 +166,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     const double left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
-    const int needed = looks_again ? substeps_under_tension(left * (1 << method->halvings)) : 1;
+    const int needed = looks_again ? substeps_under_tension(left) : 1;
     if (needed > steps) h = left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
@@ -216,18 +213,10 @@ bool Simulator::Impl::is_beyond_stability(double h) const {
 
 bool Simulator::Impl::recover() {
   const SimulationSpec& spec = scene.simulation;
-  if (!spec.substeps && method->halvings < max_halvings) {
-    ++method->halvings;
-    method->choice.reasons =
-        Reasons(Reason::substeps_halved, std::to_string(method->halvings) + " times");
-    return true;
-  }
-  if (spec.method == "auto" && method->choice.method != refuge) {
-    const Reasons failed(Reason::method_failed, method->choice.method);
-    method = last_resort(spec, cloth, scene.colliders, failed);
-    return true;
-  }
-  return false;
+  if (spec.method != "auto" || method->choice.method == refuge) return false;
+  const Reasons failed(Reason::method_failed, method->choice.method);
+  method = last_resort(spec, cloth, scene.colliders, failed);
+  return true;
 }
 
 bool Simulator::Impl::follows_tension() const {

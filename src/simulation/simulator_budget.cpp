@@ -22,9 +22,6 @@ constexpr double visits_of_factorisation = 40;
 /// So many times that from a state that the simulation came to: what is hit at 100 m/s takes ten.
 constexpr double patience = 100;
 
-/// Share of its budget that a frame takes at most after which a state counts as come to.
-constexpr double calm_share = 0.1;
-
 }  // namespace
 
 void Simulator::Impl::allow_work(double dt) {
@@ -33,16 +30,11 @@ void Simulator::Impl::allow_work(double dt) {
   const double a_substep =
       visits_a_substep + (is_implicit ? usual_newton_steps * visits_of_newton_step() : 0);
   const double visits = visits_a_point + a_substep * least_substeps(dt);
-  allowed = (visits_a_frame + cloth.num_points() * visits) * (is_given ? 1 : patience);
-  budget.allow(allowed);
+  budget.allow((visits_a_frame + cloth.num_points() * visits) * (is_given ? 1 : patience));
 }
 
 double Simulator::Impl::visits_of_newton_step() const {
   return visits_of_factorisation * std::sqrt(cloth.num_points());
-}
-
-bool Simulator::Impl::is_calm() const {
-  return static_cast<double>(budget.left()) >= (1 - calm_share) * allowed;
 }
 
 double Simulator::Impl::least_substeps(double dt) const {

@@ -38,12 +38,9 @@ constexpr double calm = 5e-4;
 /// much, for seven to nine times the passes.
 constexpr double folding_precision = 0.04;
 
-/// The same for contact with colliders meanwhile.
-constexpr double touching_precision = 0.01;
-
 /// Stretch over the strain limit by which a step has not met it: passes to a close tolerance run
 /// out where nothing is asked that cannot be.
-constexpr double least_violation = 0.004;
+const double least_violation = SimulationSpec().strain_tolerance;
 
 /// Root mean square of the velocities beyond their mean [m/s].
 double speed_within(const Points& velocities) {
@@ -107,7 +104,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const double small = length / precision;
   const double move = self_contacts ? h * speed_within(state.velocities) : 0;
   const double small_touch =
-      std::max(std::min(small / contact_precision, calm * h), touching_precision * move);
+      std::max(std::min(small / contact_precision, calm * h), folding_precision * move);
   const double small_fold = std::max(small / contact_precision, folding_precision * move);
   const double unseen_fold = small_fold - small / contact_precision;  // at rest all is seen
   double stretching = 0;

@@ -24,10 +24,7 @@
 
 namespace clothsim {
 
-/// Times a substep is halved before the method is changed.
-inline constexpr int max_halvings = 3;
-
-/// The method that `auto` goes on with where halving does not help: its energy never rises.
+/// The method that `auto` goes on with after a frame failed: its energy never rises.
 inline constexpr const char* refuge = ImplicitEuler::name;
 
 /// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
@@ -55,10 +52,9 @@ struct Method {
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
                int at_speed = 1, const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
-    const int needed = count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                                      1 / spec.frames_per_second,
-                                      std::max(choice.least_substeps, at_speed), workers);
-    return std::min(needed << halvings, max_substeps);
+    return count_substeps(cloth, spec.gravity, positions, stability_limit(),
+                          1 / spec.frames_per_second, std::max(choice.least_substeps, at_speed),
+                          workers);
   }
 
   double stability_limit() const {
@@ -68,7 +64,6 @@ struct Method {
   MethodChoice choice;
   Integrator integrator;
   double omega_max;  // at least that of the springs at rest [rad/s]
-  int halvings = 0;
 };
 
 /// The method to go on with after a frame failed, in as few steps as it can: what constraints ask
@@ -131,7 +126,6 @@ struct Simulator::Impl {
     } else {
       method->choice = choice;
       method->omega_max = omega_max_bound(free);
-      method->halvings = 0;
     }
   }
 
@@ -219,8 +213,6 @@ struct Simulator::Impl {
   void allow_work(double dt);
   /// For each point.
   double visits_of_newton_step() const;
-  /// Has the frame taken little of it?
-  bool is_calm() const;
   /// Substeps of a frame of dt [s] that the scene or its springs ask for, whatever the state.
   double least_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
@@ -261,8 +253,7 @@ struct Simulator::Impl {
   std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where these are weighed
   std::vector<Wrench> collider_wrenches;  // of the last frame
   EnergyWatch energy_watch;
-  WorkBudget budget;   // left of a frame's
-  double allowed = 0;  // visits of it, as it began
+  WorkBudget budget;  // left of a frame's
   AirForces air;
   Vector3 wind{0, 0, 0};                 // of this frame [m/s], where there is air
   std::function<bool()> is_interrupted;  // none: nobody asks
@@ -273,7 +264,7 @@ struct Simulator::Impl {
   bool went_too_far = false;     // points, in a frame that is apart
   double allowed_way = 0;        // see is_out_of_reach()
   bool disturbed = false;        // by a jump since the last frame
-  bool is_given = false;         // state that was set, and is not yet calm: it may be anything
+  bool is_given = false;         // state that was set: it may be anything
   bool recovers = false;         // in this frame: colliders have pushed out what was in them
   bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
   bool is_overpulled = false;    // at this frame's end springs are far over their limit

@@ -13,7 +13,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-enum { memory_version = 6 };
+enum { memory_version = 7 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -78,7 +78,6 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   const std::vector<std::string> names = method_names();
   const auto place = std::find(names.begin(), names.end(), method->choice.method);
   memory.add(static_cast<double>(place - names.begin()));
-  memory.add(method->halvings);
   memory.add(disturbed);
   memory.add(is_given);
   energy_watch.write(memory);
@@ -115,7 +114,6 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     read_method =
         last_resort(scene.simulation, free, scene.colliders, Reason::failed_before_set_state);
   }
-  read_method.halvings = memory.index(max_halvings + 1);
   const bool read_disturbed = memory.index(2) == 1;
   const bool read_given = memory.index(2) == 1;
   EnergyWatch read_energy_watch;

@@ -95,18 +95,12 @@ INSTANTIATE_TEST_SUITE_P(Methods, States, ::testing::ValuesIn(methods()),
                          [](const auto& test) { return test.param; });
 
 TEST(Memories, KeepWhatARecoveryChanged) {
-  // In a memory, the method and the halvings stand after nine numbers of the scene.
+  // In a memory, the method stands after nine numbers of the scene.
   constexpr std::size_t method = 9;
-  constexpr std::size_t halvings = 10;
   Simulator simulator(busy("auto"));
   const int substeps = simulator.step().substeps;
   const State state = simulator.state();
   std::vector<double> memory = simulator.memory();
-
-  memory[halvings] = 2;
-  simulator.set_state(state, memory);
-  EXPECT_EQ(simulator.memory(), memory);
-  EXPECT_EQ(simulator.step().substeps, 4 * substeps);
 
   memory[method] = 3;
   simulator.set_state(state, memory);

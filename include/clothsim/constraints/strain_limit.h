@@ -15,6 +15,10 @@
 
 namespace clothsim {
 
+/// Stretch over the strain limit [of a rest length] that pins or colliders must be asking for:
+/// others' pulls make less.
+inline constexpr double overpulled = 0.05;
+
 /// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
 ///
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse

@@ -15,7 +15,6 @@ enum class Reason {
   none_in_real_time,
   none_stable,
   // After a frame failed.
-  substeps_halved,
   method_failed,
   failed_before_set_state,
   // Of the frame itself.
