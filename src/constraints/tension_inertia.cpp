@@ -21,9 +21,9 @@ constexpr double added = 0.4;
 /// cloth may shake for ever.
 constexpr double kept = 0.97;
 
-/// Most of that, of a point's mass: with more, no step is stable. Where pins or colliders ask for
-/// what cannot be, tension has no end.
-constexpr double most = 10 * added;
+/// Most of that, of a point's mass: with more, no step is stable. With x = h^2 sum(T / l) / m that
+/// is x < 2 (1 + added x). Where pins or colliders ask for what cannot be, tension has no end.
+constexpr double most = added / (0.5 - added);
 
 /// Adds time2 * stiffness to the masses of free points. Drops stiffness beyond the most, that is
 /// lost in a mass, or at a point that is held.

@@ -22,8 +22,8 @@ constexpr int block = 768;
 enum { coefficients = 6 };
 
 /// What single precision may be off by, of a frequency's square: some tens of roundings of the sum
-/// of all springs at a point, which is less than three times that.
-constexpr double single_margin = 1e-4;
+/// of all springs at a point, which is less than three times that. Half of its digits are enough.
+const double single_margin = std::sqrt(std::numeric_limits<float>::epsilon());
 
 /// Eigenvalues are compared, and returned, up to this share: among equal ones each would have to be
 /// computed.

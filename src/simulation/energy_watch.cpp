@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/constraints/contact_step.h"
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
@@ -16,10 +17,9 @@ namespace {
 constexpr double usual_growth = 1.5;
 
 /// Energy that may come from nowhere in a frame, beside as much as it has of kinetic and elastic
-/// energy: a lift of the cloth by this share of its size, and this speed of it [m/s], as roundings
-/// give to a cloth without weight. The shipped scenes stay under 0.004 of the first.
+/// energy: a lift of the cloth by this share of its size, and speed that is calm, as roundings give
+/// to a cloth without weight. The shipped scenes stay under 0.004 of the first.
 constexpr double lift = 0.02;
-constexpr double tremble = 1e-3;
 
 /// The same over any number of frames, of all that the cloth can have had: explicit steps just
 /// below their limit show their fastest waves with some tens of the energy that they have.
@@ -120,7 +120,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   const double g = gravity.norm();
   const Eigen::RowVector3d extent =
       cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-  const double unseen = mass * (g * lift * extent.maxCoeff() + tremble * tremble / 2);
+  const double unseen = mass * (g * lift * extent.maxCoeff() + calm * calm / 2);
   if (!begun_) {
     given_ = kinetic_energy(cloth, before) + elastic_energy(cloth, before.positions) + unseen;
     potential_ = gravitational_energy(cloth, gravity, before.positions);

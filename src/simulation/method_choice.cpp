@@ -23,10 +23,9 @@ constexpr double real_time_share = 0.9;
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
-/// CPU time of the strain limit a substep [s] per spring: of finding those at it, and of solving
-/// where the cloth's weight brings many there.
-constexpr double check_cost = 1.5e-9;
-constexpr double solve_cost = 2.5e-9;
+/// CPU time of the strain limit a substep [s] per spring, where the cloth's weight brings half of
+/// them there.
+constexpr double limit_cost = 2.75e-9;
 
 /// CPU time of contact a substep [s] per point of a cloth that lies or has folded: of a collider,
 /// with points alone or with faces too, and of self contact. Measured by `clothsim_benchmark
@@ -71,9 +70,9 @@ double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
   return std::max(room, 0.0);
 }
 
-/// A free cloth falls with drag, v = g (1 - exp(-c t)) / c, until it lands.
-void add_fall(double room, Motion& m) {
-  constexpr int samples = 50;
+/// A free cloth falls with drag, v = g (1 - exp(-c t)) / c, until it lands: frames of `frame` [s].
+void add_fall(double room, double frame, Motion& m) {
+  const int samples = static_cast<int>(std::ceil(horizon / frame));
   m.loaded = 0;
   double velocity2 = 0;
   for (int i = 1; i <= samples; ++i) {
@@ -131,7 +130,7 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   } else if (m.gravity > 0) {
     const double room = room_below(cloth, colliders);
     m.held = std::isfinite(room);
-    add_fall(room, m);
+    add_fall(room, 1 / spec.frames_per_second, m);
     add_buckling(cloth, std::abs(extent.dot(spec.gravity)) / m.gravity, m);
   }
   return m;
@@ -199,15 +198,6 @@ const std::vector<Candidate>& candidates() {
   return all;
 }
 
-double limit_cost(const SimulationSpec& spec, const Cloth& cloth) {
-  if (!cloth.strain_limit || cloth.springs.empty()) return 0;
-  const SpringRun& run = cloth.springs.front();
-  const double strength = run.stiffness * *cloth.strain_limit * run.rest_length * cloth.columns;
-  const double weight = cloth.mass.sum() * spec.gravity.norm();
-  const double share = weight < strength ? weight / strength : 1;
-  return (check_cost + share * solve_cost) * cloth.num_springs();
-}
-
 bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
   return cloth.strain_limit || cloth.self_collision != SelfCollision::off || !colliders.empty();
 }
@@ -257,7 +247,8 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
   const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
   const double step_cost =                                    // contact aside
-      c.cost(links, cloth.num_points()) + limit_cost(spec, cloth);
+      c.cost(links, cloth.num_points()) +
+      (cloth.strain_limit ? limit_cost * cloth.num_springs() : 0);
   const double affordable_steps = real_time_share / (spec.frames_per_second * step_cost);
 
   int n = needed;

@@ -2,12 +2,14 @@
 
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace clothsim {
 namespace {
 
-/// Below this angle [rad] the series of the Jacobians' factors are exact to the last bits.
-constexpr double small_angle = 1e-4;
+/// Below this angle [rad] the first terms of the series of the Jacobians' factors are closer than
+/// the differences in them: at the fourth root of what doubles round.
+const double small_angle = std::sqrt(std::sqrt(std::numeric_limits<double>::epsilon()));
 
 Vector3 rotation_vector(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
   const Eigen::AngleAxisd turn(to * from.conjugate());  // at most pi

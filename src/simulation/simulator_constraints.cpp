@@ -29,10 +29,6 @@ constexpr double precision_alone = 14;
 /// How much closer contact is solved than that: what friction leaves over, creeps.
 constexpr double contact_precision = 2.5;
 
-/// And to this speed at least [m/s], however short the steps: what is left of each step's solution
-/// shakes a cloth that lies.
-constexpr double calm = 5e-4;
-
 /// While a cloth folds onto itself, contact is solved to this share of the speed at which it moves
 /// within itself. What overlaps then is what a step's own curvature leaves over: at 0.1 % it is as
 /// much, for seven to nine times the passes.

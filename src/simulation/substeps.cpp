@@ -26,11 +26,6 @@ constexpr double weight_limit = 3.5;
 /// without end: as many steps as the weight asks for at that must do.
 constexpr double touching_limit = 0.5;
 
-/// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
-/// other, of its length: half of it already tears points off or leaves too much to repairs (see
-/// docs/experiments.md).
-constexpr double way_share = 0.25;
-
 /// Inertia that tension adds at most, of the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
 /// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
 constexpr double most_added = 0.015;

@@ -11,6 +11,10 @@ namespace clothsim {
 /// pressed and pulled all the same [m/s^2].
 inline constexpr double least_gravity = 9.81;
 
+/// Contact is solved to this speed at least [m/s], however short the steps: what is left of each
+/// step's solution shakes a cloth that lies.
+inline constexpr double calm = 5e-4;
+
 /// The step after which contacts are sought.
 struct ContactStep {
   double h;               // [s]

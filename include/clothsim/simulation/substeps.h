@@ -6,6 +6,12 @@
 
 namespace clothsim {
 
+/// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
+/// other, of its length: half of it already tears points off or leaves too much to repairs (see
+/// docs/experiments.md). And what air may take of the velocity against it: explicit steps bear
+/// twice all.
+inline constexpr double way_share = 0.25;
+
 /// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
 /// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
 /// and, with a strain limit, enough for the tension of the whole weight on the springs of one
