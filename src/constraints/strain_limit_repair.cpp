@@ -96,7 +96,6 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
-      if (length > beyond_repair * longest_ * c.rest_length) continue;
       const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
       const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
       pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);

@@ -145,7 +145,6 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   report.reasons = method->choice.reasons;
   const bool is_unstable = scene.simulation.substeps && is_beyond_stability(dt / steps);
   if (is_unstable) report.reasons.add(Reason::beyond_stability);
-  const bool has_recovered = collider_contacts.recovers();
   recovers = repairs_ran_out = is_overpulled = false;
   stretch = colliders.empty() || is_apart ? 0 : worst_stretch(cloth, state.positions);
 
@@ -193,7 +192,6 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
                         are_pulled_taut(cloth, state.positions));
   const bool is_asked_too_much =
       !is_unstable && longest_row(state.velocities) < fastest_given && (yields || is_pulled);
-  if (has_recovered && !recovers) energy_watch.restart();  // with what the push-out gave
   if (disturbed || is_asked_too_much) {
     energy_watch.restart();
     return true;
@@ -230,9 +228,8 @@ int Simulator::Impl::substeps_under_tension(double dt) const {
     return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt);
   }
   const TensionInertia& inertia = strain_limit->inertia();
-  const int by_share = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
-  if (!touches()) return by_share;
-  return std::max(by_share, substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt));
+  if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt);
+  return substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
