@@ -16,10 +16,6 @@
 namespace clothsim {
 namespace {
 
-/// Points in a block: the partial forces of so many fit the second-level cache. Measured; shorter
-/// loops lose more than the first level wins.
-constexpr int block = 2560;
-
 /// Directions that one pass over a block's points sums: those of a classic cloth.
 enum { most = 6 };
 
@@ -239,7 +235,7 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
   take_points();
 
   constexpr int apart = lines_apart * static_cast<int>(line / sizeof(Real));
-  const int kept = padded<Real>(std::min(block, end - begin)) + apart;
+  const int kept = padded<Real>(std::min(points_at_once, end - begin)) + apart;
   Eigen::Index size = line / sizeof(Real);
   for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
   buffer_.resize(size);
@@ -350,7 +346,7 @@ bool ForceBlocks<Real>::next() {
   first_ += count_;
   if (first_ >= end_) return false;
   if (count_ > 0) keep_history();
-  count_ = std::min(block, end_ - first_);
+  count_ = std::min(points_at_once, end_ - first_);
   for (Direction& d : directions_) fill(d, first_, count_, d.force);
   return true;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -15,8 +16,7 @@
 namespace clothsim {
 namespace {
 
-/// Points whose matrices are summed at once, in the nearest caches.
-constexpr int block = 768;
+constexpr int block = points_at_once;
 
 /// Coefficients of a symmetric 3 x 3 matrix, each in a column of its own: xx, yy, zz, xy, yz, xz.
 enum { coefficients = 6 };

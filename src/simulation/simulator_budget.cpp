@@ -8,9 +8,8 @@
 namespace clothsim {
 namespace {
 
-/// Visits that a frame may take from a state that was set: some, more for each point, and these for
-/// each substep that the springs alone need. 50 x 50 points get a second.
-constexpr double visits_a_frame = 1e7;
+/// Visits that a frame may take for each point from a state that was set: some, and more for each
+/// substep that the springs alone need. 50 x 50 points get a second.
 constexpr double visits_a_point = 40e3;
 constexpr double visits_a_substep = 400;
 
@@ -30,7 +29,7 @@ void Simulator::Impl::allow_work(double dt) {
   const double a_substep =
       visits_a_substep + (is_implicit ? usual_newton_steps * visits_of_newton_step() : 0);
   const double visits = visits_a_point + a_substep * least_substeps(dt);
-  budget.allow((visits_a_frame + cloth.num_points() * visits) * (is_given ? 1 : patience));
+  budget.allow(cloth.num_points() * visits * (is_given ? 1 : patience));
 }
 
 double Simulator::Impl::visits_of_newton_step() const {

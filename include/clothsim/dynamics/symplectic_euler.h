@@ -1,6 +1,7 @@
 #pragma once
 
 #include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/verlet.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 
@@ -15,8 +16,8 @@ class SymplecticEuler {
  public:
   static constexpr const char* name = "symplectic_euler";
   enum { order = 1 };
-  static constexpr double stability_limit = 2;       // h omega_max
-  static double reach(double, double) { return 1; }  // see Integrator
+  static constexpr double stability_limit = VelocityVerlet::stability_limit;  // h omega_max
+  static double reach(double, double) { return 1; }                           // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>
