@@ -93,9 +93,11 @@ void PointContacts::begin(const Cloth& cloth, const ContactStep& step, State& st
   }
 }
 
-void PointContacts::leave_to(const Pinches& pinches) {
+void PointContacts::leave_to(const Pinches& pinches, const Cloth& cloth, Points& velocities) {
   for (Contact& c : contacts_) {
-    if (pinches.holds(c.pair.a) && pinches.holds(c.pair.b)) c.impulse.let_go();
+    if (!pinches.holds(c.pair.a) || !pinches.holds(c.pair.b)) continue;
+    push_apart(cloth, c.pair, -c.impulse.total(), velocities);
+    c.impulse.let_go();
   }
 }
 

@@ -172,8 +172,9 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
 }
 
 /// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
-/// would have to leap to keep its distance.
-void SurfaceContacts::leave_to(const Pinches& pinches) {
+/// would have to leap to keep its distance. What a contact has already given beyond that, it takes
+/// back.
+void SurfaceContacts::leave_to(const Pinches& pinches, const Cloth& cloth, Points& velocities) {
   for (Contact& c : contacts_) {
     int points = 0, held = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -181,11 +182,14 @@ void SurfaceContacts::leave_to(const Pinches& pinches) {
       ++points;
       held += pinches.holds(c.points[k]);
     }
+    if (held == 0) continue;
+    const Vector3 given = c.impulse.total();
     if (held == points) {
       c.impulse.let_go();
-    } else if (held > 0) {
-      c.impulse.most = std::min(c.impulse.most, next_to_pinched * strongest_push_);
+    } else {
+      c.impulse.weaken(next_to_pinched * strongest_push_);
     }
+    push_apart(cloth, c.points, c.weights, c.impulse.total() - given, velocities);
   }
 }
 

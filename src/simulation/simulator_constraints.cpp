@@ -89,7 +89,9 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   if (collider_contacts.pinches().count() > 0) {
-    visit_self_contacts([&](auto& contacts) { contacts.leave_to(collider_contacts.pinches()); });
+    visit_self_contacts([&](auto& contacts) {
+      contacts.leave_to(collider_contacts.pinches(), cloth, state.velocities);
+    });
   }
   if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
   recovers = recovers || collider_contacts.recovers();

@@ -1,6 +1,8 @@
 #include "clothsim/constraints/surface_contacts.h"
 
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
@@ -302,6 +304,61 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
   const double mass = cloth.mass.sum();
   EXPECT_GT(up, 9.81 * mass * h);
   EXPECT_LT(up, contacts.count() * (9.81 * mass * h + 2 * mass * speed));
+}
+
+/// Two layers that were pressed together at 0.1 m/s in the last step.
+struct Pressed {
+  Cloth cloth = strip(8);
+  State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts{cloth};
+  ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
+
+  Pressed() {
+    for (const int i : layer) state.velocities(i, 2) = -0.1;
+    contacts.begin(cloth, contact_step, state);
+    for (int pass = 0; pass < 100; ++pass) contacts.sweep(cloth, 0, state.velocities);
+    state.velocities.setZero();
+  }
+
+  /// Plates without a way between them hold these points.
+  Pinches held(const std::vector<int>& points) const {
+    const MovingCollider plate{ColliderSpec{}};
+    Pinches pinches;
+    pinches.start_over(h);
+    for (const int i : points) {
+      const Vector3 x = row(state.positions, i), up(0, 0, 1);
+      pinches.add(i, x, {&plate, up, 0, thickness, true}, {&plate, -up, 0, thickness, true}, cloth);
+    }
+    return pinches;
+  }
+
+  static constexpr std::array<int, 4> layer = {6, 7, 14, 15};
+};
+
+TEST(SurfaceContacts, WhatCollidersHoldGetsNothingOfTheLastImpulses) {
+  Pressed p;
+  std::vector<int> all;
+  for (int i = 0; i < p.cloth.num_points(); ++i) all.push_back(i);
+  p.contacts.begin(p.cloth, p.contact_step, p.state);
+  EXPECT_GT(p.state.velocities.norm(), 0.05);
+  p.contacts.leave_to(p.held(all), p.cloth, p.state.velocities);
+  EXPECT_LT(p.state.velocities.norm(), 1e-15);
+  EXPECT_EQ(p.contacts.count(), 0);
+}
+
+TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayBe) {
+  Pressed p;
+  p.cloth.mass *= 1e-3;  // so that its weight is little beside that impulse
+  p.contacts.begin(p.cloth, p.contact_step, p.state);
+  const double given = p.state.velocities.norm();
+  p.contacts.leave_to(p.held({Pressed::layer.begin(), Pressed::layer.end()}), p.cloth,
+                      p.state.velocities);
+  EXPECT_LT(p.state.velocities.norm(), 0.1 * given);
+  EXPECT_GT(p.state.velocities.norm(), 0);
+  Points impulses = Points::Zero(p.cloth.num_points(), 3);
+  p.contacts.add_impulses(1, impulses);
+  const Points moves = impulses.array().colwise() * p.cloth.inv_mass.array();
+  EXPECT_LT((moves - p.state.velocities).norm(), 1e-12) << "velocities are what impulses gave";
 }
 
 TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {

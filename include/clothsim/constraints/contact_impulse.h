@@ -52,6 +52,12 @@ struct ContactImpulse {
 
   Vector3 total() const { return push * normal + drag; }
 
+  /// Lets it push with that much at most, now too.
+  void weaken(double strongest) {
+    most = std::min(most, strongest);
+    if (push > most) resume(*this, most / push);
+  }
+
   /// Lets it push no more.
   void let_go() {
     slowest = -std::numeric_limits<double>::infinity();

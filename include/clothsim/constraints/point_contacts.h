@@ -22,8 +22,9 @@ class PointContacts {
   /// Finds touching pairs after a step to `state`, and gives them their last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// Acts no more on what colliders hold.
-  void leave_to(const Pinches&);
+  /// Acts no more on what colliders hold, and takes back from the velocities [m/s] what begin() gave
+  /// it.
+  void leave_to(const Pinches&, const Cloth&, Points& velocities);
 
   /// One pass over the pairs, whatever the `precision` [m]. Returns the largest change as a
   /// displacement in h [m].

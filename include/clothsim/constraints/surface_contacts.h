@@ -28,8 +28,9 @@ class SurfaceContacts {
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// Acts no more on what colliders hold.
-  void leave_to(const Pinches&);
+  /// Acts no more on what colliders hold, and takes back from the velocities [m/s] what begin() gave
+  /// it.
+  void leave_to(const Pinches&, const Cloth&, Points& velocities);
 
   /// One pass over the contacts, but for those where nothing has changed that matters to a
   /// `precision` [m]. Returns the largest change as a displacement in h [m].
