@@ -21,7 +21,7 @@ JOINTS = ("pan", "shoulder", "elbow", "wrist", "roll", "finger_a", "finger_b")
 # Of the arm [m]: the shoulder above the ground, both its long links, from the wrist to the tips of the fingers.
 SHOULDER, UPPER_ARM, FOREARM, HAND = 0.35, 0.45, 0.45, 0.20
 
-OPEN, CLOSED = 0.05, 0.0  # between the fingers [m]
+OPEN, CLOSED = 0.05, 0.001  # between the fingers [m]
 RIDGE = 0.03  # behind the edge, where they close [m]
 TOUCH = 0.0015  # tips above the table [m]: half into the cloth's upper side, so that they take it along
 RELEASE = 0.03  # tips above the table [m], above the layers

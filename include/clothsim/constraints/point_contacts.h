@@ -22,8 +22,7 @@ class PointContacts {
   /// Finds touching pairs after a step to `state`, and gives them their last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// Acts no more on what colliders hold, and takes back from the velocities [m/s] what begin() gave
-  /// it.
+  /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what begin() gave.
   void leave_to(const Pinches&, const Cloth&, Points& velocities);
 
   /// One pass over the pairs, whatever the `precision` [m]. Returns the largest change as a

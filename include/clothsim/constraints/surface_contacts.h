@@ -28,8 +28,7 @@ class SurfaceContacts {
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
-  /// Acts no more on what colliders hold, and takes back from the velocities [m/s] what begin() gave
-  /// it.
+  /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what begin() gave.
   void leave_to(const Pinches&, const Cloth&, Points& velocities);
 
   /// One pass over the contacts, but for those where nothing has changed that matters to a
