@@ -172,6 +172,10 @@ double TensionInertia::share(const Cloth& cloth, double h) const {
   return is_tense_ ? added * h * h * stiffness_.sum() / cloth.mass.sum() : 0;
 }
 
+double TensionInertia::share_at(double frequency, double h) {
+  return added * (h * frequency) * (h * frequency);
+}
+
 double TensionInertia::frequency(const Cloth& cloth) const {
   return is_tense_ ? std::sqrt((stiffness_.array() / cloth.mass.array()).maxCoeff()) : 0;
 }

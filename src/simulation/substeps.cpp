@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "clothsim/constraints/tension_inertia.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
@@ -77,9 +78,10 @@ int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequ
 }
 
 int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt) {
-  if (share <= most_added) return 1;
-  const double most = dt * weight_frequency(cloth, gravity);
-  return whole_steps(std::min(std::sqrt(share / most_added), most));
+  if (share <= most_added) return 1;  // the weight takes a look at all points
+  const double on_either_side = std::sqrt(2) * weight_frequency(cloth, gravity);
+  const double most = TensionInertia::share_at(on_either_side, dt);
+  return whole_steps(std::sqrt(std::min(share, most) / most_added));
 }
 
 bool are_pulled_taut(const Cloth& cloth, const Points& positions) {

@@ -199,6 +199,61 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
   }
 }
 
+/// Chains that hang from their ends, whose weight every link carries, and one from one end alone.
+struct Hung {
+  const char* name;
+  int links;
+  double ks;
+  bool by_both_ends;
+  double limit;
+};
+
+class HungChain : public ::testing::TestWithParam<Hung> {};
+
+TEST_P(HungChain, RestsAtItsLimitWithLittleInertiaAdded) {
+  const Hung& chain = GetParam();
+  constexpr double length = 1;  // at rest, and between both ends [m]
+  Scene scene;
+  scene.cloth.columns = chain.links + 1;
+  scene.cloth.rows = 1;
+  scene.cloth.width = length;
+  scene.cloth.material.ks = chain.ks;
+  scene.cloth.material.strain_limit = chain.limit;
+  scene.cloth.pinned = {{0, 0, ""}};
+  if (chain.by_both_ends) scene.cloth.pinned.push_back({chain.links, 0, ""});
+  Simulator simulator(scene);
+  double added = 0, stretch = 0;
+  for (int frame = 0; frame < 450; ++frame) {
+    const StepReport report = simulator.step();
+    EXPECT_EQ(report.recoveries, 0);
+    stretch = std::max(stretch, report.worst_stretch);
+    if (frame >= 360) added = std::max(added, report.added_mass);
+  }
+  const Points& x = simulator.state().positions;
+  EXPECT_LT(simulator.state().velocities.rowwise().norm().maxCoeff(), 1e-3);
+  EXPECT_LT(stretch, chain.limit + 0.005);
+  EXPECT_LE(added, 0.02);
+
+  // By both ends: the catenary z = a cosh(x / a) of a length of 2 a sinh(span / 2 a).
+  double sag = length;
+  if (chain.by_both_ends) {
+    double below = 1e-2, above = 10;
+    while (above - below > 1e-12) {
+      const double a = (below + above) / 2;
+      (2 * a * std::sinh(length / (2 * a)) > (1 + chain.limit) * length ? below : above) = a;
+    }
+    sag = below * (std::cosh(length / (2 * below)) - 1);
+  }
+  EXPECT_NEAR(x(0, 2) - x.col(2).minCoeff(), sag, 2e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Chains, HungChain,
+                         ::testing::Values(Hung{"Springs100", 100, 5000, true, 0.1},
+                                           Hung{"Springs300", 300, 5000, true, 0.1},
+                                           Hung{"LimitAlone", 100, 0, true, 0.1},
+                                           Hung{"OneEnd", 200, 5000, false, 0}),
+                         [](const auto& chain) { return chain.param.name; });
+
 TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   // Friction holds nearly all points to the bit. Where pulls lie on Coulomb's cone, a few slip
   // on by micrometres, and now and then a wrinkle slips by a millimetre or two and holds again;

@@ -29,6 +29,8 @@ class TensionInertia {
 
   /// What is added in a step of h [s], of the mass of all points.
   double share(const Cloth&, double h) const;
+  /// The same where tension lets every point swing at a frequency [rad/s].
+  static double share_at(double frequency, double h);
 
   /// Highest frequency [rad/s] at which it let a point swing across its springs between neighbours
   /// that stay, without it: omega^2 = sum T / (m l).

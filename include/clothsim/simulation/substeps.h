@@ -36,8 +36,9 @@ int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, 
 
 /// Substeps in which the inertia that tension adds, `share` of the cloth's mass in a step as long
 /// as the frame of `dt` [s], is 1.5 % of it at most: it grows with the square of the step. With
-/// more, passes over the strain limit do not get there. Not more than follow the whole weight on
-/// the springs of one point: where pins ask for more than the limit grants, tension has no end.
+/// more, passes over the strain limit do not get there. Not more than where the springs on either
+/// side of every point carry the whole weight, as those of a taut chain do: where pins ask for more
+/// than the limit grants, tension has no end.
 int substeps_at_share(const Cloth&, const Vector3& gravity, double share, double dt);
 
 /// Do two points that are held ask for all that the strain limit grants, within 1 %, or more? Then
