@@ -228,8 +228,10 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
 struct Offer {
   const Candidate* candidate;
   int substeps;
-  double error;  // of the cloth's size
-  double cost;   // CPU seconds a simulated second
+  double error;      // of the cloth's size
+  bool is_foretold;  // that error: without gravity nothing tells how the cloth is going to move
+  bool is_explicit;
+  double cost;  // CPU seconds a simulated second
   bool stable;
   bool accurate;
   bool real_time;
@@ -262,11 +264,22 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   }
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
   const double cost = n * spec.frames_per_second * (step_cost + contact_cost(cloth, colliders));
-  return {&c, n, error(n), cost, stable, error(n) <= spec.tolerance, n <= affordable_steps};
+  return {&c,
+          n,
+          error(n),
+          motion.gravity > 0,
+          std::isfinite(stability_limit),
+          cost,
+          stable,
+          error(n) <= spec.tolerance,
+          n <= affordable_steps};
 }
 
 MethodChoice choice_of(const Offer& offer, Reason reason) {
-  return {offer.candidate->method, offer.substeps, reason, true, offer.error, offer.cost};
+  MethodChoice result{offer.candidate->method, offer.substeps, reason};
+  if (offer.is_foretold) result.predicted_error = offer.error;
+  result.predicted_cost = offer.cost;
+  return result;
 }
 
 }  // namespace
@@ -302,6 +315,12 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     return best;
   };
 
+  const auto keeps_what_comes = [](const Offer& a) {
+    return !a.is_foretold && a.is_explicit && a.real_time;
+  };
+  if (auto o = best_of(keeps_what_comes, cheaper)) {
+    return choice_of(*o, Reason::explicit_without_gravity);
+  }
   if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
     return choice_of(*o, Reason::cheapest_within_tolerance);
   }

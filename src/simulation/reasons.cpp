@@ -11,6 +11,8 @@ const char* clause_of(Reason reason) {
       return "named by the scene";
     case Reason::no_springs:
       return "no springs to integrate";
+    case Reason::explicit_without_gravity:
+      return "no error can be foretold without gravity: an explicit method, in real time";
     case Reason::cheapest_within_tolerance:
       return "the cheapest within tolerance";
     case Reason::most_accurate_in_real_time:

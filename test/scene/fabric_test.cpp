@@ -219,7 +219,8 @@ double flapping_frequency(double speed) {
   for (int row = 0; row < 16; row += 3) scene.cloth.pinned.push_back({0, row, ""});
   scene.simulation.wind = Vector3(speed, 0.05 * speed, 0);
   scene.simulation.gusts = 0;
-  scene.simulation.gravity = Vector3(0, 0, 0);
+  scene.simulation.gravity.setZero();
+  scene.simulation.method = "xpbd";
   Simulator simulator(scene);
   run(simulator, 4);
   std::vector<double> across;

@@ -253,6 +253,23 @@ TEST(MethodChoice, OfANamedMethodNothingIsForetold) {
   EXPECT_FALSE(Simulator(scene).step().predicted_error);
 }
 
+TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
+  Scene scene = swinging();
+  scene.simulation.gravity.setZero();
+  const MethodChoice chosen = choice(scene);
+  EXPECT_EQ(chosen.method, "verlet");
+  EXPECT_TRUE(chosen.reasons.has(Reason::explicit_without_gravity));
+  EXPECT_FALSE(chosen.predicted_error);
+  EXPECT_TRUE(chosen.predicted_cost);
+
+  // Where none is in real time, another one: still nothing is foretold.
+  scene.cloth.material.ks = 1e10;
+  scene.cloth.columns = scene.cloth.rows = 100;
+  const MethodChoice stiff = choice(scene);
+  EXPECT_NE(stiff.method, "verlet");
+  EXPECT_FALSE(stiff.predicted_error);
+}
+
 TEST(MethodChoice, ContactCosts) {
   // A substep's cost by what the cloth may touch, the cheapest first.
   const auto cost = [](SelfCollision self, const std::vector<ColliderSpec>& colliders) {

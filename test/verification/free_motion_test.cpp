@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "clothsim/constraints/strain_limit.h"
+#include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
@@ -221,6 +222,33 @@ TEST(StrainLimitSpin, MomentumAndAngularMomentumStay) {
     EXPECT_EQ(kept.corrections, 0) << spin;
     EXPECT_LT(kept.momentum, 1e-12) << spin;
     EXPECT_LT(kept.angular_momentum, 1e-12) << spin;
+  }
+}
+
+TEST(StrainLimitSpin, ASceneWithoutGravityKeepsMomentaAndGainsNoEnergy) {
+  // What `auto` takes, with tension's inertia, repairs and all.
+  for (const double density : {0.2, 1.0, 150.0}) {
+    for (const bool limited : {false, true}) {
+      Scene scene;
+      scene.cloth = square_spec(10, 1000);
+      scene.cloth.material.density = density;
+      if (limited) scene.cloth.material.strain_limit = 0.1;
+      scene.simulation.gravity.setZero();
+      Simulator simulator(scene);
+      const Cloth& cloth = simulator.cloth();
+      simulator.set_state(spinning(scene.cloth, cloth, 10));
+      const Vector3 before = angular_momentum(cloth, simulator.state());
+      const double energy = kinetic_energy(cloth, simulator.state()) +
+                            elastic_energy(cloth, simulator.state().positions);
+      for (int frame = 0; frame < 180; ++frame) {
+        simulator.step();
+        const State& now = simulator.state();
+        ASSERT_LT(kinetic_energy(cloth, now) + elastic_energy(cloth, now.positions), 1.01 * energy)
+            << density << " kg/m^2, frame " << frame;
+      }
+      const Vector3 after = angular_momentum(cloth, simulator.state());
+      EXPECT_LT((after - before).norm(), (limited ? 1e-3 : 1e-10) * before.norm()) << density;
+    }
   }
 }
 

@@ -10,6 +10,7 @@ enum class Reason {
   // Of the choice of a method.
   named_by_scene,
   no_springs,
+  explicit_without_gravity,
   cheapest_within_tolerance,
   most_accurate_in_real_time,
   none_in_real_time,
