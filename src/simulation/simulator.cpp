@@ -221,9 +221,8 @@ bool Simulator::Impl::follows_tension() const {
 
 int Simulator::Impl::substeps_under_tension(double dt) const {
   const Vector3& gravity = scene.simulation.gravity;
-  constexpr double any = std::numeric_limits<double>::infinity();
   // What is being pushed out of a collider is no tension: as many as follow the whole weight.
-  if (collider_contacts.recovers()) return substeps_at_tension(cloth, gravity, any, dt);
+  if (collider_contacts.recovers()) return substeps_at_weight(cloth, gravity, dt);
   if (strain_limit->yields()) {
     return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt);
   }

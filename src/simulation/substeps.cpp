@@ -71,6 +71,10 @@ int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt)
   return whole_steps(dt * rate / way_share);
 }
 
+int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
+  return whole_steps(dt * weight_frequency(cloth, gravity));
+}
+
 int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt) {
   if (dt * frequency <= touching_limit) return 1;  // the weight takes a look at all points
   const double most = weight_frequency(cloth, gravity);

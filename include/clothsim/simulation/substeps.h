@@ -30,6 +30,10 @@ int substeps_at_speed(const Cloth&, double speed, double dt);
 /// limit does not bring back. At most max_substeps.
 int substeps_at_parting(const Cloth&, const Points& velocities, double dt);
 
+/// Substeps that follow a tension of the whole weight on the springs of one point, h omega = 1. At
+/// most max_substeps.
+int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
+
 /// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
 /// lets points swing at `frequency` [rad/s]. At most max_substeps.
 int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt);
