@@ -135,7 +135,9 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
   contacts_.clear();
   const Points middle = state.positions - step.reach * h_ * step.drifted;  // where impulses act
   const auto comes_before = [](const Contact& c, std::uint64_t key) { return c.key < key; };
-  const Points ahead = middle + h_ * state.velocities;
+  // By velocities that have met contact: by those that forces gave since, all of a pile at rest
+  // would be about to touch.
+  const Points ahead = step.start + h_ * (step.velocities ? *step.velocities : step.drifted);
   const std::vector<NearPair>& near_pairs =
       near_.approaching(cloth, step.start, ahead, step.workers, step.budget);
   std::mutex mutex;
@@ -145,6 +147,7 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
       static_cast<int>(near_pairs.size()),
       [&](int begin, int end) {
         std::vector<Contact> contacts;
+        contacts.reserve(static_cast<std::size_t>(end - begin));
         auto kept = last_.begin();
         for (int k = begin; k < end; ++k) {
           const NearPair& near = near_pairs[static_cast<std::size_t>(k)];
@@ -160,8 +163,12 @@ void SurfaceContacts::begin(const Cloth& cloth, const ContactStep& step, State& 
         found[begin] = std::move(contacts);
       },
       least);
-  for (const auto& [begin, contacts] : found) {
-    contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+  for (auto& [begin, contacts] : found) {
+    if (contacts_.empty()) {
+      contacts_.swap(contacts);
+    } else {
+      contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+    }
   }
   group(middle);
   changed_.mark_all(cloth.num_points());

@@ -119,10 +119,8 @@ void NearPairs::Impl::pair_patches(double reach) {
   patch_pairs = std::move(pairs);
 }
 
-/// What is asked for, of the patches whose gap may be within reach(pair).
-const std::vector<NearPair>& NearPairs::Impl::look(
-    const Query& query, const std::function<double(const PatchPair&)>& reach,
-    const Workers& workers) {
+/// What is asked for, of all patches.
+const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Workers& workers) {
   scratches.resize(static_cast<std::size_t>(workers.threads() * Workers::uneven));
   for (Scratch& scratch : scratches) scratch.band = -1;
   std::atomic<std::size_t> used{0};
@@ -134,7 +132,7 @@ const std::vector<NearPair>& NearPairs::Impl::look(
         scratch.band = begin;
         for (int k = begin; k < end; ++k) {
           PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-          const double within = reach(pair);
+          const double within = query.within(pair);
           if (!query.spend(1)) break;  // what was begun is taken back
           if (std::min(pair.wake_at[0], pair.wake_at[1]) > pair.moved + within) continue;
           if (pair.moved + within > pair.list_until) {
@@ -143,9 +141,9 @@ const std::vector<NearPair>& NearPairs::Impl::look(
               pair.wake_at.fill(pair.moved + gap);
               continue;
             }
-            seek(query, within, pair, scratch);
+            seek(query, pair, scratch);
           } else {
-            scratch.awake.emplace_back(&pair, within);
+            scratch.awake.push_back(&pair);
           }
         }
         for (const bool edges : {false, true}) {
@@ -193,17 +191,13 @@ const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Po
                                                     const Points& ahead, const Workers& workers,
                                                     WorkBudget* budget) {
   Impl& impl = *impl_;
-  const Impl::Query query{positions, &ahead, Impl::infinity, budget};
+  const Impl::Query query{positions, &ahead, Impl::infinity, budget, {margin(), margin()}};
   const double step = std::max(2 * Impl::spread(positions, ahead), least_margin());
   if (const std::optional<double> needed = impl.keep(cloth, query, step, workers)) {
     return impl.look_at_kept(query, *needed);
   }
   impl.advance(cloth, positions, workers);
-  impl.motions.follow(impl.patches, positions, ahead, workers);
-  const auto closing = [&](const Impl::PatchPair& pair) {
-    return std::clamp(impl.motions.between(pair.p, pair.q), least_margin(), margin());
-  };
-  return impl.look(query, closing, workers);
+  return impl.look(query, workers);
 }
 
 const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
@@ -211,14 +205,13 @@ const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points&
                                                WorkBudget* budget) {
   assert(distance <= reach());
   Impl& impl = *impl_;
-  const Impl::Query query{positions, nullptr, distance, budget};
-  const double needed = distance - least_nearest() + impl.nearer_than_kept(positions);
+  const double most_gap = distance - least_nearest();
+  const double most_far_gap = distance - impl.nearest.least_far();
+  const Impl::Query query{positions, nullptr, distance, budget, {most_far_gap, most_gap}};
+  const double needed = most_gap + impl.nearer_than_kept(positions);
   if (needed <= impl.kept_reach()) return impl.look_at_kept(query, needed);
   impl.advance(cloth, positions, workers);
-  const auto most_gap = [&](const Impl::PatchPair& pair) {
-    return distance - (pair.are_neighbours ? impl.nearest.least() : impl.nearest.least_far());
-  };
-  return impl.look(query, most_gap, workers);
+  return impl.look(query, workers);
 }
 
 double NearPairs::least_margin() const { return impl_->least_margin(); }

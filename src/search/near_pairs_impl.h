@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -21,8 +20,9 @@ namespace clothsim {
 
 struct NearPairs::Impl {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
-  /// Pairs are looked at from this share of the margin on, however slowly they approach.
-  static constexpr double least_margin_share = 0.1;
+  /// Pairs are looked at from this share of the margin on, however slowly they approach: with 0.1,
+  /// some of a pile at rest come and go.
+  static constexpr double least_margin_share = 0.3;
   /// Cells along the side of a patch.
   static constexpr int patch_cells = 4;
   static_assert(patch_cells * patch_cells == CellOutlines::cells);
@@ -70,7 +70,10 @@ struct NearPairs::Impl {
     const Points& positions;
     const Points* ahead;
     double distance;
-    WorkBudget* budget;  // none: all is looked at
+    WorkBudget* budget;           // none: all is looked at
+    std::array<double, 2> reach;  // [m], by PatchPair::are_neighbours
+
+    double within(const PatchPair& pair) const { return reach[pair.are_neighbours]; }
 
     /// Takes visits from the budget. False where it is spent.
     bool spend(std::size_t visits) const {
@@ -87,18 +90,16 @@ struct NearPairs::Impl {
     std::array<int, 2> cells;
     double most_nearest;  // of their features [m]
     double reach;         // of the list
-    double within;        // of what is asked for
   };
   /// Features on a list that are measured.
   struct Awake {
     PatchPair* of;
-    double within;      // of what is asked for
     std::size_t place;  // on the list
   };
   /// What is measured of a band of patch pairs.
   struct Scratch {
-    int band = -1;                                     // first patch pair
-    std::vector<std::pair<PatchPair*, double>> awake;  // and within what
+    int band = -1;  // first patch pair
+    std::vector<PatchPair*> awake;
     // By SurfacePair::edges.
     std::array<std::array<std::vector<Cells>, FeaturePairs::num_lists>, 2> cells;
     std::vector<Awake> features;
@@ -115,9 +116,7 @@ struct NearPairs::Impl {
   void pair_patches(double reach);
   bool are_neighbours(int p, int q) const;
   void outline(const Cloth&, const Points& positions, const Workers&);
-  const std::vector<NearPair>& look(const Query&,
-                                    const std::function<double(const PatchPair&)>& reach,
-                                    const Workers&);
+  const std::vector<NearPair>& look(const Query&, const Workers&);
   const std::vector<NearPair>& collect();
 
   // near_pairs_kept.cpp: pairs kept over some looks.
@@ -130,15 +129,15 @@ struct NearPairs::Impl {
 
   // near_pairs_search.cpp: what two of them have near each other.
   double gap_of_patches(const PatchPair&) const;
-  void seek(const Query&, double within, PatchPair&, Scratch&) const;
+  void seek(const Query&, PatchPair&, Scratch&) const;
   void measure_later(const Query&, bool edges, const Cells&, Scratch&) const;
   void measure_cells(const Query&, bool edges, std::size_t number, Scratch&) const;
   void look_at_lists(const Query&, bool edges, Scratch&) const;
   void measure_awake(const Query&, bool edges, Scratch&) const;
   bool is_asked_for(const Query&, double within, const Distances&, std::size_t k,
                     const std::array<int, 4>& points, double least) const;
-  float consider(const Query&, double within, const Distances&, std::size_t k, const Listed&,
-                 PatchPair&, Scratch&) const;
+  float consider(const Query&, const Distances&, std::size_t k, const Listed&, PatchPair&,
+                 Scratch&) const;
   void keep_found(const Query&, Scratch&) const;
   SurfacePair features_of(std::uint64_t key) const;
 

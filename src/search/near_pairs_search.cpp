@@ -45,15 +45,13 @@ double NearPairs::Impl::gap_of_patches(const PatchPair& pair) const {
   return unfolded > 0 ? unfolded * least_rest_distance : -infinity;
 }
 
-/// Makes new lists for the pair, of which what is `within` is asked for, once the cells are
-/// measured.
-void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
-                           Scratch& scratch) const {
+/// Makes new lists for the pair, and finds what is asked for, once the cells are measured.
+void NearPairs::Impl::seek(const Query& query, PatchPair& pair, Scratch& scratch) const {
   const std::vector<int>& p = of(patches, pair.p).cells;
   const std::vector<int>& q = of(patches, pair.q).cells;
   for (List& list : pair.lists) list.clear();
   pair.listed_at = pair.moved;
-  pair.list_until = pair.moved + list_share * std::max(within, least_margin());
+  pair.list_until = pair.moved + list_share * std::max(query.within(pair), least_margin());
   pair.wake_at.fill(pair.list_until);
   const double reach = pair.list_until - pair.moved;
 
@@ -70,7 +68,7 @@ void NearPairs::Impl::seek(const Query& query, double within, PatchPair& pair,
     const std::array<double, 2> most_nearest{most, nearest.most_of_edges(cells[0], cells[1])};
     for (const bool edges : {false, true}) {
       if (distances[k] > most_nearest[edges] + reach) continue;
-      measure_later(query, edges, {&pair, k, cells, most_nearest[edges], reach, within}, scratch);
+      measure_later(query, edges, {&pair, k, cells, most_nearest[edges], reach}, scratch);
     }
   }
 }
@@ -127,8 +125,7 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
                           static_cast<unsigned>(all[i].number * keys_of_cells + key)};
       List& of_kind = of_patches.lists[edges];
       of_kind.features.push_back(listed);
-      of_kind.wake_at.push_back(
-          consider(query, all[i].within, distances, first + i, listed, of_patches, scratch));
+      of_kind.wake_at.push_back(consider(query, distances, first + i, listed, of_patches, scratch));
       ++listed_now;
     }
     first += count;
@@ -142,7 +139,8 @@ void NearPairs::Impl::measure_cells(const Query& query, bool edges, std::size_t 
 /// Finds what is asked for on the lists of the pairs that are awake, of one kind.
 void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scratch) const {
   Distances& distances = scratch.distances[edges];
-  for (const auto& [pair, within] : scratch.awake) {
+  for (PatchPair* const pair : scratch.awake) {
+    const double within = query.within(*pair);
     double& wake_at = pair->wake_at[edges];
     if (wake_at > pair->moved + within) continue;
     wake_at = pair->list_until;  // until its list has been looked at
@@ -156,7 +154,7 @@ void NearPairs::Impl::look_at_lists(const Query& query, bool edges, Scratch& scr
         continue;
       }
       if (distances.room() == 0) measure_awake(query, edges, scratch);
-      scratch.features.push_back({pair, within, k});
+      scratch.features.push_back({pair, k});
       distances.add(list.features[k].points);
     }
     wake_at = std::min(wake_at, pair->listed_at + static_cast<double>(next));
@@ -171,8 +169,8 @@ void NearPairs::Impl::measure_awake(const Query& query, bool edges, Scratch& scr
   std::size_t k = 0;
   for (const Awake& awake : scratch.features) {
     List& list = awake.of->lists[edges];
-    list.wake_at[awake.place] = consider(query, awake.within, distances, k++,
-                                         list.features[awake.place], *awake.of, scratch);
+    list.wake_at[awake.place] =
+        consider(query, distances, k++, list.features[awake.place], *awake.of, scratch);
   }
   scratch.features.clear();
   distances.clear();
@@ -193,14 +191,13 @@ bool NearPairs::Impl::is_asked_for(const Query& query, double within, const Dist
 
 /// Takes the distance, number `k`, that features on the list of a pair have now. Returns when they
 /// wake.
-float NearPairs::Impl::consider(const Query& query, double within, const Distances& distances,
-                                std::size_t k, const Listed& listed, PatchPair& pair,
-                                Scratch& scratch) const {
+float NearPairs::Impl::consider(const Query& query, const Distances& distances, std::size_t k,
+                                const Listed& listed, PatchPair& pair, Scratch& scratch) const {
   const double wake_at = pair.moved + distances[k] - static_cast<double>(listed.nearest);
   double& first = pair.wake_at[distances.edges()];
   first = std::min(first, wake_at);
   const auto least = static_cast<double>(listed.nearest);
-  if (is_asked_for(query, within, distances, k, listed.points, least)) {
+  if (is_asked_for(query, query.within(pair), distances, k, listed.points, least)) {
     scratch.found.push_back(key_of(pair.p, pair.q) | listed.key);
   }
   const double since = wake_at - pair.listed_at;

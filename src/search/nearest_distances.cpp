@@ -43,6 +43,9 @@ NearestDistances::NearestDistances(const Cloth& cloth)
     const bool ends_row = point_places_.back().x() == cloth.columns - 1;
     const bool ends_column = point_places_.back().y() == cloth.rows - 1;
     if (!ends_row && !ends_column) cell_places_.push_back(point_places_.back());
+    const bool begins_row = point_places_.back().x() == 0, begins_column = i < cloth.columns;
+    borders_.push_back(static_cast<unsigned char>(ends_row | ends_column << 1 | begins_row << 2 |
+                                                  begins_column << 3));
   }
   fill_features();
   fill_cells();
@@ -156,9 +159,8 @@ double NearestDistances::of(const SurfacePair& pair) const {
 
 /// Of an edge, by its points: both are on one line of the border.
 bool NearestDistances::is_border(int first, int second) const {
-  const auto place = [&](int i) { return point_places_[static_cast<std::size_t>(i)].array(); };
-  const auto along = place(first) == place(second);
-  return (along && (place(first) == 0 || place(first) == point_places_.back().array())).any();
+  return (borders_[static_cast<std::size_t>(first)] & borders_[static_cast<std::size_t>(second)]) !=
+         0;
 }
 
 bool NearestDistances::has_border(int cell) const {

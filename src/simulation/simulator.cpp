@@ -282,8 +282,8 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
+    start_velocities = state.velocities;
   }
-  if (touches() && strain_limit) start_velocities = state.velocities;
 
   if (has_air()) blow(h);
   const Loads loads{scene.simulation.gravity};

@@ -85,7 +85,8 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
                                  colliders.empty() ? 0 : stretch_after(h),
                                  &budget,
-                                 &touches_of_itself};
+                                 &touches_of_itself,
+                                 &start_velocities};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   if (collider_contacts.pinches().count() > 0) {

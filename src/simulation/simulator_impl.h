@@ -272,7 +272,7 @@ struct Simulator::Impl {
   double approach_speed = 0;     // of what it may touch in this frame against the cloth [m/s]
   bool is_fast = false;          // with that springs may be parted within the frame
   Points start;                  // positions at the substep's start, where contact needs them
-  Points start_velocities;       // where the strain limit meets contact
+  Points start_velocities;       // the same [m/s]
   Points predicted;              // velocities with the last substep's impulses
   Points by_impulses;            // positions before repairs and push-outs, with self contact
   Points impulses;               // that points had from others in this frame, with grips [N s]

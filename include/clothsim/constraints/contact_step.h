@@ -26,6 +26,7 @@ struct ContactStep {
   double stretch = 0;                    // l / L0 - 1 that springs may have at its end
   WorkBudget* budget = nullptr;          // of the frame; none: all is done
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
+  const Points* velocities = nullptr;    // at its start [m/s]; none: those that drifted
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -65,7 +65,8 @@ class NearestDistances {
   int point_columns_;
   std::vector<Eigen::Vector2i> point_places_;  // column and row
   std::vector<Eigen::Vector2i> cell_places_;
-  Eigen::Vector2d spacing_;  // along rows and columns [m]
+  std::vector<unsigned char> borders_;  // that points lie on, a bit for each
+  Eigen::Vector2d spacing_;             // along rows and columns [m]
   double contact_;
   double least_;
   std::array<Table, 2> of_points_;                // by triangle of its cell
