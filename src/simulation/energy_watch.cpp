@@ -34,10 +34,11 @@ Eigen::AlignedBox3d box_of(const State& before, const State& after) {
   return box;
 }
 
-/// What drives a cloth in a frame.
+/// Ways that points are taken in a frame [m], N x 3 each; empty: none is.
 struct Drive {
   double fastest = 0;  // of pins and of the surfaces of colliders near the cloth [m/s]
-  Points pushed;       // ways that colliders perhaps take points [m], N x 3; empty: none
+  Points pinned;
+  Points pushed;  // perhaps, by colliders
 };
 
 void take(int i, const Vector3& way, int count, Points& ways) {
@@ -51,7 +52,9 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   const int count = cloth.num_points();
   for (int i = 0; i < count; ++i) {
     if (cloth.inv_mass[i] > 0) continue;
-    drive.fastest = std::max(drive.fastest, row(after.velocities, i).norm());
+    const Vector3 velocity = row(after.velocities, i);
+    drive.fastest = std::max(drive.fastest, velocity.norm());
+    if (!velocity.isZero(0)) take(i, dt * velocity, count, drive.pinned);
   }
   if (colliders.empty()) return drive;
   // A triangle that touches has corners that are not farther away than its edges are long.
@@ -146,8 +149,9 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                       elastic_before + gravitational_energy(cloth, gravity, after.positions) -
                       gravitational_energy(cloth, gravity, before.positions);
   const double small = kinetic_before + elastic_before;
+  const double by_pins = work_on_springs(cloth, before, drive.pinned);
   const double by_colliders = work_on_springs(cloth, before, drive.pushed);
-  return gain <= work + std::max(by_colliders, small) + unseen;
+  return gain <= work + by_pins + std::max(by_colliders, small) + unseen;
 }
 
 }  // namespace clothsim
