@@ -34,6 +34,7 @@ CLOTHSIM_TARGET_CLONES
 void push(Columns p, Columns v, int b, int c, int count, double across, double along, double wind_x,
           double wind_y, double wind_z, double* __restrict fx, double* __restrict fy,
           double* __restrict fz) {
+  const double third = 1.0 / 3;
   for (int i = 0; i < count; ++i) {
     const double ax = p.x[i + b] - p.x[i], ay = p.y[i + b] - p.y[i], az = p.z[i + b] - p.z[i];
     const double bx = p.x[i + c] - p.x[i], by = p.y[i + c] - p.y[i], bz = p.z[i + c] - p.z[i];
@@ -42,9 +43,9 @@ void push(Columns p, Columns v, int b, int c, int count, double across, double a
     const double nz = (ax * by - ay * bx) / 2;
     const double area2 = nx * nx + ny * ny + nz * nz + least;
     const double area = std::sqrt(area2);
-    const double wx = wind_x - (v.x[i] + v.x[i + b] + v.x[i + c]) / 3;
-    const double wy = wind_y - (v.y[i] + v.y[i + b] + v.y[i + c]) / 3;
-    const double wz = wind_z - (v.z[i] + v.z[i + b] + v.z[i + c]) / 3;
+    const double wx = wind_x - third * (v.x[i] + v.x[i + b] + v.x[i + c]);
+    const double wy = wind_y - third * (v.y[i] + v.y[i + b] + v.y[i + c]);
+    const double wz = wind_z - third * (v.z[i] + v.z[i + b] + v.z[i + c]);
     const double through = (wx * nx + wy * ny + wz * nz) / area2;  // w_n = through N
     const double tx = wx - through * nx, ty = wy - through * ny, tz = wz - through * nz;
     const double slip = std::sqrt(tx * tx + ty * ty + tz * tz + least);
