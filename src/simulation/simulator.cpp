@@ -228,7 +228,11 @@ int Simulator::Impl::substeps_under_tension(double dt) const {
   }
   const TensionInertia& inertia = strain_limit->inertia();
   if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt);
-  return substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
+  const int needed = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
+  const int at_weight = needed > 1 ? substeps_at_weight(cloth, gravity, dt) : needed;
+  // What pins pull has no end of tension, whatever the steps.
+  const bool is_endless = needed > at_weight && are_pulled_taut(cloth, state.positions);
+  return is_endless ? at_weight : needed;
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
