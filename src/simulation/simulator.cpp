@@ -230,18 +230,20 @@ int Simulator::Impl::substeps_under_tension(double dt) const {
   if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt);
   const int needed = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
   const int at_weight = needed > 1 ? substeps_at_weight(cloth, gravity, dt) : needed;
-  // What pins pull has no end of tension, whatever the steps.
-  const bool is_endless = needed > at_weight && are_pulled_taut(cloth, state.positions);
-  return is_endless ? at_weight : needed;
+  return needed > at_weight && is_pulled_without_end() ? at_weight : needed;
+}
+
+bool Simulator::Impl::is_pulled_without_end() const {
+  return worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled ||
+         are_pulled_taut(cloth, state.positions);
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
   const int least = method->choice.least_substeps;
   const int needed = substeps_at_parting(cloth, state.velocities, dt);
   if (needed <= least) return 1;
-  // Where the limit pulls without end, springs part the faster the shorter the steps.
-  const bool stays_open = worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled;
-  if (stays_open || are_pulled_taut(cloth, state.positions)) return 1;
+  // Then springs part the faster the shorter the steps.
+  if (is_pulled_without_end()) return 1;
   return std::min(needed, most_for_parting * least);
 }
 

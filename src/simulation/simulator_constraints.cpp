@@ -34,6 +34,10 @@ constexpr double contact_precision = 2.5;
 /// much, for seven to nine times the passes.
 constexpr double folding_precision = 0.04;
 
+/// The same for contact with colliders meanwhile: at as much, a sphere shot through a pile leaves
+/// knots, and fingers lose their grip.
+constexpr double touching_precision = 0.01;
+
 /// Stretch over the strain limit by which a step has not met it: passes to a close tolerance run
 /// out where nothing is asked that cannot be.
 const double least_violation = SimulationSpec().strain_tolerance;
@@ -103,7 +107,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const double small = length / precision;
   const double move = self_contacts ? h * speed_within(state.velocities) : 0;
   const double small_touch =
-      std::max(std::min(small / contact_precision, calm * h), folding_precision * move);
+      std::max(std::min(small / contact_precision, calm * h), touching_precision * move);
   const double small_fold = std::max(small / contact_precision, folding_precision * move);
   const double unseen_fold = small_fold - small / contact_precision;  // at rest all is seen
   double stretching = 0;

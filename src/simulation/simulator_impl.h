@@ -223,6 +223,8 @@ struct Simulator::Impl {
   int substeps_under_tension(double dt) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
+  /// Do pins or colliders ask for more than the limit grants? Then tension has no end.
+  bool is_pulled_without_end() const;
   /// Can the cloth touch anything in this frame?
   bool touches() const { return self_contacts || (!is_apart && has_colliders()); }
   bool has_colliders() const {
