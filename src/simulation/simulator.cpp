@@ -184,20 +184,23 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   } else if (repairs_ran_out || is_overpulled) {
     report.reasons.add(Reason::passes_ran_out);
   }
-  // Where pins or fingers ask for more than the strain limit grants, it pulls without end; that
-  // shows in the stretch, and is no fault of the method. A limit that yields stands for it, too,
-  // but for speeds that no pull explains.
-  const bool is_pulled =
-      is_overpulled && (report.pinched > 0 || are_pulled_taut(cloth, before.positions) ||
-                        are_pulled_taut(cloth, state.positions));
-  const bool is_asked_too_much =
-      !is_unstable && longest_row(state.velocities) < fastest_given && (yields || is_pulled);
-  if (disturbed || is_asked_too_much) {
-    energy_watch.restart();
-    return true;
+  // Where pins or fingers ask for all that the strain limit grants, it pulls without end. That is
+  // no fault of the method, but for speeds that no pull explains. A limit that yields stands for
+  // it, too.
+  const bool may_be_pulled =
+      strain_limit && !is_unstable && longest_row(state.velocities) < fastest_given;
+  bool is_explained =
+      disturbed || (may_be_pulled && (yields || (is_overpulled && report.pinched > 0)));
+  if (!is_explained) {
+    if (energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders,
+                             recovers ? recovery_speed : 0, has_air() ? wind.norm() : 0)) {
+      return true;
+    }
+    is_explained = may_be_pulled && (are_pulled_taut(cloth, before.positions) ||
+                                     are_pulled_taut(cloth, state.positions));
   }
-  return energy_watch.accepts(cloth, scene.simulation.gravity, dt, before, state, colliders,
-                              recovers ? recovery_speed : 0, has_air() ? wind.norm() : 0);
+  if (is_explained) energy_watch.restart();
+  return is_explained;
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
