@@ -8,8 +8,7 @@ namespace clothsim {
 
 /// Way of a collider in a substep, of the shortest spring, and of one end of a spring against the
 /// other, of its length: half of it already tears points off or leaves too much to repairs (see
-/// docs/experiments.md). And what air may take of the velocity against it: explicit steps bear
-/// twice all.
+/// docs/experiments.md).
 inline constexpr double way_share = 0.25;
 
 /// Substeps that a method needs for a frame of `dt` [s]: enough to stay inside
