@@ -235,7 +235,8 @@ int Simulator::Impl::substeps_under_tension(double dt) const {
   const TensionInertia& inertia = strain_limit->inertia();
   if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt);
   const int needed = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
-  const int at_weight = needed > 1 ? substeps_at_weight(cloth, gravity, dt) : needed;
+  if (needed == 1) return 1;  // the weight takes a look at all points
+  const int at_weight = substeps_at_weight(cloth, gravity, dt);
   return needed > at_weight && is_pulled_without_end() ? at_weight : needed;
 }
 
