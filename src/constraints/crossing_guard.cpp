@@ -45,9 +45,12 @@ struct Room {
   }
 };
 
-/// Do the ends of ways leave that gap?
-bool leave(const NearPair& near, double gap, const Points& ends) {
-  return gap_along(near.separation.normal, near.pair, ends) >= gap;
+/// Do the ends of ways from `here` leave that gap, with a plane between the features all the way?
+/// What turns, as layers between fingers that turn, has one that turns along.
+bool leave(const NearPair& near, double gap, const Points& here, const Points& ends) {
+  if (gap_along(near.separation.normal, near.pair, ends) >= gap) return true;
+  return separation(near.pair, ends).distance >= gap &&
+         least_gap_turning(near.pair, here, ends) >= gap / 2;
 }
 
 /// Brings what touches, and is held together by repairs alone, to where impulses bring it.
@@ -56,7 +59,7 @@ void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room
   for (const NearPair& near : near_pairs) {
     if (near.separation.distance >= 2 * room.floor) continue;
     const double gap = room.gap(near, here);
-    if (leave(near, gap, positions) || !leave(near, gap, by_impulses)) continue;
+    if (leave(near, gap, here, positions) || !leave(near, gap, here, by_impulses)) continue;
     for (const int i : near.pair.points) positions.row(i) = by_impulses.row(i);
   }
 }
@@ -80,7 +83,7 @@ Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room,
     const Points ends = here + shares().asDiagonal() * ways;
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
-      if (binds[k] || leave(near, gaps[k], ends)) continue;
+      if (binds[k] || leave(near, gaps[k], here, ends)) continue;
       binds[k] = true;
       const double most = room.way(near.separation.distance);
       for (const int i : near.pair.points) {

@@ -5,6 +5,24 @@
 #include "clothsim/geometry/closest_points.h"
 
 namespace clothsim {
+namespace {
+
+double along(const Vector3& direction, const Points& positions, int i) {
+  return direction[0] * positions(i, 0) + direction[1] * positions(i, 1) +
+         direction[2] * positions(i, 2);
+}
+
+/// How far the points of a lie beyond those of b, by their places on an axis.
+template <typename Place>
+double gap_of(const SurfacePair& pair, const Place& place_of) {
+  std::array<double, 4> place;
+  for (std::size_t k = 0; k < 4; ++k) place[k] = place_of(pair.points[k]);
+  const double farther = std::max(place[2], place[3]);
+  return pair.edges() ? std::min(place[0], place[1]) - farther
+                      : place[0] - std::max(place[1], farther);
+}
+
+}  // namespace
 
 Separation separation(const SurfacePair& pair, const Points& positions) {
   const auto at = [&](std::size_t k) {
@@ -29,15 +47,26 @@ Separation separation(const SurfacePair& pair, const Points& positions) {
 }
 
 double gap_along(const Vector3& direction, const SurfacePair& pair, const Points& positions) {
-  std::array<double, 4> along;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const int i = pair.points[k];
-    along[k] = direction[0] * positions(i, 0) + direction[1] * positions(i, 1) +
-               direction[2] * positions(i, 2);
+  return gap_of(pair, [&](int i) { return along(direction, positions, i); });
+}
+
+double least_gap_turning(const SurfacePair& pair, const Points& start, const Points& end) {
+  const SurfacePair four{pair.triangle, {0, 1, 2, 3}, pair.nearest};
+  Points from(4, 3), to(4, 3);
+  for (int k = 0; k < 4; ++k) {
+    from.row(k) = start.row(pair.points[static_cast<std::size_t>(k)]);
+    to.row(k) = end.row(pair.points[static_cast<std::size_t>(k)]);
   }
-  const double farther = std::max(along[2], along[3]);
-  return pair.edges() ? std::min(along[0], along[1]) - farther
-                      : along[0] - std::max(along[1], farther);
+  const Vector3 first = separation(four, from).normal, last = separation(four, to).normal;
+  // The control point of a parabola that is there half way.
+  const Vector3 half_way = separation(four, (from + to) / 2).normal;
+  const Vector3 middle = 2 * half_way - (first + last) / 2;
+  const auto coefficient = [&](const auto& place) { return gap_of(four, place); };
+  return std::min(
+      {coefficient([&](int i) { return along(first, from, i); }),
+       coefficient([&](int i) { return (2 * along(middle, from, i) + along(first, to, i)) / 3; }),
+       coefficient([&](int i) { return (along(last, from, i) + 2 * along(middle, to, i)) / 3; }),
+       coefficient([&](int i) { return along(last, to, i); })});
 }
 
 }  // namespace clothsim

@@ -262,6 +262,37 @@ TEST(SurfaceContacts, GuardLetsPartWhatIsAsNearAsItMayCome) {
   EXPECT_GT(least_distance(cloth, state.positions), thickness);
 }
 
+TEST(SurfaceContacts, GuardLetsLayersTurnThatAreAsNearAsTheyMayCome) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto go_to = [&](const Points& ends) {
+    const Points start = state.positions;
+    state.positions = ends;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    return contacts.guard(cloth, contact_step, Points(ends), state);
+  };
+  for (int i = 0; i < 60; ++i) {
+    Points ends = state.positions;
+    for (const int k : {6, 7, 14, 15}) ends(k, 2) -= thickness;
+    go_to(ends);
+  }
+  const double least = least_distance(cloth, state.positions);
+  EXPECT_LT(least, 1e-4 * thickness);
+  // Corners go many times that distance across the layers.
+  for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
+    const Eigen::Matrix3d turn(Eigen::AngleAxisd(4e-3, axis.normalized()));
+    for (int i = 0; i < 100; ++i) {
+      const Points ends = state.positions * turn.transpose();
+      ASSERT_EQ(go_to(ends), 0) << i;
+      ASSERT_EQ(state.positions, ends);
+    }
+    EXPECT_NEAR(least_distance(cloth, state.positions), least, 1e-4 * least);
+    EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+  }
+}
+
 TEST(SurfaceContacts, GuardLeavesOutRepairsThatHoldTogetherWhatTouches) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));

@@ -30,4 +30,10 @@ Separation separation(const SurfacePair&, const Points& positions);
 /// much where the direction is their normal [m].
 double gap_along(const Vector3& direction, const SurfacePair&, const Points& positions);
 
+/// The same while points go straight from `start` to `end`, N x 3, along a direction that turns
+/// with the features, as quadratic in time as a triangle's normal: through theirs at the start,
+/// half way and at the end. For two points, of a and b, that is a cubic. Returns the least of all
+/// coefficients in Bernstein's form [m]: where it is positive, a and b do not meet on the way.
+double least_gap_turning(const SurfacePair&, const Points& start, const Points& end);
+
 }  // namespace clothsim
