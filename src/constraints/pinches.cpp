@@ -84,7 +84,7 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
   number_[static_cast<std::size_t>(point)] = static_cast<int>(pinches_.size());
 
   const Vector3 across = direction_across(a.normal, b.normal);
-  const Vector3 of_a = a.collider->velocity_at(x), of_b = b.collider->velocity_at(x);
+  const Vector3 of_a = (a.collider->carried(x) - x) / h_, of_b = (b.collider->carried(x) - x) / h_;
   const double share = share_across(a, b);
   const double rate = across.dot((1 - share) * of_a + share * of_b);
   const double firm_a = firmness_of(a, cloth), firm_b = firmness_of(b, cloth);

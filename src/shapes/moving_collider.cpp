@@ -53,6 +53,14 @@ Vector3 MovingCollider::velocity_at(const Vector3& point) const {
   return velocity_ + angular_velocity_.cross(point - pose_.position);
 }
 
+Vector3 MovingCollider::carried(const Vector3& point) const {
+  const Vector3 way = pose_.position - previous_.position;
+  const Vector3 arm = point - previous_.position;
+  const double angle = last_turn_.norm();
+  if (angle == 0) return point + way;
+  return point + way + (Eigen::AngleAxisd(angle, last_turn_ / angle) * arm - arm);
+}
+
 Points MovingCollider::velocities_at(const Points& points) const {
   Points velocities = velocity_.transpose().replicate(points.rows(), 1);
   if (angular_velocity_.isZero(0)) return velocities;

@@ -68,6 +68,18 @@ TEST(MovingCollider, SurfaceVelocityIsThatOfARigidBody) {
   EXPECT_NEAR((v - Vector3(-2.4, 4 + 2.4 * 0.5, -2)).norm(), 0, 1e-12);
 }
 
+TEST(MovingCollider, CarriesWhatIsOnItAlong) {
+  const Vector3 axis = Vector3(1, 2, 3).normalized();
+  for (const double angle : {0.0, 0.4, 3.0}) {
+    MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, axis)));
+    collider.aim(pose(Vector3(1, 2, -1), 0.2 + angle, axis), 1);
+    collider.advance(0.5);
+    const Vector3 x(0.5, 7, -3);
+    const Vector3 expected = to_world(collider.pose(), to_local(collider.previous(), x));
+    EXPECT_LT((collider.carried(x) - expected).norm(), 1e-14) << angle;
+  }
+}
+
 TEST(MovingCollider, KnowsWhereItWasWithinTheLastStep) {
   MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ())));
   collider.aim(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 1);

@@ -17,6 +17,7 @@ MovingCollider moving(const Vector3& velocity) {
   spec.shape = Sphere{0.1};
   MovingCollider collider(spec);
   collider.aim({velocity, Eigen::Quaterniond::Identity()}, 1);
+  collider.advance(h);
   return collider;
 }
 
@@ -76,7 +77,7 @@ TEST(Pinches, SurfacesThatDoNotFaceEachOtherPushSideways) {
 Vector3 pinched(const Pinches::Side& a, const Pinches::Side& b, double friction_of_cloth = 0.5) {
   const Cloth cloth = row_of(2, friction_of_cloth);
   Pinches pinches;
-  pinches.start_over(100 * h);  // a firm grip
+  pinches.start_over(h, 100 * least_gravity);  // a firm grip
   pinches.add(1, still, a, b, cloth);
   EXPECT_TRUE(pinches.holds(1));
   EXPECT_FALSE(pinches.holds(0));
@@ -100,6 +101,27 @@ TEST(Pinches, APointGoesAlongMoreWithTheRougher) {
   EXPECT_LT((velocity(0.3, 0.1) - Vector3(2, 0, 0)).norm(), 1e-12);
   EXPECT_LT((velocity(0, 0.1) - Vector3(5, 0, 0)).norm(), 1e-12);
   EXPECT_LT((velocity(0, 0) - Vector3(10, 20, 0)).norm(), 1e-12) << "slips";
+}
+
+TEST(Pinches, APointTurnsWithBothAsOneBody) {
+  ColliderSpec spec;
+  spec.shape = Sphere{0.1};
+  spec.friction = 1;
+  MovingCollider a(spec), b(spec);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vector3(1, 2, 3).normalized()));
+  for (MovingCollider* collider : {&a, &b}) {
+    collider->aim({Vector3(4, 5, 6), turn}, 1);
+    collider->advance(h);
+  }
+  const Cloth cloth = row_of(2);
+  const Vector3 x(0.3, 0.2, 0.1);
+  Pinches pinches;
+  pinches.start_over(h, 1e9);
+  pinches.add(0, x, side(a, up, 0), side(b, down, 0), cloth);
+  Points positions = Points::Zero(2, 3), start = Points::Zero(2, 3);
+  start.row(0) = x.transpose();
+  pinches.correct(start, positions);
+  EXPECT_LT((row(positions, 0) - to_world(a.pose(), to_local(a.previous(), x))).norm(), 1e-15);
 }
 
 TEST(Pinches, LayersShareWhatSurfacesRubInARow) {
@@ -137,7 +159,7 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
       if (wedge > M_PI / 3) continue;  // wider ones are left to impulses
       const MovingCollider a = rough(still, first), b = rough(still, second);
       Pinches pinches;
-      pinches.start_over(100 * h);  // a firm grip
+      pinches.start_over(h, 100 * least_gravity);  // a firm grip
       pinches.add(0, still, side(a, up, 0), side(b, {std::sin(wedge), 0, -std::cos(wedge)}, 0),
                   cloth);
       Points velocities = Points::Ones(2, 3);

@@ -47,7 +47,10 @@ class MovingCollider {
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
 
-  /// The same at `points`, N x 3 both.
+  /// Where what of the solid was at `point` before the last advance() is now, in the world [m].
+  Vector3 carried(const Vector3& point) const;
+
+  /// velocity_at `points`, N x 3 both.
   Points velocities_at(const Points& points) const;
 
   /// False where no point in `box` of the world can have been within `margin` [m] of the solid
