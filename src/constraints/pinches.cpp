@@ -6,9 +6,9 @@
 namespace clothsim {
 namespace {
 
-/// Force that holds all points between two colliders along them, of the weight of the whole cloth:
-/// as friction of a gripper that may lift it by one point and shake it. With as much for each, a
-/// cloth held by its pins too shook at up to 0.3 m/s.
+/// Pull of the strain limit that all points between two colliders bear along them, of the weight of
+/// the whole cloth: as of a gripper that lifts it by one point and shakes it. With ten, fingers
+/// that pull it from its pins stretched it by 70 to 90 %.
 constexpr double strongest_grip = 3;
 
 /// Of the room that layers need: where less than that is left, they come no nearer to each other.
@@ -96,7 +96,8 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
   const std::size_t jaws = jaws_of(*a.collider, *b.collider);
   if (sticks) ++jaws_[jaws].points;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, a.collider,
-                      b.collider, share_of_b, grip, jaws, Vector3::Zero(), !sticks});
+                      b.collider, share_of_b, grip, jaws, Vector3::Zero(), Vector3::Zero(),
+                      Vector3::Zero(), !sticks});
 }
 
 double Pinches::weight_on(int point, const Cloth& cloth) const {
@@ -108,17 +109,30 @@ double Pinches::sweep(Points& velocities) {
   for (Pinch& p : pinches_) {
     const Vector3 wanted = p.given + p.velocity - row(velocities, p.point);
     const Vector3 across = p.across.dot(wanted) * p.across;
-    Vector3 along = wanted - across;
-    const double strength = along.norm(),
-                 strongest = p.grip > 0 ? p.grip / jaws_[p.jaws].points : 0;
-    p.slips = strongest == 0 || strength > strongest;
-    if (strength > strongest) along *= strongest / strength;
+    const Vector3 along = p.grip > 0 ? Vector3(wanted - across + slip(p)) : Vector3::Zero();
     const Vector3 change = across + along - p.given;
     p.given += change;
     velocities.row(p.point) += change.transpose();
+    p.left = row(velocities, p.point);
     largest2 = std::max(largest2, change.squaredNorm());
   }
   return std::sqrt(largest2);
+}
+
+/// Along both, with what the limit pulls beyond what the grip bears [m/s].
+Vector3 Pinches::slip(Pinch& p) const {
+  const Vector3 pull = p.pull - p.across.dot(p.pull) * p.across;
+  const double strength = pull.norm(), strongest = p.grip / jaws_[p.jaws].points;
+  p.slips = strength > strongest;
+  return p.slips ? Vector3((1 - strongest / strength) * pull) : Vector3::Zero();
+}
+
+void Pinches::set_pulls(const Points& given) {
+  for (Pinch& p : pinches_) p.pull = row(given, p.point);
+}
+
+void Pinches::add_pulls(const Points& velocities) {
+  for (Pinch& p : pinches_) p.pull += row(velocities, p.point) - p.left;
 }
 
 int Pinches::slipping() const {

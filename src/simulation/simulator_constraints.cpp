@@ -93,14 +93,20 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  &start_velocities};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
-  if (collider_contacts.pinches().count() > 0) {
-    visit_self_contacts([&](auto& contacts) {
-      contacts.leave_to(collider_contacts.pinches(), cloth, state.velocities);
-    });
+  Pinches& pinches = collider_contacts.pinches();
+  if (pinches.count() > 0) {
+    visit_self_contacts(
+        [&](auto& contacts) { contacts.leave_to(pinches, cloth, state.velocities); });
+  }
+  if (strain_limit && pinches.count() > 0) {
+    Points pulls = Points::Zero(cloth.num_points(), 3);
+    strain_limit->add_impulses(1, pulls);
+    pulls.array().colwise() *= cloth.inv_mass.array();
+    pinches.set_pulls(pulls);
   }
   if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
   recovers = recovers || collider_contacts.recovers();
-  if (const Pinches& pinches = collider_contacts.pinches(); pinches.count() > report.pinched) {
+  if (pinches.count() > report.pinched) {
     report.pinched = pinches.count();
     report.pinched_point = pinches.first();
   }
@@ -113,8 +119,10 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   double stretching = 0;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double folding = 0;
-    if (strain_limit && sweep <= limit_sweeps)
+    if (strain_limit && sweep <= limit_sweeps) {
       stretching = strain_limit->sweep(state.velocities, workers);
+      pinches.add_pulls(state.velocities);
+    }
     visit_self_contacts([&](auto& contacts) {
       folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * contacts.size()));
@@ -126,7 +134,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     const bool solved = limited && touching <= small_touch && folding <= small_fold;
     if ((solved && sweep >= min_sweeps) || budget.is_spent()) break;
   }
-  report.slipping = collider_contacts.pinches().slipping();
+  report.slipping = pinches.slipping();
   state.positions += reach * h * (state.velocities - predicted);
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts) by_impulses = state.positions;

@@ -43,6 +43,7 @@ const Case cases[] = {
     {"room_for_one", 0.002, box, 0.01, 0.01, 0.002, 0.6, true},
     {"room_for_one_and_a_half", 0.003, box, 0.01, 0.01, 0.002, 0.6, true},
     {"coarse", 0.001, box, 0.01, 0.02, 0.002, 0.6, true},
+    {"thin_layers_without_room", 0.0, box, 0.01, 0.015, 0.0009, 1, true},
     {"thin_fingers", 0.001, Capsule{0.04, 0.002}, 0.002, 0.02, 0.002, 0.6, true},
     {"too_wide", 0.003, box, 0.01, 0.01, 0.001, 0.2, false},
 };
@@ -115,26 +116,34 @@ class Grasp : public ::testing::TestWithParam<Case> {
   Pose finger(int which) const {
     const double x = (which == left ? -1 : 1) * (half_ + case_.reach);
     const bool is_rod = std::holds_alternative<Capsule>(case_.finger);
-    return {Vector3(x, 0, z_), is_rod ? turn_to_y() : Eigen::Quaterniond::Identity()};
+    const Pose level{Vector3(x, 0, z_), is_rod ? turn_to_y() : Eigen::Quaterniond::Identity()};
+    return Pose{Vector3::Zero(), turn_about_z()} * level;
+  }
+
+  Eigen::Quaterniond turn_about_z() const {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle_, Vector3::UnitZ()));
   }
 
   void place() {
     for (const int which : {left, right}) simulator_.place_collider(which, finger(which));
   }
 
-  /// Moves the fingers to a half opening and a height [m], from rest to rest.
-  void go(double half, double z, double seconds) {
+  /// Moves the fingers to a half opening and a height [m], from rest to rest, and turns them by an
+  /// angle about a vertical axis between them [rad].
+  void go(double half, double z, double seconds, double turn = 0) {
     const int frames = static_cast<int>(std::lround(seconds / simulator_.frame_duration()));
-    const double from_half = half_, from_z = z_;
+    const double from_half = half_, from_z = z_, from_angle = angle_;
     fastest_beyond_fall_ = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const double linear = static_cast<double>(frame) / frames;
       const double share = linear * linear * (3 - 2 * linear);  // 1.5 times as fast at most
       half_ = from_half + share * (half - from_half);
       z_ = from_z + share * (z - from_z);
+      angle_ = from_angle + share * turn;
       for (const int which : {left, right}) simulator_.move_collider(which, finger(which));
       const StepReport report = simulator_.step();
       pinched_ = report.pinched;
+      EXPECT_EQ(report.slipping, 0) << "nothing pulls it from the fingers";
       EXPECT_EQ(report.recoveries, 0);
       const State& state = simulator_.state();
       const double highest = state.positions.col(2).maxCoeff();
@@ -164,6 +173,7 @@ class Grasp : public ::testing::TestWithParam<Case> {
   Simulator simulator_;
   double half_ = 0;
   double z_ = tips;
+  double angle_ = 0;  // [rad]
   int pinched_ = 0;
   double fastest_beyond_fall_ = 0;  // [m/s]
 };
@@ -179,11 +189,12 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
 
   go(closed, z_ + lift, lift / speed);
   const double up = fastest_beyond_fall_;
+  go(closed, z_, 1, M_PI / 2);
   go(closed, z_, 0.5);
   std::vector<double> lag;  // [m]
   for (const int i : held) {
-    lag.push_back(
-        (row(simulator_.state().positions, i) - row(before, i) - Vector3(0, 0, lift)).norm());
+    const Vector3 with_fingers = turn_about_z() * row(before, i) + Vector3(0, 0, lift);
+    lag.push_back((row(simulator_.state().positions, i) - with_fingers).norm());
   }
   std::nth_element(lag.begin(), lag.begin() + static_cast<std::ptrdiff_t>(lag.size() / 2),
                    lag.end());

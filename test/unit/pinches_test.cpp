@@ -77,7 +77,7 @@ TEST(Pinches, SurfacesThatDoNotFaceEachOtherPushSideways) {
 Vector3 pinched(const Pinches::Side& a, const Pinches::Side& b, double friction_of_cloth = 0.5) {
   const Cloth cloth = row_of(2, friction_of_cloth);
   Pinches pinches;
-  pinches.start_over(h, 100 * least_gravity);  // a firm grip
+  pinches.start_over(h);
   pinches.add(1, still, a, b, cloth);
   EXPECT_TRUE(pinches.holds(1));
   EXPECT_FALSE(pinches.holds(0));
@@ -116,7 +116,7 @@ TEST(Pinches, APointTurnsWithBothAsOneBody) {
   const Cloth cloth = row_of(2);
   const Vector3 x(0.3, 0.2, 0.1);
   Pinches pinches;
-  pinches.start_over(h, 1e9);
+  pinches.start_over(h);
   pinches.add(0, x, side(a, up, 0), side(b, down, 0), cloth);
   Points positions = Points::Zero(2, 3), start = Points::Zero(2, 3);
   start.row(0) = x.transpose();
@@ -159,7 +159,7 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
       if (wedge > M_PI / 3) continue;  // wider ones are left to impulses
       const MovingCollider a = rough(still, first), b = rough(still, second);
       Pinches pinches;
-      pinches.start_over(h, 100 * least_gravity);  // a firm grip
+      pinches.start_over(h);
       pinches.add(0, still, side(a, up, 0), side(b, {std::sin(wedge), 0, -std::cos(wedge)}, 0),
                   cloth);
       Points velocities = Points::Ones(2, 3);
@@ -187,7 +187,7 @@ TEST(Pinches, WithoutFrictionNothingSticksWhateverTheRoundings) {
   }
 }
 
-TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
+TEST(Pinches, WhatTheLimitPullsWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
   const Cloth cloth = row_of(4);
   const double all = 3 * 9.81 * h * cloth.mass.sum() * cloth.inv_mass[1];  // [m/s]
   const double grip = all / 2;
@@ -198,24 +198,50 @@ TEST(Pinches, WhatIsPulledWithMoreThanItsShareOfThreeWeightsOfTheClothSlips) {
   pinches.add(1, still, side(finger, up, 0), side(thumb, down, 0), cloth);
   pinches.add(2, still, side(thumb, down, 0), side(finger, up, 0), cloth);
   pinches.add(3, still, side(finger, up, 0), side(other, down, 0), cloth);  // shares with none
-  // In two pulls.
+  // What it gave before they were found, and a pass.
   Points velocities = Points::Zero(4, 3);
-  for (int pull = 0; pull < 2; ++pull) {
-    velocities.row(1) += Eigen::RowVector3d(0.49 * grip, 0, 1e3);
-    velocities.row(2) += Eigen::RowVector3d(0.51 * grip, 0, 1e3);
-    velocities.row(3) += Eigen::RowVector3d(0.49 * all, 0, 1e3);
-    pinches.sweep(velocities);
-  }
+  Points pull = Points::Zero(4, 3);
+  pull.row(1) << 0.49 * grip, 0, 1e3;
+  pull.row(2) << 0.51 * grip, 0, 1e3;
+  pull.row(3) << 0.49 * all, 0, 1e3;
+  velocities += pull;
+  pinches.set_pulls(pull);
+  pinches.sweep(velocities);
+  EXPECT_EQ(pinches.slipping(), 0);
+  velocities += pull;
+  pinches.add_pulls(velocities);
+  pinches.sweep(velocities);
   EXPECT_LT(row(velocities, 1).norm(), 1e-9 * grip);
   EXPECT_LT((row(velocities, 2) - Vector3(0.02 * grip, 0, 0)).norm(), 1e-9 * grip);
   EXPECT_LT(row(velocities, 3).norm(), 1e-9 * grip);
   EXPECT_EQ(pinches.slipping(), 1);
+  EXPECT_LT(pinches.sweep(velocities), 1e-9 * grip) << "slips as fast in the next pass";
 
   // It is moved along as far as it slips, and never across.
   Points positions = Points::Constant(4, 3, 5);
   pinches.correct(Points::Zero(4, 3), positions);
   EXPECT_EQ(row(positions, 1), Vector3(0, 0, 0));
   EXPECT_EQ(row(positions, 2), Vector3(5, 5, 0));
+}
+
+TEST(Pinches, WhateverElsePushesAPointItIsHeld) {
+  const Cloth cloth = row_of(2);
+  const double weight = 9.81 * h * cloth.mass.sum() * cloth.inv_mass[0];  // [m/s]
+  const MovingCollider finger = rough(still, 1), thumb = rough(still, 1);
+  Pinches pinches;
+  pinches.start_over(h);
+  pinches.add(0, still, side(finger, up, 0), side(thumb, down, 0), cloth);
+  Points pull = Points::Zero(2, 3);
+  pull(0, 0) = 2 * weight;
+  pinches.set_pulls(pull);
+  Points velocities = pull;
+  for (const double push : {50.0, -10.0, 1e3}) {
+    velocities(0, 0) += push * weight;
+    velocities(0, 1) -= push * weight;
+    pinches.sweep(velocities);
+    EXPECT_LT(row(velocities, 0).norm(), 1e-12 * push * push * weight);
+    EXPECT_EQ(pinches.slipping(), 0);
+  }
 }
 
 TEST(Pinches, PinsAndPointsThatAreHeldAreLeftAlone) {

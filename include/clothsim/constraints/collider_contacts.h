@@ -54,6 +54,7 @@ class ColliderContacts {
 
   /// Points that two colliders leave no room.
   const Pinches& pinches() const { return pinches_; }
+  Pinches& pinches() { return pinches_; }
 
   /// Was any of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }

@@ -18,9 +18,9 @@ namespace clothsim {
 /// impulses that try grow without end. So such a point goes across them in its share of what is
 /// between both, and layers keep their order; where that is next to nothing, it goes as their mean.
 /// Solids press as hard as it takes: where friction can keep it from slipping out, it does, and the
-/// point goes along with both, more with what holds it firmer. Else it slips, and so it does where
-/// it is pulled out with more than its share of some weights of the whole cloth, before what pulls
-/// it is torn.
+/// point goes along with both, more with what holds it firmer, whatever pushes it. Else it slips.
+/// So it does where the strain limit pulls it with more than its share of some weights of the whole
+/// cloth: pins or other solids may be behind that, and what they pull would be torn.
 class Pinches {
  public:
   /// What a point has to do with one of two colliders.
@@ -52,6 +52,12 @@ class Pinches {
   /// Gives the points their velocities. Returns the largest change [m/s].
   double sweep(Points& velocities);
 
+  /// What the strain limit has given to all points of the cloth in the step so far, N x 3 [m/s].
+  void set_pulls(const Points& given);
+
+  /// It has given what velocities, N x 3 [m/s], have changed by since the last sweep.
+  void add_pulls(const Points& velocities);
+
   /// Puts the points back where those velocities bring them from `start`, as far as they do not
   /// slip.
   void correct(const Points& start, Points& positions) const;
@@ -79,7 +85,7 @@ class Pinches {
   const std::vector<char>& held() const { return held_; }
 
   int count() const { return static_cast<int>(pinches_.size()); }
-  /// Those that are pulled with more than friction holds.
+  /// Those that are pulled with more than the grip bears.
   int slipping() const;
   /// The first of them; -1: none.
   int first() const { return pinches_.empty() ? -1 : pinches_.front().point; }
@@ -92,9 +98,11 @@ class Pinches {
     const MovingCollider* a;
     const MovingCollider* b;
     double share_of_b;  // of what holds it along them
-    double grip;        // greatest change of velocity along them in the step, were it alone [m/s]
+    double grip;        // greatest pull along them that it bears, were it alone; 0: slides [m/s]
     std::size_t jaws;   // that hold it
-    Vector3 given;      // change of velocity in the step so far [m/s]
+    Vector3 given;      // by which this has changed its velocity in the step [m/s]
+    Vector3 pull;       // that the strain limit has changed it by [m/s]
+    Vector3 left;       // velocity after the last sweep [m/s]
     bool slips;
   };
 
@@ -106,6 +114,7 @@ class Pinches {
   };
 
   std::size_t jaws_of(const MovingCollider&, const MovingCollider&);
+  Vector3 slip(Pinch&) const;
 
   double h_ = 0;
   double gravity_ = least_gravity;  // [m/s^2]
