@@ -15,46 +15,7 @@ using namespace testing;
 constexpr double reach = 0.5;
 const Workers alone;
 constexpr double h = 1e-3;
-constexpr double thickness = 0.01;
-
-/// A strip, free and without springs that matter here.
-Cloth strip(int columns, double friction = 0) {
-  ClothSpec spec;
-  spec.columns = columns;
-  spec.rows = 2;
-  spec.width = 0.1 * (columns - 1);
-  spec.height = 0.1;
-  spec.origin = Vector3::Zero();
-  spec.thickness = thickness;
-  spec.friction = friction;
-  spec.material.density = 100;
-  return make_grid(spec);
-}
-
-/// Its last cell, narrower, turned back over the first at height z and moved by `shift`.
-State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shift) {
-  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
-  for (int row = 0; row < 2; ++row) {
-    const int end = row * cloth.columns + cloth.columns - 1;
-    state.positions.row(end) = Eigen::RowVector3d(0, 0.02 + 0.06 * row, z) + shift;
-    state.positions.row(end - 1) = Eigen::RowVector3d(0.1, 0.02 + 0.06 * row, z) + shift;
-    for (int column = 2; column < cloth.columns - 2; ++column) {  // the way round
-      const double x = 0.2 + 0.1 * column;
-      state.positions.row(row * cloth.columns + column) << x, 0.1 * row, z * column * 0.15;
-    }
-  }
-  return state;
-}
-
-/// Of layers: pairs that must keep the whole contact distance.
-double least_distance(const Cloth& cloth, const Points& positions) {
-  double least = 1;
-  NearPairs finder(cloth);
-  for (const NearPair& near : finder.approaching(cloth, positions, 10 * positions)) {
-    if (near.pair.nearest == 2 * thickness) least = std::min(least, near.separation.distance);
-  }
-  return least;
-}
+constexpr double thickness = strip_thickness;
 
 /// One step: points move, contact answers till it holds, nothing crosses.
 void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
@@ -215,104 +176,6 @@ TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
   EXPECT_LT(contacts.sweep(cloth, none_left_out, state.velocities), precision);
 }
 
-TEST(SurfaceContacts, GuardLetsNothingCrossWhateverMovesThePoints) {
-  ClothSpec spec;
-  spec.columns = spec.rows = 9;
-  spec.thickness = thickness;
-  const Cloth cloth = make_grid(spec);
-  for (const double origin : {0.0, 1e3}) {  // far away rounding hides directions of what touches
-    int held = 0;
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      SurfaceContacts contacts(cloth);
-      State state{cloth.rest_positions.array() + origin, Points::Zero(81, 3), 0};
-      for (std::uint64_t k = 0; k < 60; ++k) {
-        // All points drawn to one place, by far too much at once.
-        const Points start = state.positions;
-        state.positions = 0.8 * (start.array() - origin) + origin;
-        state.positions += random_points(81, 0.02, 1000 * seed + k);
-        const ContactStep contact_step{h, reach, start, state.velocities, alone};
-        contacts.begin(cloth, contact_step, state);
-        const Points by_impulses = start + random_points(81, 0.05, 2000 * seed + k);
-        held += contacts.guard(cloth, contact_step, by_impulses, state);
-        ASSERT_EQ(count_intersections(cloth, state.positions), 0)
-            << origin << ' ' << seed << ' ' << k;
-      }
-    }
-    EXPECT_GT(held, 0);
-  }
-}
-
-TEST(SurfaceContacts, GuardLetsPartWhatIsAsNearAsItMayCome) {
-  const Cloth cloth = strip(8);
-  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
-  const auto move_end = [&](double way) {
-    const Points start = state.positions;
-    for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
-    contacts.guard(cloth, contact_step, Points(state.positions), state);
-    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
-  };
-  for (int i = 0; i < 60; ++i) move_end(-thickness);
-  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
-  move_end(thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness) << "at once";
-  for (int i = 0; i < 5; ++i) move_end(thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), thickness);
-}
-
-TEST(SurfaceContacts, GuardLetsLayersTurnThatAreAsNearAsTheyMayCome) {
-  const Cloth cloth = strip(8);
-  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
-  const auto go_to = [&](const Points& ends) {
-    const Points start = state.positions;
-    state.positions = ends;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
-    return contacts.guard(cloth, contact_step, Points(ends), state);
-  };
-  for (int i = 0; i < 60; ++i) {
-    Points ends = state.positions;
-    for (const int k : {6, 7, 14, 15}) ends(k, 2) -= thickness;
-    go_to(ends);
-  }
-  const double least = least_distance(cloth, state.positions);
-  EXPECT_LT(least, 1e-4 * thickness);
-  // Corners go many times that distance across the layers.
-  for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
-    const Eigen::Matrix3d turn(Eigen::AngleAxisd(4e-3, axis.normalized()));
-    for (int i = 0; i < 100; ++i) {
-      const Points ends = state.positions * turn.transpose();
-      ASSERT_EQ(go_to(ends), 0) << i;
-      ASSERT_EQ(state.positions, ends);
-    }
-    EXPECT_NEAR(least_distance(cloth, state.positions), least, 1e-4 * least);
-    EXPECT_EQ(count_intersections(cloth, state.positions), 0);
-  }
-}
-
-TEST(SurfaceContacts, GuardLeavesOutRepairsThatHoldTogetherWhatTouches) {
-  const Cloth cloth = strip(8);
-  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
-  const auto move_corner = [&](double by_impulses, double by_repairs) {
-    const Points start = state.positions;
-    state.positions(7, 2) += by_impulses;
-    const Points before_repairs = state.positions;
-    state.positions(7, 2) += by_repairs;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
-    contacts.guard(cloth, contact_step, before_repairs, state);
-    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
-  };
-  for (int i = 0; i < 60; ++i) move_corner(0, -thickness);
-  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
-  move_corner(thickness, -2 * thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness);
-}
-
 TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
@@ -390,19 +253,6 @@ TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayB
   p.contacts.add_impulses(1, impulses);
   const Points moves = impulses.array().colwise() * p.cloth.inv_mass.array();
   EXPECT_LT((moves - p.state.velocities).norm(), 1e-12) << "velocities are what impulses gave";
-}
-
-TEST(SurfaceContacts, GuardHoldsNothingBackThatMovesTogether) {
-  const Cloth cloth = strip(8);
-  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  const Points start = state.positions;
-  state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
-  const Points target = state.positions;
-  SurfaceContacts contacts(cloth);
-  const ContactStep contact_step{h, reach, start, state.velocities, alone};
-  contacts.begin(cloth, contact_step, state);
-  EXPECT_EQ(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
-  EXPECT_EQ(state.positions, target);
 }
 
 }  // namespace

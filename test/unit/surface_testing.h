@@ -12,6 +12,47 @@
 
 namespace clothsim::testing {
 
+constexpr double strip_thickness = 0.01;  // [m]
+
+/// A strip, free and without springs that matter here.
+inline Cloth strip(int columns, double friction = 0) {
+  ClothSpec spec;
+  spec.columns = columns;
+  spec.rows = 2;
+  spec.width = 0.1 * (columns - 1);
+  spec.height = 0.1;
+  spec.origin = Vector3::Zero();
+  spec.thickness = strip_thickness;
+  spec.friction = friction;
+  spec.material.density = 100;
+  return make_grid(spec);
+}
+
+/// Its last cell, narrower, turned back over the first at height z and moved by `shift`.
+inline State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shift) {
+  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
+  for (int row = 0; row < 2; ++row) {
+    const int end = row * cloth.columns + cloth.columns - 1;
+    state.positions.row(end) = Eigen::RowVector3d(0, 0.02 + 0.06 * row, z) + shift;
+    state.positions.row(end - 1) = Eigen::RowVector3d(0.1, 0.02 + 0.06 * row, z) + shift;
+    for (int column = 2; column < cloth.columns - 2; ++column) {  // the way round
+      const double x = 0.2 + 0.1 * column;
+      state.positions.row(row * cloth.columns + column) << x, 0.1 * row, z * column * 0.15;
+    }
+  }
+  return state;
+}
+
+/// Of layers: pairs that must keep the whole contact distance.
+inline double least_distance(const Cloth& cloth, const Points& positions) {
+  double least = 1;
+  NearPairs finder(cloth);
+  for (const NearPair& near : finder.approaching(cloth, positions, 10 * positions)) {
+    if (near.pair.nearest == 2 * strip_thickness) least = std::min(least, near.separation.distance);
+  }
+  return least;
+}
+
 /// A flat cloth of 1 m x 1 m.
 inline Cloth cloth_of(int columns, int rows, double thickness) {
   ClothSpec spec;

@@ -1,0 +1,129 @@
+#include "clothsim/constraints/crossing_guard.h"
+
+#include "clothsim/constraints/surface_contacts.h"
+#include "clothsim/geometry/intersections.h"
+#include "surface_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double reach = 0.5;
+constexpr double h = 1e-3;
+constexpr double thickness = strip_thickness;
+const Workers alone;
+
+TEST(CrossingGuard, LetsNothingCrossWhateverMovesThePoints) {
+  ClothSpec spec;
+  spec.columns = spec.rows = 9;
+  spec.thickness = thickness;
+  const Cloth cloth = make_grid(spec);
+  for (const double origin : {0.0, 1e3}) {  // far away rounding hides directions of what touches
+    int held = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      SurfaceContacts contacts(cloth);
+      State state{cloth.rest_positions.array() + origin, Points::Zero(81, 3), 0};
+      for (std::uint64_t k = 0; k < 60; ++k) {
+        // All points drawn to one place, by far too much at once.
+        const Points start = state.positions;
+        state.positions = 0.8 * (start.array() - origin) + origin;
+        state.positions += random_points(81, 0.02, 1000 * seed + k);
+        const ContactStep contact_step{h, reach, start, state.velocities, alone};
+        contacts.begin(cloth, contact_step, state);
+        const Points by_impulses = start + random_points(81, 0.05, 2000 * seed + k);
+        held += contacts.guard(cloth, contact_step, by_impulses, state);
+        ASSERT_EQ(count_intersections(cloth, state.positions), 0)
+            << origin << ' ' << seed << ' ' << k;
+      }
+    }
+    EXPECT_GT(held, 0);
+  }
+}
+
+TEST(CrossingGuard, LetsPartWhatIsAsNearAsItMayCome) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto move_end = [&](double way) {
+    const Points start = state.positions;
+    for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    contacts.guard(cloth, contact_step, Points(state.positions), state);
+    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
+  };
+  for (int i = 0; i < 60; ++i) move_end(-thickness);
+  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  move_end(thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness) << "at once";
+  for (int i = 0; i < 5; ++i) move_end(thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), thickness);
+}
+
+TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto go_to = [&](const Points& ends) {
+    const Points start = state.positions;
+    state.positions = ends;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    return contacts.guard(cloth, contact_step, Points(ends), state);
+  };
+  for (int i = 0; i < 60; ++i) {
+    Points ends = state.positions;
+    for (const int k : {6, 7, 14, 15}) ends(k, 2) -= thickness;
+    go_to(ends);
+  }
+  const double least = least_distance(cloth, state.positions);
+  EXPECT_LT(least, 1e-4 * thickness);
+  // Corners go many times that distance across the layers.
+  for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
+    const Eigen::Matrix3d turn(Eigen::AngleAxisd(4e-3, axis.normalized()));
+    for (int i = 0; i < 100; ++i) {
+      const Points ends = state.positions * turn.transpose();
+      ASSERT_EQ(go_to(ends), 0) << i;
+      ASSERT_EQ(state.positions, ends);
+    }
+    EXPECT_NEAR(least_distance(cloth, state.positions), least, 1e-4 * least);
+    EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+  }
+}
+
+TEST(CrossingGuard, LeavesOutRepairsThatHoldTogetherWhatTouches) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  SurfaceContacts contacts(cloth);
+  const auto move_corner = [&](double by_impulses, double by_repairs) {
+    const Points start = state.positions;
+    state.positions(7, 2) += by_impulses;
+    const Points before_repairs = state.positions;
+    state.positions(7, 2) += by_repairs;
+    const ContactStep contact_step{h, reach, start, state.velocities, alone};
+    contacts.begin(cloth, contact_step, state);
+    contacts.guard(cloth, contact_step, before_repairs, state);
+    ASSERT_EQ(count_intersections(cloth, state.positions), 0);
+  };
+  for (int i = 0; i < 60; ++i) move_corner(0, -thickness);
+  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  move_corner(thickness, -2 * thickness);
+  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness);
+}
+
+TEST(CrossingGuard, HoldsNothingBackThatMovesTogether) {
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  const Points start = state.positions;
+  state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
+  const Points target = state.positions;
+  SurfaceContacts contacts(cloth);
+  const ContactStep contact_step{h, reach, start, state.velocities, alone};
+  contacts.begin(cloth, contact_step, state);
+  EXPECT_EQ(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
+  EXPECT_EQ(state.positions, target);
+}
+
+}  // namespace
+}  // namespace clothsim
