@@ -95,6 +95,18 @@ Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room,
   return shares();
 }
 
+/// Mean of these ways, of what colliders hold or else of all: what is held back goes along with it.
+Eigen::RowVector3d common_way(const ContactStep& step, const Points& ways) {
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  int held = 0;
+  for (int i = 0; step.held && i < static_cast<int>(step.held->size()); ++i) {
+    if (!(*step.held)[static_cast<std::size_t>(i)]) continue;
+    sum += ways.row(i);
+    ++held;
+  }
+  return held > 0 ? Eigen::RowVector3d(sum / held) : Eigen::RowVector3d(ways.colwise().mean());
+}
+
 /// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
 /// and push-outs have moved it, too, and what they did is no velocity. So it is with the points
 /// that they moved beside it: from what is knotted, impulses would part them and repairs bring them
@@ -121,9 +133,8 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
   for (int leg = 1;; ++leg) {
     // Ways beyond the common one, which brings nobody closer. Pairs that bind are nearer than the
     // longest way needs; further ones than can be seen are taken to be no further.
-    const Eigen::RowVector3d common = together
-                                          ? Eigen::RowVector3d((positions - here).colwise().mean())
-                                          : Eigen::RowVector3d::Zero();
+    Eigen::RowVector3d common = Eigen::RowVector3d::Zero();
+    if (together) common = common_way(step, positions - here);
     const auto longest_to = [&](const Points& ends) {
       return longest_row((ends - here).rowwise() - common);
     };

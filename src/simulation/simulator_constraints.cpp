@@ -90,7 +90,8 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  colliders.empty() ? 0 : stretch_after(h),
                                  &budget,
                                  &touches_of_itself,
-                                 &start_velocities};
+                                 &start_velocities,
+                                 &collider_contacts.pinches().held()};
   visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
   collider_contacts.begin(colliders, cloth, contact_step, state);
   Pinches& pinches = collider_contacts.pinches();

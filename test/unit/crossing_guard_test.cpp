@@ -1,5 +1,7 @@
 #include "clothsim/constraints/crossing_guard.h"
 
+#include <vector>
+
 #include "clothsim/constraints/surface_contacts.h"
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
@@ -89,6 +91,30 @@ TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
     }
     EXPECT_NEAR(least_distance(cloth, state.positions), least, 1e-4 * least);
     EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+  }
+}
+
+TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
+  const Cloth cloth = strip(8);
+  const State at_start = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
+  std::vector<char> held(static_cast<std::size_t>(cloth.num_points()), 0);
+  for (const std::size_t i : {6, 7, 14, 15}) held[i] = 1;
+  for (const bool any_held : {false, true}) {
+    State state = at_start;
+    // The upper layer goes through the lower one.
+    const Eigen::RowVector3d way(0.01, 0, -5 * thickness);
+    for (const int i : {6, 7, 14, 15}) state.positions.row(i) += way;
+    ContactStep contact_step{h, reach, at_start.positions, state.velocities, alone};
+    if (any_held) contact_step.held = &held;
+    SurfaceContacts contacts(cloth);
+    contacts.begin(cloth, contact_step, state);
+    EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
+    EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+    for (const int i : {6, 7, 14, 15}) {
+      const double off =
+          (state.positions.row(i) - at_start.positions.row(i) - way).norm() / way.norm();
+      EXPECT_EQ(off < 1e-12, any_held) << i << ' ' << off;
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "clothsim/constraints/self_touches.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/work_budget.h"
@@ -27,6 +29,8 @@ struct ContactStep {
   WorkBudget* budget = nullptr;          // of the frame; none: all is done
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
   const Points* velocities = nullptr;    // at its start [m/s]; none: those that drifted
+  // By point, whether colliders hold it when contacts have been found; none or empty: none.
+  const std::vector<char>* held = nullptr;
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);
