@@ -134,11 +134,13 @@ void StrainLimit::reset() {
   inertia_.reset();
   step_ = {};
   doubt_ = 0;
+  momentum_ = 1;
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
   memory.add(doubt_);
+  memory.add(momentum_);
   std::size_t pulling = 0;
   for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
   memory.add(static_cast<double>(pulling));
@@ -157,6 +159,7 @@ void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
   doubt_ = std::clamp(memory.number(), 0.0, patience + most_doubt);
+  momentum_ = std::max(1.0, memory.number());
   std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
   for (std::size_t left = memory.count(); left > 0; --left) {
     const int id = memory.index(constraints_.size());
@@ -282,7 +285,7 @@ double StrainLimit::sweep(Points& velocities, const Workers& workers) {
 int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
                        State& state, const Workers& workers) {
   turn_impulses(cloth, reach, state, workers, nullptr);
-  Momentum momentum;
+  Momentum momentum(std::min(momentum_, static_cast<double>(least)));
   int passes = 0;
   PassChange change;
   do {
@@ -291,6 +294,7 @@ int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int leas
     if (!yields()) momentum.next(change.descent);  // towards what cannot be met it overshoots
     ++passes;
   } while (passes < most && (passes < least || step_.h * change.largest > enough));
+  momentum_ = passes == least ? momentum.strength() : 1;  // what asks for more, is another problem
 
   const double way = step_.reach * step_.h;
   double moved2 = 0;

@@ -12,9 +12,9 @@ namespace {
 
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds; without contact passes are cheap and steps long. The most is met only in a shock.
+/// seconds; without contact steps are long. The most is met only in a shock.
 constexpr int min_sweeps = 4;
-constexpr int min_sweeps_alone = 12;
+constexpr int min_sweeps_alone = 6;
 constexpr int max_sweeps = 200;
 constexpr int max_corrections = 600;
 

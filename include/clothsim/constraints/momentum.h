@@ -9,7 +9,14 @@ namespace clothsim {
 /// "Adaptive restart for accelerated gradient schemes"; on contact Mazhar et al. 2015).
 class Momentum {
  public:
+  /// `strength`: what another problem, much like this one, ended with, where it is to go on. The
+  /// first pass has none.
+  explicit Momentum(double strength = 1) : theta_(strength) {}
+
   double share() const { return share_; }
+
+  /// 1 at first, and about 1/2 more with each pass.
+  double strength() const { return theta_; }
 
   /// After a pass whose changes have that `descent`, see PassChange.
   void next(double descent) {
@@ -20,7 +27,7 @@ class Momentum {
   }
 
  private:
-  double theta_ = 1;
+  double theta_;
   double share_ = 0;
 };
 

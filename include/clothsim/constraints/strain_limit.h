@@ -65,8 +65,9 @@ class StrainLimit {
 
   /// begin(), and as many passes as it takes for the last to change no rate by more than `enough`
   /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
-  /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. Returns
-  /// the passes taken.
+  /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. From
+  /// steps of `least` passes momentum goes on, up to a strength of `least`: at rest each solves
+  /// what the last one did. Returns the passes taken.
   int solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
             const Workers& = {});
 
@@ -182,6 +183,7 @@ class StrainLimit {
   double shortest_;       // rest length [m]
   LimitStep step_{};      // that the impulses belong to
   double doubt_ = 0;      // time of steps that could not meet it, less others [s]
+  double momentum_ = 1;   // strength that solve() ended with
   double most_kick_ = 0;  // of this step, see FourSprings [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;
