@@ -52,17 +52,19 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
     last = &run;
     // Springs of one offset share a point only where their first points differ by that offset.
     const int colour = 2 * direction + (a / run.offset) % 2;
-    constraints_.push_back({a, b, run.rest_length, colour});
+    constraints_.push_back({a, b, run.rest_length, colour, 0});
   });
   over_.resize(index(2 * (direction + 1)));
 
   for_each_band(cloth, [&, id = 0](const SpringBand& band) mutable {
     for (const SpringRun* run = band.begin; run != band.end; ++run) {
       for (int done = 0; done < run->count; done += Piece::length) {
-        const int count = std::min(Piece::length, run->count - done);
-        pieces_.push_back({run->first + done, count, run->offset, run->rest_length, id + done});
+        const int count = std::min<int>(Piece::length, run->count - done);
+        const auto word = static_cast<int>(pieces_.size());
+        pieces_.push_back({run->first + done, count, run->offset, run->rest_length, word});
+        first_ids_.push_back(id);
+        for (const int end = id + count; id < end; ++id) constraints_[index(id)].word = word;
       }
-      id += run->count;
     }
   });
   // Those of a neighbourhood one after the other.
@@ -71,8 +73,7 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
   });
   local_.assign(index(cloth.num_points()), -1);
   has_moved_.assign(index(cloth.num_points()), 0);
-  kept_.assign(constraints_.size(), {});
-  flags_.assign((constraints_.size() + 7) / 8 * 8, 0);
+  flags_.assign(pieces_.size(), 0);
   close_active();
 }
 

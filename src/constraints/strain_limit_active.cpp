@@ -8,19 +8,30 @@ namespace clothsim {
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   flag_longer_than(longest_, positions, workers);
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.kick[k] > 0) flags_[index(id)] = 1;
+    if (s.kick[k] > 0) flag(id);
   });
   if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
 
-  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    kept_[index(id)] = {s.kick[k], s.mass[k], s.share[k], {s.x[k], s.y[k], s.z[k]}};
-  });
   last_touched_ = touched_;
   last_given_.swap(given_);
-  last_ids_ = ids_;
+  last_active_.swap(active_);
+  last_ids_.swap(ids_);
   clear_active();
-  const auto add = [&](int id) { add_active(id, kept_[index(id)]); };
+  // Those that pulled are flagged, and come in the order of the last step.
+  std::size_t next = 0;
+  const auto add = [&](int id) {
+    Kick kick;
+    while (next < last_ids_.size()) {
+      const FourSprings& s = last_active_[next / FourSprings::count];
+      const std::size_t k = next % FourSprings::count;
+      if (s.kick[k] > 0 && last_ids_[next] != id) break;
+      if (s.kick[k] > 0) kick = {s.kick[k], s.mass[k], s.share[k], {s.x[k], s.y[k], s.z[k]}};
+      ++next;
+      if (s.kick[k] > 0) break;
+    }
+    add_active(id, kick);
+  };
   const auto add_second_colour = [&] {
     for (const int id : second_colour_) add(id);
     second_colour_.clear();
@@ -38,9 +49,6 @@ bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   });
   add_second_colour();
   close_active();
-  for (const int id : last_ids_) {
-    if (id >= 0) kept_[index(id)] = {};
-  }
   return true;
 }
 

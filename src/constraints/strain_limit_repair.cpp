@@ -160,15 +160,9 @@ void StrainLimit::flag_longer_than(double stretch, const Points& positions,
     for (int k = begin; k < end; ++k) {
       const Piece& piece = pieces_[index(k)];
       const double longest = stretch * piece.rest_length;
-      const double* const x = &positions(piece.first, 0);
-      const double* const y = &positions(piece.first, 1);
-      const double* const z = &positions(piece.first, 2);
-      unsigned char* const flags = &flags_[index(piece.id)];
-      if (any_longer(x, y, z, piece.offset, piece.count, longest * longest)) {
-        flag_longer(x, y, z, piece.offset, piece.count, longest * longest, flags);
-      } else {
-        std::fill_n(flags, piece.count, 0);
-      }
+      flags_[index(piece.word)] =
+          longer_bits(&positions(piece.first, 0), &positions(piece.first, 1),
+                      &positions(piece.first, 2), piece.offset, piece.count, longest * longest);
     }
   };
   workers.share(static_cast<int>(pieces_.size()), look, at_once / Piece::length);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace clothsim {
 
@@ -68,13 +69,9 @@ void extrapolate(double momentum, std::size_t count, Quad* last, Quad* velocitie
 bool any_longer(const FourSprings* springs, const double* longest, std::size_t fours, double share,
                 const Quad* positions);
 
-/// Is any of `count` springs (i, i + offset) from i = 0 on longer than sqrt(longest2)?
-bool any_longer(const double* x, const double* y, const double* z, int offset, int count,
-                double longest2);
-
-/// flags[i] = 1 where spring (i, i + offset) is longer than sqrt(longest2), else 0; i in [0,
-/// count).
-void flag_longer(const double* x, const double* y, const double* z, int offset, int count,
-                 double longest2, unsigned char* __restrict flags);
+/// Bit i: is spring (i, i + offset) longer than sqrt(longest2)? i in [0, count), `count` at
+/// most 64.
+std::uint64_t longer_bits(const double* x, const double* y, const double* z, int offset, int count,
+                          double longest2);
 
 }  // namespace clothsim

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "clothsim/constraints/limited_spring.h"
@@ -130,16 +129,15 @@ class StrainLimit {
   /// the nearest cache.
   static constexpr int at_once = 512;
 
-  /// Springs that begin at neighbours, few enough that it is worth to know whether any is over its
-  /// limit.
+  /// Springs that begin at neighbours, as many as a word has bits.
   struct Piece {
-    static constexpr int length = 64;
+    enum { length = 64 };
 
     int first;  // of the points they begin at
     int count;
     int offset;
     double rest_length;  // [m]
-    int id;              // of the first constraint
+    int word;            // in flags_
   };
 
   /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
@@ -155,8 +153,13 @@ class StrainLimit {
     int b;
     double rest_length;  // [m]
     int colour;
+    int word;  // in flags_
   };
 
+  void flag(int id) {
+    const int word = constraints_[index(id)].word;
+    flags_[index(word)] |= std::uint64_t{1} << (id - first_ids_[index(word)]);
+  }
   void flag_longer_than(double stretch, const Points& positions, const Workers&);
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
@@ -186,7 +189,8 @@ class StrainLimit {
   double momentum_ = 1;   // strength that solve() ended with
   double most_kick_ = 0;  // of this step, see FourSprings [m/s]
   TensionInertia inertia_;
-  std::vector<Piece> pieces_;
+  std::vector<Piece> pieces_;            // a neighbourhood's one after the other
+  std::vector<int> first_ids_;           // of pieces' constraints, by word
   std::vector<Constraint> constraints_;  // in the order of cloth.springs
 
   // The springs at their limit, in fours of one colour. Between add_active() and close_active()
@@ -215,10 +219,10 @@ class StrainLimit {
 
   // Scratch.
   std::vector<double> tensions_;      // sum of T h / l of the last impulses, as touched_ [N s/m]
-  std::vector<Kick> kept_;            // by constraint; all 0 between calls
-  std::vector<unsigned char> flags_;  // by constraint, padded to whole words
-  std::vector<unsigned char> last_flags_;  // what active_ is of; none: of fewer
+  std::vector<std::uint64_t> flags_;  // a bit for each constraint
+  std::vector<std::uint64_t> last_flags_;  // what active_ is of; none: of fewer
   std::vector<PassChange> changes_;        // by segment
+  std::vector<FourSprings> last_active_;
   std::vector<int> last_ids_;
   std::vector<int> last_touched_;
   std::vector<Quad> last_given_;    // as last_touched_
@@ -235,13 +239,9 @@ class StrainLimit {
 
 template <typename Visitor>
 void StrainLimit::for_each_flagged(Visitor&& visit) const {
-  // Most springs are slack: look at eight flags at a time.
-  for (std::size_t word = 0; word < flags_.size(); word += 8) {
-    std::uint64_t any;
-    std::memcpy(&any, &flags_[word], sizeof any);
-    if (any == 0) continue;
-    for (std::size_t id = word; id < word + 8; ++id) {
-      if (flags_[id]) visit(static_cast<int>(id));
+  for (std::size_t word = 0; word < flags_.size(); ++word) {
+    for (std::uint64_t bits = flags_[word]; bits != 0; bits &= bits - 1) {
+      visit(first_ids_[word] + __builtin_ctzll(bits));
     }
   }
 }
