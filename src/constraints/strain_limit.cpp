@@ -121,6 +121,8 @@ double StrainLimit::insistence() const {
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(constraints_.size() == last.constraints_.size());
   const double longest = longest_;
+  inertia_.take_over(std::move(last.inertia_));
+  last.inertia_ = std::move(inertia_);
   *this = std::move(last);
   longest_ = longest;
   for (std::size_t i = 0; i < ids_.size(); ++i) {

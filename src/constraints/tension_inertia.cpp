@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/point_run.h"
@@ -25,17 +26,20 @@ constexpr double kept = 0.97;
 /// is x < 2 (1 + added x). Where pins or colliders ask for what cannot be, tension has no end.
 constexpr double most = added / (0.5 - added);
 
-/// Adds time2 * stiffness to the masses of free points. Drops stiffness beyond the most, that is
-/// lost in a mass, or at a point that is held.
+/// Inverse masses with time2 * stiffness more, of free points. Drops stiffness beyond the most,
+/// that is lost in a mass, or at a point that is held.
 CLOTHSIM_TARGET_CLONES
-void add_inertia(int count, double time2, const double* mass, double* stiffness, double* inv_mass) {
+void add_inertia(int count, double time2, const double* mass, const double* without,
+                 double* stiffness, double* inv_mass) {
+  const double to_stiffness = 1 / time2;
   for_each_lane(count, [&](int i) CLOTHSIM_INLINE {
-    const double largest = most * mass[i] / time2;
-    const double bounded = stiffness[i] < largest ? stiffness[i] : largest;
-    const double all = mass[i] + time2 * bounded;
-    const bool counts = (inv_mass[i] > 0) & (all > mass[i]);
+    const double more = time2 * stiffness[i];
+    const double largest = most * mass[i];
+    const double all = mass[i] + (more < largest ? more : largest);
+    const bool counts = (without[i] > 0) & (all > mass[i]);
+    const double bounded = more < largest ? stiffness[i] : largest * to_stiffness;
     stiffness[i] = counts ? bounded : 0;
-    inv_mass[i] = counts ? 1 / all : inv_mass[i];
+    inv_mass[i] = counts ? 1 / all : without[i];
   });
 }
 
@@ -127,14 +131,17 @@ void move_rigidly(int count, const Vector3& shift, const Vector3& turn, const Ve
 }  // namespace
 
 TensionInertia::TensionInertia(const Cloth& cloth)
-    : stiffness_(Scalars::Zero(cloth.num_points())) {}
+    : mass_(cloth.mass.sum()), stiffness_(Scalars::Zero(cloth.num_points())) {}
 
 void TensionInertia::weigh(const Cloth& cloth, double h, const State& state, Scalars& inv_mass) {
-  inv_mass = cloth.inv_mass;
   is_free_ = false;
-  if (!is_tense_) return;
-  add_inertia(cloth.num_points(), added * h * h, cloth.mass.data(), stiffness_.data(),
-              inv_mass.data());
+  if (!is_tense_) {
+    inv_mass = cloth.inv_mass;
+    return;
+  }
+  inv_mass.resize(cloth.num_points());
+  add_inertia(cloth.num_points(), added * h * h, cloth.mass.data(), cloth.inv_mass.data(),
+              stiffness_.data(), inv_mass.data());
   is_free_ = cloth.inv_mass.minCoeff() > 0;
   if (is_free_) start_velocities_ = state.velocities;
 }
@@ -143,7 +150,7 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State
   if (!is_free_) return;
   is_free_ = false;
   const int count = cloth.num_points();
-  const double way = reach * h, mass = cloth.mass.sum();
+  const double way = reach * h;
   const Vector3 origin = row(state.positions, 0);
   Body body;
   add_up(count,
@@ -153,7 +160,7 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State
          body);
 
   // About the centre of mass, as a rigid motion of the whole.
-  const Vector3 centre = Vector3(body.first[0], body.first[1], body.first[2]) / mass;
+  const Vector3 centre = Vector3(body.first[0], body.first[1], body.first[2]) / mass_;
   const Vector3 momentum(body.momentum[0], body.momentum[1], body.momentum[2]);
   const Vector3 angular =
       Vector3(body.angular[0], body.angular[1], body.angular[2]) - centre.cross(momentum);
@@ -161,15 +168,15 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State
   spread << body.second[0], body.second[3], body.second[5],  //
       body.second[3], body.second[1], body.second[4],        //
       body.second[5], body.second[4], body.second[2];
-  spread -= mass * centre * centre.transpose();
+  spread -= mass_ * centre * centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
   const Vector3 turn = inertia.completeOrthogonalDecomposition().solve(angular);
-  move_rigidly(count, momentum / mass, turn, origin + centre, way, run_from(state.positions, 0),
+  move_rigidly(count, momentum / mass_, turn, origin + centre, way, run_from(state.positions, 0),
                run_from(state.velocities, 0));
 }
 
-double TensionInertia::share(const Cloth& cloth, double h) const {
-  return is_tense_ ? added * h * h * stiffness_.sum() / cloth.mass.sum() : 0;
+double TensionInertia::share(double h) const {
+  return is_tense_ ? added * h * h * stiffness_.sum() / mass_ : 0;
 }
 
 double TensionInertia::share_at(double frequency, double h) {
@@ -194,6 +201,12 @@ void TensionInertia::add(int point, double stiffness) {
 void TensionInertia::reset() {
   stiffness_.setZero();
   is_tense_ = is_free_ = false;
+}
+
+void TensionInertia::take_over(TensionInertia&& last) {
+  const double mass = mass_;
+  *this = std::move(last);
+  mass_ = mass;
 }
 
 void TensionInertia::write(MemoryWriter& memory) const {

@@ -133,7 +133,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
   int least = substeps_at_speed(cloth, approach_speed, dt);
   is_fast = least > 1;
   if (follows_tension()) {
-    least = std::max(least, substeps_under_tension(dt));
+    least = substeps_under_tension(dt, std::max(least, method->choice.least_substeps));
     if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
   }
   if (has_air()) {
@@ -165,7 +165,7 @@ bool Simulator::Impl::frame(double dt, const State& before, StepReport& report) 
     const double left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
-    const int needed = looks_again ? substeps_under_tension(left) : 1;
+    const int needed = looks_again ? substeps_under_tension(left, steps) : steps;
     if (needed > steps) h = left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
@@ -225,18 +225,20 @@ bool Simulator::Impl::follows_tension() const {
   return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
 }
 
-int Simulator::Impl::substeps_under_tension(double dt) const {
+int Simulator::Impl::substeps_under_tension(double dt, int least) const {
   const Vector3& gravity = scene.simulation.gravity;
   // What is being pushed out of a collider is no tension: as many as follow the whole weight.
-  if (collider_contacts.recovers()) return substeps_at_weight(cloth, gravity, dt);
+  if (collider_contacts.recovers()) {
+    return std::max(least, substeps_at_weight(cloth, gravity, dt));
+  }
   if (strain_limit->yields()) {
-    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt);
+    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt, least);
   }
   const TensionInertia& inertia = strain_limit->inertia();
-  if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt);
-  const int needed = substeps_at_share(cloth, gravity, inertia.share(cloth, dt), dt);
-  if (needed == 1) return 1;  // the weight takes a look at all points
-  const int at_weight = substeps_at_weight(cloth, gravity, dt);
+  if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least);
+  const int needed = substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
+  if (needed == least) return least;
+  const int at_weight = std::max(least, substeps_at_weight(cloth, gravity, dt));
   return needed > at_weight && is_pulled_without_end() ? at_weight : needed;
 }
 
@@ -302,7 +304,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   const Loads loads{scene.simulation.gravity};
   const Cloth& inert = weigh(h);
   if (&inert == &weighed) {
-    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(cloth, h));
+    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(h));
   }
   std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);

@@ -219,8 +219,8 @@ struct Simulator::Impl {
   bool is_beyond_stability(double h) const;
   /// Do substeps follow tension?
   bool follows_tension() const;
-  /// Substeps of `dt` [s] that the tension of now asks for.
-  int substeps_under_tension(double dt) const;
+  /// Substeps of `dt` [s] that the tension of now asks for, at least `least`.
+  int substeps_under_tension(double dt, int least) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Do pins or colliders ask for more than the limit grants? Then tension has no end.

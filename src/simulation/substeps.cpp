@@ -75,17 +75,19 @@ int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
   return whole_steps(dt * weight_frequency(cloth, gravity));
 }
 
-int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt) {
-  if (dt * frequency <= touching_limit) return 1;  // the weight takes a look at all points
+int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt,
+                        int least) {
+  if (dt * frequency <= touching_limit * least) return least;  // the weight looks at all points
   const double most = weight_frequency(cloth, gravity);
-  return whole_steps(dt * (std::min(frequency, most) / touching_limit));
+  return std::max(least, whole_steps(dt * (std::min(frequency, most) / touching_limit)));
 }
 
-int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt) {
-  if (share <= most_added) return 1;  // the weight takes a look at all points
+int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt,
+                      int least) {
+  if (share <= most_added * least * least) return least;  // the weight looks at all points
   const double on_either_side = std::sqrt(2) * weight_frequency(cloth, gravity);
   const double most = TensionInertia::share_at(on_either_side, dt);
-  return whole_steps(std::sqrt(std::min(share, most) / most_added));
+  return std::max(least, whole_steps(std::sqrt(std::min(share, most) / most_added)));
 }
 
 bool are_pulled_taut(const Cloth& cloth, const Points& positions) {

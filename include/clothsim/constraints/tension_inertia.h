@@ -28,7 +28,7 @@ class TensionInertia {
   void give_back(const Cloth&, double h, double reach, State&);
 
   /// What is added in a step of h [s], of the mass of all points.
-  double share(const Cloth&, double h) const;
+  double share(double h) const;
   /// The same where tension lets every point swing at a frequency [rad/s].
   static double share_at(double frequency, double h);
 
@@ -43,11 +43,15 @@ class TensionInertia {
 
   void reset();
 
+  /// Goes on with what `last` has learnt of a cloth that had other masses.
+  void take_over(TensionInertia&& last);
+
   /// `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
  private:
+  double mass_;              // of the cloth [kg]
   Scalars stiffness_;        // by point, sum of T / l, largest of late [N/m]
   bool is_tense_ = false;    // any of it is not 0
   bool is_free_ = false;     // the cloth of this step: nothing holds it

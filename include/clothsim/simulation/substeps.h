@@ -34,15 +34,16 @@ int substeps_at_parting(const Cloth&, const Points& velocities, double dt);
 int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
 
 /// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
-/// lets points swing at `frequency` [rad/s]. At most max_substeps.
-int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt);
+/// lets points swing at `frequency` [rad/s]; at least `least`. At most max_substeps.
+int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt,
+                        int least = 1);
 
 /// Substeps in which the inertia that tension adds, `share` of the cloth's mass in a step as long
 /// as the frame of `dt` [s], is 1.5 % of it at most: it grows with the square of the step. With
 /// more, passes over the strain limit do not get there. Not more than where the springs on either
 /// side of every point carry the whole weight, as those of a taut chain do: where pins ask for more
-/// than the limit grants, tension has no end.
-int substeps_at_share(const Cloth&, const Vector3& gravity, double share, double dt);
+/// than the limit grants, tension has no end. At least `least`.
+int substeps_at_share(const Cloth&, const Vector3& gravity, double share, double dt, int least = 1);
 
 /// Do two points that are held ask for all that the strain limit grants, within 1 %, or more? Then
 /// it pulls without end, and springs part the faster the shorter the steps. Needs a strain limit.
