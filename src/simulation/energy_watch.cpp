@@ -121,11 +121,13 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           double wind) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
-  const Eigen::RowVector3d extent =
-      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-  const double unseen = mass * (g * lift * extent.maxCoeff() + calm * calm / 2);
+  const auto unseen = [&] {  // asked for in few frames
+    const Eigen::RowVector3d extent =
+        cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
+    return mass * (g * lift * extent.maxCoeff() + calm * calm / 2);
+  };
   if (!begun_) {
-    given_ = kinetic_energy(cloth, before) + elastic_energy(cloth, before.positions) + unseen;
+    given_ = kinetic_energy(cloth, before) + elastic_energy(cloth, before.positions) + unseen();
     potential_ = gravitational_energy(cloth, gravity, before.positions);
     begun_ = true;
   }
@@ -151,7 +153,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   const double small = kinetic_before + elastic_before;
   const double by_pins = work_on_springs(cloth, before, drive.pinned);
   const double by_colliders = work_on_springs(cloth, before, drive.pushed);
-  return gain <= work + by_pins + std::max(by_colliders, small) + unseen;
+  return gain <= work + by_pins + std::max(by_colliders, small) + unseen();
 }
 
 }  // namespace clothsim

@@ -249,8 +249,8 @@ bool Simulator::Impl::is_pulled_without_end() const {
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
   const int least = method->choice.least_substeps;
-  const int needed = substeps_at_parting(cloth, state.velocities, dt);
-  if (needed <= least) return 1;
+  const int needed = substeps_at_parting(cloth, state.velocities, dt, least);
+  if (needed == least) return 1;
   // Then springs part the faster the shorter the steps.
   if (is_pulled_without_end()) return 1;
   return std::min(needed, most_for_parting * least);

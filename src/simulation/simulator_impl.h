@@ -54,7 +54,7 @@ struct Method {
     if (spec.substeps) return *spec.substeps;
     return count_substeps(cloth, spec.gravity, positions, stability_limit(),
                           1 / spec.frames_per_second, std::max(choice.least_substeps, at_speed),
-                          workers);
+                          workers, omega_max);
   }
 
   double stability_limit() const {
@@ -63,7 +63,7 @@ struct Method {
 
   MethodChoice choice;
   Integrator integrator;
-  double omega_max;  // at least that of the springs at rest [rad/s]
+  double omega_max;  // at least that of springs of any stretch [rad/s]
 };
 
 /// The method to go on with after a frame failed, in as few steps as it can: what constraints ask

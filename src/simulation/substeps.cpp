@@ -49,12 +49,13 @@ int whole_steps(double steps) {
 }  // namespace
 
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, int least, const Workers& workers) {
+                   double stability_limit, double dt, int least, const Workers& workers,
+                   double omega_max) {
   double steps = std::max(least, whole_steps(dt * weight_frequency(cloth, gravity) / weight_limit));
 
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
-  if (omega_max_bound(cloth) > enough) {
+  if (omega_max > enough) {
     const double omega = omega_max_bound(cloth, positions, enough, workers);
     if (omega > enough) steps = dt * omega / (spring_margin * stability_limit);
   }
@@ -66,9 +67,11 @@ int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
   return whole_steps(steps);
 }
 
-int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt) {
+int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt, int least) {
+  const double most = 2 * longest_row(velocities) / shortest_rest_length(cloth);
+  if (dt * most <= way_share * least) return least;          // by far the cheaper look
   const double rate = worst_stretch(cloth, velocities) + 1;  // |v_b - v_a| / L0, largest
-  return whole_steps(dt * rate / way_share);
+  return std::max(least, whole_steps(dt * rate / way_share));
 }
 
 int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {

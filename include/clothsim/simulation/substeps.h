@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/workers.h"
@@ -15,9 +17,11 @@ inline constexpr double way_share = 0.25;
 /// h omega_max < `stability_limit` (infinity: none are needed for that) at the present stretch,
 /// and, with a strain limit, enough for the tension of the whole weight on the springs of one
 /// point; at least `least`. A function of its arguments alone, so that a run goes on the same way
-/// from any state. At most max_substeps, whatever the material.
+/// from any state. At most max_substeps, whatever the material. `omega_max`: what is known of it
+/// for springs of any stretch [rad/s].
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, int least = 1, const Workers& = {});
+                   double stability_limit, double dt, int least = 1, const Workers& = {},
+                   double omega_max = std::numeric_limits<double>::infinity());
 
 /// Substeps in which nothing that moves at `speed` [m/s] against the cloth passes more than a
 /// quarter of its shortest spring at once: springs must not be torn over a collider before their
@@ -26,8 +30,8 @@ int substeps_at_speed(const Cloth&, double speed, double dt);
 
 /// Substeps in which the ends of no spring move by more than a quarter of its rest length against
 /// each other: a spring that has been torn open, or turned round, before its limit can answer, the
-/// limit does not bring back. At most max_substeps.
-int substeps_at_parting(const Cloth&, const Points& velocities, double dt);
+/// limit does not bring back. At least `least`, at most max_substeps.
+int substeps_at_parting(const Cloth&, const Points& velocities, double dt, int least = 1);
 
 /// Substeps that follow a tension of the whole weight on the springs of one point, h omega = 1. At
 /// most max_substeps.
