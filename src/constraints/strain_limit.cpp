@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "clothsim/constraints/momentum.h"
@@ -43,34 +44,31 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
     : longest_(1 + cloth.strain_limit.value()),
       shortest_(shortest_rest_length(cloth)),
       inertia_(cloth),
+      num_springs_(cloth.num_springs()),
       budget_(budget) {
   int direction = -1;
   const SpringRun* last = nullptr;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+  for (const SpringRun& run : cloth.springs) {
     const bool new_direction = !last || last->offset != run.offset || last->family != run.family;
     if (new_direction) ++direction;
     last = &run;
-    // Springs of one offset share a point only where their first points differ by that offset.
-    const int colour = 2 * direction + (a / run.offset) % 2;
-    constraints_.push_back({a, b, run.rest_length, colour, 0});
-  });
-  over_.resize(index(2 * (direction + 1)));
-
-  for_each_band(cloth, [&, id = 0](const SpringBand& band) mutable {
-    for (const SpringRun* run = band.begin; run != band.end; ++run) {
-      for (int done = 0; done < run->count; done += Piece::length) {
-        const int count = std::min<int>(Piece::length, run->count - done);
-        const auto word = static_cast<int>(pieces_.size());
-        pieces_.push_back({run->first + done, count, run->offset, run->rest_length, word});
-        first_ids_.push_back(id);
-        for (const int end = id + count; id < end; ++id) constraints_[index(id)].word = word;
+    for (int done = 0; done < run.count; done += Piece::length) {
+      const int count = std::min<int>(Piece::length, run.count - done);
+      Piece piece{run.first + done, count, run.offset, direction, run.rest_length, 0};
+      // Springs of one offset share a point only where their first points differ by that offset.
+      for (int i = 0; i < count; ++i) {
+        const bool second = (piece.first + i) / run.offset % 2 == 1;
+        piece.second |= std::uint64_t{second} << i;
       }
+      pieces_.push_back(piece);
     }
-  });
-  // Those of a neighbourhood one after the other.
-  std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& p, const Piece& q) {
-    return p.first / at_once < q.first / at_once;
-  });
+  }
+  over_.resize(index(2 * (direction + 1)));
+  order_.resize(pieces_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  const auto neighbourhood = [&](int i) { return pieces_[index(i)].first / at_once; };
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](int i, int j) { return neighbourhood(i) < neighbourhood(j); });
   local_.assign(index(cloth.num_points()), -1);
   has_moved_.assign(index(cloth.num_points()), 0);
   flags_.assign(pieces_.size(), 0);
@@ -79,7 +77,7 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
 
 void StrainLimit::add_impulses(double scale, Points& sum) const {
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    const Constraint& c = constraints_[index(id)];
+    const Constraint c = constraint(id);
     const Vector3 impulse = scale * s.mass[k] * s.kick[k] * Vector3(s.x[k], s.y[k], s.z[k]);
     sum.row(c.a) += impulse.transpose();
     sum.row(c.b) -= impulse.transpose();
@@ -119,14 +117,14 @@ double StrainLimit::insistence() const {
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
-  assert(constraints_.size() == last.constraints_.size());
+  assert(pieces_.size() == last.pieces_.size());
   const double longest = longest_;
   inertia_.take_over(std::move(last.inertia_));
   last.inertia_ = std::move(inertia_);
   *this = std::move(last);
   longest_ = longest;
   for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0) lengths_[i] = longest_ * constraints_[index(ids_[i])].rest_length;
+    if (ids_[i] >= 0) lengths_[i] = longest_ * constraint(ids_[i]).rest_length;
   }
 }
 
@@ -165,9 +163,9 @@ void StrainLimit::read(MemoryReader& memory) {
   momentum_ = std::max(1.0, memory.number());
   std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
   for (std::size_t left = memory.count(); left > 0; --left) {
-    const int id = memory.index(constraints_.size());
-    const std::pair<int, int> here{constraints_[index(id)].colour, id};
-    if (here <= last) {
+    const int id = memory.index(pieces_.size() * Piece::length);
+    const std::pair<int, int> here{constraint(id).colour, id};
+    if (id % Piece::length >= pieces_[index(id / Piece::length)].count || here <= last) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
@@ -237,7 +235,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
     }
   }
   for (std::size_t i = 0; i < touched_.size(); ++i) positions_[i].w = cloth.inv_mass[touched_[i]];
-  step_.active = static_cast<double>(num_active_) / static_cast<double>(constraints_.size());
+  step_.active = static_cast<double>(num_active_) / num_springs_;
   if (before) {
     before_.resize(velocities_.size());
     for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);

@@ -8,7 +8,9 @@ namespace clothsim {
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   flag_longer_than(longest_, positions, workers);
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.kick[k] > 0) flag(id);
+    if (s.kick[k] > 0) {
+      flags_[index(id / Piece::length)] |= std::uint64_t{1} << id % Piece::length;
+    }
   });
   if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
@@ -32,22 +34,11 @@ bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
     }
     add_active(id, kick);
   };
-  const auto add_second_colour = [&] {
-    for (const int id : second_colour_) add(id);
-    second_colour_.clear();
-  };
-  int direction = 0;
-  for_each_flagged([&](int id) {
-    const Constraint& c = constraints_[index(id)];
-    if (c.colour / 2 != direction) add_second_colour();
-    direction = c.colour / 2;
-    if (c.colour % 2 == 1) {
-      second_colour_.push_back(id);
-    } else {
-      add(id);
-    }
-  });
-  add_second_colour();
+  for (std::size_t begin = 0, end = 0; begin < pieces_.size(); begin = end) {
+    while (end < pieces_.size() && pieces_[end].direction == pieces_[begin].direction) ++end;
+    for (std::size_t i = begin; i < end; ++i) for_each_bit(i, flags_[i] & ~pieces_[i].second, add);
+    for (std::size_t i = begin; i < end; ++i) for_each_bit(i, flags_[i] & pieces_[i].second, add);
+  }
   close_active();
   return true;
 }
@@ -65,7 +56,7 @@ void StrainLimit::clear_active() {
 
 /// To be called in the order of colours.
 void StrainLimit::add_active(int id, const Kick& kick) {
-  const Constraint& c = constraints_[index(id)];
+  const Constraint c = constraint(id);
   const bool new_colour = active_.empty() || c.colour != colour_;
   if (new_colour || lane_ == FourSprings::count) {
     const auto fours = static_cast<int>(active_.size());

@@ -66,7 +66,7 @@ double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points
   flag_longer_than(longest_ + tolerance, positions, workers);
   double worst = 0;
   for_each_flagged([&](int id) {
-    const Constraint& c = constraints_[index(id)];
+    const Constraint c = constraint(id);
     if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return;
     const double length = (row(positions, c.b) - row(positions, c.a)).norm();
     worst = std::max(worst, length / c.rest_length - longest_);
@@ -76,7 +76,7 @@ double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points
 
 /// Puts a spring on its list if it is to be repaired. Is it?
 bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const Points& positions) {
-  const Constraint& c = constraints_[index(id)];
+  const Constraint c = constraint(id);
   if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return false;
   const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
   const double longest = (longest_ + tolerance) * c.rest_length;
@@ -92,7 +92,7 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
   shortened_.assign(ids.size(), 0);
   const auto shorten_band = [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const Constraint& c = constraints_[index(ids[index(i)])];
+      const Constraint c = constraint(ids[index(i)]);
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
@@ -108,7 +108,7 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (!shortened_[i]) continue;
     any = true;
-    const Constraint& c = constraints_[index(ids[i])];
+    const Constraint c = constraint(ids[i]);
     for (const int point : {c.a, c.b}) {
       if (has_moved_[index(point)]) continue;
       has_moved_[index(point)] = 1;
@@ -139,33 +139,35 @@ bool StrainLimit::find_over_again(const Cloth& cloth, double tolerance, const Po
 }
 
 void StrainLimit::list_springs_of_points(const Cloth& cloth) {
-  first_spring_.assign(index(cloth.num_points()) + 1, 0);
-  for (const Constraint& c : constraints_) {
-    ++first_spring_[index(c.a) + 1];
-    ++first_spring_[index(c.b) + 1];
-  }
-  std::partial_sum(first_spring_.begin(), first_spring_.end(), first_spring_.begin());
-  springs_of_points_.resize(2 * constraints_.size());
-  std::vector<int> next(first_spring_.begin(), first_spring_.end() - 1);
-  for (std::size_t id = 0; id < constraints_.size(); ++id) {
-    for (const int point : {constraints_[id].a, constraints_[id].b}) {
-      springs_of_points_[index(next[index(point)]++)] = static_cast<int>(id);
+  const auto for_each_end = [&](auto&& visit) {
+    for (int id = 0; id < Piece::length * static_cast<int>(pieces_.size()); ++id) {
+      if (id % Piece::length >= pieces_[index(id / Piece::length)].count) continue;
+      const Constraint c = constraint(id);
+      visit(id, c.a);
+      visit(id, c.b);
     }
-  }
+  };
+  first_spring_.assign(index(cloth.num_points()) + 1, 0);
+  for_each_end([&](int, int point) { ++first_spring_[index(point) + 1]; });
+  std::partial_sum(first_spring_.begin(), first_spring_.end(), first_spring_.begin());
+  springs_of_points_.resize(2 * index(num_springs_));
+  std::vector<int> next(first_spring_.begin(), first_spring_.end() - 1);
+  for_each_end([&](int id, int point) { springs_of_points_[index(next[index(point)]++)] = id; });
 }
 
 void StrainLimit::flag_longer_than(double stretch, const Points& positions,
                                    const Workers& workers) {
   const auto look = [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
-      const Piece& piece = pieces_[index(k)];
+      const int i = order_[index(k)];
+      const Piece& piece = pieces_[index(i)];
       const double longest = stretch * piece.rest_length;
-      flags_[index(piece.word)] =
+      flags_[index(i)] =
           longer_bits(&positions(piece.first, 0), &positions(piece.first, 1),
                       &positions(piece.first, 2), piece.offset, piece.count, longest * longest);
     }
   };
-  workers.share(static_cast<int>(pieces_.size()), look, at_once / Piece::length);
+  workers.share(static_cast<int>(order_.size()), look, at_once / Piece::length);
 }
 
 }  // namespace clothsim

@@ -129,15 +129,17 @@ class StrainLimit {
   /// the nearest cache.
   static constexpr int at_once = 512;
 
-  /// Springs that begin at neighbours, as many as a word has bits.
+  /// Springs that begin at neighbours, as many as a word has bits. A spring's id is 64 times its
+  /// piece's place in pieces_, and its own in the piece.
   struct Piece {
     enum { length = 64 };
 
     int first;  // of the points they begin at
     int count;
     int offset;
-    double rest_length;  // [m]
-    int word;            // in flags_
+    int direction;
+    double rest_length;    // [m]
+    std::uint64_t second;  // bits of those of the direction's second colour
   };
 
   /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
@@ -153,14 +155,22 @@ class StrainLimit {
     int b;
     double rest_length;  // [m]
     int colour;
-    int word;  // in flags_
   };
 
-  void flag(int id) {
-    const int word = constraints_[index(id)].word;
-    flags_[index(word)] |= std::uint64_t{1} << (id - first_ids_[index(word)]);
+  Constraint constraint(int id) const {
+    const Piece& piece = pieces_[index(id / Piece::length)];
+    const int place = id % Piece::length, a = piece.first + place;
+    const auto colour = static_cast<int>(piece.second >> place & 1);
+    return {a, a + piece.offset, piece.rest_length, 2 * piece.direction + colour};
   }
   void flag_longer_than(double stretch, const Points& positions, const Workers&);
+  /// Calls visit(id) for those of a piece whose `bits` are set.
+  template <typename Visitor>
+  static void for_each_bit(std::size_t piece, std::uint64_t bits, Visitor&& visit) {
+    for (; bits != 0; bits &= bits - 1) {
+      visit(Piece::length * static_cast<int>(piece) + __builtin_ctzll(bits));
+    }
+  }
   template <typename Visitor>
   void for_each_flagged(Visitor&& visit) const;
   template <typename Visitor>
@@ -189,9 +199,9 @@ class StrainLimit {
   double momentum_ = 1;   // strength that solve() ended with
   double most_kick_ = 0;  // of this step, see FourSprings [m/s]
   TensionInertia inertia_;
-  std::vector<Piece> pieces_;            // a neighbourhood's one after the other
-  std::vector<int> first_ids_;           // of pieces' constraints, by word
-  std::vector<Constraint> constraints_;  // in the order of cloth.springs
+  std::vector<Piece> pieces_;  // in the order of cloth.springs
+  std::vector<int> order_;     // of pieces_: a neighbourhood's one after the other
+  int num_springs_;
 
   // The springs at their limit, in fours of one colour. Between add_active() and close_active()
   // fours that are not full are not ready.
@@ -225,8 +235,7 @@ class StrainLimit {
   std::vector<FourSprings> last_active_;
   std::vector<int> last_ids_;
   std::vector<int> last_touched_;
-  std::vector<Quad> last_given_;    // as last_touched_
-  std::vector<int> second_colour_;  // constraint ids of one direction
+  std::vector<Quad> last_given_;  // as last_touched_
 
   // Of correct(). Springs by point are listed when they are first asked for.
   std::vector<std::vector<int>> over_;    // constraint ids by colour; none between calls
@@ -239,11 +248,7 @@ class StrainLimit {
 
 template <typename Visitor>
 void StrainLimit::for_each_flagged(Visitor&& visit) const {
-  for (std::size_t word = 0; word < flags_.size(); ++word) {
-    for (std::uint64_t bits = flags_[word]; bits != 0; bits &= bits - 1) {
-      visit(first_ids_[word] + __builtin_ctzll(bits));
-    }
-  }
+  for (std::size_t i = 0; i < flags_.size(); ++i) for_each_bit(i, flags_[i], visit);
 }
 
 template <typename Visitor>
