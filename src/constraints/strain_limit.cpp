@@ -161,6 +161,9 @@ void StrainLimit::read(MemoryReader& memory) {
   step_.h = std::max(0.0, memory.number());
   doubt_ = std::clamp(memory.number(), 0.0, patience + most_doubt);
   momentum_ = std::max(1.0, memory.number());
+  last_active_.clear();
+  last_ids_.clear();
+  std::fill(flags_.begin(), flags_.end(), 0);
   std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
   for (std::size_t left = memory.count(); left > 0; --left) {
     const int id = memory.index(pieces_.size() * Piece::length);
@@ -169,14 +172,16 @@ void StrainLimit::read(MemoryReader& memory) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
-    Kick kick;
-    kick.kick = std::max(0.0, memory.number());
-    kick.mass = std::max(0.0, memory.number());
-    kick.share = memory.number();
-    kick.direction = memory.vector();
-    add_active(id, kick);
+    FourSprings spring{};
+    spring.kick[0] = std::max(0.0, memory.number());
+    spring.mass[0] = std::max(0.0, memory.number());
+    spring.share[0] = memory.number();
+    for (double* axis : {spring.x, spring.y, spring.z}) *axis = memory.number();
+    last_active_.push_back(spring);
+    last_ids_.insert(last_ids_.end(), {id, -1, -1, -1});
+    flag(id);
   }
-  close_active();
+  list_active();
   inertia_.read(memory);
 }
 

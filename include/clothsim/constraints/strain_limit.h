@@ -117,14 +117,6 @@ class StrainLimit {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  /// What a spring keeps of the last step.
-  struct Kick {
-    double kick = 0;  // see FourSprings
-    double mass = 0;
-    double share = 0;
-    Vector3 direction{0, 0, 0};
-  };
-
   /// Springs that are worth a thread: half a microsecond of work. What so many points have stays in
   /// the nearest cache.
   static constexpr int at_once = 512;
@@ -163,6 +155,7 @@ class StrainLimit {
     const auto colour = static_cast<int>(piece.second >> place & 1);
     return {a, a + piece.offset, piece.rest_length, 2 * piece.direction + colour};
   }
+  void flag(int id) { flags_[index(id / Piece::length)] |= std::uint64_t{1} << id % Piece::length; }
   void flag_longer_than(double stretch, const Points& positions, const Workers&);
   /// Calls visit(id) for those of a piece whose `bits` are set.
   template <typename Visitor>
@@ -180,7 +173,9 @@ class StrainLimit {
   double insistence() const;
   bool find_active(const Points& positions, const Workers&);
   void clear_active();
-  void add_active(int id, const Kick&);
+  void list_active();
+  std::size_t add_colour(int count);
+  void list(int id, std::size_t place, std::size_t& next);
   void close_active();
   int touch(int point);
   PassChange sweep_active(double momentum, const Workers&);
@@ -203,8 +198,7 @@ class StrainLimit {
   std::vector<int> order_;     // of pieces_: a neighbourhood's one after the other
   int num_springs_;
 
-  // The springs at their limit, in fours of one colour. Between add_active() and close_active()
-  // fours that are not full are not ready.
+  // The springs at their limit, in fours of one colour.
   std::vector<FourSprings> active_;  // in the order of their sweeps
   std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
   std::vector<double> lengths_;      // at the limit [m], as ids_
@@ -212,8 +206,6 @@ class StrainLimit {
   std::vector<int> colour_ends_;     // in segment_ends_
   std::vector<int> touched_;         // points of active_, which knows them by their places here
   std::size_t num_active_ = 0;       // springs
-  int colour_ = -1;                  // of the last four
-  std::size_t lane_ = 0;             // of the last four that is free
   bool solved_alone_ = false;        // by solve() in this step
   WorkBudget* budget_;               // what passes may take of it; none: any
   double moved_ = 0;                 // farthest that solve() has moved a point [m]
