@@ -57,8 +57,7 @@ TEST(TensionInertia, IsThatOfTheWeightOnAString) {
     for (int step = 0; step < 1000; ++step) stepper.step(Vector3(0, 0, -9.8), h, state);
     const double length = 1.1;
     const double sum = (masses == 1 ? 1 : 2 + 1 + 1) * cloth.mass[0] * 9.8 / length;
-    EXPECT_NEAR(stepper.limit.inertia().share(h), 0.4 * h * h * sum / cloth.mass.sum(),
-                1e-9);
+    EXPECT_NEAR(stepper.limit.inertia().share(h), 0.4 * h * h * sum / cloth.mass.sum(), 1e-9);
     EXPECT_NEAR(stepper.weighed.inv_mass[0], 1 / (cloth.mass[0] * (1 + 0.4 * h * h * 9.8 / length)),
                 1e-6 * cloth.inv_mass[0])
         << "the lowest point";
