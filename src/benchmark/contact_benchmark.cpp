@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "clothsim/constraints/collider_contacts.h"
-#include "clothsim/constraints/point_contacts.h"
-#include "clothsim/constraints/surface_contacts.h"
+#include "clothsim/constraints/self_contacts.h"
 #include "clothsim/dynamics/verlet.h"
 #include "clothsim/geometry/cell_list.h"
 #include "clothsim/geometry/intersections.h"
@@ -70,15 +69,15 @@ void points_broad_phase(benchmark::State& run) {
 }
 
 /// Self contact of a substep: candidates when they are due, four sweeps.
-template <typename Contacts>
-void whole_step(benchmark::State& run, Contacts& contacts, SelfCollision kind) {
+void whole_step(benchmark::State& run, SelfCollision kind) {
   const Settled& scene = settled(kind);
   const Cloth& cloth = scene.simulator.cloth();
+  SelfContacts contacts(cloth, kind);
   for (auto _ : run) {
     Drift drift(scene);
     const double start = cpu_seconds();
     contacts.begin(cloth, drift.step(), drift.state);
-    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(cloth, 0, drift.state.velocities);
+    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(0, drift.state.velocities);
     contacts.correct(cloth, drift.state.positions);
     contacts.guard(cloth, drift.step(), Points(drift.state.positions), drift.state);
     run.SetIterationTime(cpu_seconds() - start);
@@ -87,15 +86,9 @@ void whole_step(benchmark::State& run, Contacts& contacts, SelfCollision kind) {
   count_points(run, cloth);
 }
 
-void points_step(benchmark::State& run) {
-  PointContacts contacts;
-  whole_step(run, contacts, SelfCollision::points);
-}
+void points_step(benchmark::State& run) { whole_step(run, SelfCollision::points); }
 
-void surface_step(benchmark::State& run) {
-  SurfaceContacts contacts(settled(SelfCollision::surface).simulator.cloth());
-  whole_step(run, contacts, SelfCollision::surface);
-}
+void surface_step(benchmark::State& run) { whole_step(run, SelfCollision::surface); }
 
 /// The same of the collider that a cloth has come to lie on: `sphere` and `plane` have contacts
 /// with points alone, and `sphere` without strain limit, where triangles may be of any size, with
@@ -111,7 +104,7 @@ void collider_step(benchmark::State& run, const std::string& name, bool limited)
     Drift drift(lying);
     const double start = cpu_seconds();
     contacts.begin(colliders, cloth, drift.step(), drift.state);
-    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(cloth, drift.state.velocities);
+    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(drift.state.velocities);
     contacts.correct(colliders, cloth, drift.start, drift.state.positions);
     run.SetIterationTime(cpu_seconds() - start);
   }
@@ -157,11 +150,11 @@ void surface_narrow_phase(benchmark::State& run) {
 
 /// A substep whose contacts have been found.
 struct Begun {
-  Begun() : contacts(cloth), drift(settled(SelfCollision::surface)) {
+  Begun() : contacts(cloth, SelfCollision::surface), drift(settled(SelfCollision::surface)) {
     contacts.begin(cloth, drift.step(), drift.state);
   }
   const Cloth& cloth = settled(SelfCollision::surface).simulator.cloth();
-  SurfaceContacts contacts;
+  SelfContacts contacts;
   Drift drift;
 };
 
@@ -170,8 +163,7 @@ void surface_response(benchmark::State& run) {
   Begun step;
   for (auto _ : run) {
     constexpr double none_left_out = -1;
-    benchmark::DoNotOptimize(
-        step.contacts.sweep(step.cloth, none_left_out, step.drift.state.velocities));
+    benchmark::DoNotOptimize(step.contacts.sweep(none_left_out, step.drift.state.velocities));
   }
   run.counters["contacts"] = step.contacts.count();
   count_points(run, step.cloth);

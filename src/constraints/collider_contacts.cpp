@@ -20,7 +20,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
   stretch_ = step.stretch;
-  faces_.start_over();
+  faces_.start_over(h_);
   has_pinched_ = pinches_.count() > 0 || is_restored_pinched_;
   is_restored_pinched_ = false;
   pinches_.start_over(h_, step.gravity);
@@ -42,7 +42,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
     for (const int block : s.slots.active()) s.room.wake(block);  // what touches, does not sleep
     s.slots.resume(cloth, scale, state.velocities);
   }
-  faces_.resume(cloth, scale, state.velocities);
+  faces_.resume(state.positions, state.velocities);
   pinches_.sweep(state.velocities);
 }
 
@@ -142,10 +142,10 @@ bool ColliderContacts::is_near_faces(const Side& s, const Clearance& keeps, doub
   return keeps.faces && s.room.is_near(travel_.total(), reach + local_.edge / std::sqrt(3));
 }
 
-double ColliderContacts::sweep(const Cloth& cloth, Points& velocities) {
+double ColliderContacts::sweep(Points& velocities) {
   double residual2 = 0;
   for (Side& s : sides_) residual2 = std::max(residual2, s.slots.sweep(s.friction, velocities));
-  const double on_faces = faces_.sweep(cloth, velocities);
+  const double on_faces = faces_.sweep(velocities);
   return std::max({std::sqrt(residual2), on_faces, pinches_.sweep(velocities)}) * h_;
 }
 
@@ -264,7 +264,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     impulse.read(memory);
     slots.hold(point, impulse);
   }
-  faces_.read(memory, colliders, cloth);
+  faces_.read(memory);
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
 }

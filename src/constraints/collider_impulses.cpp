@@ -80,14 +80,13 @@ void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3&
 void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                 double scale, const Points& positions,
                                 std::vector<Wrench>& sums) const {
-  for (const Contact& c : contacts_) {
+  for (const Contact& c : list_.contacts()) {
     if (c.impulse.push == 0) continue;
-    const auto collider = static_cast<std::size_t>(c.id.collider);
+    const auto collider = static_cast<std::size_t>(collider_of(c));
     const Vector3& origin = colliders[collider].pose().position;
     const Vector3 impulse = scale * c.impulse.total();
-    const auto& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const int i = corners[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int i = c.points[k];
       sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.moves[k] * impulse);
     }
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "clothsim/constraints/face_approach.h"
 
@@ -26,8 +25,8 @@ std::optional<Feature> feature_of(const CornerWeights& w) {
   return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
 }
 
-/// Push on a triangle next to a pinched corner, of the weight of the cloth, on one of its points:
-/// what colliders ask of it may be more than it can give.
+/// Push on a triangle next to a pinched corner, of the weight of the cloth: what colliders ask of
+/// it may be more than it can give.
 constexpr double firmest = 0.3;
 
 /// Cosine of the angle to its normal from which on such a triangle is pushed: along itself it would
@@ -45,16 +44,9 @@ double to_middle(const LocalCloth& local, const Corners& corners) {
 
 }  // namespace
 
-void FaceContacts::start_over() {
-  last_.swap(contacts_);
-  contacts_.clear();
-  next_last_ = 0;
-}
-
-const FaceContacts::Contact* FaceContacts::last_of(const Id& id) {
-  while (next_last_ < last_.size() && last_[next_last_].id < id) ++next_last_;
-  if (next_last_ == last_.size() || id < last_[next_last_].id) return nullptr;
-  return last_[next_last_].impulse.push > 0 ? &last_[next_last_] : nullptr;
+void FaceContacts::start_over(double h) {
+  list_.start_over(h);
+  places_.clear();
 }
 
 void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& cloth,
@@ -62,9 +54,10 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
                         std::vector<CaughtFace>& caught) {
   if (!blocks_.fits(cloth)) blocks_.reset(cloth);
   const bool fast = local.longest > safe_depth(collider.shape());
+  ContactList::Last last(list_, key_of(index, 0, 0));
   const auto look_at = [&](int triangle, const Corners& corners) {
     // As it lies where impulses act, unless it is to be stopped or led out.
-    const Triangle middle = triangle_of(local.middle, corners);
+    const Triangle middle = clothsim::triangle_of(local.middle, corners);
     FaceApproach found;
     found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
     const bool may_be_inside =
@@ -91,10 +84,11 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
 
     for (std::size_t i = 0; i < features; ++i) {
       if (!touching[i]) continue;
-      const Id id{index, triangle, static_cast<int>(i)};
-      const std::size_t before = contacts_.size();
-      add(id, collider, cloth, step, *touching[i], found.swept, -found.before, local, state);
-      if (found.before < 0 && contacts_.size() > before) {
+      const std::uint64_t key = key_of(index, triangle, i);
+      const std::size_t before = places_.size();
+      add(key, last.of(key), collider, cloth, step, *touching[i], found.swept, -found.before, local,
+          state);
+      if (found.before < 0 && places_.size() > before) {
         caught.push_back({triangle, before, -found.before});
       }
     }
@@ -102,10 +96,11 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
   for_each_near(collider.shape(), cloth, blocks_, local, margin, look_at);
 }
 
-void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth& cloth,
-                       const ContactStep& step, const FaceDistance& distance, bool swept,
-                       double depth, LocalCloth& local, State& state) {
-  const Corners& corners = cloth.triangles[static_cast<std::size_t>(id.triangle)];
+void FaceContacts::add(std::uint64_t key, const Contact* last, const MovingCollider& collider,
+                       const Cloth& cloth, const ContactStep& step, const FaceDistance& distance,
+                       bool swept, double depth, LocalCloth& local, State& state) {
+  Contact contact{key};
+  const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;
   const CornerWeights moves = moves_of(cloth, corners, weights);
   const double yield = yield_of(weights, moves);
@@ -127,74 +122,57 @@ void FaceContacts::add(const Id& id, const MovingCollider& collider, const Cloth
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
   const double gap = distance.value - cloth.offset;
   const double slowest = swept ? 0 : -std::max(gap, 0.0) / step.h;
-  const Contact* last = last_of(id);
   if (!last && rate >= slowest && gap > 0 && depth == 0) return;
 
-  contacts_.push_back(
-      {id,
-       weights,
-       moves,
-       yield,
-       lever,
-       distance.value,
-       {normal, surface_velocity, slowest + lever * way_out_speed(depth), collider.friction()}});
-  if (last) contacts_.back().impulse.resume(last->impulse, 1);
-}
-
-void FaceContacts::resume(const Cloth& cloth, double scale, Points& velocities) {
-  for (Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
-    c.impulse.resume(c.impulse, scale);
-    spread(cloth.triangles[static_cast<std::size_t>(c.id.triangle)], c.moves, c.impulse.total(),
-           velocities);
-  }
+  contact.points = {corners[0], corners[1], corners[2], corners[0]};
+  contact.weights = {weights[0], weights[1], weights[2], 0};
+  contact.weigh(cloth);
+  contact.nearest = cloth.offset;
+  contact.impulse = {normal, surface_velocity, slowest + lever * way_out_speed(depth),
+                     collider.friction()};
+  if (last) contact.impulse.keep(last->impulse);
+  list_.add(contact);
+  places_.push_back({lever, distance.value});
 }
 
 void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingCollider>& colliders,
                             const Cloth& cloth, const ContactStep& step) {
-  for (Contact& c : contacts_) {
-    const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    Contact& c = list_.contacts()[i];
+    const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(c))];
     if (!pinches.holds_any(corners)) continue;
-    const MovingCollider& collider = colliders[static_cast<std::size_t>(c.id.collider)];
+    const MovingCollider& collider = colliders[static_cast<std::size_t>(collider_of(c))];
     double lacking = 0, largest = 0;
     Vector3 held(0, 0, 0);  // share of the velocity there [m/s]
     for (std::size_t k = 0; k < 3; ++k) {
       if (!pinches.holds(corners[k])) {
         held += c.weights[k] * c.impulse.surface_velocity;
         largest = std::max(largest, c.moves[k]);
-        c.impulse.most = firmest * pinches.weight_on(corners[k], cloth);
+        c.impulse.most = firmest * pinches.weight(cloth);
         continue;
       }
       held += c.weights[k] * pinches.velocity(corners[k]);
       const Vector3 x = to_local(collider.previous(), row(step.start, corners[k]));
       const double distance = signed_distance(collider.shape(), x, x).value;
       lacking += c.weights[k] * std::max(0.0, cloth.offset - distance);
-      c.moves[k] = 0;
+      c.hold(k);
     }
-    c.yield = yield_of(c.weights, c.moves);
-    const Triangle t = triangle_of(step.start, corners);
+    const Triangle t = clothsim::triangle_of(step.start, corners);
     const Vector3 square = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-    if (c.yield == 0 || std::abs(square.dot(c.impulse.normal)) < off_plane) {
+    if (c.mass == 0 || std::abs(square.dot(c.impulse.normal)) < off_plane) {
       c.impulse.let_go();
       continue;
     }
-    const double lever = c.yield / largest;
+    const double lever = 1 / (c.mass * largest);
     const double sinks = lacking + leeway(lever, t);
     const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
-    c.impulse.slowest = -std::max(0.0, c.distance + sinks - cloth.offset) / step.h - closing;
+    c.impulse.slowest =
+        -std::max(0.0, places_[i].distance + sinks - cloth.offset) / step.h - closing;
   }
 }
 
-double FaceContacts::sweep(const Cloth& cloth, Points& velocities) {
-  double residual2 = 0;
-  for (Contact& c : contacts_) {
-    if (c.yield == 0) continue;
-    const Corners& corners = cloth.triangles[static_cast<std::size_t>(c.id.triangle)];
-    const Vector3 change = c.impulse.update(weighted(velocities, corners, c.weights), 1 / c.yield);
-    spread(corners, c.moves, change, velocities);
-    residual2 = std::max(residual2, change.squaredNorm());
-  }
-  return std::sqrt(residual2);
+double FaceContacts::sweep(Points& velocities) {
+  return list_.sweep(-1, velocities);  // over all: faces are few
 }
 
 void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, double h,
@@ -240,34 +218,9 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
   }
 }
 
-int FaceContacts::count() const {
-  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const Contact& c) { return c.impulse.push > 0; }));
-}
-
-void FaceContacts::reset() { contacts_.clear(); }
-
-void FaceContacts::write(MemoryWriter& memory) const {
-  memory.add(count());
-  for (const Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
-    memory.add(c.id.collider);
-    memory.add(c.id.triangle);
-    memory.add(c.id.feature);
-    c.impulse.write(memory);
-  }
-}
-
-void FaceContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
-  reset();
-  for (std::size_t left = memory.count(); left > 0; --left) {
-    Contact c{};
-    c.id.collider = memory.index(colliders);
-    c.id.triangle = memory.index(cloth.triangles.size());
-    c.id.feature = memory.index(features);
-    c.impulse.read(memory);
-    contacts_.push_back(c);
-  }
+void FaceContacts::reset() {
+  list_.reset();
+  places_.clear();
 }
 
 }  // namespace clothsim

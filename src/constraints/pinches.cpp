@@ -92,16 +92,12 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
       firm_a + firm_b > 0 && jams(a.normal, b.normal, friction_of(a, cloth), friction_of(b, cloth));
   const double share_of_b = sticks ? firm_b / (firm_a + firm_b) : 0.5;
   const Vector3 along = (1 - share_of_b) * of_a + share_of_b * of_b;
-  const double grip = sticks ? strongest_grip * weight_on(point, cloth) : 0;
+  const double grip = sticks ? strongest_grip * weight(cloth) * cloth.inv_mass[point] : 0;
   const std::size_t jaws = jaws_of(*a.collider, *b.collider);
   if (sticks) ++jaws_[jaws].points;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, a.collider,
                       b.collider, share_of_b, grip, jaws, Vector3::Zero(), Vector3::Zero(),
                       Vector3::Zero(), !sticks});
-}
-
-double Pinches::weight_on(int point, const Cloth& cloth) const {
-  return cloth.mass.sum() * gravity_ * cloth.inv_mass[point] * h_;
 }
 
 double Pinches::sweep(Points& velocities) {

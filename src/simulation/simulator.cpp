@@ -117,7 +117,7 @@ StepReport Simulator::Impl::step() {
   if (weighs_colliders) finish_colliders(dt);
   state.time = last_good.time + dt;
   report.contacts = collider_contacts.count();
-  visit_self_contacts([&](const auto& contacts) { report.contacts += contacts.count(); });
+  if (self_contacts) report.contacts += self_contacts->count();
   return report;
 }
 

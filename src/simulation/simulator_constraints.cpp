@@ -79,7 +79,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   const SelfTouches touches_of_itself = [&](const auto& visit) {
-    visit_self_contacts([&](const auto& contacts) { contacts.for_each_touch(cloth, visit); });
+    if (self_contacts) self_contacts->for_each_touch(visit);
   };
   const ContactStep contact_step{h,
                                  reach,
@@ -92,13 +92,10 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  &touches_of_itself,
                                  &start_velocities,
                                  &collider_contacts.pinches().held()};
-  visit_self_contacts([&](auto& contacts) { contacts.begin(cloth, contact_step, state); });
+  if (self_contacts) self_contacts->begin(cloth, contact_step, state);
   collider_contacts.begin(colliders, cloth, contact_step, state);
   Pinches& pinches = collider_contacts.pinches();
-  if (pinches.count() > 0) {
-    visit_self_contacts(
-        [&](auto& contacts) { contacts.leave_to(pinches, cloth, state.velocities); });
-  }
+  if (self_contacts && pinches.count() > 0) self_contacts->leave_to(pinches, state.velocities);
   if (strain_limit && pinches.count() > 0) {
     Points pulls = Points::Zero(cloth.num_points(), 3);
     strain_limit->add_impulses(1, pulls);
@@ -124,11 +121,11 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
       stretching = strain_limit->sweep(state.velocities, workers);
       pinches.add_pulls(state.velocities);
     }
-    visit_self_contacts([&](auto& contacts) {
-      folding = contacts.sweep(cloth, unseen_fold, state.velocities, workers);
-      budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * contacts.size()));
-    });
-    const double touching = collider_contacts.sweep(cloth, state.velocities);
+    if (self_contacts) {
+      folding = self_contacts->sweep(unseen_fold, state.velocities, workers);
+      budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
+    }
+    const double touching = collider_contacts.sweep(state.velocities);
     if (!colliders.empty()) spend(1);
     ++report.sweeps;
     const bool limited = stretching <= small || sweep >= limit_sweeps;
@@ -142,13 +139,13 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) repair(cloth, stretching <= small, report);
-  visit_self_contacts([&](const auto& contacts) { contacts.correct(cloth, state.positions); });
+  if (self_contacts) self_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
   // Whatever has moved the points, the cloth does not pass through itself.
-  visit_self_contacts([&](auto& contacts) {
-    report.held_back += contacts.guard(cloth, contact_step, by_impulses, state);
-  });
+  if (self_contacts) {
+    report.held_back += self_contacts->guard(cloth, contact_step, by_impulses, state);
+  }
 }
 
 void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {

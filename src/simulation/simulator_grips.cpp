@@ -30,7 +30,7 @@ void Simulator::Impl::hold_points() {
   std::optional<StrainLimit> last_limit = std::move(strain_limit);
   build_strain_limit();
   if (last_limit && strain_limit) strain_limit->take_over(std::move(*last_limit));
-  visit_self_contacts([](auto& contacts) { contacts.seek_anew(); });
+  if (self_contacts) self_contacts->seek_anew();
   disturbed = true;
 }
 
@@ -42,7 +42,7 @@ void Simulator::Impl::add_impulses(double h) {
   }
   const double scale = as_force(cloth, h);
   if (strain_limit) strain_limit->add_impulses(scale, impulses);
-  visit_self_contacts([&](const auto& contacts) { contacts.add_impulses(scale, impulses); });
+  if (self_contacts) self_contacts->add_impulses(scale, impulses);
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {

@@ -132,7 +132,7 @@ struct Simulator::Impl {
   void forget_constraints() {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
-    visit_self_contacts([](auto& contacts) { contacts.reset(); });
+    if (self_contacts) self_contacts->reset();
   }
 
   void build_strain_limit() {
@@ -202,10 +202,6 @@ struct Simulator::Impl {
   bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
   /// Fastest that the wind of this frame and the cloth move against each other [m/s].
   double air_speed() const { return wind.norm() + longest_row(state.velocities); }
-  template <typename Visitor>
-  void visit_self_contacts(Visitor&& visit) {
-    if (self_contacts) std::visit(visit, *self_contacts);
-  }
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
   void repair(const Cloth&, bool solved, StepReport&);

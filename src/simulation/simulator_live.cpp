@@ -33,7 +33,7 @@ void Simulator::Impl::renew_self_contacts(const Cloth& last, const Cloth& now) {
   if (now.self_collision != last.self_collision || now.thickness != last.thickness) {
     self_contacts = make_self_contacts(now);
   } else if (now.mass != last.mass) {  // an impulse of pairs belongs to their masses
-    visit_self_contacts([](auto& contacts) { contacts.reset(); });
+    if (self_contacts) self_contacts->reset();
   }
 }
 

@@ -13,7 +13,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-enum { memory_version = 7 };
+enum { memory_version = 8 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -84,9 +84,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
-  if (self_contacts) {
-    std::visit([&](const auto& contacts) { contacts.write(memory); }, *self_contacts);
-  }
+  if (self_contacts) self_contacts->write(memory);
 }
 
 bool Simulator::Impl::fits(const std::vector<double>& memory) const {
@@ -126,9 +124,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   ColliderContacts read_contacts;
   read_contacts.read(memory, colliders.size(), cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
-  if (read_self_contacts) {
-    std::visit([&](auto& contacts) { contacts.read(memory, cloth); }, *read_self_contacts);
-  }
+  if (read_self_contacts) read_self_contacts->read(memory, cloth);
   memory.finish();
 
   method = std::move(read_method);

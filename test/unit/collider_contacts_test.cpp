@@ -31,7 +31,7 @@ void step(ColliderContacts& contacts, std::vector<MovingCollider>& colliders, co
   state.positions += dt * state.velocities;
   const Points before = state.velocities;
   contacts.begin(colliders, cloth, {dt, reach, start, before, Workers()}, state);
-  for (int i = 0; i < 50; ++i) contacts.sweep(cloth, state.velocities);
+  for (int i = 0; i < 50; ++i) contacts.sweep(state.velocities);
   state.positions += reach * dt * (state.velocities - before);
   contacts.correct(colliders, cloth, start, state.positions);
 }

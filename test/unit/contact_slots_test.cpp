@@ -61,14 +61,14 @@ struct Twin {
       contact.slowest = -std::max(gap, 0.0) / h;
       const double rate = contact.normal.dot(row(state.velocities, i) - u);
       if (!was_held && rate >= contact.slowest && gap > 0) continue;
-      if (was_held) contact.resume(*last, 1);
+      if (was_held) contact.keep(*last);
       held[static_cast<std::size_t>(i)] = contact;
     }
   }
 
   void resume(double scale, Points& velocities) {
     for_each([&](int i, ContactImpulse& c) {
-      c.resume(c, scale);
+      c.resume(scale);
       velocities.row(i) += c.total().transpose();
     });
   }

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "clothsim/constraints/surface_contacts.h"
+#include "clothsim/constraints/self_contacts.h"
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
 
@@ -24,7 +24,7 @@ TEST(CrossingGuard, LetsNothingCrossWhateverMovesThePoints) {
   for (const double origin : {0.0, 1e3}) {  // far away rounding hides directions of what touches
     int held = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      SurfaceContacts contacts(cloth);
+      SelfContacts contacts(cloth, SelfCollision::surface);
       State state{cloth.rest_positions.array() + origin, Points::Zero(81, 3), 0};
       for (std::uint64_t k = 0; k < 60; ++k) {
         // All points drawn to one place, by far too much at once.
@@ -46,7 +46,7 @@ TEST(CrossingGuard, LetsNothingCrossWhateverMovesThePoints) {
 TEST(CrossingGuard, LetsPartWhatIsAsNearAsItMayCome) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   const auto move_end = [&](double way) {
     const Points start = state.positions;
     for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
@@ -66,7 +66,7 @@ TEST(CrossingGuard, LetsPartWhatIsAsNearAsItMayCome) {
 TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   const auto go_to = [&](const Points& ends) {
     const Points start = state.positions;
     state.positions = ends;
@@ -106,7 +106,7 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
     for (const int i : {6, 7, 14, 15}) state.positions.row(i) += way;
     ContactStep contact_step{h, reach, at_start.positions, state.velocities, alone};
     if (any_held) contact_step.held = &held;
-    SurfaceContacts contacts(cloth);
+    SelfContacts contacts(cloth, SelfCollision::surface);
     contacts.begin(cloth, contact_step, state);
     EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
     EXPECT_EQ(count_intersections(cloth, state.positions), 0);
@@ -121,7 +121,7 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
 TEST(CrossingGuard, LeavesOutRepairsThatHoldTogetherWhatTouches) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   const auto move_corner = [&](double by_impulses, double by_repairs) {
     const Points start = state.positions;
     state.positions(7, 2) += by_impulses;
@@ -144,7 +144,7 @@ TEST(CrossingGuard, HoldsNothingBackThatMovesTogether) {
   const Points start = state.positions;
   state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
   const Points target = state.positions;
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   const ContactStep contact_step{h, reach, start, state.velocities, alone};
   contacts.begin(cloth, contact_step, state);
   EXPECT_EQ(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);

@@ -194,7 +194,7 @@ TEST(Pinches, WhatTheLimitPullsWithMoreThanItsShareOfThreeWeightsOfTheClothSlips
   const MovingCollider finger = rough(still, 1), thumb = rough(still, 1), other = rough(still, 1);
   Pinches pinches;
   pinches.start_over(h);
-  EXPECT_NEAR(pinches.weight_on(1, cloth), all / 3, 1e-12 * all);
+  EXPECT_NEAR(pinches.weight(cloth) * cloth.inv_mass[1], all / 3, 1e-12 * all);
   pinches.add(1, still, side(finger, up, 0), side(thumb, down, 0), cloth);
   pinches.add(2, still, side(thumb, down, 0), side(finger, up, 0), cloth);
   pinches.add(3, still, side(finger, up, 0), side(other, down, 0), cloth);  // shares with none

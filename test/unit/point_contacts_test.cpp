@@ -1,7 +1,6 @@
-#include "clothsim/constraints/point_contacts.h"
-
 #include <cmath>
 
+#include "clothsim/constraints/self_contacts.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -23,10 +22,10 @@ Cloth apart(int points, double friction = 0) {
 }
 
 /// One step of contact after points have moved: begin, sweep till it holds, move along.
-void resolve(PointContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
+void resolve(SelfContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
   const Points before = state.velocities;
   contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
-  for (int i = 0; i < sweeps && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
+  for (int i = 0; i < sweeps && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
 }
@@ -38,7 +37,7 @@ TEST(PointContacts, HeadOnPointsStopAtTheContactDistance) {
   state.positions(1, 0) = 0.03;
   state.velocities(0, 0) = 1;
   state.velocities(1, 0) = -1;
-  PointContacts contacts;
+  SelfContacts contacts(cloth, SelfCollision::points);
   for (int step = 0; step < 40; ++step) {
     state.positions += h * state.velocities;
     resolve(contacts, cloth, state);
@@ -54,7 +53,7 @@ TEST(PointContacts, AClumpKeepsItsMomentumAndLosesEnergy) {
   State state{random_points(40, 0.03, 1), random_points(40, 1, 2), 0};
   const Eigen::RowVector3d momentum = state.velocities.colwise().sum();
   const double energy = state.velocities.squaredNorm();
-  PointContacts contacts;
+  SelfContacts contacts(cloth, SelfCollision::points);
   resolve(contacts, cloth, state);
   EXPECT_GT(contacts.count(), 10);
   EXPECT_LT((state.velocities.colwise().sum() - momentum).norm(), 1e-12);
@@ -68,10 +67,10 @@ TEST(PointContacts, AClumpKeepsItsMomentumAndLosesEnergy) {
 TEST(PointContacts, NoTouchingPairComesCloser) {
   const Cloth cloth = apart(40);
   State state{random_points(40, 0.04, 3), random_points(40, 1, 4), 0};
-  PointContacts contacts;
+  SelfContacts contacts(cloth, SelfCollision::points);
   contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   const Points normals_at = state.positions;
-  for (int i = 0; i < 5000; ++i) contacts.sweep(cloth, 0, state.velocities);
+  for (int i = 0; i < 5000; ++i) contacts.sweep(0, state.velocities);
   int touching = 0;
   for (int a = 0; a < 40; ++a) {
     for (int b = a + 1; b < 40; ++b) {
@@ -97,9 +96,9 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
     State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
     state.positions(1, 2) = 2 * thickness - 1e-6;
     state.velocities.row(1) << slide, 0, -1;
-    PointContacts contacts;
+    SelfContacts contacts(cloth, SelfCollision::points);
     contacts.begin(cloth, {h, 0, state.positions, state.velocities, alone}, state);
-    for (int i = 0; i < 200; ++i) contacts.sweep(cloth, 0, state.velocities);
+    for (int i = 0; i < 200; ++i) contacts.sweep(0, state.velocities);
     EXPECT_NEAR(state.velocities(1, 2), 0, 1e-9);
     EXPECT_NEAR(state.velocities(1, 0), std::max(0.0, slide - mu * 1), 1e-9);
     EXPECT_EQ(state.velocities.row(0).norm(), 0) << "the pin was pushed";
@@ -114,7 +113,7 @@ TEST(PointContacts, LeavesRestNeighboursOut) {
     const Cloth cloth = make_grid(spec);
     State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
     state.positions(1, 0) = 0.01;
-    PointContacts contacts;
+    SelfContacts contacts(cloth, SelfCollision::points);
     contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
     for (int step = 0; step < 100; ++step) contacts.correct(cloth, state.positions);
     const double distance = (state.positions.row(1) - state.positions.row(0)).norm();
@@ -129,7 +128,7 @@ TEST(PointContacts, CorrectMovesByInverseMassShareByShare) {
   const Cloth cloth = make_grid(spec);
   State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
   state.positions(1, 2) = 0.005;
-  PointContacts contacts;
+  SelfContacts contacts(cloth, SelfCollision::points);
   contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
   double last = 2 * thickness - 0.005;
   for (int step = 0; step < 100; ++step) {
@@ -146,7 +145,7 @@ TEST(PointContacts, CorrectMovesByInverseMassShareByShare) {
 TEST(PointContacts, CoincidentPointsGiveNoNan) {
   const Cloth cloth = apart(6, 0.3);
   State state{Points::Zero(6, 3), random_points(6, 1, 1), 0};
-  PointContacts contacts;
+  SelfContacts contacts(cloth, SelfCollision::points);
   for (int step = 0; step < 5; ++step) {
     resolve(contacts, cloth, state);
     contacts.correct(cloth, state.positions);
@@ -162,7 +161,7 @@ TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
   State state{random_points(60, 0.15, 5), Points::Zero(60, 3), 0};
   Points motion = random_points(60, 0.004, 6);
   motion.col(0).array() += 0.05;
-  PointContacts kept;
+  SelfContacts kept(cloth, SelfCollision::points);
   for (int step = 0; step < 60; ++step) {
     state.positions += motion;
     if (step == 30) motion.leftCols(2) *= -1;
@@ -171,7 +170,7 @@ TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
     Points a = state.positions;
     kept.correct(cloth, a);
     copy = state;
-    PointContacts fresh;
+    SelfContacts fresh(cloth, SelfCollision::points);
     fresh.begin(cloth, {h, reach, copy.positions, copy.velocities, alone}, copy);
     Points b = state.positions;
     fresh.correct(cloth, b);
@@ -182,7 +181,7 @@ TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
 TEST(PointContacts, ResetForgetsEverything) {
   const Cloth cloth = apart(30, 0.3);
   const State start{random_points(30, 0.05, 1), random_points(30, 1, 2), 0};
-  PointContacts used;
+  SelfContacts used(cloth, SelfCollision::points);
   State state = start;
   resolve(used, cloth, state);
   resolve(used, cloth, state);
@@ -191,7 +190,7 @@ TEST(PointContacts, ResetForgetsEverything) {
   State again = start;
   resolve(used, cloth, again);
   State first = start;
-  PointContacts fresh;
+  SelfContacts fresh(cloth, SelfCollision::points);
   resolve(fresh, cloth, first);
   EXPECT_EQ(again.velocities, first.velocities);
 }

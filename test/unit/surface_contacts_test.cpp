@@ -1,9 +1,8 @@
-#include "clothsim/constraints/surface_contacts.h"
-
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "clothsim/constraints/self_contacts.h"
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
 
@@ -18,13 +17,13 @@ constexpr double h = 1e-3;
 constexpr double thickness = strip_thickness;
 
 /// One step: points move, contact answers till it holds, nothing crosses.
-void step(SurfaceContacts& contacts, const Cloth& cloth, State& state) {
+void step(SelfContacts& contacts, const Cloth& cloth, State& state) {
   const Points start = state.positions;
   state.positions += h * state.velocities;
   const Points before = state.velocities;
   const ContactStep contact_step{h, reach, start, before, alone};
   contacts.begin(cloth, contact_step, state);
-  for (int i = 0; i < 2000 && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
+  for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
   }
   state.positions += reach * h * (state.velocities - before);
   contacts.guard(cloth, contact_step, Points(state.positions), state);
@@ -48,7 +47,7 @@ TEST(SurfaceContacts, LayersStopWhereTheyTouchAndKeepTheirMomentum) {
   State state = folded(cloth, 0.05, Eigen::RowVector3d(0.031, 0.007, 0));
   for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -1;
   const Eigen::RowVector3d before = momentum(cloth, state);
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   for (int i = 0; i < 60; ++i) step(contacts, cloth, state);
   EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12);
   EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
@@ -65,7 +64,7 @@ TEST(SurfaceContacts, EdgesThatCrossInMidAirStop) {
   state.positions.row(14) << 0.3, 0.3, 0.3;
   for (const int i : {7, 15}) state.velocities(i, 2) = -1;
   const Eigen::RowVector3d before = angular_momentum(cloth, state);
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   for (int i = 0; i < 60; ++i) {
     step(contacts, cloth, state);
     EXPECT_GE(least_distance(cloth, state.positions), 2 * thickness - 2e-4);
@@ -88,9 +87,9 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   const Eigen::RowVector3d linear = momentum(cloth, middle);
   const Eigen::RowVector3d angular = angular_momentum(cloth, middle);
   const double energy = middle.velocities.squaredNorm();
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 500; ++i) contacts.sweep(cloth, 0, state.velocities);
+  for (int i = 0; i < 500; ++i) contacts.sweep(0, state.velocities);
   ASSERT_GT(contacts.count(), 2);
   middle.velocities = state.velocities;
   EXPECT_LT((momentum(cloth, middle) - linear).norm(), 1e-13);
@@ -111,9 +110,9 @@ TEST(SurfaceContacts, FrictionTurnsByItsImpulseTimesTheDistanceOfTheLayersAndNoM
   State middle = state;
   middle.positions -= reach * h * state.velocities;
   const Eigen::RowVector3d before = angular_momentum(cloth, middle);
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 100; ++i) contacts.sweep(cloth, 0, state.velocities);
+  for (int i = 0; i < 100; ++i) contacts.sweep(0, state.velocities);
   ASSERT_EQ(contacts.count(), 1);
   const Eigen::RowVector3d impulse =
       cloth.mass[7] * (state.velocities.row(7) - middle.velocities.row(7));
@@ -140,7 +139,7 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
   for (const int i : {2, 10}) state.positions(i, 2) = 0;  // nothing but the layers touches
   for (const int i : {5, 13}) state.positions(i, 2) = 1;
   for (const int i : {6, 7, 14, 15}) state.velocities(i, 1) = 0.1;
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   for (int k = 0; k < 10; ++k) {
     const Points start = state.positions;
     state.positions += reach * h * state.velocities;
@@ -148,7 +147,7 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
     state.positions += reach * h * state.velocities;
     const Points before = state.velocities;
     contacts.begin(cloth, {h, reach, start, before, alone}, state);
-    for (int i = 0; i < 2000 && contacts.sweep(cloth, 0, state.velocities) > 1e-14; ++i) {
+    for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
     }
     state.positions += reach * h * (state.velocities - before);
   }
@@ -165,21 +164,21 @@ TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
   state.velocities = -10 * (start.rowwise() - start.colwise().mean());
   state.positions += h * state.velocities;
   const Points before = state.velocities;
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   contacts.begin(cloth, {h, reach, start, before, alone}, state);
 
   constexpr double precision = 1e-6, none_left_out = -1;
   int passes = 0;
-  while (contacts.sweep(cloth, precision, state.velocities) > precision) ++passes;
+  while (contacts.sweep(precision, state.velocities) > precision) ++passes;
   EXPECT_GT(contacts.count(), 50);
   EXPECT_GT(passes, 10);
-  EXPECT_LT(contacts.sweep(cloth, none_left_out, state.velocities), precision);
+  EXPECT_LT(contacts.sweep(none_left_out, state.velocities), precision);
 }
 
 TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
   const ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
   constexpr double speed = 0.1;
   const auto press = [&] {
@@ -190,7 +189,7 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
   contacts.begin(cloth, contact_step, state);
   for (int pass = 0; pass < 1000; ++pass) {
     press();
-    contacts.sweep(cloth, 0, state.velocities);
+    contacts.sweep(0, state.velocities);
   }
   Points impulses = Points::Zero(cloth.num_points(), 3);
   contacts.add_impulses(1, impulses);
@@ -204,13 +203,13 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
 struct Pressed {
   Cloth cloth = strip(8);
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  SurfaceContacts contacts{cloth};
+  SelfContacts contacts{cloth, SelfCollision::surface};
   ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
 
   Pressed() {
     for (const int i : layer) state.velocities(i, 2) = -0.1;
     contacts.begin(cloth, contact_step, state);
-    for (int pass = 0; pass < 100; ++pass) contacts.sweep(cloth, 0, state.velocities);
+    for (int pass = 0; pass < 100; ++pass) contacts.sweep(0, state.velocities);
     state.velocities.setZero();
   }
 
@@ -235,7 +234,7 @@ TEST(SurfaceContacts, WhatCollidersHoldGetsNothingOfTheLastImpulses) {
   for (int i = 0; i < p.cloth.num_points(); ++i) all.push_back(i);
   p.contacts.begin(p.cloth, p.contact_step, p.state);
   EXPECT_GT(p.state.velocities.norm(), 0.05);
-  p.contacts.leave_to(p.held(all), p.cloth, p.state.velocities);
+  p.contacts.leave_to(p.held(all), p.state.velocities);
   EXPECT_LT(p.state.velocities.norm(), 1e-15);
   EXPECT_EQ(p.contacts.count(), 0);
 }
@@ -245,8 +244,7 @@ TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayB
   p.cloth.mass *= 1e-3;  // so that its weight is little beside that impulse
   p.contacts.begin(p.cloth, p.contact_step, p.state);
   const double given = p.state.velocities.norm();
-  p.contacts.leave_to(p.held({Pressed::layer.begin(), Pressed::layer.end()}), p.cloth,
-                      p.state.velocities);
+  p.contacts.leave_to(p.held({Pressed::layer.begin(), Pressed::layer.end()}), p.state.velocities);
   EXPECT_LT(p.state.velocities.norm(), 0.1 * given);
   EXPECT_GT(p.state.velocities.norm(), 0);
   Points impulses = Points::Zero(p.cloth.num_points(), 3);

@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "clothsim/constraints/self_contacts.h"
 #include "clothsim/constraints/strain_limit.h"
-#include "clothsim/constraints/surface_contacts.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -237,9 +237,9 @@ TEST(ThreadBits, AreTheSameFromBothSidesOfAFold) {
           cloth.rest_positions.row(i - 2 * beyond - 1) + Eigen::RowVector3d(3e-3, 2e-3, 3.9e-3);
     }
     const Points start = state.positions;
-    SurfaceContacts contacts(cloth);
+    SelfContacts contacts(cloth, SelfCollision::surface);
     contacts.begin(cloth, {h, 1, start, state.velocities, workers}, state);
-    for (int pass = 0; pass < 5; ++pass) contacts.sweep(cloth, 0, state.velocities, workers);
+    for (int pass = 0; pass < 5; ++pass) contacts.sweep(0, state.velocities, workers);
     EXPECT_GT(contacts.count(), 200);
     return state.velocities;
   };

@@ -36,7 +36,7 @@ class ColliderContacts {
   void begin(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
-  double sweep(const Cloth&, Points& velocities);
+  double sweep(Points& velocities);
 
   /// Moves what is inside a collider to its surface.
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,

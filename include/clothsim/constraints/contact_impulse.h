@@ -9,7 +9,7 @@
 
 namespace clothsim {
 
-/// Impulse that a surface gives to what touches it, over the mass of a point of the cloth.
+/// Impulse that a surface gives to what touches it [N s]; of single points over their mass [m/s].
 struct ContactImpulse {
   Vector3 normal{0, 0, 1};            // into free space
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
@@ -17,8 +17,8 @@ struct ContactImpulse {
   double friction = 0;
   double most = std::numeric_limits<double>::infinity();          // of push
   double most_to_part = std::numeric_limits<double>::infinity();  // of push that parts, not stops
-  double push = 0;                                                // along the normal [m/s], >= 0
-  Vector3 drag{0, 0, 0};  // against sliding, at most friction * push [m/s]
+  double push = 0;                                                // along the normal, >= 0
+  Vector3 drag{0, 0, 0};  // against sliding, at most friction * push
 
   /// Brings it up to date where the cloth touches with `velocity` [m/s], and moves like a
   /// `mass`: an impulse changes that velocity by itself over it. Returns the change.
@@ -43,11 +43,17 @@ struct ContactImpulse {
     return change;
   }
 
-  /// Takes over the impulse of the last step, `scale` times as large.
-  void resume(const ContactImpulse& last, double scale) {
-    push = scale * last.push;
-    drag = scale * last.drag;
+  /// Makes it `scale` times as large, in the directions of now.
+  void resume(double scale) {
+    push *= scale;
+    drag *= scale;
     drag -= normal.dot(drag) * normal;
+  }
+
+  /// Has resume() go on with that of the last step.
+  void keep(const ContactImpulse& last) {
+    push = last.push;
+    drag = last.drag;
   }
 
   Vector3 total() const { return push * normal + drag; }
@@ -55,7 +61,7 @@ struct ContactImpulse {
   /// Lets it push with that much at most, now too.
   void weaken(double strongest) {
     most = std::min(most, strongest);
-    if (push > most) resume(*this, most / push);
+    if (push > most) resume(most / push);
   }
 
   /// Lets it push no more.

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <tuple>
+#include <cstdint>
 #include <vector>
 
-#include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/contact_list.h"
 #include "clothsim/constraints/corners.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
@@ -32,23 +31,26 @@ struct CaughtFace {
 /// longest edge.
 class FaceContacts {
  public:
-  /// Keeps the contacts of the last step as those to resume.
-  void start_over();
+  /// Begins a step of h [s]: contacts of before are those to go on with.
+  void start_over(double h);
 
   /// Adds the contacts of the next collider, number `index`. `margin`: how far away one may be that
   /// matters within the step [m]. Triangles that the step took through the shape are moved back.
   void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
             LocalCloth&, State&, std::vector<CaughtFace>&);
 
-  /// Gives the contacts the impulses of the last step, `scale` times as large.
-  void resume(const Cloth&, double scale, Points& velocities);
+  /// Gives the contacts the impulses of the last step.
+  void resume(const Points& positions, Points& velocities) { list_.resume(positions, velocities); }
 
   /// Calls visit(triangle, weights of its corners, normal, distance [m]) for each contact with a
   /// collider.
   template <typename Visit>
   void for_each_on(int collider, Visit&& visit) const {
-    for (const Contact& c : contacts_) {
-      if (c.id.collider == collider) visit(c.id.triangle, c.weights, c.impulse.normal, c.distance);
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const Contact& c = list_.contacts()[k];
+      if (collider_of(c) != collider) continue;
+      const CornerWeights weights{c.weights[0], c.weights[1], c.weights[2]};
+      visit(triangle_of(c), weights, c.impulse.normal, places_[k].distance);
     }
   }
 
@@ -57,8 +59,8 @@ class FaceContacts {
   void leave_to(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
                 const ContactStep&);
 
-  /// One pass over the contacts. Returns the largest change of a velocity [m/s].
-  double sweep(const Cloth&, Points& velocities);
+  /// One pass over all contacts. Returns the largest change of a velocity [m/s].
+  double sweep(Points& velocities);
 
   /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
   /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
@@ -67,51 +69,45 @@ class FaceContacts {
 
   /// Turns a contact to another direction out of the solid.
   void redirect(std::size_t contact, const Vector3& normal) {
-    contacts_[contact].impulse.normal = normal;
-    contacts_[contact].impulse.slowest = contacts_[contact].lever * recovery_speed;
+    list_.contacts()[contact].impulse.normal = normal;
+    list_.contacts()[contact].impulse.slowest = places_[contact].lever * recovery_speed;
   }
 
   /// As of ContactSlots, to each collider's sum, about its frame's origin.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
-  int count() const;  // that carry an impulse
+  int count() const { return list_.count(); }  // that carry an impulse
   void reset();
-  void write(MemoryWriter&) const;
-  void read(MemoryReader&, std::size_t colliders, const Cloth&);
+  void write(MemoryWriter& memory) const { list_.write(memory); }
+  void read(MemoryReader& memory) { list_.read(memory); }
 
  private:
-  struct Id {
-    int collider;
-    int triangle;
-    int feature;  // what touches: an edge, 0 to 2, or the face, 3
-
-    bool operator<(const Id& other) const {
-      return std::tie(collider, triangle, feature) <
-             std::tie(other.collider, other.triangle, other.feature);
-    }
+  /// What a contact has besides.
+  struct Place {
+    double lever;     // velocity there over the fastest corner's
+    double distance;  // from the surface, where impulses act [m]
   };
 
-  struct Contact {
-    Id id;
-    CornerWeights weights;  // of the corners
-    CornerWeights moves;    // of the corners, by an impulse; 0 of those that are pinched
-    double yield;           // velocity there over impulse, 1 at a point alone
-    double lever;           // velocity there over the fastest corner's
-    double distance;        // from the surface, where impulses act [m]
-    ContactImpulse impulse;
-  };
+  /// A key has a collider, a triangle and a feature that touches: an edge, 0 to 2, or the face, 3.
+  enum { triangle_bit = 2, collider_bit = 32 };
+  static std::uint64_t key_of(int collider, int triangle, std::size_t feature) {
+    return static_cast<std::uint64_t>(collider) << collider_bit |
+           static_cast<std::uint64_t>(triangle) << triangle_bit | feature;
+  }
+  static int collider_of(const Contact& c) { return static_cast<int>(c.key >> collider_bit); }
+  static int triangle_of(const Contact& c) {
+    return static_cast<int>((c.key & 0xffffffff) >> triangle_bit);
+  }
 
-  const Contact* last_of(const Id&);
-
-  /// Adds a contact at `distance`, if it matters in this step.
-  void add(const Id&, const MovingCollider&, const Cloth&, const ContactStep&,
-           const FaceDistance& distance, bool swept, double depth, LocalCloth&, State&);
+  /// Adds a contact at `distance`, if it matters in this step. `last`: what it was, if it was.
+  void add(std::uint64_t key, const Contact* last, const MovingCollider&, const Cloth&,
+           const ContactStep&, const FaceDistance& distance, bool swept, double depth, LocalCloth&,
+           State&);
 
   TriangleBlocks blocks_;
-  std::vector<Contact> contacts_;  // ascending ids
-  std::vector<Contact> last_;
-  std::size_t next_last_ = 0;
+  ContactList list_;
+  std::vector<Place> places_;  // as list_; none of a list that was read
 };
 
 }  // namespace clothsim

@@ -78,8 +78,8 @@ class Pinches {
   const Vector3& velocity(int point) const {
     return pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(point)])].velocity;
   }
-  /// The cloth's weight in the step, on one of its points [m/s].
-  double weight_on(int point, const Cloth&) const;
+  /// The cloth's weight in the step [N s].
+  double weight(const Cloth& cloth) const { return cloth.mass.sum() * gravity_ * h_; }
 
   /// By point; empty: none.
   const std::vector<char>& held() const { return held_; }

@@ -1,15 +1,73 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <variant>
 
-#include "clothsim/constraints/point_contacts.h"
-#include "clothsim/constraints/surface_contacts.h"
+#include "clothsim/constraints/contact_list.h"
+#include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/pinches.h"
+#include "clothsim/constraints/point_finder.h"
+#include "clothsim/constraints/surface_finder.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/model/state.h"
 
 namespace clothsim {
 
-/// How a cloth is kept off itself: one of a closed list of methods with one signature.
-using SelfContacts = std::variant<PointContacts, SurfaceContacts>;
+/// A cloth kept off itself: no restitution, Coulomb friction, impulses kept from step to step,
+/// equal and opposite, weighted by inverse mass. Finders tell what touches.
+class SelfContacts {
+ public:
+  /// Of points or of surfaces, not off nor automatic.
+  SelfContacts(const Cloth&, SelfCollision);
+
+  /// Finds what touches after a step to `state`, and gives it its last impulses.
+  void begin(const Cloth&, const ContactStep&, State&);
+
+  /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what begin() gave.
+  void leave_to(const Pinches&, Points& velocities);
+
+  /// One pass over the contacts, but for those where nothing has changed that matters to a
+  /// `precision` [m]. Returns the largest change as a displacement in h [m].
+  double sweep(double precision, Points& velocities, const Workers& = {});
+
+  /// Moves at once what the finder says.
+  void correct(const Cloth&, Points& positions) const;
+
+  /// Holds back what would cross itself, from a step on: see keep_from_crossing(). Returns how many
+  /// points.
+  int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
+
+  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
+  void add_impulses(double scale, Points& sum) const;
+
+  /// As of SelfTouches, in the last step.
+  void for_each_touch(const std::function<void(const SelfTouch&)>& visit) const;
+
+  /// To be called when other points than before are held.
+  void seek_anew();
+
+  /// Contacts that a pass looks at.
+  std::size_t size() const { return contacts_.contacts().size(); }
+
+  /// Contacts that carry an impulse.
+  int count() const { return contacts_.count(); }
+
+  /// Forgets the impulses.
+  void reset();
+
+  /// What the next step goes on with. `read` throws InvalidValue for what was not written.
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, const Cloth&);
+
+ private:
+  std::variant<PointFinder, SurfaceFinder> finder_;
+  ContactList contacts_;
+  double h_ = 0;       // of the last step [s]
+  double weight_ = 0;  // of the cloth in it [N s]
+};
 
 /// Those that `cloth` asks for, none where it may pass through itself.
 std::optional<SelfContacts> make_self_contacts(const Cloth& cloth);

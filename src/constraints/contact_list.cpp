@@ -1,0 +1,194 @@
+#include "clothsim/constraints/contact_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clothsim {
+namespace {
+
+/// Changes that a pass leaves out, of the precision to which it solves.
+constexpr double unseen_share = 0.0125;
+
+/// Contacts from which on they have sides: below, a pass is over before another thread is there.
+constexpr std::size_t least_split = 200;
+
+/// A key as numbers of the memory: whole ones that are exact.
+enum { key_bits = 16, key_parts = 4 };
+
+}  // namespace
+
+void Contact::set_mass() {
+  double inv_mass = 0;
+  for (std::size_t k = 0; k < 4; ++k) inv_mass += weights[k] * moves[k];
+  mass = inv_mass > 0 ? 1 / inv_mass : 0;
+}
+
+void Contact::weigh(const Cloth& cloth) {
+  for (std::size_t k = 0; k < 4; ++k) moves[k] = weights[k] * cloth.inv_mass[points[k]];
+  set_mass();
+}
+
+void Contact::hold(std::size_t k) {
+  moves[k] = 0;
+  set_mass();
+}
+
+void Contact::give(const Vector3& given, Points& velocities) const {
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (int axis = 0; axis < 3; ++axis) velocities(points[k], axis) += moves[k] * given[axis];
+  }
+}
+
+void ContactList::start_over(double h) {
+  scale_ = h_ > 0 ? h / h_ : 0;
+  h_ = h;
+  last_.swap(contacts_);
+  contacts_.clear();
+}
+
+ContactList::Last::Last(const ContactList& list, std::uint64_t first)
+    : next_(std::lower_bound(list.last_.begin(), list.last_.end(), first,
+                             [](const Contact& c, std::uint64_t key) { return c.key < key; })),
+      end_(list.last_.end()) {}
+
+const Contact* ContactList::Last::of(std::uint64_t key) {
+  while (next_ != end_ && next_->key < key) ++next_;
+  return next_ != end_ && next_->key == key && next_->impulse.push > 0 ? &*next_ : nullptr;
+}
+
+void ContactList::add(const std::vector<Contact>& contacts) {
+  contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+}
+
+void ContactList::resume(const Points& positions, Points& velocities) {
+  group(positions);
+  changed_.mark_all(static_cast<int>(positions.rows()));
+  for (Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    c.impulse.resume(scale_);
+    c.give(c.impulse.total(), velocities);
+  }
+}
+
+/// By the plane that has half of the contacts on either side, across the longest way they reach.
+void ContactList::group(const Points& positions) {
+  for (std::vector<Place>& places : groups_) places.clear();
+  const std::size_t count = contacts_.size();
+  int axis = 0;
+  double split = -std::numeric_limits<double>::infinity();
+  if (count >= least_split) {
+    Eigen::AlignedBox3d box;
+    for (const Contact& c : contacts_) box.extend(row(positions, c.points[0]));
+    box.sizes().maxCoeff(&axis);
+    std::vector<double> along;
+    for (const Contact& c : contacts_) along.push_back(positions(c.points[0], axis));
+    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(along.begin(), middle, along.end());
+    split = *middle;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::array<int, 4>& points = contacts_[k].points;
+    const auto before = std::count_if(points.begin(), points.end(),
+                                      [&](int i) { return positions(i, axis) < split; });
+    const Group group = before == 4 ? one_side : before == 0 ? other_side : across;
+    groups_[group].push_back({points, static_cast<int>(k)});
+  }
+}
+
+double ContactList::sweep(double precision, Points& velocities, const Workers& workers) {
+  if (contacts_.empty()) return 0;
+  const double least = unseen_share * precision;
+  changed_.look(velocities, least);
+  std::array<double, num_groups> changes{};
+  const auto sweep_groups = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto group = static_cast<Group>(k);
+      changes[group] = sweep_group(group, least, velocities);
+    }
+  };
+  if (groups_[one_side].empty()) {
+    sweep_groups(one_side, across);
+  } else {
+    workers.share(2, sweep_groups, 1);
+  }
+  sweep_groups(across, num_groups);
+  return *std::max_element(changes.begin(), changes.end());
+}
+
+double ContactList::sweep_group(Group group, double least, Points& velocities) {
+  double residual2 = 0;
+  for (const Place& place : groups_[group]) {
+    if (!changed_.any(place.points)) continue;
+    Contact& c = contacts_[static_cast<std::size_t>(place.contact)];
+    const Vector3 v = weighted_sum(c.points, c.weights, velocities);
+    if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
+    if (c.mass == 0) continue;
+    const Vector3 change = c.impulse.update(v, c.mass);
+    c.give(change, velocities);
+    const double change2 = change.squaredNorm() / (c.mass * c.mass);
+    if (change2 > least * least) changed_.mark(c.points);
+    residual2 = std::max(residual2, change2);
+  }
+  return std::sqrt(residual2);
+}
+
+void ContactList::leave_to(const Pinches& pinches, double strongest, Points& velocities) {
+  for (Contact& c : contacts_) {
+    int points = 0, held = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (c.weights[k] == 0) continue;
+      ++points;
+      held += pinches.holds(c.points[k]);
+    }
+    if (held == 0) continue;
+    const Vector3 given = c.impulse.total();
+    if (held == points) {
+      c.impulse.let_go();
+    } else {
+      c.impulse.weaken(strongest);
+    }
+    c.give(c.impulse.total() - given, velocities);
+  }
+}
+
+int ContactList::count() const {
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const Contact& c) { return c.impulse.push > 0; }));
+}
+
+void ContactList::reset() {
+  contacts_.clear();
+  for (std::vector<Place>& places : groups_) places.clear();
+  h_ = 0;
+}
+
+void ContactList::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  memory.add(count());
+  for (const Contact& c : contacts_) {
+    if (c.impulse.push == 0) continue;
+    std::uint64_t rest = c.key;
+    for (int k = 0; k < key_parts; ++k) {
+      memory.add(static_cast<double>(rest >> (64 - key_bits)));
+      rest <<= key_bits;
+    }
+    c.impulse.write(memory);
+  }
+}
+
+void ContactList::read(MemoryReader& memory) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    Contact c;
+    for (int k = 0; k < key_parts; ++k) {
+      c.key =
+          c.key << key_bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << key_bits));
+    }
+    c.impulse.read(memory);
+    contacts_.push_back(c);
+  }
+}
+
+}  // namespace clothsim

@@ -1,0 +1,139 @@
+#include "clothsim/constraints/surface_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "clothsim/constraints/crossing_guard.h"
+
+namespace clothsim {
+namespace {
+
+/// Share of an overlap that the impulses work off each step. Kept impulses integrate it, so a large
+/// share shakes piles.
+constexpr double overlap_share = 0.01;
+
+/// Force that works off an overlap, of the weight of the cloth: more shakes layers that fingers
+/// leave a little room, but not their thickness.
+constexpr double parting_push = 0.1;
+
+/// Cosine of the angle by which the direction of a pair may turn in half a step.
+constexpr double least_turn = 0.5;
+
+}  // namespace
+
+/// What a step has that its contacts are made of.
+struct SurfaceFinder::Sought {
+  const Cloth& cloth;
+  double h;                  // of the step [s]
+  const Points& middle;      // where impulses act [m]
+  const Points& velocities;  // [m/s]
+  double strongest;          // push of what stops nothing [N s]
+};
+
+/// Does no other triangle hold the same closest points? Where they lie on edges and corners, the
+/// triangle that owns these answers for them, unless it has the point itself.
+bool SurfaceFinder::is_nearest_on_surface(const SurfacePair& pair, const Separation& s) const {
+  if (pair.edges()) {
+    return std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
+  }
+  const SurfaceMesh& mesh = near_.mesh();
+  int zeros = 0;
+  std::size_t zero = 0, corner = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (s.weights[k + 1] == 0) {
+      ++zeros;
+      zero = k;
+    } else {
+      corner = k;
+    }
+  }
+  if (zeros == 0) return true;
+  const auto triangle = static_cast<std::size_t>(pair.triangle);
+  const int owner =
+      zeros == 1
+          ? mesh.triangle_of_edge[triangle][zero]
+          : mesh.triangle_of_point[static_cast<std::size_t>(mesh.triangles[triangle][corner])];
+  const auto& has = mesh.triangles[static_cast<std::size_t>(owner)];
+  return owner == pair.triangle || std::find(has.begin(), has.end(), pair.points[0]) != has.end();
+}
+
+/// Of a pair that may touch within the step, or had an impulse in the last one.
+std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const NearPair& near,
+                                                 const Contact* last) const {
+  const SurfacePair& pair = near.pair;
+  if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) return {};
+
+  // Most do not get there.
+  const Vector3& last_normal = near.separation.normal;
+  const double way = sought.h * -gap_along(last_normal, pair, sought.velocities);
+  const double room = gap_along(last_normal, pair, sought.middle) - pair.nearest;
+  if (!last && room > 0 && way < room) return {};
+
+  // As they lie where impulses act; if they have passed through each other by then, as they lay.
+  Separation s = separation(pair, sought.middle);
+  if (s.normal.dot(near.separation.normal) < least_turn) {
+    s = near.separation;
+    s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, sought.middle));
+  }
+
+  // The gap may close within a step. Others may yet push a touching pair together.
+  const double gap = s.distance - pair.nearest;
+  const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / sought.h;
+  const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, sought.velocities));
+  if (!last && rate >= slowest && gap > 0) return {};
+
+  Contact contact{near.key, pair.points, s.weights};
+  contact.weigh(sought.cloth);
+  if (contact.mass == 0) return {};
+  const double to_stop = std::abs(rate) * contact.mass;
+  contact.nearest = pair.nearest;
+  contact.impulse = {s.normal,
+                     Vector3::Zero(),
+                     slowest,
+                     sought.cloth.friction,
+                     sought.strongest + 2 * to_stop,
+                     parting_push * sought.strongest};
+  if (last) contact.impulse.keep(last->impulse);
+  return contact;
+}
+
+void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
+                         ContactList& list) {
+  const Points middle = state.positions - step.reach * step.h * step.drifted;
+  // By velocities that have met contact: by those that forces gave since, all of a pile at rest
+  // would be about to touch.
+  const Points ahead = step.start + step.h * (step.velocities ? *step.velocities : step.drifted);
+  const std::vector<NearPair>& near_pairs =
+      near_.approaching(cloth, step.start, ahead, step.workers, step.budget);
+  const Sought sought{cloth, step.h, middle, state.velocities,
+                      cloth.mass.sum() * step.gravity * step.h};
+  std::mutex mutex;
+  std::map<int, std::vector<Contact>> found;  // by the first pair that a thread looked at
+  constexpr int least = 256;
+  step.workers.share(
+      static_cast<int>(near_pairs.size()),
+      [&](int begin, int end) {
+        if (begin == end) return;
+        std::vector<Contact> contacts;
+        contacts.reserve(static_cast<std::size_t>(end - begin));
+        ContactList::Last last(list, near_pairs[static_cast<std::size_t>(begin)].key);
+        for (int k = begin; k < end; ++k) {
+          const NearPair& near = near_pairs[static_cast<std::size_t>(k)];
+          const std::optional<Contact> contact = contact_of(sought, near, last.of(near.key));
+          if (contact) contacts.push_back(*contact);
+        }
+        const std::lock_guard<std::mutex> lock(mutex);
+        found[begin] = std::move(contacts);
+      },
+      least);
+  for (const auto& [begin, contacts] : found) list.add(contacts);
+}
+
+int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                         State& state) {
+  return keep_from_crossing(cloth, step, by_impulses, near_, state);
+}
+
+}  // namespace clothsim
