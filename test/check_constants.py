@@ -23,8 +23,8 @@ sets, and nobody could tune, as the order of a method, is an enumerator: {struct
 """
 
 # A constant and the comment behind it. Its value has numbers: what follows from others alone is none,
-# nor is a range of what users may give, which docs/scenes.md has.
-CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char)[\w:]+(?:<[^>]*>)? "
+# nor is a range of what users may give, which docs/scenes.md has, nor an index -1 that stands for none.
+CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char|int \w+ = -1\b)[\w:]+(?:<[^>]*>)? "
                       r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ [*/] |-)?\d[^;]*)|"
                       r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
 # A number of structure.

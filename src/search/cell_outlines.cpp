@@ -17,11 +17,10 @@ inline double smaller(double a, double b) { return a < b ? a : b; }
 inline double larger(double a, double b) { return a > b ? a : b; }
 
 /// Distances of a cell with values `a` to the `n` of a patch with values `b`, see
-/// CellOutlines::look().
+/// CellOutlines::look(). `corner`: from one to the next, `centre`: where it stands.
 CLOTHSIM_TARGET_CLONES
-void measure(const double* __restrict a, const double* __restrict b, double* __restrict distances) {
-  constexpr std::size_t corner = 3 * n;  // from one to the next
-  constexpr std::size_t centre = 4 * corner;
+void measure(const double* __restrict a, const double* __restrict b, std::size_t corner,
+             std::size_t centre, double* __restrict distances) {
   for (std::size_t j = 0; j < n; ++j) {
     const auto between = [=](std::size_t axis) {
       return b[centre + axis * n + j] - a[centre + axis * n];
@@ -50,7 +49,7 @@ void CellOutlines::update(std::size_t patch, const Patch& of, const Points& posi
     double* const values = values_.data() + patch * size_of_patch + c;
     const auto put = [&](std::size_t k, const Vector3& x) {
       for (int axis = 0; axis < 3; ++axis) {
-        values[(3 * k + static_cast<std::size_t>(axis)) * cells] = x[axis];
+        values[(axes * k + static_cast<std::size_t>(axis)) * cells] = x[axis];
       }
     };
     const int cell = static_cast<int>(c);
@@ -72,7 +71,7 @@ std::size_t CellOutlines::look(std::size_t patch, std::size_t other, double reac
   const double* const b = values_.data() + other * size_of_patch;
   std::size_t found = 0;
   for (std::size_t i = 0; i < counts_[patch]; ++i) {
-    measure(a + i, b, distances + i * n);
+    measure(a + i, b, axes * n, corners * axes * n, distances + i * n);
     for (std::size_t j = patch == other ? i : 0; j < counts_[other]; ++j) {
       near[found] = static_cast<int>(i * n + j);
       found += distances[i * n + j] <= reach ? 1 : 0;

@@ -24,8 +24,7 @@ struct NearPairs::Impl {
   /// some of a pile at rest come and go.
   static constexpr double least_margin_share = 0.3;
   /// Cells along the side of a patch.
-  static constexpr int patch_cells = 4;
-  static_assert(patch_cells * patch_cells == CellOutlines::cells);
+  static constexpr int patch_cells = CellOutlines::cells_along_side;
   /// Makes up for the rounding of lengths to single precision.
   static constexpr double rounding = 1e-6;
   static float rounded_up(double length) {

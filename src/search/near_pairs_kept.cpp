@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 #include "near_pairs_impl.h"
 
@@ -22,7 +23,7 @@ constexpr double least_looks = 4;
 CLOTHSIM_TARGET_CLONES
 double longest_squared(Eigen::Index count, const double* from, const double* to,
                        const double* common) {
-  constexpr Eigen::Index lanes = 8;
+  constexpr Eigen::Index lanes = num_lanes;
   std::array<double, lanes> longest{};
   const double *x0 = from, *y0 = from + count, *z0 = from + 2 * count;
   const double *x1 = to, *y1 = to + count, *z1 = to + 2 * count;

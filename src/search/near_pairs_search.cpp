@@ -12,7 +12,7 @@ namespace {
 constexpr double list_share = 4;
 
 /// Numbers for the pairs of features of two cells, in their key.
-constexpr std::size_t keys_of_cells = 64;
+enum : std::size_t { keys_of_cells = 64 };
 static_assert(CellOutlines::pairs * keys_of_cells <= 1 << 16, "the end of a key is 16 bits");
 
 /// A key, but for its end: the cells of the patches and the features of these.

@@ -8,11 +8,12 @@
 
 namespace clothsim {
 
-/// Where the cells of patches of up to 4 x 4 cells are: corners and centres, side by side, so that
-/// one cell is measured against all those of a patch at once.
+/// Where the cells of patches are: corners and centres, side by side, so that one cell is measured
+/// against all those of a patch at once.
 class CellOutlines {
  public:
-  static constexpr std::size_t cells = 16;             // of a patch
+  static constexpr int cells_along_side = 4;  // of a patch, at most
+  static constexpr std::size_t cells = cells_along_side * cells_along_side;
   static constexpr std::size_t pairs = cells * cells;  // i * cells + j of cells i and j of two
 
   explicit CellOutlines(std::size_t num_patches);
@@ -29,8 +30,9 @@ class CellOutlines {
                    int* near) const;
 
  private:
-  static constexpr std::size_t corners = 4;
-  static constexpr std::size_t size_of_patch = 3 * (corners + 1) * cells;
+  enum : std::size_t { axes = 3 };
+  enum : std::size_t { corners = 4 };
+  static constexpr std::size_t size_of_patch = axes * (corners + 1) * cells;
 
   std::vector<double> values_;       // by patch, corner (the centre comes last), axis and cell
   std::vector<std::size_t> counts_;  // of cells, by patch

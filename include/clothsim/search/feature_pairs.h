@@ -14,9 +14,9 @@ namespace clothsim {
 /// A grid looks the same from every cell, so that a few lists, made once, serve all.
 class FeaturePairs {
   /// Cells of the first row or column own more features than others.
-  static constexpr std::size_t kinds = 4;
+  enum : std::size_t { kinds = 4 };
   /// Ways between cells that may share points, and one for all others.
-  static constexpr std::size_t ways = 10;
+  enum : std::size_t { ways = 10 };
   static constexpr std::size_t far_way = ways - 1;
 
  public:
