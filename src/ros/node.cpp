@@ -148,6 +148,7 @@ void Node::serve(ros::WallDuration wait) {
 bool Node::simulate_frame(Turn turn) {
   const TimeShares::Scope scope(time_, TimeShares::Use::simulating);
   const double frame_duration = simulator_.frame_duration();
+  tf_.hold();
   follower_.look_up();
   follower_.tell(changes_);
   follower_.move(simulator_);
@@ -215,6 +216,7 @@ void Node::publish_diagnostics() {
   next_diagnostics_ = now + ros::WallDuration(parameters_.diagnostic_period);
 
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
+  tf_.hold();
   follower_.look_up();  // a paused simulation does not
   grasper_.look_up();
   NodeStatus status;

@@ -85,6 +85,7 @@ clothsim::FrameMotion StepTargets::start(const Target& target,
 void StepTargets::aim(const clothsim::Step::Request& request,
                       const clothsim::Simulator& simulator) {
   tf_.receive();
+  tf_.hold();
   if (!request.twists.empty() && request.twists.size() != request.targets.size()) {
     throw InvalidValue(
         {"twists"}, std::to_string(request.twists.size()) + " items",

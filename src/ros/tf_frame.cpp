@@ -56,7 +56,7 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
   // Nodelets beside this one have the same name.
   const bool may_be_own = !is_static && event.getPublisherName() == ros::this_node::getName();
   const ros::Time now = ros::Time::now();
-  for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
+  for (geometry_msgs::TransformStamped transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
     if (may_be_own && own_frames_.count(transform.child_frame_id) > 0) continue;
     if (!is_static && is_ahead(stamp, now)) {
@@ -69,6 +69,12 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
       }
       continue;
     }
+    const auto held = held_.find(transform.child_frame_id);
+    if (held != held_.end() && stamp > held->second.header.stamp) {
+      // Others move it from here on. While it was held it got newer stamps than that.
+      transform.header.stamp = newest_stamps_.next(transform.child_frame_id, stamp);
+      held_.erase(held);
+    }
     if (!is_static && newest_stamps_.is_late(transform)) continue;
     // tf2 logs what it refuses.
     const bool is_taken = buffer_.setTransform(transform, event.getPublisherName(), is_static);
@@ -78,12 +84,21 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
   }
 }
 
-void TfListener::put(geometry_msgs::TransformStamped transform) {
-  transform.header.stamp = newest_stamps_.next(transform.child_frame_id, ros::Time::now());
+void TfListener::put(const geometry_msgs::TransformStamped& transform) {
   own_frames_.insert(transform.child_frame_id);
+  held_.insert_or_assign(transform.child_frame_id, take_now(transform));
+}
+
+void TfListener::hold() {
+  for (const auto& [frame, transform] : held_) take_now(transform);
+}
+
+geometry_msgs::TransformStamped TfListener::take_now(geometry_msgs::TransformStamped transform) {
+  transform.header.stamp = newest_stamps_.next(transform.child_frame_id, ros::Time::now());
   buffer_.setTransform(transform, ros::this_node::getName());
   newest_ = std::max(newest_, transform.header.stamp);
   newest_stamps_.add(transform);
+  return transform;
 }
 
 std::optional<clothsim::Pose> TfListener::pose(const std::string& frame) const {

@@ -60,7 +60,11 @@ class Frames:
 
     def __init__(self):
         self._tf = publisher_at_once("/tf", TFMessage)
-        wait_for(lambda: self._tf.get_num_connections() > 0, "the node to listen to tf")
+        wait_for(self.count, "the node to listen to tf")
+
+    def count(self):
+        """Nodes that listen."""
+        return self._tf.get_num_connections()
 
     def send(self, *transforms):
         self._tf.publish(transforms)

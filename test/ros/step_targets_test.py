@@ -8,18 +8,20 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, Vector3
+from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from clothsim.srv import GetState, RestoreState, SaveState, Step
-from cloth_client import (Cloth, Recorder, call, content, is_connected, make_transform, positions,
+from cloth_client import (Cloth, Frames, Recorder, call, content, is_connected, make_transform, positions,
                           wait_for)
 
 BALL = np.array([0.5, 0.5, 0.75])  # where the scene has it [m]
 HAND = np.array([0.0, 0.0, 1.0])  # the corner
 FRAME = 1 / 90  # [s]
-COLLIDERS = ["ball", "tip"]
+COLLIDERS = ["ball", "tip", "finger"]
 
 
 def twist(linear=(0, 0, 0), angular=(0, 0, 0)):
@@ -113,6 +115,27 @@ class StepTargets(unittest.TestCase):
         np.testing.assert_allclose(places[-1], [1 - 0.3, 0.2, 0.4], atol=1e-12)
         np.testing.assert_allclose(turns[-1], [0, 0, math.sqrt(0.5), math.sqrt(0.5)], atol=1e-12)
         np.testing.assert_allclose(self.collider("tip", last), [1 - 0.3, 0.2 + 0.1, 0.4], atol=1e-9)
+
+    def test_what_others_move_in_a_targets_frame(self):
+        """As joints of an arm whose base was told where it is: they are no older than they say, nor lost."""
+        frames, log = Frames(), Recorder("/rosout", Log)
+        wait_for(lambda: frames.count() > 1, "the node to listen, beside this test")
+        last = self.cloth.step(1, [make_transform("base", (0.2, -1, 0.5))])
+        for x in (0.05, 0.1, 0.15):
+            frames.send(make_transform("finger", (x, 0, 0), parent="base", stamp=rospy.Time.now()))
+            last = self.cloth.step(1)
+            np.testing.assert_allclose(self.collider("finger", last), [0.2 + x, -1, 0.5], atol=1e-9)
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        begin = rospy.Time.now()
+        diagnostics.wait("a while to pass", lambda d: (d.header.stamp - begin).to_sec() > 1.5)
+        lost = {m.msg for m in log.all() if "Lost tf frame" in m.msg}
+        self.assertLessEqual(lost, {"Lost tf frame finger: what they carry stays where it was"})
+        # Others may take it over.
+        now = rospy.Time.now()
+        frames.send(make_transform("base", (0.4, -1, 0.5), stamp=now),
+                    make_transform("finger", (0, 0, 0), parent="base", stamp=now))
+        last = self.cloth.step(1)
+        np.testing.assert_allclose(self.collider("finger", last), [0.4, -1, 0.5], atol=1e-9)
 
     def test_runs_repeat_after_a_reset(self):
         runs = []

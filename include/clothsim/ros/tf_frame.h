@@ -4,6 +4,7 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -37,7 +38,11 @@ class TfListener {
   void receive();
 
   /// Takes a transform of this node's own, to the world, as the newest of its frame.
-  void put(geometry_msgs::TransformStamped);
+  void put(const geometry_msgs::TransformStamped&);
+
+  /// Frames of put() that nobody else has moved since are now where they were put: tf takes what
+  /// hangs from a frame as of the older stamp of the two. To be called before frames are looked up.
+  void hold();
 
   /// The latest of the frame in the world; empty: there is none that is usable.
   std::optional<clothsim::Pose> pose(const std::string& frame) const;
@@ -52,6 +57,8 @@ class TfListener {
  private:
   void hear(const TfSubscribers::Event&, bool is_static);
   void forget_the_future();
+  /// As of now, with the stamp that it then has.
+  geometry_msgs::TransformStamped take_now(geometry_msgs::TransformStamped);
 
   std::string world_frame_;
   std::optional<double> lost_after_;
@@ -63,6 +70,7 @@ class TfListener {
   ros::Time newest_;  // stamp in the buffer
   NewestStamps newest_stamps_;
   std::set<std::string> own_frames_;  // that put() moves: what comes of them is this node's own
+  std::map<std::string, geometry_msgs::TransformStamped> held_;  // as put() took them
   Throttle warnings_{warning_period};
 };
 
