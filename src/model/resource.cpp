@@ -1,10 +1,13 @@
 #include "clothsim/model/resource.h"
 
+#include <cctype>
 #include <cstdlib>
 #include <fstream>
+#include <iomanip>
 #include <optional>
 #include <regex>
 #include <sstream>
+#include <string_view>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/package.h"
@@ -34,6 +37,38 @@ std::string package_in(const fs::path& folder) {
   const std::string manifest = text.str();
   std::smatch found;
   return std::regex_search(manifest, found, name) ? found[1].str() : "";
+}
+
+/// A URI's text with its escapes, as %20 for a blank, put for what they stand for.
+std::string unescaped(const std::string& text) {
+  const auto is_hex = [&text](std::size_t i) {
+    return i < text.size() && std::isxdigit(static_cast<unsigned char>(text[i])) != 0;
+  };
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_escape = text[i] == '%' && is_hex(i + 1) && is_hex(i + 2);
+    plain += is_escape ? static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+    if (is_escape) i += 2;
+  }
+  return plain;
+}
+
+/// The text of a URI for a path: letters, digits and a few marks stand for themselves.
+std::string escaped(const std::string& path) {
+  constexpr std::string_view marks = "/-._~";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::hex << std::uppercase << std::setfill('0');
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain = byte < 128 && std::isalnum(byte) != 0;
+    if (is_plain || marks.find(c) != std::string_view::npos) {
+      text << c;
+    } else {
+      text << '%' << std::setw(2) << static_cast<int>(byte);
+    }
+  }
+  return text.str();
 }
 
 /// Packages do not lie within packages.
@@ -73,9 +108,10 @@ fs::path find_resource(const std::string& name, const fs::path& folder) {
     if (slash == 0 || slash == std::string::npos || slash + 1 == rest.size()) {
       throw InvalidValue({}, '"' + shortened(name, 200) + '"', "package://PACKAGE/path");
     }
-    return find_package(rest.substr(0, slash)) / rest.substr(slash + 1);
+    return find_package(rest.substr(0, slash)) / unescaped(rest.substr(slash + 1));
   }
-  if (starts_with(name, file_scheme)) return name.substr(std::string(file_scheme).size());
+  if (starts_with(name, file_scheme))
+    return unescaped(name.substr(std::string(file_scheme).size()));
   if (name.find("://") != std::string::npos) {
     throw InvalidValue({}, '"' + shortened(name, 200) + '"', "package://, file:// or a path");
   }
@@ -83,9 +119,11 @@ fs::path find_resource(const std::string& name, const fs::path& folder) {
 }
 
 std::string uri_of(const std::string& name, const fs::path& found) {
-  if (starts_with(name, package_scheme)) return name;
+  if (starts_with(name, package_scheme)) {
+    return package_scheme + escaped(unescaped(name.substr(std::string(package_scheme).size())));
+  }
   std::error_code error;
-  return file_scheme + fs::weakly_canonical(found, error).string();
+  return file_scheme + escaped(fs::weakly_canonical(found, error).string());
 }
 
 }  // namespace clothsim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "clothsim/model/checks.h"
@@ -99,6 +100,7 @@ Shape padded(const Capsule& capsule, const Robot& robot) {
   return Capsule{capsule.length, capsule.radius + robot.padding};
 }
 Shape padded(const Urdf::Mesh& mesh, const Robot& robot) {
+  check_range("scale", mesh.scale.cwiseAbs(), mesh_scale_range);
   const std::filesystem::path path = find_resource(mesh.file, robot.folder);
   return MeshShape{read_mesh_file(path, uri_of(mesh.file, path), mesh.scale), robot.padding};
 }
@@ -119,12 +121,18 @@ ColliderSpec collider_of(const Urdf::Link& link, const Urdf::Collision& collisio
   return collider;
 }
 
-void add_link(const Urdf::Link& link, const Robot& robot, Scene& scene) {
+/// `names` are those of all colliders so far.
+void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>& names,
+              Scene& scene) {
   const std::string name =
       (robot.name.empty() ? robot.urdf.name : robot.name) + '/' + robot.prefix + link.name;
   for (std::size_t i = 0; i < link.collisions.size(); ++i) {
     // Of several the first has the link's own name.
     const std::string own = i == 0 ? name : name + ':' + std::to_string(i + 1);
+    if (!names.insert(own).second) {
+      throw InvalidValue({"name"}, '"' + shortened(own, 100) + "\" again",
+                         "another name or prefix than that of other robots");
+    }
     try {
       scene.colliders.push_back(collider_of(link, link.collisions[i], robot));
       scene.colliders.back().name = own;
@@ -157,10 +165,12 @@ void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scen
   validate(any);
   load(sources, robot);
   check_links(robot);
+  std::set<std::string> names;
+  for (const ColliderSpec& collider : scene.colliders) names.insert(collider.name);
   for (const Urdf::Link& link : robot.urdf.links) {
     const bool is_named =
         std::find(robot.links.begin(), robot.links.end(), link.name) != robot.links.end();
-    if (robot.has_all || is_named) add_link(link, robot, scene);
+    if (robot.has_all || is_named) add_link(link, robot, names, scene);
   }
 }
 

@@ -173,8 +173,7 @@ struct MeshSource {
   }
 
   std::shared_ptr<const MeshFile> load(const std::filesystem::path& folder) const {
-    constexpr Range scale_range{1e-6, 1e6, ""};
-    check_range("scale", scale.cwiseAbs(), scale_range);
+    check_range("scale", scale.cwiseAbs(), mesh_scale_range);
     if (file.empty()) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
     std::shared_ptr<const MeshFile> mesh;
     inside("file", [&] {

@@ -121,6 +121,18 @@ TEST(Resource, IsFoundByPackageByFileOrFromTheFolderOn) {
   EXPECT_EQ(find_resource("b.stl", "/else"), "/else/b.stl");
   EXPECT_EQ(find_resource("/a/b.stl", "/else"), "/a/b.stl");
   EXPECT_EQ(uri_of("b.stl", "/else/b.stl"), "file:///else/b.stl");
+  // Blanks and the like, as they are or escaped; others get them escaped.
+  for (const char* each : {"my meshes/a%20.stl", "my%20meshes/a%2520.stl"}) {
+    const bool is_plain = each[2] == ' ';
+    const std::string path = is_plain ? "my meshes/a .stl" : "my meshes/a%20.stl";
+    const std::string escaped = is_plain ? "my%20meshes/a%20.stl" : "my%20meshes/a%2520.stl";
+    EXPECT_EQ(find_resource("file:///" + std::string(each), "/else"), '/' + path);
+    EXPECT_EQ(find_resource("package://my_robot/" + std::string(each), "/else"), package / path);
+    EXPECT_EQ(uri_of("package://my_robot/" + std::string(each), ""),
+              "package://my_robot/" + escaped);
+    EXPECT_EQ(uri_of("file:///" + std::string(each), '/' + path), "file:///" + escaped);
+  }
+  EXPECT_EQ(find_resource("my meshes/a%20.stl", "/else"), "/else/my meshes/a%20.stl") << "no URI";
   for (const char* bad :
        {"package://robot/a.stl", "package://", "package:///a", "http://a/b.stl"}) {
     EXPECT_THROW(find_resource(bad, "/"), InvalidValue) << bad;

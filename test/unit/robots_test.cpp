@@ -123,7 +123,7 @@ TEST_F(Robots, DescriptionsAreAskedFor) {
             std::string::npos);
   // Two of a name would be one in messages.
   EXPECT_NE(read_by("{description: /robot_description}, {description: /robot_description}", true)
-                .find("again"),
+                .find("robots.1.name: got \"arm/base\" again, expected another name or prefix"),
             std::string::npos);
   EXPECT_EQ(read_by("{description: /robot_description}, {description: /robot_description, "
                     "prefix: right_}",
@@ -162,7 +162,7 @@ TEST_F(Robots, WhatCannotBeUsedIsLeftOutWithLinkAndReason) {
       {"<geometry><mesh filename='package://no_such_package/a.stl'/></geometry>",
        "the package no_such_package"},
       {"<geometry><mesh filename='http://a/b.stl'/></geometry>", "package://, file://"},
-      {"<geometry><mesh filename='finger.obj' scale='0 1 1'/></geometry>", ""},
+      {"<geometry><mesh filename='finger.obj' scale='0 1 1'/></geometry>", "scale.0: got 0"},
       {"<geometry><mesh filename='open.obj'/></geometry>", "a hole at the edge"},
   };
   for (const auto& [collision, reason] : faults) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/types.h"
 #include "clothsim/shapes/solid.h"
 
@@ -15,6 +16,9 @@ struct MeshFile {
   std::string uri;         // that others find it by, as RViz does: package:// or file://
   Vector3 scale{1, 1, 1};  // of its coordinates
 };
+
+/// Range of the size of a scale.
+inline constexpr Range mesh_scale_range{1e-6, 1e6, ""};
 
 /// Reads an STL, OBJ or DAE file. `scale` [m per unit of the file; a negative one mirrors] comes on
 /// top of the unit that a DAE file names; z is up in all, whatever a DAE file says, as in RViz.
