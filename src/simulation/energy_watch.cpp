@@ -46,6 +46,11 @@ void take(int i, const Vector3& way, int count, Points& ways) {
   if (way.squaredNorm() > ways.row(i).squaredNorm()) ways.row(i) = way.transpose();
 }
 
+bool moves(const MovingCollider& collider) {
+  const bool is_at_rest = collider.velocity().isZero(0) && collider.angular_velocity().isZero(0);
+  return collider.enabled() && !is_at_rest;
+}
+
 Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& after,
                const std::vector<MovingCollider>& colliders) {
   Drive drive;
@@ -56,13 +61,14 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
     drive.fastest = std::max(drive.fastest, velocity.norm());
     if (!velocity.isZero(0)) take(i, dt * velocity, count, drive.pinned);
   }
-  if (colliders.empty()) return drive;
+  // Bounds of all points take time, which robots that stand still are not worth.
+  if (std::none_of(colliders.begin(), colliders.end(), moves)) return drive;
   // A triangle that touches has corners that are not farther away than its edges are long.
   double edge = 0;
   for (const SpringRun& run : cloth.springs) edge = std::max(edge, run.rest_length);
   const Eigen::AlignedBox3d box = box_of(before, after);
   for (const MovingCollider& collider : colliders) {
-    const double speed = collider.enabled() ? collider.fastest_in(box) : 0;
+    const double speed = moves(collider) ? collider.fastest_in(box) : 0;
     drive.fastest = std::max(drive.fastest, speed);
     if (speed == 0 || !collider.reaches(box, 2 * edge)) continue;
     for (int i = 0; i < count; ++i) {

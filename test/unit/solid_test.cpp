@@ -328,6 +328,28 @@ TEST(Solid, ABoxOfTrianglesIsABox) {
   EXPECT_GT(cut, 100);
 }
 
+/// A fine prism about the axis lies in the cylinder, by no more than its chords dip.
+TEST(Solid, ACylinderIsAsFarAwayAsItsTriangles) {
+  constexpr double length = 0.3, radius = 0.1;
+  constexpr int around = 720;
+  const double dip = radius * (1 - std::cos(M_PI / around));  // 1 um
+  const Solid solid(turned_soup(
+      around, 3, [=](double v) { return std::pair(radius, v < 0.5 ? -length / 2 : length / 2); }));
+  const Shape cylinder = Cylinder{length, radius};
+  Random random(11);
+  int inside = 0;
+  for (int n = 0; n < 10'000; ++n) {
+    const Vector3 vector = random.vector(), axis = random.vector();
+    const Pose pose{vector, Eigen::Quaterniond(Eigen::AngleAxisd(axis.norm(), axis.normalized()))};
+    const Vector3 there = vector + 0.2 * random.vector(), p = to_local(pose, there);
+    const double value = signed_distance(cylinder, p, p).value, of_mesh = solid.distance(p).first;
+    inside += value < 0;
+    ASSERT_GE(of_mesh, value - 1e-12) << n;
+    ASSERT_LE(of_mesh, value + dip + 1e-12) << n;
+  }
+  EXPECT_GT(inside, 500);
+}
+
 TEST(Solid, PaddingIsADistanceLess) {
   Random random(5);
   const Shape thin = mesh_shape(soups[1]), padded = mesh_shape(soups[1], 0.005);

@@ -15,8 +15,8 @@ std::filesystem::path find_package(const std::string& name);
 /// another kind of name.
 std::filesystem::path find_resource(const std::string& name, const std::filesystem::path& folder);
 
-/// The name by which other programs find it: package://... where that is the name, else file:///...,
-/// escaped.
+/// The name by which other programs find it, escaped: package://... where that is the name, else
+/// file:///...
 std::string uri_of(const std::string& name, const std::filesystem::path& found);
 
 }  // namespace clothsim
