@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "clothsim/model/grid.h"
+#include "meshes.h"
 #include "moving.h"
 
 namespace clothsim {
@@ -135,9 +136,9 @@ bool is_normal(const Shape& shape, const Vector3& at, const Vector3& normal, con
 TEST(Truth, NormalsOfEachShapeFaceTheCamera) {
   // From outside, and from within: planes and boxes exactly, round ones as finely as they are
   // meshed.
-  for (const Shape& shape :
-       {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}), Shape(Capsule{0.5, 0.2}),
-        Shape(Cylinder{0.5, 0.2}), Shape(Sphere{0.3})}) {
+  for (const Shape& shape : {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}),
+                             Shape(Capsule{0.5, 0.2}), Shape(Cylinder{0.5, 0.2}),
+                             Shape(Sphere{0.3}), testing::mesh_shape(testing::step_soup(0.4))}) {
     Snapshot snapshot;
     snapshot.colliders.resize(1);
     snapshot.colliders[0].shape = shape;

@@ -6,16 +6,28 @@ import unittest
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
-from clothsim.msg import ClothTopology
+from clothsim.msg import ClothTopology, Colliders
 from clothsim.srv import LoadScene, RestoreState, SaveState
 from cloth_client import PATIENCE, Cloth, Recorder, call, content, marker_named, positions, wait_for
 
 START = {"cloth": {"columns": 50, "rows": 50, "pinned": [[0, 0], [49, 0]]}}
 SMALL = {"cloth": {"columns": 9, "rows": 7, "ks": 700.0},
          "colliders": [{"name": "ball", "shape": "sphere", "center": [0.5, 0.5, 0.6]}]}
+
+COLLISIONS = {  # of the links of a robot, and what is said of those that cannot be used
+    "good": ('<geometry><sphere radius="0.1"/></geometry>', None),
+    "of a mesh": ('<geometry><mesh filename="package://clothsim/config/robots/finger.stl"/></geometry>', None),
+    "missing": ('<geometry><mesh filename="package://clothsim/none.stl"/></geometry>', "No such file or directory"),
+    "stranger": ('<geometry><mesh filename="package://no_such/a.stl"/></geometry>', "the package no_such"),
+    "flat": ('<geometry><box size="0 1 1"/></geometry>', "size of <box> is not above 0"),
+    "nowhere": ('<origin xyz="nan 0 0"/><geometry><sphere radius="1"/></geometry>', 'xyz of <origin> is "nan 0 0"')}
+URDF = '<robot name="arm">%s</robot>' % "".join(
+    '<link name="%s"><collision>%s</collision></link>' % (link, of) for link, (of, _) in COLLISIONS.items())
+ARMS = {**SMALL, "robots": [{"description": "/robot_description", "prefix": p} for p in ("", "left_", "right_")]}
 
 
 class Load(unittest.TestCase):
@@ -124,6 +136,48 @@ class Load(unittest.TestCase):
         self.assertTrue(call("/clothsim/save_state", SaveState, "old").success)
         self.load(SMALL)
         self.assertFalse(call("/clothsim/restore_state", RestoreState, "old").success)
+
+    def test_robots_with_faults(self):
+        """Three in each of ten scenes: what cannot be used of them is left out, with the link and the reason."""
+        log, colliders = Recorder("/rosout", Log), Recorder("/clothsim/colliders", Colliders)
+        rospy.set_param("/robot_description", URDF)
+        for _ in range(10):
+            answer = self.load(ARMS)
+            self.assertTrue(answer.success, answer.message)
+        step = self.cloth.step(1).step
+        usable = [link for link, (_, fault) in COLLISIONS.items() if not fault]
+        self.assertEqual([c.name for c in colliders.wait("the links", lambda m: m.step == step).colliders],
+                         ["ball"] + ["arm/" + prefix + link for prefix in ("", "left_", "right_") for link in usable])
+        for link, (_, fault) in COLLISIONS.items():
+            if fault:
+                log.wait("a line of " + link,
+                         lambda m, start="Left out: arm/left_%s: got " % link, why=fault:
+                         m.msg.startswith(start) and why in m.msg)
+        for recorder in (log, colliders):
+            recorder.close()
+
+    def test_no_robots_are_refused(self):
+        rospy.set_param("/robot_description", URDF)
+        self.assertTrue(self.load(ARMS).success)
+        expected = content(self.cloth.step(5))
+        self.assertTrue(self.load(ARMS).success)
+        at = "/clothsim/scene/robots/0/"
+        for urdf in ("", "<robot", "<sdf/>", 7, ["a"], {"a": 1}, URDF.replace("stranger", "good")):
+            rospy.delete_param("/robot_description")
+            rospy.set_param("/robot_description", urdf)
+            answer = self.load(ARMS)
+            self.assertFalse(answer.success, urdf)
+            self.assertTrue(answer.message.startswith(at + "description: got "), answer.message)
+        rospy.delete_param("/robot_description")
+        self.assertIn("description: got /robot_description, which is not set", self.load(ARMS).message)
+        rospy.set_param("/robot_description", URDF)
+        for changes, message in (({"links": ["good", "thumb"]}, 'links/1: got "thumb", expected one of good, '),
+                                 ({"padding": -0.1}, "padding: got -0.1"), ({"name": ""}, "name: got")):
+            answer = self.load({**SMALL, "robots": [{"description": "/robot_description", **changes}]})
+            self.assertIn(at + message, answer.message)
+        answer = self.load({**SMALL, "robots": 2 * ARMS["robots"]})
+        self.assertIn('/clothsim/scene/robots/3/name: got "arm/good" again', answer.message)
+        self.assertEqual(content(self.cloth.step(5)), expected)  # the old scene goes on
 
     def test_refused(self):
         self.cloth.step(10)

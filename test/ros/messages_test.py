@@ -140,7 +140,7 @@ class Messages(unittest.TestCase):
                 self.assertTrue(np.isfinite(points(m)).all())
         self.assertEqual(seen, {("surface", 0), ("structural", 0), ("shear", 0), ("bending", 0),
                                 ("pins", 0)} |
-                         {("colliders", id) for id in (0, 1, 2, 3, 3 + 6, 3 + 2 * 6, 4, 5)})
+                         {("colliders", id) for id in (0, 1, 2, 3, 3 + 7, 3 + 2 * 7, 4, 5, 6)})
 
     def test_each_topic_has_its_part(self):
         self.assertEqual({m.ns for m in self.array.markers}, {"surface", "colliders", "pins"})
@@ -190,7 +190,7 @@ class Messages(unittest.TestCase):
             self.assertTrue(np.allclose((color.r, color.g, color.b), expected), family)
 
     def test_collider_markers(self):
-        ball, ground, sheet, rod, end, other_end, crate, drum = [
+        ball, ground, sheet, rod, end, other_end, crate, drum, finger = [
             m for m in self.array.markers if m.ns == "colliders"]
         self.assertEqual(ball.type, Marker.SPHERE)
         self.assertTrue(np.allclose(point(ball.scale), 0.2))
@@ -225,6 +225,12 @@ class Messages(unittest.TestCase):
         self.assertTrue(np.allclose(point(drum.pose.position), [0, 3, 0]))
         q = drum.pose.orientation
         self.assertTrue(np.allclose([q.x, q.y, q.z, q.w], [0, 0.5**0.5, 0, 0.5**0.5]))
+
+        # RViz loads a mesh itself.
+        self.assertEqual((finger.type, finger.mesh_resource),
+                         (Marker.MESH_RESOURCE, "package://clothsim/config/robots/finger.stl"))
+        self.assertTrue(np.allclose(point(finger.scale), [2, 1, -1]))
+        self.assertTrue(np.allclose(point(finger.pose.position), [0, 4, 0]))
 
     def test_family_switched_off_is_deleted(self):
         client = Client("/clothsim", timeout=PATIENCE)
