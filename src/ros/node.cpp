@@ -216,7 +216,7 @@ void Node::publish_diagnostics() {
   next_diagnostics_ = now + ros::WallDuration(parameters_.diagnostic_period);
 
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
-  tf_.hold();
+  tf_.hold(true);
   follower_.look_up();  // a paused simulation does not
   grasper_.look_up();
   NodeStatus status;

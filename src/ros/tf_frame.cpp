@@ -81,6 +81,7 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
     if (!is_taken || is_static) continue;
     newest_ = std::max(newest_, stamp);
     newest_stamps_.add(transform);
+    has_heard_ = true;
   }
 }
 
@@ -89,7 +90,9 @@ void TfListener::put(const geometry_msgs::TransformStamped& transform) {
   held_.insert_or_assign(transform.child_frame_id, take_now(transform));
 }
 
-void TfListener::hold() {
+void TfListener::hold(bool always) {
+  receive();
+  if (!std::exchange(has_heard_, false) && !always) return;
   for (const auto& [frame, transform] : held_) take_now(transform);
 }
 

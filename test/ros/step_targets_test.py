@@ -123,6 +123,7 @@ class StepTargets(unittest.TestCase):
         last = self.cloth.step(1, [make_transform("base", (0.2, -1, 0.5))])
         for x in (0.05, 0.1, 0.15):
             frames.send(make_transform("finger", (x, 0, 0), parent="base", stamp=rospy.Time.now()))
+            time.sleep(0.05)  # this test hears it, too, in a thread of its own
             last = self.cloth.step(1)
             np.testing.assert_allclose(self.collider("finger", last), [0.2 + x, -1, 0.5], atol=1e-9)
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
@@ -134,6 +135,7 @@ class StepTargets(unittest.TestCase):
         now = rospy.Time.now()
         frames.send(make_transform("base", (0.4, -1, 0.5), stamp=now),
                     make_transform("finger", (0, 0, 0), parent="base", stamp=now))
+        time.sleep(0.05)
         last = self.cloth.step(1)
         np.testing.assert_allclose(self.collider("finger", last), [0.4, -1, 0.5], atol=1e-9)
 

@@ -42,7 +42,9 @@ class TfListener {
 
   /// Frames of put() that nobody else has moved since are now where they were put: tf takes what
   /// hangs from a frame as of the older stamp of the two. To be called before frames are looked up.
-  void hold();
+  /// Where nothing of others came since the last call, that takes no time and adds no transforms;
+  /// `always`: then, too, so that they are of no age.
+  void hold(bool always = false);
 
   /// The latest of the frame in the world; empty: there is none that is usable.
   std::optional<clothsim::Pose> pose(const std::string& frame) const;
@@ -71,6 +73,7 @@ class TfListener {
   NewestStamps newest_stamps_;
   std::set<std::string> own_frames_;  // that put() moves: what comes of them is this node's own
   std::map<std::string, geometry_msgs::TransformStamped> held_;  // as put() took them
+  bool has_heard_ = false;  // transforms of others, since they were held
   Throttle warnings_{warning_period};
 };
 
