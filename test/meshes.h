@@ -53,6 +53,24 @@ TriangleSoup cells_soup(int count, const Vector3& origin, const Vector3& cell, I
   return soup;
 }
 
+/// All of them in one.
+inline TriangleSoup together(const std::vector<TriangleSoup>& soups) {
+  TriangleSoup all;
+  for (const TriangleSoup& soup : soups) {
+    const int first = static_cast<int>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), soup.vertices.begin(), soup.vertices.end());
+    for (const auto& [a, b, c] : soup.triangles) {
+      all.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  return all;
+}
+
+inline TriangleSoup moved(TriangleSoup soup, const Vector3& by) {
+  for (Vector3& vertex : soup.vertices) vertex += by;
+  return soup;
+}
+
 /// A box about the origin.
 inline TriangleSoup box_soup(const Vector3& size) {
   return cells_soup(1, -size / 2, size, [](int, int, int) { return true; });

@@ -10,8 +10,10 @@
 #include <map>
 #include <mutex>
 #include <tuple>
+#include <utility>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/shapes/shells.h"
 
 namespace clothsim {
 namespace {
@@ -109,22 +111,46 @@ TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
   return soup;
 }
 
-std::shared_ptr<const MeshFile> read_mesh_file(const fs::path& path, const std::string& uri,
-                                               const Vector3& scale) {
+std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& path,
+                                                             const std::string& uri,
+                                                             const Vector3& scale) {
   using Key = std::tuple<std::string, std::string, double, double, double>;
+  struct Known {
+    fs::file_time_type changed;
+    std::vector<std::weak_ptr<const MeshFile>> files;
+  };
   static std::mutex mutex;
-  static std::map<Key, std::pair<fs::file_time_type, std::weak_ptr<const MeshFile>>> known;
+  static std::map<Key, Known> all_known;
   check_file(path);
   const fs::file_time_type changed = fs::last_write_time(path);
   const std::lock_guard lock(mutex);
-  auto& [time, shared] =
-      known[{fs::weakly_canonical(path).string(), uri, scale.x(), scale.y(), scale.z()}];
-  if (std::shared_ptr<const MeshFile> same = shared.lock(); same && time == changed) return same;
-  const auto file =
-      std::make_shared<const MeshFile>(MeshFile{Solid(read_triangles(path, scale)), uri, scale});
-  time = changed;
-  shared = file;
-  return file;
+  Known& known =
+      all_known[{fs::weakly_canonical(path).string(), uri, scale.x(), scale.y(), scale.z()}];
+  std::vector<std::shared_ptr<const MeshFile>> files;
+  for (const auto& file : known.files) files.push_back(file.lock());
+  const bool are_held = std::all_of(files.begin(), files.end(), [](const auto& f) { return f; });
+  if (!files.empty() && are_held && known.changed == changed) return files;
+
+  files.clear();
+  const auto add = [&](Solid solid) {
+    files.push_back(std::make_shared<const MeshFile>(MeshFile{std::move(solid), uri, scale}));
+  };
+  Solid all(read_triangles(path, scale));
+  const std::vector<TriangleSoup> groups = split_overlapping(all);
+  if (groups.size() == 1) {
+    add(std::move(all));
+  } else {
+    for (const TriangleSoup& group : groups) add(Solid(group));
+  }
+  known = {changed, {files.begin(), files.end()}};
+  return files;
+}
+
+std::shared_ptr<const MeshFile> read_mesh_file(const fs::path& path, const std::string& uri,
+                                               const Vector3& scale) {
+  const auto files = read_mesh_files(path, uri, scale);
+  if (files.size() == 1) return files.front();
+  throw InvalidValue({}, "shells that touch or overlap", "a collider, with a file, for each");
 }
 
 }  // namespace clothsim

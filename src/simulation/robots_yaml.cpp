@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/resource.h"
@@ -87,38 +88,48 @@ void check_links(const Robot& robot) {
 
 // The shapes, with the padding all around.
 
-Shape padded(const Sphere& sphere, const Robot& robot) {
-  return Sphere{sphere.radius + robot.padding};
+std::vector<Shape> padded(const Sphere& sphere, const Robot& robot) {
+  return {Sphere{sphere.radius + robot.padding}};
 }
-Shape padded(const Cuboid& box, const Robot& robot) {
-  return Cuboid{box.size + Vector3::Constant(2 * robot.padding)};
+std::vector<Shape> padded(const Cuboid& box, const Robot& robot) {
+  return {Cuboid{box.size + Vector3::Constant(2 * robot.padding)}};
 }
-Shape padded(const Cylinder& cylinder, const Robot& robot) {
-  return Cylinder{cylinder.length + 2 * robot.padding, cylinder.radius + robot.padding};
+std::vector<Shape> padded(const Cylinder& cylinder, const Robot& robot) {
+  return {Cylinder{cylinder.length + 2 * robot.padding, cylinder.radius + robot.padding}};
 }
-Shape padded(const Capsule& capsule, const Robot& robot) {
-  return Capsule{capsule.length, capsule.radius + robot.padding};
+std::vector<Shape> padded(const Capsule& capsule, const Robot& robot) {
+  return {Capsule{capsule.length, capsule.radius + robot.padding}};
 }
-Shape padded(const Urdf::Mesh& mesh, const Robot& robot) {
+std::vector<Shape> padded(const Urdf::Mesh& mesh, const Robot& robot) {
   check_range("scale", mesh.scale.cwiseAbs(), mesh_scale_range);
   const std::filesystem::path path = find_resource(mesh.file, robot.folder);
-  return MeshShape{read_mesh_file(path, uri_of(mesh.file, path), mesh.scale), robot.padding};
+  std::vector<Shape> shapes;
+  for (const auto& file : read_mesh_files(path, uri_of(mesh.file, path), mesh.scale)) {
+    shapes.push_back(MeshShape{file, robot.padding});
+  }
+  return shapes;
 }
 
-/// The collider of one collision of a link. Throws InvalidValue where it cannot be used.
-ColliderSpec collider_of(const Urdf::Link& link, const Urdf::Collision& collision,
-                         const Robot& robot) {
+/// The colliders of one collision of a link. Throws InvalidValue where it cannot be used.
+std::vector<ColliderSpec> colliders_of(const Urdf::Link& link, const Urdf::Collision& collision,
+                                       const Robot& robot) {
   if (!collision.fault.empty()) throw InvalidValue({}, collision.fault, "a collision geometry");
-  ColliderSpec collider;
-  collider.frame = robot.prefix + link.name;
-  collider.pose = robot.pose * link.pose;
-  collider.offset = collision.origin;
-  collider.offset.orientation.normalize();
-  collider.friction = robot.friction;
-  collider.shape = std::visit([&](const auto& s) { return padded(s, robot); }, collision.geometry);
-  collider.name = link.name;
-  validate(collider);
-  return collider;
+  std::vector<ColliderSpec> colliders;
+  const auto shapes =
+      std::visit([&](const auto& s) { return padded(s, robot); }, collision.geometry);
+  for (const Shape& shape : shapes) {
+    ColliderSpec collider;
+    collider.frame = robot.prefix + link.name;
+    collider.pose = robot.pose * link.pose;
+    collider.offset = collision.origin;
+    collider.offset.orientation.normalize();
+    collider.friction = robot.friction;
+    collider.shape = shape;
+    collider.name = link.name;
+    validate(collider);
+    colliders.push_back(collider);
+  }
+  return colliders;
 }
 
 /// `names` are those of all colliders so far.
@@ -126,18 +137,23 @@ void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>&
               Scene& scene) {
   const std::string name =
       (robot.name.empty() ? robot.urdf.name : robot.name) + '/' + robot.prefix + link.name;
-  for (std::size_t i = 0; i < link.collisions.size(); ++i) {
-    // Of several the first has the link's own name.
-    const std::string own = i == 0 ? name : name + ':' + std::to_string(i + 1);
-    if (!names.insert(own).second) {
-      throw InvalidValue({"name"}, '"' + shortened(own, 100) + "\" again",
-                         "another name or prefix than that of other robots");
-    }
+  int number = 0;
+  const auto next_name = [&] {  // of several the first has the link's own name
+    const std::string own = ++number == 1 ? name : name + ':' + std::to_string(number);
+    if (names.insert(own).second) return own;
+    throw InvalidValue({"name"}, '"' + shortened(own, 100) + "\" again",
+                       "another name or prefix than that of other robots");
+  };
+  for (const Urdf::Collision& collision : link.collisions) {
+    std::vector<ColliderSpec> colliders;
     try {
-      scene.colliders.push_back(collider_of(link, link.collisions[i], robot));
-      scene.colliders.back().name = own;
+      colliders = colliders_of(link, collision, robot);
     } catch (const InvalidValue& error) {
-      scene.left_out.push_back(error.inside(own).what());
+      scene.left_out.push_back(error.inside(next_name()).what());
+    }
+    for (ColliderSpec& collider : colliders) {
+      collider.name = next_name();
+      scene.colliders.push_back(std::move(collider));
     }
   }
 }

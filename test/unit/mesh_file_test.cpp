@@ -140,5 +140,22 @@ TEST(Resource, IsFoundByPackageByFileOrFromTheFolderOn) {
   ::unsetenv("ROS_PACKAGE_PATH");
 }
 
+TEST(MeshFile, WithShellsThatOverlapIsSeveralSolids) {
+  const TemporaryFolder folder("shells");
+  const std::string path = (folder.path() / "two.obj").string();
+  write_obj(path, together({box_soup({1, 1, 1}), moved(box_soup({1, 1, 1}), {0.4, 0.3, 0.2})}));
+  const auto files = read_mesh_files(path, "two", {2, 2, 2});
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_NEAR(files[0]->solid.distance({0.9, 0.5, 0.1}).first, -0.1, 1e-6);
+  EXPECT_NEAR(files[1]->solid.distance({1.7, 0.5, 0.5}).first, -0.1, 1e-6);
+  EXPECT_EQ(read_mesh_files(path, "two", {2, 2, 2}), files) << "shared";
+  try {
+    read_mesh_file(path, "two", {2, 2, 2});
+    FAIL();
+  } catch (const InvalidValue& error) {
+    EXPECT_NE(std::string(error.what()).find("shells that touch or overlap"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace clothsim

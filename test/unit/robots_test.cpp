@@ -205,5 +205,29 @@ TEST_F(Robots, WhatIsNoUrdfIsRefused) {
   EXPECT_EQ(refusal("<robot/>"), "accepted") << "it has no links";
 }
 
+TEST_F(Robots, ClothRestsOnShellsOfAFileThatOverlap) {
+  const TriangleSoup ball = ball_soup(0.15, 24, 12);
+  write_obj((folder_.path() / "finger.obj").string(),
+            together({moved(ball, {-0.06, 0, 0}), moved(ball, {0.06, 0.01, 0})}));
+  const std::string balls =
+      "<robot name='arm'><link name='tip'><collision><geometry><mesh filename='finger.obj'/>"
+      "</geometry></collision><collision><geometry><sphere radius='0.1'/></geometry></collision>"
+      "</link></robot>";
+  Scene scene = read(balls);
+  ASSERT_EQ(scene.colliders.size(), 3u);
+  EXPECT_EQ(scene.colliders[0].name, "arm/tip");
+  EXPECT_EQ(scene.colliders[1].name, "arm/tip:2");
+  EXPECT_EQ(scene.colliders[2].name, "arm/tip:3");
+
+  scene.cloth.columns = scene.cloth.rows = 12;
+  scene.cloth.width = scene.cloth.height = 0.5;
+  scene.cloth.orientation = Orientation::horizontal;
+  scene.cloth.origin = Vector3(-0.25, -0.25, 0.2);
+  Simulator simulator(scene);
+  for (int frame = 0; frame < 2 * 90; ++frame) simulator.step();
+  const Points& velocities = simulator.state().velocities;
+  EXPECT_LT(velocities.rowwise().norm().maxCoeff(), 0.2) << "of one solid, tens of m/s for ever";
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/types.h"
@@ -25,7 +26,13 @@ inline constexpr Range mesh_scale_range{1e-6, 1e6, ""};
 /// Throws InvalidValue, without a key, for what is missing, no such file, too large or no solid.
 TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
 
-/// The solid in a file. What other scenes hold of the same file, unchanged, is shared.
+/// The solid in a file, or several where shells overlap, see split_overlapping(). What other scenes
+/// hold of the same file, unchanged, is shared.
+std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const std::filesystem::path&,
+                                                             const std::string& uri,
+                                                             const Vector3& scale);
+
+/// The same of a file in which none do; throws InvalidValue, without a key, where some do.
 std::shared_ptr<const MeshFile> read_mesh_file(const std::filesystem::path&, const std::string& uri,
                                                const Vector3& scale);
 
