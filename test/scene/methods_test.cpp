@@ -61,17 +61,20 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryMethodOn, ::testing::ValuesIn(runs()));
 
 TEST(ChosenMethod, ComesToRestOnASphereWhateverTheTolerance) {
   // Without strain limit, where faces touch and springs alone hold the cloth. Classical Runge-Kutta
-  // creeps there for ever; XPBD and BDF2 with one substep tremble.
+  // creeps there for ever; XPBD and BDF2 with one substep tremble. In the sixth second a wrinkle may
+  // slip yet, by millimetres.
   for (const double tolerance : {0.1, 1e-2, 1e-3, 1e-8}) {
     Scene scene = small({"sphere", "auto"});
     scene.cloth.material.strain_limit.reset();
     scene.simulation.tolerance = tolerance;
     Simulator simulator(scene);
-    run(simulator, 5);
+    run(simulator, 6);
+    EXPECT_LT(rms_velocity(simulator.state()), 1e-3) << tolerance;
+    run(simulator, 2);
     const Points before = simulator.state().positions;
     const StepReport report = run(simulator, 1);
-    EXPECT_LT(rms_velocity(simulator.state()), 1e-3) << report.method << ", " << tolerance;
-    EXPECT_LT(farthest(simulator.state().positions, before), 1e-3) << tolerance;
+    EXPECT_LT(rms_velocity(simulator.state()), 1e-4) << report.method << ", " << tolerance;
+    EXPECT_LT(farthest(simulator.state().positions, before), 1e-4) << tolerance;
     EXPECT_GT(report.contacts, 0) << tolerance;  // and has not slid off
   }
 }
