@@ -61,8 +61,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryMethodOn, ::testing::ValuesIn(runs()));
 
 TEST(ChosenMethod, ComesToRestOnASphereWhateverTheTolerance) {
   // Without strain limit, where faces touch and springs alone hold the cloth. Classical Runge-Kutta
-  // creeps there for ever; XPBD and BDF2 with one substep tremble. In the sixth second a wrinkle may
-  // slip yet, by millimetres.
+  // creeps there for ever; XPBD and BDF2 with one substep tremble. In the sixth second a wrinkle
+  // may slip yet, by millimetres.
   for (const double tolerance : {0.1, 1e-2, 1e-3, 1e-8}) {
     Scene scene = small({"sphere", "auto"});
     scene.cloth.material.strain_limit.reset();
