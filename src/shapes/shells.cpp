@@ -13,17 +13,13 @@ namespace {
 /// How near to each other shells touch, of the solid's size: files round to single precision.
 constexpr double touching = 1e-6;
 
-/// Volume, as a share of the sum of what its parts add and take, below which a shell is flat.
-constexpr double least_volume = 1e-9;
-
 struct Shell {
   TriangleSoup soup;
   Box box;
-  double volume = 0;                             // below 0: a hollow [m^3]
-  double sum_of_parts = 0;                       // of the volume, each as it is above 0 [m^3]
+  Volume volume;                                 // below 0: of a hollow
   std::shared_ptr<const Solid> solid = nullptr;  // once it is asked for
 
-  bool is_hollow() const { return volume <= least_volume * sum_of_parts; }
+  bool is_hollow() const { return volume.sum < 0 || volume.is_none(); }
 
   const Solid& as_solid() {
     if (!solid) solid = std::make_shared<const Solid>(soup);
@@ -78,9 +74,7 @@ std::vector<Shell> shells_of(const Solid& solid) {
       return shell.soup.vertices[static_cast<std::size_t>(corners[k])];
     };
     const Vector3& origin = shell.soup.vertices[0];
-    const double part = (at(0) - origin).dot((at(1) - origin).cross(at(2) - origin)) / 6;
-    shell.volume += part;
-    shell.sum_of_parts += std::abs(part);
+    shell.volume.add(at(0) - origin, at(1) - origin, at(2) - origin);
   }
   return shells;
 }
@@ -129,7 +123,7 @@ int group_around(const Shell& hollow, std::vector<Shell>& shells, const std::vec
   for (std::size_t i = 0; i < shells.size(); ++i) {
     Shell& shell = shells[i];
     if (shell.is_hollow() || !shell.box.contains(hollow.box)) continue;
-    if (around && around->volume <= shell.volume) continue;
+    if (around && around->volume.sum <= shell.volume.sum) continue;
     if (shell.as_solid().distance(hollow.soup.vertices[0]).first > 0) continue;
     around = &shell;
     group = groups[i];

@@ -58,6 +58,14 @@ double width_across(const std::array<Vector3, 3>& s, const std::array<Vector3, 3
 
 }  // namespace
 
+void Volume::add(const Vector3& a, const Vector3& b, const Vector3& c) {
+  const double part = a.dot(b.cross(c)) / 6;
+  sum += part;
+  parts += std::abs(part);
+}
+
+bool Volume::is_none() const { return std::abs(sum) <= least_volume * parts; }
+
 Solid::Solid(const TriangleSoup& soup) {
   weld(soup);
   connect();
@@ -95,17 +103,17 @@ void Solid::weld(const TriangleSoup& soup) {
   }
   if (triangles_.empty()) throw InvalidValue({}, "no triangles", "a closed surface");
 
-  double volume = 0, sum = 0;
+  Volume volume;
   for (const auto& [a, b, c] : triangles_) {
-    const auto at = [&](int i) -> const Vector3& { return vertices_[static_cast<std::size_t>(i)]; };
-    const double six = (at(a) - vertices_[0]).dot((at(b) - at(a)).cross(at(c) - at(a)));
-    volume += six;
-    sum += std::abs(six);
+    const auto at = [&](int i) -> Vector3 {
+      return vertices_[static_cast<std::size_t>(i)] - vertices_[0];
+    };
+    volume.add(at(a), at(b), at(c));
   }
-  if (volume < 0) {
+  if (volume.sum < 0) {
     for (auto& [a, b, c] : triangles_) std::swap(b, c);
   }
-  if (!(std::abs(volume) > least_volume * sum)) {
+  if (volume.is_none()) {
     throw InvalidValue({}, "a surface without a volume inside", "a solid");
   }
 }

@@ -19,6 +19,17 @@ struct TriangleSoup {
   std::vector<std::array<int, 3>> triangles;  // of vertices
 };
 
+/// What closed triangles enclose, summed triangle by triangle.
+struct Volume {
+  double sum = 0;    // below 0 where the surface is inside out [m^3]
+  double parts = 0;  // of what triangles add and take, each as it is above 0 [m^3]
+
+  /// A triangle, by its corners from any place that is the same for all.
+  void add(const Vector3& a, const Vector3& b, const Vector3& c);
+  /// Is it but rounding?
+  bool is_none() const;
+};
+
 /// A solid within a closed surface of triangles. Distances are exact, up to rounding.
 ///
 /// A grid of cells lists, for each about the surface, the triangles that can be nearest to a point
