@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Each room of the code includes only from its own floor or below, and only ros/ and rviz/ know ROS."""
+"""Each room of the code includes only from its own floor or below, and only ros/ and rviz/ know ROS.
+Files have at most 400 lines, functions 50."""
 
 import pathlib
 import re
@@ -30,13 +31,40 @@ ros_packages = {"ros", "clothsim"} | {
     element.text for element in manifest if "_" in element.text and "depend" in element.tag
 }
 
+MOST_LINES = 400
+MOST_LINES_OF_FUNCTION = 50
+
+
+def long_functions(lines):
+    """Where functions begin that are too long, and their lengths. As clang-format writes them they go
+    from a line without indent to the brace without indent that ends them."""
+    start = None
+    for number, line in enumerate(lines, 1):
+        if start is None:
+            if re.match(r"(?!namespace|class|struct|enum|union)[A-Za-z\[]", line):
+                start = number
+        if start is None:
+            continue
+        if line == "}" and number - start + 1 > MOST_LINES_OF_FUNCTION:
+            yield start, number - start + 1
+        if line == "}" or re.match(r"\S.*[;}]$", line):
+            start = None
+
+
 mistakes = 0
 for base in ("include/clothsim", "src"):
     for path in sorted((package / base).rglob("*")):
         if path.suffix not in (".h", ".cpp"):
             continue
         room = path.relative_to(package / base).parts[0]
-        for number, line in enumerate(path.read_text().splitlines(), 1):
+        lines, name = path.read_text().splitlines(), path.relative_to(package)
+        too_long = [f"{start}: a function of {length} lines" for start, length in long_functions(lines)]
+        if len(lines) > MOST_LINES:
+            too_long.append(f"{len(lines)} lines")
+        for what in too_long:
+            mistakes += 1
+            print(f"{name}:{what}")
+        for number, line in enumerate(lines, 1):
             found = re.match(r'\s*#\s*include\s*[<"]([^>"]+)[>"]', line)
             if not found:
                 continue
@@ -47,6 +75,5 @@ for base in ("include/clothsim", "src"):
                 fits = room in ("ros", "rviz") or parts[0] not in ros_packages
             if not fits:
                 mistakes += 1
-                name = path.relative_to(package)
                 print(f"{name}:{number}: {room}/ may not include {found.group(1)}")
 sys.exit(mistakes > 0)

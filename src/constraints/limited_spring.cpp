@@ -99,6 +99,52 @@ template <typename Point>
   }
 }
 
+/// Ways between the ends of four springs where the step's impulses act, `back` [s] ago, and their
+/// rates.
+[[gnu::always_inline]] inline void gather_middle(const FourSprings& s, const Quad* positions,
+                                                 const Quad* velocities, double back, Four& d,
+                                                 Four& rates) {
+  gather_differences(Ends(s, velocities), rates);
+  gather_differences(Ends(s, positions), d);
+  d.x -= back * rates.x;
+  d.y -= back * rates.y;
+  d.z -= back * rates.z;
+}
+
+[[gnu::always_inline]] inline void gather_inv_masses(const Ends<const Quad>& ends, Vector& of_a,
+                                                     Vector& of_b) {
+  for (int k = 0; k < 4; ++k) {
+    of_a[k] = ends.a[k]->w;
+    of_b[k] = ends.b[k]->w;
+  }
+}
+
+/// Gives springs these masses, 0 where none acts, and goes on with the last step's impulses, up to
+/// a kick of `most` [m/s].
+[[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass, double most) {
+  const Vector zero = {};
+  const Vector bound = {most, most, most, most};
+  const Vector same_impulse = vector(s.kick) * (vector(s.mass) / mass);
+  const Vector bounded = same_impulse < bound ? same_impulse : bound;
+  vector(s.kick) = mass > 0 ? bounded : zero;
+  vector(s.before) = vector(s.kick);
+  vector(s.mass) = mass;
+}
+
+/// A spring that has turned so fast lengthens at that rate by the velocities `before` [m/s], of the
+/// step's start. More is a kick that others are yet to answer: to shorten the spring for it would
+/// feed energy.
+[[gnu::always_inline]] inline void bound_by_lengthening(const FourSprings& s, const Quad* before,
+                                                        const Four& direction, Vector& most) {
+  const Vector zero = {};
+  Four start;
+  Vector lengthens;
+  gather_differences(Ends(s, before), start);
+  set_dot(start, direction, lengthens);
+  lengthens = lengthens < 0 ? zero : lengthens;
+  most = most < lengthens ? most : lengthens;
+}
+
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
@@ -112,19 +158,11 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.
     Four speed, d;
-    gather_differences(Ends(s, velocities), speed);
-    gather_differences(Ends(s, positions), d);
-    d.x -= back * speed.x;
-    d.y -= back * speed.y;
-    d.z -= back * speed.z;
+    gather_middle(s, positions, velocities, back, d, speed);
     Vector length2;
     set_dot(d, d, length2);
-    const Ends ends(s, positions);
     Vector w_a, w_b;  // inverse masses, with what tension adds
-    for (int k = 0; k < 4; ++k) {
-      w_a[k] = ends.a[k]->w;
-      w_b[k] = ends.b[k]->w;
-    }
+    gather_inv_masses(Ends(s, positions), w_a, w_b);
     // Others are slack, or between two pins, and have no direction to hold.
     const auto is_long = length2 * (w_a + w_b) > 0;
     Vector length;
@@ -136,14 +174,8 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
     const Vector mass = is_long ? 1 / (w_a + w_b) : zero;
-    const Vector most_kept = {step.most_kept, step.most_kept, step.most_kept, step.most_kept};
-    const Vector same_impulse = vector(s.kick) * (vector(s.mass) / mass);
-    const Vector bounded = same_impulse < most_kept ? same_impulse : most_kept;
-    const Vector kick = is_long ? bounded : zero;
-    vector(s.mass) = mass;
+    carry(s, mass, step.most_kept);
     vector(s.share) = w_a * mass;
-    vector(s.kick) = kick;
-    vector(s.before) = kick;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
     // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
@@ -156,17 +188,7 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     const Vector excess = length - four_at(longest, i);
     const Vector turning = (step.h / 2) * across2 * inverse;
     Vector most = most_turning * rate * length;
-    if (before) {
-      // A spring that has turned so fast lengthens at that rate by the velocities of the step's
-      // start. More is a kick that others are yet to answer: to shorten the spring for it would
-      // feed energy.
-      Four start;
-      Vector lengthens;
-      gather_differences(Ends(s, before), start);
-      set_dot(start, direction, lengthens);
-      lengthens = lengthens < 0 ? zero : lengthens;
-      most = most < lengthens ? most : lengthens;
-    }
+    if (before) bound_by_lengthening(s, before, direction, most);
     const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
                            (most < turning ? most : turning);
     vector(s.fastest) = is_long ? fastest : zero;

@@ -29,11 +29,7 @@ constexpr std::array<std::array<int, 2>, 4> rows_after = {{{1, 0}, {-1, 1}, {0, 
 
 }  // namespace
 
-void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs,
-                      WorkBudget* budget) {
-  assert(positions.allFinite() && distance > 0);
-  pairs.clear();
-
+void PairFinder::sort_into_cells(const Points& positions, double distance) {
   const int n = static_cast<int>(positions.rows());
   entries_.resize(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
@@ -47,7 +43,14 @@ void PairFinder::find(const Points& positions, double distance, std::vector<Poin
   std::sort(entries_.begin(), entries_.end(), [](const Entry& p, const Entry& q) {
     return std::tie(p.cell, p.point) < std::tie(q.cell, q.point);
   });
+}
 
+void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs,
+                      WorkBudget* budget) {
+  assert(positions.allFinite() && distance > 0);
+  pairs.clear();
+
+  sort_into_cells(positions, distance);
   const double distance2 = distance * distance;
   std::int64_t visits = 0;  // of an entry
   const auto try_pair = [&](int i, int j) {

@@ -210,6 +210,21 @@ Renderer::~Renderer() {
   }
 }
 
+void Renderer::Impl::draw(const Snapshot& snapshot, const Camera& camera,
+                          const WantedImages& wanted, const TruthImages& truth) {
+  shadowed = false;
+  if (wanted.color) {
+    const std::optional<Camera> light = draw_shadow_map(snapshot, camera);
+    set_frame(snapshot, camera, light);
+    shadowed = light.has_value();
+    draw_color(snapshot, camera);
+    shadowed = false;
+  } else {
+    set_frame(snapshot, camera, std::nullopt);
+  }
+  if (truth != TruthImages{}) draw_truth(camera, truth);
+}
+
 void Renderer::render(const Snapshot& snapshot, const Camera& camera, const WantedImages& wanted,
                       Images& images) {
   assert(snapshot.colliders.size() <= 254);
@@ -223,17 +238,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   const auto uploaded = Clock::now();
 
   const TruthImages truth{wanted.depth, wanted.mask, wanted.uv, wanted.normals, wanted.flow};
-  impl_->shadowed = false;
-  if (wanted.color) {
-    const std::optional<Camera> light = impl_->draw_shadow_map(snapshot, camera);
-    impl_->set_frame(snapshot, camera, light);
-    impl_->shadowed = light.has_value();
-    impl_->draw_color(snapshot, camera);
-    impl_->shadowed = false;
-  } else {
-    impl_->set_frame(snapshot, camera, std::nullopt);
-  }
-  if (truth != TruthImages{}) impl_->draw_truth(camera, truth);
+  impl_->draw(snapshot, camera, wanted, truth);
   impl_->textures.sweep();
   impl_->end_stage();
   const auto drawn = Clock::now();

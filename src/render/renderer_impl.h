@@ -28,6 +28,8 @@ struct Renderer::Impl {
   std::optional<Camera> draw_shadow_map(const Snapshot&, const Camera&);
   void draw_color(const Snapshot&, const Camera&);
   void draw_truth(const Camera&, const TruthImages&);
+  /// All that is wanted.
+  void draw(const Snapshot&, const Camera&, const WantedImages&, const TruthImages&);
   void start_reading(const Camera&, bool color, const TruthImages&);
   void draw_background(const Snapshot&, const Camera&);
   void draw_lines(const DrawItem&, const Wireframe&);

@@ -12,7 +12,7 @@ namespace {
 
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds; without contact steps are long. The most is met only in a shock.
+/// seconds. The most is met only in a shock.
 constexpr int min_sweeps = 4;
 constexpr int min_sweeps_alone = 6;
 constexpr int max_sweeps = 200;
@@ -59,23 +59,14 @@ double least_spacing(const Cloth& cloth) {
 void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
   const double reach =
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
-
-  // Impulses that keep springs within their limit and points off colliders.
   const bool yields = strain_limit && strain_limit->yields();
   const double tolerance =
       std::max(scene.simulation.strain_tolerance, yields ? least_violation : 0.0);
   const double length = tolerance * least_spacing(cloth);  // [m]
-  const int limit_sweeps = yields ? max_yielding_sweeps : max_sweeps;
   if (strain_limit) strain_limit->predict(h, reach, state);
-  if (!touches()) {  // the limit alone
-    const int passes = strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
-                                           limit_sweeps, state, workers);
-    report.sweeps += passes;
-    strain_limit->inertia().give_back(cloth, h, reach, state);
-    strain_limit->learn_tension();
-    repair(inert, passes < limit_sweeps, report);
-    return;
-  }
+  if (!touches()) return limit_alone(inert, h, reach, length, report);
+
+  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
   predicted = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   const SelfTouches touches_of_itself = [&](const auto& visit) {
@@ -92,22 +83,59 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  &touches_of_itself,
                                  &start_velocities,
                                  &collider_contacts.pinches().held()};
-  if (self_contacts) self_contacts->begin(cloth, contact_step, state);
-  collider_contacts.begin(colliders, cloth, contact_step, state);
+  begin_contact(contact_step, report);
+  const bool solved = solve(h, tolerance, length, report);
+  state.positions += reach * h * (state.velocities - predicted);
+  if (strain_limit) strain_limit->learn_tension();
+  if (self_contacts) by_impulses = state.positions;
+
+  // What curvature and early stops have left in the positions.
+  if (strain_limit) repair(cloth, solved, report);
+  if (self_contacts) self_contacts->correct(cloth, state.positions);
+  if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
+
+  // Whatever has moved the points, the cloth does not pass through itself.
+  if (self_contacts) {
+    report.held_back += self_contacts->guard(cloth, contact_step, by_impulses, state);
+  }
+}
+
+int Simulator::Impl::most_limit_sweeps() const {
+  return strain_limit && strain_limit->yields() ? max_yielding_sweeps : max_sweeps;
+}
+
+void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, double length,
+                                  StepReport& report) {
+  const int passes = strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
+                                         most_limit_sweeps(), state, workers);
+  report.sweeps += passes;
+  strain_limit->inertia().give_back(cloth, h, reach, state);
+  strain_limit->learn_tension();
+  repair(inert, passes < most_limit_sweeps(), report);
+}
+
+void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report) {
+  if (self_contacts) self_contacts->begin(cloth, step, state);
+  collider_contacts.begin(colliders, cloth, step, state);
+  if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
+  course.recovers = course.recovers || collider_contacts.recovers();
+
   Pinches& pinches = collider_contacts.pinches();
-  if (self_contacts && pinches.count() > 0) self_contacts->leave_to(pinches, state.velocities);
-  if (strain_limit && pinches.count() > 0) {
+  if (pinches.count() == 0) return;
+  if (self_contacts) self_contacts->leave_to(pinches, state.velocities);
+  if (strain_limit) {
     Points pulls = Points::Zero(cloth.num_points(), 3);
     strain_limit->add_impulses(1, pulls);
     pulls.array().colwise() *= cloth.inv_mass.array();
     pinches.set_pulls(pulls);
   }
-  if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
-  recovers = recovers || collider_contacts.recovers();
   if (pinches.count() > report.pinched) {
     report.pinched = pinches.count();
     report.pinched_point = pinches.first();
   }
+}
+
+bool Simulator::Impl::solve(double h, double tolerance, double length, StepReport& report) {
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
   // What the limit leaves over keeps piles from coming to rest.
   const double small = std::max(length / precision, self_contacts ? 0 : moving);
@@ -115,6 +143,8 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const double small_touch = std::max(std::min(at_rest, calm * h), moving);
   const double small_fold = std::max(at_rest, folding_precision * moving);
   const double unseen_fold = small_fold - at_rest;  // at rest all is seen
+  Pinches& pinches = collider_contacts.pinches();
+  const int limit_sweeps = most_limit_sweeps();
   double stretching = 0;
   for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
     double folding = 0;
@@ -134,19 +164,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     if ((solved && sweep >= min_sweeps) || budget.is_spent()) break;
   }
   report.slipping = pinches.slipping();
-  state.positions += reach * h * (state.velocities - predicted);
-  if (strain_limit) strain_limit->learn_tension();
-  if (self_contacts) by_impulses = state.positions;
-
-  // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(cloth, stretching <= small, report);
-  if (self_contacts) self_contacts->correct(cloth, state.positions);
-  if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
-
-  // Whatever has moved the points, the cloth does not pass through itself.
-  if (self_contacts) {
-    report.held_back += self_contacts->guard(cloth, contact_step, by_impulses, state);
-  }
+  return stretching <= small;
 }
 
 void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {
@@ -155,7 +173,7 @@ void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report
       strain_limit->correct(inert, tolerance, max_corrections, state.positions, workers);
   report.corrections += passes;
   const bool ran_out = passes == max_corrections;
-  repairs_ran_out = repairs_ran_out || ran_out;
+  course.repairs_ran_out = course.repairs_ran_out || ran_out;
   double unmet = 0;
   if (ran_out || !solved) {
     const double least = std::max(tolerance, least_violation);

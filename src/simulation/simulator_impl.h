@@ -29,13 +29,12 @@ inline constexpr const char* refuge = ImplicitEuler::name;
 
 /// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
 /// whatever shows a good state can.
-inline constexpr double farthest = 1e12;
+inline constexpr Range place_range{-1e12, 1e12, "m"};
+inline constexpr double farthest = place_range.max;
 
 /// Throw InvalidValue for what is beyond that, or not finite; for orientations that are no unit
 /// quaternion.
-inline void check_place(const Vector3& position) {
-  check_range("position", position, Range{-farthest, farthest, "m"});
-}
+inline void check_place(const Vector3& position) { check_range("position", position, place_range); }
 inline void check_place(const Pose& pose) {
   check_place(pose.position);
   check_orientation(pose.orientation);
@@ -76,6 +75,26 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
   method.choice.least_substeps = 1;
   return method;
 }
+
+/// What one try of a frame goes by.
+struct FrameCourse {
+  double dt = 0;                 // [s]
+  bool is_apart = false;         // nothing is looked for at colliders
+  double allowed_way = 0;        // of points, where it is [m]
+  double approach_speed = 0;     // of what it may touch against the cloth [m/s]
+  bool is_fast = false;          // with that, springs may be parted within the frame
+  double stretch = 0;            // worst as it began, where colliders ask for it
+  Vector3 wind{0, 0, 0};         // [m/s], where there is air
+  bool recovers = false;         // colliders have pushed out what was in them
+  bool repairs_ran_out = false;  // before all springs were within their limit
+};
+
+/// How a try of a frame ended.
+enum class Outcome {
+  good,
+  went_too_far,  // points, in a frame without a look at colliders
+  failed         // in a state that cannot be, or with the budget spent
+};
 
 struct Simulator::Impl {
   explicit Impl(const Scene&);
@@ -181,14 +200,42 @@ struct Simulator::Impl {
   void set_collider_friction();
 
   StepReport step();
-  /// One frame. False where it ends in a state that cannot be.
-  bool frame(double dt, const State& before, StepReport&);
+  /// Tries a frame until it succeeds. Throws Diverged where nothing is left to try.
+  StepReport succeed(const State& last_good);
+  /// One frame; whether it `may_be_apart` from colliders.
+  Outcome frame(bool may_be_apart, const State& before, StepReport&);
+  /// Pins and what is attached set out for where they must be at the frame's end.
+  void set_out();
+  /// Pins and colliders arrive there, to the last bit. Pins that the cloth itself blocks stop
+  /// short.
+  void arrive();
+  /// Substeps that the frame begins with.
+  int first_substeps();
+  /// False where the state has left the finite numbers, or the budget is spent.
+  bool take_substeps(int steps, const State& before, StepReport&);
+  /// Why the frame was as it was.
+  void tell_reasons(StepReport&) const;
+  /// Can what has driven the frame explain its end?
+  bool is_explained(const State& before, const StepReport&);
+  /// Are springs so far over their limit that pins or colliders must be asking for it?
+  bool is_overpulled(const StepReport& report) const {
+    return cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
+  }
   /// Gets ready to try a failed frame again. False where nothing is left to try.
   bool recover();
   /// False where the state has left the finite numbers.
   bool substep(double h, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
+  /// The same where the cloth can touch nothing, to `length` [m] of strain.
+  void limit_alone(const Cloth& inert, double h, double reach, double length, StepReport&);
+  /// Finds what touches, and gives it the last step's impulses.
+  void begin_contact(const ContactStep&, StepReport&);
+  /// Passes over all constraints until they change next to nothing, to a `tolerance` of strain and
+  /// its `length` [m]. Whether those of the strain limit do.
+  bool solve(double h, double tolerance, double length, StepReport&);
+  /// Passes over the strain limit in a substep, at most.
+  int most_limit_sweeps() const;
   /// Takes from the frame's budget so many visits to each point.
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
@@ -201,7 +248,7 @@ struct Simulator::Impl {
   double stretch_after(double h) const;
   bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
   /// Fastest that the wind of this frame and the cloth move against each other [m/s].
-  double air_speed() const { return wind.norm() + longest_row(state.velocities); }
+  double air_speed() const { return course.wind.norm() + longest_row(state.velocities); }
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
   void repair(const Cloth&, bool solved, StepReport&);
@@ -222,18 +269,18 @@ struct Simulator::Impl {
   /// Do pins or colliders ask for more than the limit grants? Then tension has no end.
   bool is_pulled_without_end() const;
   /// Can the cloth touch anything in this frame?
-  bool touches() const { return self_contacts || (!is_apart && has_colliders()); }
+  bool touches() const { return self_contacts || (!course.is_apart && has_colliders()); }
   bool has_colliders() const {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// Are all colliders out of reach of the cloth in a frame of dt [s], while its points go no
-  /// farther than `allowed_way` [m]?
-  bool is_out_of_reach(double dt);
+  /// Are all colliders out of reach of the cloth in this frame, while its points go no farther
+  /// than they are allowed to, which this sets?
+  bool is_out_of_reach();
   /// The cloth with the inertia that tension adds in a step of h [s].
   const Cloth& weigh(double h);
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
-  double contact_speed(double dt) const;
+  double contact_speed() const;
 
   Scene scene;
   Cloth cloth;
@@ -253,27 +300,17 @@ struct Simulator::Impl {
   EnergyWatch energy_watch;
   WorkBudget budget;  // left of a frame's
   AirForces air;
-  Vector3 wind{0, 0, 0};                 // of this frame [m/s], where there is air
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 
-  bool is_apart = false;         // in this frame: nothing is looked for at colliders
-  bool must_look = false;        // at colliders in this step, whatever their reach
-  bool went_too_far = false;     // points, in a frame that is apart
-  double allowed_way = 0;        // see is_out_of_reach()
-  bool disturbed = false;        // by a jump since the last frame
-  bool is_given = false;         // state that was set: it may be anything
-  bool recovers = false;         // in this frame: colliders have pushed out what was in them
-  bool repairs_ran_out = false;  // in this frame, before all springs were within their limit
-  bool is_overpulled = false;    // at this frame's end springs are far over their limit
-  double stretch = 0;            // worst as this frame began, where colliders ask for it
-  double approach_speed = 0;     // of what it may touch in this frame against the cloth [m/s]
-  bool is_fast = false;          // with that springs may be parted within the frame
-  Points start;                  // positions at the substep's start, where contact needs them
-  Points start_velocities;       // the same [m/s]
-  Points predicted;              // velocities with the last substep's impulses
-  Points by_impulses;            // positions before repairs and push-outs, with self contact
-  Points impulses;               // that points had from others in this frame, with grips [N s]
+  FrameCourse course;
+  bool disturbed = false;   // by a jump since the last frame
+  bool is_given = false;    // state that was set: it may be anything
+  Points start;             // positions at the substep's start, where contact needs them
+  Points start_velocities;  // the same [m/s]
+  Points predicted;         // velocities with the last substep's impulses
+  Points by_impulses;       // positions before repairs and push-outs, with self contact
+  Points impulses;          // that points had from others in this frame, with grips [N s]
 };
 
 }  // namespace clothsim

@@ -36,6 +36,8 @@ class PairFinder {
     int point;
   };
 
+  void sort_into_cells(const Points& positions, double distance);
+
   std::vector<Entry> entries_;  // sorted by cell, then point
 };
 

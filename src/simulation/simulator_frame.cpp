@@ -1,0 +1,265 @@
+// A frame: its substeps, and whether it has succeeded.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/model/errors.h"
+#include "clothsim/model/target_clones.h"
+#include "simulator_impl.h"
+
+namespace clothsim {
+namespace {
+
+/// Times the usual substeps that springs which part fast may ask for. Of material that changes a
+/// hundredfold every frame 4 tears springs in 3 of 10000 frames, 16 in none of 54000.
+constexpr int most_for_parting = 16;
+
+/// Share of the velocity against it that air may take in a substep: explicit steps bear twice all.
+constexpr double most_air_share = 0.5;
+
+/// Are all `count` numbers smaller than `farthest`? False for NaN.
+CLOTHSIM_TARGET_CLONES
+bool are_near(const double* numbers, Eigen::Index count) {
+  long outside = 0;
+  for (Eigen::Index i = 0; i < count; ++i) outside += !(std::abs(numbers[i]) < farthest);
+  return outside == 0;
+}
+
+bool is_good(const State& state) {
+  return are_near(state.positions.data(), state.positions.size()) &&
+         are_near(state.velocities.data(), state.velocities.size());
+}
+
+}  // namespace
+
+Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepReport& report) {
+  const int recoveries = report.recoveries;  // all else is of this try
+  report = {};
+  report.recoveries = recoveries;
+  course = {course.dt};
+  course.is_apart = may_be_apart && has_colliders() && is_out_of_reach();
+  if (course.is_apart) collider_contacts.reset();
+  if (has_air()) {
+    const SimulationSpec& spec = scene.simulation;
+    course.wind =
+        wind_at(spec.wind.value_or(Vector3::Zero()), {spec.gusts, spec.seed}, before.time);
+  }
+  const int steps = first_substeps();
+  report.method = method->choice.method;
+  report.predicted_error = method->choice.predicted_error;
+  report.reasons = method->choice.reasons;
+  const bool is_unstable = scene.simulation.substeps && is_beyond_stability(course.dt / steps);
+  if (is_unstable) report.reasons.add(Reason::beyond_stability);
+  if (has_colliders() && !course.is_apart) course.stretch = worst_stretch(cloth, state.positions);
+
+  set_out();
+  if (!take_substeps(steps, before, report) || !is_good(state)) return Outcome::failed;
+  if (course.is_apart && longest_row(state.positions - before.positions) > course.allowed_way) {
+    return Outcome::went_too_far;
+  }
+  report.worst_stretch = worst_stretch(cloth, state.positions);
+  tell_reasons(report);
+  return is_explained(before, report) ? Outcome::good : Outcome::failed;
+}
+
+void Simulator::Impl::set_out() {
+  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
+    const int point = pin_point(i);
+    state.velocities.row(point) =
+        (pin_targets[i].transpose() - state.positions.row(point)) / course.dt;
+  }
+  grips.set_out(course.dt, state);
+  if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
+  if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
+}
+
+int Simulator::Impl::first_substeps() {
+  const double dt = course.dt;
+  course.approach_speed = contact_speed();
+  int least = substeps_at_speed(cloth, course.approach_speed, dt);
+  course.is_fast = least > 1;
+  if (follows_tension()) {
+    least = substeps_under_tension(dt, std::max(least, method->choice.least_substeps));
+    if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
+  }
+  if (has_air()) {
+    const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
+    const double steps = std::min(std::ceil(dt * rate / most_air_share), double{max_substeps});
+    least = std::max(least, static_cast<int>(steps));
+  }
+  return method->substeps(scene.simulation, cloth, state.positions, least, workers);
+}
+
+bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
+  for (double h = course.dt / steps; steps > 0; --steps, ++report.substeps) {
+    // More and shorter ones where tension has come.
+    const double left = h * steps;
+    const bool looks_again =
+        report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
+    const int needed = looks_again ? substeps_under_tension(left, steps) : steps;
+    if (needed > steps) h = left / (steps = needed);
+    if (is_interrupted && is_interrupted()) {
+      throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
+    }
+    if (!substep(h, report)) return false;
+  }
+  return true;
+}
+
+void Simulator::Impl::tell_reasons(StepReport& report) const {
+  if (report.ran_out > 0) {
+    report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
+                                                   std::to_string(report.substeps) + " substeps");
+  }
+  if (strain_limit && strain_limit->yields()) {
+    report.reasons.add(Reason::limit_yields);
+  } else if (course.repairs_ran_out || is_overpulled(report)) {
+    report.reasons.add(Reason::passes_ran_out);
+  }
+}
+
+bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
+  // Where pins or fingers ask for all that the strain limit grants, it pulls without end. That is
+  // no fault of the method, but for speeds that no pull explains. A limit that yields stands for
+  // it, too.
+  const bool may_be_pulled = strain_limit && !report.reasons.has(Reason::beyond_stability) &&
+                             longest_row(state.velocities) < fastest_given;
+  const bool yields = strain_limit && strain_limit->yields();
+  bool is_driven =
+      disturbed || (may_be_pulled && (yields || (is_overpulled(report) && report.pinched > 0)));
+  if (!is_driven) {
+    if (energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
+                             course.recovers ? recovery_speed : 0, course.wind.norm())) {
+      return true;
+    }
+    is_driven = may_be_pulled && (are_pulled_taut(cloth, before.positions) ||
+                                  are_pulled_taut(cloth, state.positions));
+  }
+  if (is_driven) energy_watch.restart();
+  return is_driven;
+}
+
+bool Simulator::Impl::is_beyond_stability(double h) const {
+  const double limit = method->stability_limit();
+  if (h * method->omega_max < limit) return false;  // by far the cheaper bound
+  return h * omega_max_bound(cloth, state.positions) > limit;
+}
+
+bool Simulator::Impl::follows_tension() const {
+  // Implicit methods keep to one step: to change it costs them a factorisation or their history.
+  return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
+}
+
+int Simulator::Impl::substeps_under_tension(double dt, int least) const {
+  const Vector3& gravity = scene.simulation.gravity;
+  // What is being pushed out of a collider is no tension: as many as follow the whole weight.
+  if (collider_contacts.recovers()) {
+    return std::max(least, substeps_at_weight(cloth, gravity, dt));
+  }
+  if (strain_limit->yields()) {
+    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt, least);
+  }
+  const TensionInertia& inertia = strain_limit->inertia();
+  if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least);
+  const int needed = substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
+  if (needed == least) return least;
+  const int at_weight = std::max(least, substeps_at_weight(cloth, gravity, dt));
+  return needed > at_weight && is_pulled_without_end() ? at_weight : needed;
+}
+
+bool Simulator::Impl::is_pulled_without_end() const {
+  return worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled ||
+         are_pulled_taut(cloth, state.positions);
+}
+
+int Simulator::Impl::substeps_for_parting(double dt) const {
+  const int least = method->choice.least_substeps;
+  const int needed = substeps_at_parting(cloth, state.velocities, dt, least);
+  if (needed == least) return 1;
+  // Then springs part the faster the shorter the steps.
+  if (is_pulled_without_end()) return 1;
+  return std::min(needed, most_for_parting * least);
+}
+
+bool Simulator::Impl::is_out_of_reach() {
+  const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
+                                state.positions.colwise().maxCoeff().transpose());
+  // What pins and springs do beside what it does by itself, hardly ever is as much and an edge
+  // more.
+  const double edge = shortest_rest_length(cloth);
+  const double own = longest_row(state.velocities) + scene.simulation.gravity.norm() * course.dt;
+  course.allowed_way = 2 * own * course.dt + edge;
+  // Contact begins that much before the surfaces meet.
+  const double apart = edge + cloth.thickness;
+  return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
+    return collider.reaches(box, apart + course.allowed_way + collider.fastest_in(box) * course.dt);
+  });
+}
+
+double Simulator::Impl::contact_speed() const {
+  if (!touches()) return 0;
+  const double own = longest_row(state.velocities);
+  Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
+                          state.positions.colwise().maxCoeff().transpose());
+  const double fall = scene.simulation.gravity.norm() * course.dt / 2;  // of the frame itself
+  double fastest = 0;
+  for (const MovingCollider& collider : colliders) {
+    const double speed = own + collider.fastest_in(box);
+    if (collider.reaches(box, (speed + fall) * course.dt)) fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+const Cloth& Simulator::Impl::weigh(double h) {
+  // Implicit methods hold tension by themselves. Where contact passes impacts on, steps follow it:
+  // with inertia piles that are hit keep knots.
+  if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
+  strain_limit->inertia().weigh(cloth, h, state, weighed.inv_mass);
+  return weighed;
+}
+
+bool Simulator::Impl::substep(double h, StepReport& report) {
+  if (touches()) {
+    for (MovingCollider& collider : colliders) collider.advance(h);
+    start = state.positions;
+    start_velocities = state.velocities;
+  }
+
+  if (has_air()) blow(h);
+  const Loads loads{scene.simulation.gravity};
+  const Cloth& inert = weigh(h);
+  if (&inert == &weighed) {
+    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(h));
+  }
+  std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
+  report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
+  const int newton_steps =
+      std::visit([](const auto& m) { return m.newton_steps(); }, method->integrator);
+  spend(1 + newton_steps * visits_of_newton_step());
+
+  if (touches() && !is_good(state)) return false;  // numbers to sort by
+  if (strain_limit || touches()) constrain(inert, h, report);
+  if (!grips.empty()) add_impulses(h);
+  if (weighs_colliders) add_collider_impulses(h);
+  return !budget.is_spent();
+}
+
+double Simulator::Impl::stretch_after(double h) const {
+  if (course.approach_speed == 0) return course.stretch;
+  const bool is_kept = strain_limit && substeps_at_speed(cloth, course.approach_speed, h) == 1;
+  if (is_kept) return course.stretch;  // the limit takes back what so little parts
+  const double so_far = course.is_fast ? worst_stretch(cloth, state.positions) : course.stretch;
+  return so_far + course.approach_speed * h / shortest_rest_length(cloth);
+}
+
+void Simulator::Impl::blow(double h) {
+  const Points& forces = air.compute(cloth, scene.cloth.material.drag, course.wind, state, workers);
+  state.velocities += h * (forces.array().colwise() * cloth.inv_mass.array()).matrix();
+  if (!grips.empty()) impulses += h * forces;
+}
+
+}  // namespace clothsim
