@@ -10,9 +10,6 @@ namespace {
 /// Changes that a pass leaves out, of the precision to which it solves.
 constexpr double unseen_share = 0.0125;
 
-/// Contacts from which on they have sides: below, a pass is over before another thread is there.
-constexpr std::size_t least_split = 200;
-
 /// A key as numbers of the memory: whole ones that are exact.
 enum { key_bits = 16, key_parts = 4 };
 
@@ -63,6 +60,7 @@ void ContactList::add(const std::vector<Contact>& contacts) {
 
 void ContactList::resume(const Points& positions, Points& velocities) {
   group(positions);
+  if (contacts_.empty()) return;
   changed_.mark_all(static_cast<int>(positions.rows()));
   for (Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
@@ -77,7 +75,8 @@ void ContactList::group(const Points& positions) {
   const std::size_t count = contacts_.size();
   int axis = 0;
   double split = -std::numeric_limits<double>::infinity();
-  if (count >= least_split) {
+  // Of fewer, a pass is over before another thread is there.
+  if (count >= std::size_t{2 * Workers::dear}) {
     Eigen::AlignedBox3d box;
     for (const Contact& c : contacts_) box.extend(row(positions, c.points[0]));
     box.sizes().maxCoeff(&axis);

@@ -25,14 +25,6 @@ std::optional<Feature> feature_of(const CornerWeights& w) {
   return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
 }
 
-/// Push on a triangle next to a pinched corner, of the weight of the cloth: what colliders ask of
-/// it may be more than it can give.
-constexpr double firmest = 0.3;
-
-/// Cosine of the angle to its normal from which on such a triangle is pushed: along itself it would
-/// be pushed out of solids that overlap where they hold it.
-constexpr double off_plane = 0.5;
-
 /// Longest way of a corner between where impulses act and the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
   double longest2 = 0;
@@ -148,7 +140,7 @@ void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingColl
       if (!pinches.holds(corners[k])) {
         held += c.weights[k] * c.impulse.surface_velocity;
         largest = std::max(largest, c.moves[k]);
-        c.impulse.most = firmest * pinches.weight(cloth);
+        c.impulse.most = Pinches::beside * pinches.weight(cloth);
         continue;
       }
       held += c.weights[k] * pinches.velocity(corners[k]);
@@ -157,14 +149,12 @@ void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingColl
       lacking += c.weights[k] * std::max(0.0, cloth.offset - distance);
       c.hold(k);
     }
-    const Triangle t = clothsim::triangle_of(step.start, corners);
-    const Vector3 square = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-    if (c.mass == 0 || std::abs(square.dot(c.impulse.normal)) < off_plane) {
+    if (c.mass == 0) {
       c.impulse.let_go();
       continue;
     }
     const double lever = 1 / (c.mass * largest);
-    const double sinks = lacking + leeway(lever, t);
+    const double sinks = lacking + leeway(lever, clothsim::triangle_of(step.start, corners));
     const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
     c.impulse.slowest =
         -std::max(0.0, places_[i].distance + sinks - cloth.offset) / step.h - closing;

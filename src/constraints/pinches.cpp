@@ -68,7 +68,7 @@ std::size_t Pinches::jaws_of(const MovingCollider& a, const MovingCollider& b) {
   return jaws_.size() - 1;
 }
 
-bool Pinches::face_each_other(const Vector3& a, const Vector3& b) { return a.dot(b) <= facing; }
+bool Pinches::face_each_other(const Vector3& a, const Vector3& b) { return a.dot(b) <= -facing; }
 
 bool Pinches::leave_no_room(const Side& a, const Side& b, const Vector3& x, double h) {
   const Vector3 across = direction_across(a.normal, b.normal);

@@ -3,9 +3,6 @@
 namespace clothsim {
 namespace {
 
-/// Force on what is pinched in part, of the weight of the cloth.
-constexpr double next_to_pinched = 0.2;
-
 std::variant<PointFinder, SurfaceFinder> finder_of(const Cloth& cloth, SelfCollision kind) {
   if (kind == SelfCollision::surface) return SurfaceFinder(cloth);
   return PointFinder();
@@ -27,7 +24,7 @@ void SelfContacts::begin(const Cloth& cloth, const ContactStep& step, State& sta
 /// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
 /// would have to leap to keep its distance.
 void SelfContacts::leave_to(const Pinches& pinches, Points& velocities) {
-  contacts_.leave_to(pinches, next_to_pinched * weight_, velocities);
+  contacts_.leave_to(pinches, Pinches::beside * weight_, velocities);
 }
 
 double SelfContacts::sweep(double precision, Points& velocities, const Workers& workers) {

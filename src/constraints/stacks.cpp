@@ -7,9 +7,6 @@
 namespace clothsim {
 namespace {
 
-/// Cosine of the angle to a jaw's normal at which one layer still lies upon another there.
-constexpr double upon = 0.5;
-
 /// Speed of one collider against the other up to which layers between them are a grip [m/s]: what
 /// is hit faster is left to impulses, which let piles fly apart.
 constexpr double fastest_grip = 1;
@@ -101,7 +98,7 @@ bool can_face(const Normals& a, const Normals& b) {
     const double q[] = {b.min()[axis], b.max()[axis]};
     least += std::min({p[0] * q[0], p[0] * q[1], p[1] * q[0], p[1] * q[1]});
   }
-  return least <= Pinches::facing;
+  return least <= -Pinches::facing;
 }
 
 void Stacks::pinch(const Jaw& all_of_a, const Jaw& all_of_b, const Cloth& cloth,
@@ -202,9 +199,9 @@ void Stacks::add_edges(const Jaw& a, const Jaw& b, const Points& start, double m
                             &of_lower = nodes_[static_cast<std::size_t>(lower)].a;
         const double cosine = touch.normal.dot(of_upper.normal);
         // So that no chain comes back to where it began.
-        if (cosine > upon && of_upper.distance > of_lower.distance) {
+        if (cosine > Pinches::facing && of_upper.distance > of_lower.distance) {
           edges_.push_back({lower, upper, touch.nearest});
-        } else if (cosine < -upon && of_upper.distance < of_lower.distance) {
+        } else if (cosine < -Pinches::facing && of_upper.distance < of_lower.distance) {
           edges_.push_back({upper, lower, touch.nearest});
         }
       }

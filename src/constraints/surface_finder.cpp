@@ -18,9 +18,6 @@ constexpr double overlap_share = 0.01;
 /// leave a little room, but not their thickness.
 constexpr double parting_push = 0.1;
 
-/// Cosine of the angle by which the direction of a pair may turn in half a step.
-constexpr double least_turn = 0.5;
-
 }  // namespace
 
 /// What a step has that its contacts are made of.
@@ -73,7 +70,7 @@ std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const Nea
 
   // As they lie where impulses act; if they have passed through each other by then, as they lay.
   Separation s = separation(pair, sought.middle);
-  if (s.normal.dot(near.separation.normal) < least_turn) {
+  if (s.normal.dot(near.separation.normal) <= 0) {
     s = near.separation;
     s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, sought.middle));
   }
@@ -111,7 +108,6 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
                       cloth.mass.sum() * step.gravity * step.h};
   std::mutex mutex;
   std::map<int, std::vector<Contact>> found;  // by the first pair that a thread looked at
-  constexpr int least = 256;
   step.workers.share(
       static_cast<int>(near_pairs.size()),
       [&](int begin, int end) {
@@ -127,7 +123,7 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
         const std::lock_guard<std::mutex> lock(mutex);
         found[begin] = std::move(contacts);
       },
-      least);
+      Workers::dear);
   for (const auto& [begin, contacts] : found) list.add(contacts);
 }
 

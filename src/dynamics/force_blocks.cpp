@@ -209,10 +209,6 @@ template <typename Real>
 /// Bytes in a line of the caches. Stores that begin at one are twice as fast as those across two.
 constexpr std::size_t line = sizeof(Lanes);
 
-/// Lines between one array and the next: 4 % faster than where arrays begin at nearly the same
-/// place within 4 KiB, by which the processor tells whether a load waits for a store.
-constexpr int lines_apart = 3;
-
 template <typename Real>
 int padded(int count) {
   constexpr int numbers = line / sizeof(Real);
@@ -234,8 +230,7 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
   group();
   take_points();
 
-  constexpr int apart = lines_apart * static_cast<int>(line / sizeof(Real));
-  const int kept = padded<Real>(std::min(points_at_once, end - begin)) + apart;
+  const int kept = padded<Real>(std::min(points_at_once, end - begin));
   Eigen::Index size = line / sizeof(Real);
   for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
   buffer_.resize(size);

@@ -27,7 +27,7 @@ const double single_margin = std::sqrt(std::numeric_limits<float>::epsilon());
 
 /// Eigenvalues are compared, and returned, up to this share: among equal ones each would have to be
 /// computed.
-constexpr double share = 1e-13;
+constexpr double share = std::numeric_limits<double>::epsilon() * 512;
 
 /// Points that are compared at once.
 constexpr int batch = num_lanes;

@@ -12,9 +12,6 @@ namespace {
 /// Bending springs are this much softer than structural and shear ones.
 constexpr double bending_ratio = 0.2;
 
-/// Largest start offset of a vertical cloth from its plane [m].
-constexpr double fold_seed_amplitude = 1e-3;
-
 /// A spring from point (column, row) to (column + columns, row + rows).
 struct Direction {
   SpringFamily family;
@@ -91,6 +88,35 @@ SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2
   return (dense && stiff) || !has_surface ? SelfCollision::points : SelfCollision::surface;
 }
 
+/// Rest positions and texture coordinates.
+void add_points(const ClothSpec& spec, const Eigen::Vector2d& spacing, Cloth& cloth) {
+  const int n = spec.columns * spec.rows;
+  const int up = spec.orientation == Orientation::horizontal ? 1 : 2;
+  cloth.rest_positions = spec.origin.transpose().replicate(n, 1);
+  cloth.uv.resize(n, 2);
+  for (int row = 0; row < spec.rows; ++row) {
+    for (int column = 0; column < spec.columns; ++column) {
+      const int i = row * spec.columns + column;
+      cloth.rest_positions(i, 0) += column * spacing.x();
+      cloth.rest_positions(i, up) += row * spacing.y();
+      cloth.uv(i, 0) = spec.columns > 1 ? double(column) / (spec.columns - 1) : 0;
+      cloth.uv(i, 1) = spec.rows > 1 ? double(row) / (spec.rows - 1) : 0;
+    }
+  }
+}
+
+/// Two triangles a cell.
+void add_triangles(const ClothSpec& spec, Cloth& cloth) {
+  for (int row = 0; row + 1 < spec.rows; ++row) {
+    for (int column = 0; column + 1 < spec.columns; ++column) {
+      const int i = row * spec.columns + column;
+      const int above = i + spec.columns;
+      cloth.triangles.push_back({i, i + 1, above + 1});
+      cloth.triangles.push_back({i, above + 1, above});
+    }
+  }
+}
+
 }  // namespace
 
 Cloth make_grid(const ClothSpec& spec, double gravity) {
@@ -109,29 +135,8 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   cloth.self_collision = resolve_self_collision(spec, spacing, gravity);
   cloth.friction = spec.friction;
 
-  // Points: rest positions and texture coordinates.
-  const int up = spec.orientation == Orientation::horizontal ? 1 : 2;
-  cloth.rest_positions = spec.origin.transpose().replicate(n, 1);
-  cloth.uv.resize(n, 2);
-  for (int row = 0; row < spec.rows; ++row) {
-    for (int column = 0; column < spec.columns; ++column) {
-      const int i = row * spec.columns + column;
-      cloth.rest_positions(i, 0) += column * spacing.x();
-      cloth.rest_positions(i, up) += row * spacing.y();
-      cloth.uv(i, 0) = spec.columns > 1 ? double(column) / (spec.columns - 1) : 0;
-      cloth.uv(i, 1) = spec.rows > 1 ? double(row) / (spec.rows - 1) : 0;
-    }
-  }
-
-  // Two triangles a cell.
-  for (int row = 0; row + 1 < spec.rows; ++row) {
-    for (int column = 0; column + 1 < spec.columns; ++column) {
-      const int i = row * spec.columns + column;
-      const int above = i + spec.columns;
-      cloth.triangles.push_back({i, i + 1, above + 1});
-      cloth.triangles.push_back({i, above + 1, above});
-    }
-  }
+  add_points(spec, spacing, cloth);
+  add_triangles(spec, cloth);
 
   cloth.mass.resize(n);
   cloth.inv_mass.resize(n);
@@ -159,7 +164,7 @@ State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed)
     std::mt19937_64 engine(seed);
     for (int i = 0; i < cloth.num_points(); ++i) {
       const double unit = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
-      state.positions(i, 1) += fold_seed_amplitude * (2 * unit - 1);
+      state.positions(i, 1) += unevenness * (2 * unit - 1);
     }
   }
   return state;

@@ -1,6 +1,7 @@
 #include "clothsim/search/cell_outlines.h"
 
 #include <cmath>
+#include <limits>
 
 #include "clothsim/model/target_clones.h"
 
@@ -10,7 +11,7 @@ namespace {
 constexpr std::size_t n = CellOutlines::cells;
 
 /// Distances are found in single precision: less than they are by more than that rounds.
-constexpr double rounding = 1e-5;
+constexpr double rounding = std::numeric_limits<float>::epsilon() * 4;
 
 // As ternaries they are vectorised.
 inline double smaller(double a, double b) { return a < b ? a : b; }

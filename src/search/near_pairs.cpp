@@ -12,9 +12,6 @@ namespace {
 /// rest.
 constexpr double margin_share = 0.12;
 
-/// So many sides of a patch more than needed paired patches may be apart.
-constexpr double pairing_sides = 0.5;
-
 }  // namespace
 
 NearPairs::Impl::Impl(const Cloth& cloth)
@@ -42,7 +39,6 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
   outline(cloth, positions, workers);
   if (last.rows() > 0) {
     motions.follow(patches, last, positions, workers);
-    constexpr int least = 256;
     workers.share(
         static_cast<int>(patch_pairs.size()),
         [&](int begin, int end) {
@@ -51,10 +47,10 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
             pair.moved += motions.between(pair.p, pair.q);
           }
         },
-        least);
+        Workers::dear);
   }
   last = positions;
-  const double most_spread = pairing_sides * patch_cells * spacing;
+  const double most_spread = patch_cells * spacing;
   if (paired_at.rows() == 0 || 2 * spread(paired_at, positions) > most_spread) {
     pair_patches(contact + kept_reach() + most_spread);
     paired_at = positions;
@@ -64,7 +60,6 @@ void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const
 /// Where patches and cells are.
 void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const Workers& workers) {
   const int columns = mesh.cell_columns;
-  constexpr int least = 16;
   workers.share(
       static_cast<int>(patches.size()),
       [&](int begin, int end) {
@@ -77,7 +72,7 @@ void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const
           outlines.update(p, patch, positions);
         }
       },
-      least);
+      Workers::dear);
 }
 
 /// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
@@ -124,7 +119,6 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Wor
   scratches.resize(static_cast<std::size_t>(workers.threads() * Workers::uneven));
   for (Scratch& scratch : scratches) scratch.band = -1;
   std::atomic<std::size_t> used{0};
-  constexpr int least = 32;
   workers.share(
       static_cast<int>(patch_pairs.size()),
       [&](int begin, int end) {
@@ -155,7 +149,7 @@ const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Wor
         keep_found(query, scratch);
         scratch.awake.clear();
       },
-      least, Workers::uneven);
+      Workers::dear, Workers::uneven);
 
   return collect();
 }

@@ -25,8 +25,11 @@ struct NearPairs::Impl {
   static constexpr double least_margin_share = 0.3;
   /// Cells along the side of a patch.
   static constexpr int patch_cells = CellOutlines::cells_along_side;
+  /// So many looks like that of now what is listed or kept is to serve: with 1.2, more is found
+  /// anew while a cloth folds than is saved.
+  static constexpr double looks = 4;
   /// Makes up for the rounding of lengths to single precision.
-  static constexpr double rounding = 1e-6;
+  static constexpr double rounding = std::numeric_limits<float>::epsilon();
   static float rounded_up(double length) {
     return static_cast<float>(length) * (1 + static_cast<float>(rounding));
   }

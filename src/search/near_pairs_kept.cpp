@@ -15,10 +15,6 @@ namespace {
 /// to find than it saves.
 constexpr double kept_share = 2;
 
-/// So many steps as the one that is ahead must have room in what is kept: with 1.2, more is found
-/// anew while a cloth folds than is saved.
-constexpr double least_looks = 4;
-
 /// Squares of the lengths of to - from - common, the largest.
 CLOTHSIM_TARGET_CLONES
 double longest_squared(Eigen::Index count, const double* from, const double* to,
@@ -62,7 +58,7 @@ double NearPairs::Impl::nearer_than_kept(const Points& positions) const {
 /// what they were then; none where the step leaves no room for further looks.
 std::optional<double> NearPairs::Impl::keep(const Cloth& cloth, const Query& query, double step,
                                             const Workers& workers) {
-  const bool has_room = step * least_looks <= kept_reach();
+  const bool has_room = step * looks <= kept_reach();
   const double needed = step + nearer_than_kept(query.positions);
   if (has_room && needed <= kept_reach()) return needed;
   kept_at.resize(0, 3);

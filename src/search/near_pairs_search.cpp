@@ -8,9 +8,6 @@
 namespace clothsim {
 namespace {
 
-/// How far features on a list reach, of what is asked for now: for four times the way of now.
-constexpr double list_share = 4;
-
 /// Numbers for the pairs of features of two cells, in their key.
 enum : std::size_t { keys_of_cells = 64 };
 static_assert(CellOutlines::pairs * keys_of_cells <= 1 << 16, "the end of a key is 16 bits");
@@ -51,7 +48,7 @@ void NearPairs::Impl::seek(const Query& query, PatchPair& pair, Scratch& scratch
   const std::vector<int>& q = of(patches, pair.q).cells;
   for (List& list : pair.lists) list.clear();
   pair.listed_at = pair.moved;
-  pair.list_until = pair.moved + list_share * std::max(query.within(pair), least_margin());
+  pair.list_until = pair.moved + looks * std::max(query.within(pair), least_margin());
   pair.wake_at.fill(pair.list_until);
   const double reach = pair.list_until - pair.moved;
 

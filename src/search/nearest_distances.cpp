@@ -6,9 +6,6 @@
 namespace clothsim {
 namespace {
 
-/// Distances below this, in edge lengths, are none.
-constexpr double rounding = 1e-9;
-
 /// Ways along an edge of each direction.
 const std::array<Eigen::Vector2i, 3> edge_ways{Eigen::Vector2i(1, 0), {0, 1}, {1, 1}};
 
@@ -76,7 +73,9 @@ void NearestDistances::fill_features() {
   least_ = least_far();
   const auto keep = [&](double& entry, bool edges, const std::array<Eigen::Vector2i, 4>& points) {
     entry = distance(edges, points);
-    const bool share_a_point = entry < rounding * spacing_.minCoeff();
+    const auto second = points.begin() + (edges ? 2 : 1);
+    const bool share_a_point =
+        std::find_first_of(points.begin(), second, second, points.end()) != second;
     if (!share_a_point) least_ = std::min(least_, entry);
   };
   for (std::size_t t = 0; t < 2; ++t) {

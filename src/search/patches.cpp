@@ -76,7 +76,6 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
     motion.strain = std::sqrt(strain2);
     return motion;
   };
-  constexpr int least = 16;
   workers.share(
       static_cast<int>(patches.size()),
       [&](int begin, int end) {
@@ -84,7 +83,7 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
           motions_[k] = follow_one(patches[k]);
         }
       },
-      least);
+      Workers::dear);
 }
 
 double PatchMotions::between(int p, int q) const {

@@ -1,9 +1,11 @@
 #include "clothsim/simulation/grips.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 namespace {
@@ -125,7 +127,8 @@ void Grips::set_out(double dt, State& state) const {
 }
 
 void arrive_at(const Vector3& target, int point, State& state) {
-  constexpr double rounding = 1e-11;  // of the numbers, more than max_substeps steps make
+  // Of the numbers, as much as so many steps make.
+  constexpr double rounding = max_substeps * std::numeric_limits<double>::epsilon();
   const double scale = std::max(1.0, target.norm());
   if ((state.positions.row(point).transpose() - target).norm() > rounding * scale) return;
   state.positions.row(point) = target.transpose();

@@ -11,6 +11,7 @@
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/grid.h"
 #include "clothsim/shapes/shape.h"
 #include "clothsim/simulation/substeps.h"
 
@@ -27,14 +28,12 @@ constexpr double horizon = 0.5;
 /// them there.
 constexpr double limit_cost = 2.75e-9;
 
-/// CPU time of contact a substep [s] per point of a cloth that lies or has folded: of a collider,
-/// with points alone or with faces too, and of self contact. Measured by `clothsim_benchmark
-/// --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach it is next to nothing, in
-/// an impact several times that: it tells which method is cheaper, not what is in real time.
-constexpr double collider_points_cost = 1e-7;
-constexpr double collider_faces_cost = 2.5e-7;
-constexpr double self_points_cost = 2e-8;
-constexpr double self_surface_cost = 2e-7;
+/// CPU time of contact a substep [s] per point of a cloth that lies or has folded, with a collider
+/// or itself: with points alone, or with faces too. By `clothsim_benchmark
+/// --benchmark_filter=_step` 20 to 130 and 150 to 270 ns. Out of reach it is next to nothing, in an
+/// impact several times that: it tells which method is cheaper, not what is in real time.
+constexpr double contact_cost = 1e-7;
+constexpr double face_contact_cost = 2.5e-7;
 
 /// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
 /// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
@@ -92,8 +91,7 @@ void add_fall(double room, double frame, Motion& m) {
 void add_buckling(const Cloth& cloth, double height, Motion& m) {
   const double link = shortest_rest_length(cloth);
   if (m.loaded == 0 || height < 0.5 * m.size) return;
-  constexpr double unevenness = 1e-3;  // of an upright cloth's start [m]
-  constexpr double part = 0.11;        // fitted to one fold, see docs/experiments.md
+  constexpr double part = 0.11;  // fitted to one fold, see docs/experiments.md
   m.buckling = 2 * std::sqrt(m.gravity * height) / link;
   m.folded = part * link * std::log(std::max(link / unevenness, M_E));
 }
@@ -202,13 +200,13 @@ bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
   return cloth.strain_limit || cloth.self_collision != SelfCollision::off || !colliders.empty();
 }
 
-double contact_cost(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
   double cost = 0;
   for (const ColliderSpec& collider : colliders) {
-    cost += clearance(collider.shape, cloth).faces ? collider_faces_cost : collider_points_cost;
+    cost += clearance(collider.shape, cloth).faces ? face_contact_cost : contact_cost;
   }
-  if (cloth.self_collision == SelfCollision::points) cost += self_points_cost;
-  if (cloth.self_collision == SelfCollision::surface) cost += self_surface_cost;
+  if (cloth.self_collision == SelfCollision::points) cost += contact_cost;
+  if (cloth.self_collision == SelfCollision::surface) cost += face_contact_cost;
   return cost * cloth.num_points();
 }
 
@@ -263,7 +261,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
     while (error(n) > spec.tolerance && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
   }
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
-  const double cost = n * spec.frames_per_second * (step_cost + contact_cost(cloth, colliders));
+  const double cost = n * spec.frames_per_second * (step_cost + cost_of_contact(cloth, colliders));
   return {&c,
           n,
           error(n),

@@ -17,8 +17,8 @@
 namespace clothsim {
 namespace {
 
-/// Of an assignment: several times what the deepest value of a scene or a view takes.
-constexpr size_t max_keys = 20;
+/// Keys of an assignment: several times what the deepest value of a scene or a view takes.
+constexpr Range keys_range{1, 20, "keys"};
 
 using Keys = std::vector<std::string>;
 
@@ -110,10 +110,7 @@ void add(const std::string& assignment, Change& root) {
   if (equals == std::string::npos || empty_key) {
     throw InvalidValue({"assignment"}, '"' + assignment + '"', "path.to.key=value");
   }
-  if (keys.size() > max_keys) {
-    throw InvalidValue({"assignment"}, "a path of " + std::to_string(keys.size()) + " keys",
-                       "at most " + std::to_string(max_keys));
-  }
+  check_range("assignment", static_cast<int>(keys.size()), keys_range);
   Change* place = &root;
   for (const std::string& key : keys) place = &place->inside[key];
   place->value = parse(assignment.substr(equals + 1), keys);

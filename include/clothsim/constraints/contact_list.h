@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "clothsim/constraints/changed_points.h"
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/pinches.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/workers.h"
-#include "clothsim/search/changed_points.h"
 
 namespace clothsim {
 

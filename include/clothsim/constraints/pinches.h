@@ -36,9 +36,13 @@ class Pinches {
   /// [m/s^2].
   void start_over(double h, double gravity = least_gravity);
 
-  /// Cosine of the angle between normals from which on surfaces face each other: out of a wider
-  /// wedge impulses push sideways.
-  static constexpr double facing = -0.5;
+  /// Cosine of the angle from which on surfaces face each other, and one layer lies upon another:
+  /// out of a wider wedge impulses push sideways.
+  static constexpr double facing = 0.5;
+
+  /// Push on what is held in part, of the weight of the cloth: what colliders or layers ask of it
+  /// may be more than it can give.
+  static constexpr double beside = 0.25;
 
   /// Do surfaces with these normals face each other?
   static bool face_each_other(const Vector3& a, const Vector3& b);

@@ -14,7 +14,10 @@ namespace clothsim {
 /// points are enough for automatic self collision. Throws InvalidValue.
 Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 
-/// The cloth at rest in its start position. A vertical cloth stands off its plane by up to 1 mm a
+/// Largest start offset of a vertical cloth's points from its plane [m].
+inline constexpr double unevenness = 1e-3;
+
+/// The cloth at rest in its start position. A vertical cloth stands off its plane by up to that a
 /// point, drawn from `seed`, so that it folds; its rest lengths stay those of the flat grid.
 State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed);
 

@@ -30,6 +30,8 @@ class Workers {
 
   /// Bands for each thread of a loop whose parts take unlike times: who is done takes another one.
   static constexpr int uneven = 4;
+  /// Least band of a loop over parts that take some tenths of a microsecond or more each.
+  static constexpr int dear = 64;
 
   /// To be called from one thread at a time, and not from within a body. A body must not throw.
   /// Bands are `least` long or more, but for a loop that is shorter than two of them.

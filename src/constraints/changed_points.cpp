@@ -1,4 +1,4 @@
-#include "clothsim/search/changed_points.h"
+#include "clothsim/constraints/changed_points.h"
 
 #include <cmath>
 
