@@ -34,21 +34,28 @@ ros_packages = {"ros", "clothsim"} | {
 MOST_LINES = 400
 MOST_LINES_OF_FUNCTION = 50
 
+NO_CODE = re.compile(r"""//[^\n]*|/\*[\s\S]*?\*/|R"\([\s\S]*?\)"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])'"""
+                     r"""|^[ ]*\#(?:[^\n]*\\\n)*[^\n]*""", re.MULTILINE)
+SCOPE = re.compile(r"(?:.*>\s*)?(?:inline )?(?:namespace|class|struct|enum|union|extern)\b(?!.*\)\s*$)")
 
-def long_functions(lines):
-    """Where functions begin that are too long, and their lengths. As clang-format writes them they go
-    from a line without indent to the brace without indent that ends them."""
-    start = None
-    for number, line in enumerate(lines, 1):
-        if start is None:
-            if re.match(r"(?!namespace|class|struct|enum|union)[A-Za-z\[]", line):
-                start = number
-        if start is None:
-            continue
-        if line == "}" and number - start + 1 > MOST_LINES_OF_FUNCTION:
-            yield start, number - start + 1
-        if line == "}" or re.match(r"\S.*[;}]$", line):
-            start = None
+
+def long_functions(text):
+    """(line, length) of functions that are too long: blocks in namespaces and classes alone."""
+    text = NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+    begin, blocks = 0, []  # of what is read, and whether each open block is a scope, with its line
+    for place, character in enumerate(text):
+        if character == "{":
+            head = text[begin:place]
+            line = text.count("\n", 0, place - len(head.lstrip())) + 1
+            blocks.append((bool(SCOPE.match(" ".join(head.split()))), line))
+        elif character == "}":
+            is_scope, line = blocks.pop()
+            length = text.count("\n", 0, place) + 2 - line
+            in_scope = all(of_scope for of_scope, _ in blocks)
+            if in_scope and not is_scope and length > MOST_LINES_OF_FUNCTION:
+                yield line, length
+        if character in ";{}" and all(of_scope for of_scope, _ in blocks):
+            begin = place + 1
 
 
 mistakes = 0
@@ -57,8 +64,9 @@ for base in ("include/clothsim", "src"):
         if path.suffix not in (".h", ".cpp"):
             continue
         room = path.relative_to(package / base).parts[0]
-        lines, name = path.read_text().splitlines(), path.relative_to(package)
-        too_long = [f"{start}: a function of {length} lines" for start, length in long_functions(lines)]
+        text, name = path.read_text(), path.relative_to(package)
+        lines = text.splitlines()
+        too_long = [f"{start}: a function of {length} lines" for start, length in long_functions(text)]
         if len(lines) > MOST_LINES:
             too_long.append(f"{len(lines)} lines")
         for what in too_long:

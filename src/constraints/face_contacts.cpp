@@ -11,9 +11,6 @@ namespace {
 /// Passes that take triangles out of a collider, each of which may move its neighbours in.
 constexpr int max_passes = 50;
 
-/// How much of the offset more may be used up before a triangle is moved: others move it, too.
-constexpr double grace = 0.1;
-
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
 enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
 
@@ -191,7 +188,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
       const double wanted = found.before < 0
                                 ? required_distance(found.before, cloth.offset, in_reach)
                                 : raised(now, cloth.offset);
-      const bool must = now < wanted - grace * surface_offset;
+      const bool must = now < wanted - may_sink;  // others may move it out, too
       if (!must && (pass > 1 || now >= cloth.offset)) return;
       spread(corners, moves, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {

@@ -16,7 +16,7 @@ constexpr double rest_exclusion = 2;
 
 /// Share of an overlap that correct() takes out in a step. All of it would shake piles where the
 /// springs pull back what is pushed out.
-constexpr double overlap_share = 0.3;
+constexpr double parted_share = 0.3;
 
 double contact_distance(const Cloth& cloth) { return 2 * cloth.thickness; }
 
@@ -95,7 +95,7 @@ void PointFinder::correct(const Cloth& cloth, Points& positions) const {
     if (length >= nearest || length == 0) continue;
     const double inv_mass = cloth.inv_mass[pair.a] + cloth.inv_mass[pair.b];
     const double overlap = nearest - length;
-    const Vector3 apart = overlap_share * overlap / (inv_mass * length) * d;
+    const Vector3 apart = parted_share * overlap / (inv_mass * length) * d;
     positions.row(pair.a) -= cloth.inv_mass[pair.a] * apart.transpose();
     positions.row(pair.b) += cloth.inv_mass[pair.b] * apart.transpose();
   }

@@ -10,10 +10,6 @@
 namespace clothsim {
 namespace {
 
-/// Share of an overlap that the impulses work off each step. Kept impulses integrate it, so a large
-/// share shakes piles.
-constexpr double overlap_share = 0.01;
-
 /// Force that works off an overlap, of the weight of the cloth: more shakes layers that fingers
 /// leave a little room, but not their thickness.
 constexpr double parting_push = 0.1;

@@ -27,7 +27,7 @@ const double single_margin = std::sqrt(std::numeric_limits<float>::epsilon());
 
 /// Eigenvalues are compared, and returned, up to this share: among equal ones each would have to be
 /// computed.
-constexpr double share = std::numeric_limits<double>::epsilon() * 512;
+constexpr double share = 512 * std::numeric_limits<double>::epsilon();
 
 /// Points that are compared at once.
 constexpr int batch = num_lanes;

@@ -10,8 +10,9 @@ namespace {
 
 constexpr std::size_t n = CellOutlines::cells;
 
-/// Distances are found in single precision: less than they are by more than that rounds.
-constexpr double rounding = std::numeric_limits<float>::epsilon() * 4;
+/// Distances are found in single precision: less than they are by more than its four roundings,
+/// each half of this at most.
+constexpr double rounding = std::numeric_limits<float>::epsilon();
 
 // As ternaries they are vectorised.
 inline double smaller(double a, double b) { return a < b ? a : b; }
@@ -34,7 +35,7 @@ void measure(const double* __restrict a, const double* __restrict b, std::size_t
                                   smaller(along(b + 2 * corner + j), along(b + 3 * corner + j)));
     const auto length = std::sqrt(static_cast<float>(x * x + y * y + z * z));
     const auto share = static_cast<float>(lowest - highest) / (length + 1e-30F);
-    distances[j] = larger((1 - rounding) * static_cast<double>(share), 0);
+    distances[j] = larger((1 - 4 * rounding) * static_cast<double>(share), 0);
   }
 }
 

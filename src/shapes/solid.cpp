@@ -64,7 +64,7 @@ void Volume::add(const Vector3& a, const Vector3& b, const Vector3& c) {
   parts += std::abs(part);
 }
 
-bool Volume::is_none() const { return std::abs(sum) <= least_volume * parts; }
+bool Volume::is_none() const { return !(std::abs(sum) > least_volume * parts); }  // so NaN is none
 
 Solid::Solid(const TriangleSoup& soup) {
   weld(soup);

@@ -126,18 +126,18 @@ void Grips::set_out(double dt, State& state) const {
   }
 }
 
-void arrive_at(const Vector3& target, int point, State& state) {
-  // Of the numbers, as much as so many steps make.
+void arrive_at(const Vector3& target, int point, const State& before, State& state) {
+  // Of the largest numbers, as much as so many steps make.
   constexpr double rounding = max_substeps * std::numeric_limits<double>::epsilon();
-  const double scale = std::max(1.0, target.norm());
+  const double scale = std::max({1.0, target.norm(), before.positions.row(point).norm()});
   if ((state.positions.row(point).transpose() - target).norm() > rounding * scale) return;
   state.positions.row(point) = target.transpose();
 }
 
-void Grips::arrive(State& state) const {
+void Grips::arrive(const State& before, State& state) const {
   for (const auto& [frame, grip] : all_) {
     for (const Grip::Held& held : grip.held) {
-      arrive_at(place(grip, held), held.point, state);
+      arrive_at(place(grip, held), held.point, before, state);
     }
   }
 }

@@ -112,7 +112,10 @@ std::vector<MotionEntry> read_key_frames(const std::filesystem::path& path,
       throw InvalidValue({}, "a file of another kind", "one that ends in .csv or .npz");
     }
     const std::vector<Row> rows = is_npz ? read_npz_rows(path) : read_csv(path);
-    check_range("key frames", static_cast<double>(rows.size()), count_range);
+    if (rows.empty() || static_cast<double>(rows.size()) > count_range.max) {
+      throw InvalidValue({}, std::to_string(rows.size()) + " key frames or more",
+                         "1 to " + to_text(count_range.max));
+    }
     for (std::size_t i = 0; i < rows.size(); ++i)
       inside("key frame " + std::to_string(i),
              [&] { entries.push_back(to_entry(rows[i], frame)); });

@@ -18,7 +18,7 @@ namespace clothsim {
 namespace {
 
 /// Keys of an assignment: several times what the deepest value of a scene or a view takes.
-constexpr Range keys_range{1, 20, "keys"};
+constexpr int most_keys = 20;
 
 using Keys = std::vector<std::string>;
 
@@ -110,7 +110,10 @@ void add(const std::string& assignment, Change& root) {
   if (equals == std::string::npos || empty_key) {
     throw InvalidValue({"assignment"}, '"' + assignment + '"', "path.to.key=value");
   }
-  check_range("assignment", static_cast<int>(keys.size()), keys_range);
+  if (keys.size() > std::size_t{most_keys}) {
+    throw InvalidValue({"assignment"}, "a path of " + std::to_string(keys.size()) + " keys",
+                       "at most " + std::to_string(most_keys));
+  }
   Change* place = &root;
   for (const std::string& key : keys) place = &place->inside[key];
   place->value = parse(assignment.substr(equals + 1), keys);

@@ -44,7 +44,7 @@ StepReport Simulator::Impl::step() {
   allow_work(dt);
   StepReport report = succeed(last_good);
 
-  arrive();
+  arrive(last_good);
   is_given = disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
   if (weighs_colliders) finish_colliders(dt);
@@ -96,9 +96,9 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
   }
 }
 
-void Simulator::Impl::arrive() {
+void Simulator::Impl::arrive(const State& before) {
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    arrive_at(pin_targets[i], pin_point(i), state);
+    arrive_at(pin_targets[i], pin_point(i), before, state);
     state.velocities.row(pin_point(i)).setZero();
   }
   for (MovingCollider& collider : colliders) collider.arrive();

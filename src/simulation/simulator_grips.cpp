@@ -46,7 +46,7 @@ void Simulator::Impl::add_impulses(double h) {
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {
-  grips.arrive(state);
+  grips.arrive(before, state);
   grips.weigh(cloth, scene.simulation.gravity, dt, impulses, before, state);
   const std::vector<int> torn = grips.torn();
   if (torn.empty()) return;

@@ -208,7 +208,7 @@ struct Simulator::Impl {
   void set_out();
   /// Pins and colliders arrive there, to the last bit. Pins that the cloth itself blocks stop
   /// short.
-  void arrive();
+  void arrive(const State& before);
   /// Substeps that the frame begins with.
   int first_substeps();
   /// False where the state has left the finite numbers, or the budget is spent.
@@ -223,7 +223,7 @@ struct Simulator::Impl {
   }
   /// Gets ready to try a failed frame again. False where nothing is left to try.
   bool recover();
-  /// False where the state has left the finite numbers.
+  /// False where the state has left the finite numbers, or the budget is spent.
   bool substep(double h, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);

@@ -140,7 +140,7 @@ TEST(MotionPlayer, RefusesFiles) {
   const std::vector<std::array<std::string, 3>> mistakes = {
       {"a.csv", "", "got nothing"},
       {"b.csv", "t,x,y,z\n0,0,0,0\n", "got \"t,x,y,z\", expected time,x,y,z"},
-      {"c.csv", csv, "key frames: got 0"},
+      {"c.csv", csv, "got 0 key frames"},
       {"d.csv", csv + "0,0,0\n", ".2: got \"0,0,0\", expected 4 numbers"},
       {"e.csv", csv + "0,0,0,0\n1,0,0,nan\n", "key frame 1.position.2: got nan"},
       {"f.csv", csv + "-1,0,0,0\n", "key frame 0.time: got -1"},

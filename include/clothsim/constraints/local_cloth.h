@@ -53,12 +53,9 @@ inline double way_out_speed(double depth) {
 /// What is pressed on may sink in that far from where contact keeps it [m].
 inline constexpr double may_sink = surface_offset / 2;
 
-/// Where contact moves what is `distance` from a surface and should keep `kept` [m]. It rises by
-/// a fiftieth a step: moved out at once, it would feed energy to what is pressed on, and a cloth on
-/// a tip would shake for ever.
+/// Where contact moves what is `distance` from a surface and should keep `kept` [m].
 inline double raised(double distance, double kept) {
-  constexpr double share = 0.02;
-  return std::max(kept - may_sink, distance + share * (kept - distance));
+  return std::max(kept - may_sink, distance + overlap_share * (kept - distance));
 }
 
 /// How far from a surface what was `before` away from it, at the step's start, must end [m].

@@ -36,8 +36,9 @@ class Pinches {
   /// [m/s^2].
   void start_over(double h, double gravity = least_gravity);
 
-  /// Cosine of the angle from which on surfaces face each other, and one layer lies upon another:
-  /// out of a wider wedge impulses push sideways.
+  /// Cosine of the angle between one normal and the other's opposite from which on surfaces face
+  /// each other, and between normals from which on one layer lies upon another: out of a wider
+  /// wedge impulses push sideways.
   static constexpr double facing = 0.5;
 
   /// Push on what is held in part, of the weight of the cloth: what colliders or layers ask of it

@@ -30,7 +30,7 @@ class Workers {
 
   /// Bands for each thread of a loop whose parts take unlike times: who is done takes another one.
   static constexpr int uneven = 4;
-  /// Least band of a loop over parts that take some tenths of a microsecond or more each.
+  /// Least band of a loop over parts that are dearer than a point or a spring.
   static constexpr int dear = 64;
 
   /// To be called from one thread at a time, and not from within a body. A body must not throw.

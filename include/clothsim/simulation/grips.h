@@ -12,9 +12,9 @@
 
 namespace clothsim {
 
-/// Puts a point that a frame brought to `target` [m] there to the last bit. One that was held back
-/// on its way stays where it is.
-void arrive_at(const Vector3& target, int point, State&);
+/// Puts a point that a frame brought from where it was `before` to `target` [m] there to the last
+/// bit. One that was held back on its way stays where it is.
+void arrive_at(const Vector3& target, int point, const State& before, State&);
 
 /// Points of a cloth that a frame carries about, as a hand does.
 struct Grip {
@@ -59,7 +59,7 @@ class Grips {
   void set_out(double dt, State&) const;
 
   /// Puts held points there, to the last bit, but for those held back on their way.
-  void arrive(State&) const;
+  void arrive(const State& before, State&) const;
 
   /// Sets wrenches after a step of dt [s] in which the cloth gave its points `impulses` [N s], N
   /// x 3.
