@@ -10,8 +10,8 @@
 namespace clothsim {
 namespace {
 
-/// Key frames of a file: far more than a motion has, and few enough to hold.
-constexpr Range count_range{1, 1e6, "key frames"};
+/// Of a file: far more than a motion has, and few enough to hold.
+constexpr std::size_t most_key_frames = 1'000'000;
 
 /// Time, place and quaternion x, y, z, w, row by row.
 using Row = std::array<double, 8>;
@@ -50,7 +50,7 @@ std::vector<Row> read_csv(const std::filesystem::path& path) {
                        std::string(csv_header) + " or " + csv_header_turned);
   }
   std::vector<Row> rows;
-  while (static_cast<double>(rows.size()) <= count_range.max && next()) {
+  while (rows.size() <= most_key_frames && next()) {
     inside(std::to_string(rows.size() + 2),
            [&] { rows.push_back(parse_line(line, is_turned ? std::tuple_size_v<Row> : 4)); });
   }
@@ -112,9 +112,9 @@ std::vector<MotionEntry> read_key_frames(const std::filesystem::path& path,
       throw InvalidValue({}, "a file of another kind", "one that ends in .csv or .npz");
     }
     const std::vector<Row> rows = is_npz ? read_npz_rows(path) : read_csv(path);
-    if (rows.empty() || static_cast<double>(rows.size()) > count_range.max) {
+    if (rows.empty() || rows.size() > most_key_frames) {
       throw InvalidValue({}, std::to_string(rows.size()) + " key frames or more",
-                         "1 to " + to_text(count_range.max));
+                         "1 to " + std::to_string(most_key_frames));
     }
     for (std::size_t i = 0; i < rows.size(); ++i)
       inside("key frame " + std::to_string(i),
