@@ -28,12 +28,14 @@ constexpr double horizon = 0.5;
 /// them there.
 constexpr double limit_cost = 2.75e-9;
 
-/// CPU time of contact a substep [s] per point of a cloth that lies or has folded, with a collider
-/// or itself: with points alone, or with faces too. By `clothsim_benchmark
-/// --benchmark_filter=_step` 20 to 130 and 150 to 270 ns. Out of reach it is next to nothing, in an
-/// impact several times that: it tells which method is cheaper, not what is in real time.
+/// CPU time of contact a substep [s] per point of a cloth that lies or has folded: with a collider
+/// that points do for, with faces or surfaces, and of points with each other. Measured by
+/// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach it is
+/// next to nothing, in an impact several times that: it tells which method is cheaper, not what is
+/// in real time.
 constexpr double contact_cost = 1e-7;
 constexpr double face_contact_cost = 2.5e-7;
+constexpr double self_points_cost = 2e-8;
 
 /// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
 /// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
@@ -205,7 +207,7 @@ double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& coll
   for (const ColliderSpec& collider : colliders) {
     cost += clearance(collider.shape, cloth).faces ? face_contact_cost : contact_cost;
   }
-  if (cloth.self_collision == SelfCollision::points) cost += contact_cost;
+  if (cloth.self_collision == SelfCollision::points) cost += self_points_cost;
   if (cloth.self_collision == SelfCollision::surface) cost += face_contact_cost;
   return cost * cloth.num_points();
 }

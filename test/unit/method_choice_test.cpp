@@ -286,6 +286,7 @@ TEST(MethodChoice, ContactCosts) {
   const double ground = cost(SelfCollision::off, plane);  // points alone
   const double edges = cost(SelfCollision::off, table);   // faces, too
   EXPECT_LT(nothing, points);
+  EXPECT_LT(points, ground);
   EXPECT_LT(ground, edges);
   EXPECT_NEAR(cost(SelfCollision::points, plane), points + ground - nothing, 1e-12);
   EXPECT_GT(cost(SelfCollision::surface, {}), 2 * points);
