@@ -95,6 +95,27 @@ Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room,
   return shares();
 }
 
+/// Where ways are longer than the finder sees, binds them all to what it does [m]. Did it so?
+bool narrow(const NearPairs& finder, const Room& room, double& unseen) {
+  if (finder.most_nearer() <= finder.sees() || unseen < infinity) return false;
+  unseen = room.way(finder.sees());
+  return true;
+}
+
+/// Adds pairs that are not yet there. Were there any?
+bool adds(const std::vector<NearPair>& more, std::vector<NearPair>& near_pairs) {
+  const auto before = [](const NearPair& a, const NearPair& b) { return a.key < b.key; };
+  std::sort(near_pairs.begin(), near_pairs.end(), before);
+  std::vector<NearPair> added;
+  for (const NearPair& near : more) {
+    if (!std::binary_search(near_pairs.begin(), near_pairs.end(), near, before)) {
+      added.push_back(near);
+    }
+  }
+  near_pairs.insert(near_pairs.end(), added.begin(), added.end());
+  return !added.empty();
+}
+
 /// Mean of these ways, of what colliders hold or else of all: what is held back goes along with it.
 Eigen::RowVector3d common_way(const ContactStep& step, const Points& ways) {
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
@@ -131,40 +152,41 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
   const Room room{floor_share * finder.least_nearest()};
   bool together = true;  // points held back go along with the cloth
   for (int leg = 1;; ++leg) {
-    // Ways beyond the common one, which brings nobody closer. Pairs that bind are nearer than the
-    // longest way needs; further ones than can be seen are taken to be no further.
+    if (!positions.allFinite()) return 0;  // the frame will be taken back
+    std::vector<NearPair> near_pairs =
+        finder.may_meet(here, positions, room.floor, step.workers, step.budget);
+    double unseen = infinity;
+    narrow(finder, room, unseen);
+    if (near_pairs.empty() && unseen == infinity) {
+      finder.go(positions);
+      return 0;
+    }
+    if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
+
+    // Ways beyond the common one, which brings nobody closer.
     Eigen::RowVector3d common = Eigen::RowVector3d::Zero();
     if (together) common = common_way(step, positions - here);
-    const auto longest_to = [&](const Points& ends) {
-      return longest_row((ends - here).rowwise() - common);
-    };
-    const double longest =
-        leg == 1 ? std::max(longest_to(positions), longest_to(by_impulses)) : longest_to(positions);
-    const double needed = room.floor + longest / bound_share;
-    if (!std::isfinite(needed)) return 0;  // no longer numbers: the frame will be taken back
-    const double seen = std::min(needed, finder.reach());
-    const std::vector<NearPair>& near_pairs =
-        finder.within(cloth, here, seen, step.workers, step.budget);
-    if (step.is_spent()) return 0;
-    if (near_pairs.empty() && seen == needed) return 0;
-
-    if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
     const Points ways = (positions - here).rowwise() - common;
-    const Scalars shares =
-        shares_of(near_pairs, room, step, here, ways, seen == needed ? infinity : room.way(seen));
+    Scalars shares;
+    Points ends;
+    do {  // what is held back may be in the way of others
+      shares = shares_of(near_pairs, room, step, here, ways, unseen);
+      ends = positions;
+      for (int i = 0; i < here.rows(); ++i) {
+        if (shares[i] < 1) ends.row(i) = here.row(i) + common + shares[i] * ways.row(i);
+      }
+      if (step.is_spent()) return 0;
+    } while (adds(finder.may_meet(here, ends, room.floor, step.workers, step.budget), near_pairs) ||
+             narrow(finder, room, unseen));
+
     // A pin goes where it is told or stays: the cloth does not take it along.
     if (together && (cloth.inv_mass.array() == 0 && shares.array() < 1).any()) {
       together = false;
       continue;
     }
+    finder.go(ends);
+    here = ends;
     const auto held_back = (shares.array() < 1).count();
-    for (int i = 0; i < here.rows(); ++i) {
-      if (shares[i] < 1) {
-        here.row(i) += common + shares[i] * ways.row(i);
-      } else {
-        here.row(i) = positions.row(i);
-      }
-    }
     if (held_back == 0 || leg >= most_legs) {
       positions = here;
       if (held_back > 0) slow_down(cloth, step, by_impulses, shares, state);

@@ -25,38 +25,11 @@ struct SurfaceFinder::Sought {
   double strongest;          // push of what stops nothing [N s]
 };
 
-/// Does no other triangle hold the same closest points? Where they lie on edges and corners, the
-/// triangle that owns these answers for them, unless it has the point itself.
-bool SurfaceFinder::is_nearest_on_surface(const SurfacePair& pair, const Separation& s) const {
-  if (pair.edges()) {
-    return std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
-  }
-  const SurfaceMesh& mesh = near_.mesh();
-  int zeros = 0;
-  std::size_t zero = 0, corner = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (s.weights[k + 1] == 0) {
-      ++zeros;
-      zero = k;
-    } else {
-      corner = k;
-    }
-  }
-  if (zeros == 0) return true;
-  const auto triangle = static_cast<std::size_t>(pair.triangle);
-  const int owner =
-      zeros == 1
-          ? mesh.triangle_of_edge[triangle][zero]
-          : mesh.triangle_of_point[static_cast<std::size_t>(mesh.triangles[triangle][corner])];
-  const auto& has = mesh.triangles[static_cast<std::size_t>(owner)];
-  return owner == pair.triangle || std::find(has.begin(), has.end(), pair.points[0]) != has.end();
-}
-
 /// Of a pair that may touch within the step, or had an impulse in the last one.
 std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const NearPair& near,
-                                                 const Contact* last) const {
+                                                 const Contact* last) {
   const SurfacePair& pair = near.pair;
-  if (near.separation.distance == 0 || !is_nearest_on_surface(pair, near.separation)) return {};
+  if (near.separation.distance == 0) return {};
 
   // Most do not get there.
   const Vector3& last_normal = near.separation.normal;
@@ -99,7 +72,7 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
   // would be about to touch.
   const Points ahead = step.start + step.h * (step.velocities ? *step.velocities : step.drifted);
   const std::vector<NearPair>& near_pairs =
-      near_.approaching(cloth, step.start, ahead, step.workers, step.budget);
+      near_.approaching(step.start, ahead, step.workers, step.budget);
   const Sought sought{cloth, step.h, middle, state.velocities,
                       cloth.mass.sum() * step.gravity * step.h};
   std::mutex mutex;

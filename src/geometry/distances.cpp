@@ -21,12 +21,6 @@ struct Coordinates {
   const double* z;
 };
 
-struct Ways {
-  double* __restrict x;
-  double* __restrict y;
-  double* __restrict z;
-};
-
 struct Indices {
   const int* a;
   const int* b;
@@ -44,7 +38,7 @@ inline double to_unit(double t) { return smaller(larger(t, 0.0), 1.0); }
 /// All from the products of the ways from b.
 CLOTHSIM_TARGET_CLONES
 void point_triangle(std::size_t count, const Coordinates p, const Indices i,
-                    double* __restrict values, const Ways way) {
+                    double* __restrict values, double* __restrict inside) {
   for (std::size_t k = 0; k < count; ++k) {
     const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
     const double ux = p.x[c] - p.x[b], uy = p.y[c] - p.y[b], uz = p.z[c] - p.z[b];
@@ -74,51 +68,11 @@ void point_triangle(std::size_t count, const Coordinates p, const Indices i,
     const double thinness = uu * vv / (area2 + tiny);
     const double on_plane = ww - (beta * uw + gamma * vw) / (area2 + tiny);
     // In thin triangles the first one's rounding grows, and the edges are the nearer.
-    const double inside =
+    const double on_inside =
         larger(on_plane - rounding * thinness * ww, on_edges - larger(uu, vv) / thinness);
-    const double least = (within ? inside : on_edges) - rounding * (uu + vv + ww);
+    const double least = (within ? on_inside : on_edges) - rounding * (uu + vv + ww);
     values[k] = std::sqrt(larger(least, 0.0));
-
-    // Where on the triangle, from b in shares of its edges.
-    const bool is_u = on_u <= on_edges, is_v = on_v <= on_edges;
-    const double edge_u = is_u ? s : is_v ? 0.0 : 1 - r;
-    const double edge_v = is_u ? 0.0 : is_v ? t : r;
-    const double at_u = within ? beta / (area2 + tiny) : edge_u;
-    const double at_v = within ? gamma / (area2 + tiny) : edge_v;
-    way.x[k] = wx - at_u * ux - at_v * vx;
-    way.y[k] = wy - at_u * uy - at_v * vy;
-    way.z[k] = wz - at_u * uz - at_v * vz;
-  }
-}
-
-/// Of edges a -> b to c -> d, as in closest_on_segments().
-CLOTHSIM_TARGET_CLONES
-void edge_edge(std::size_t count, const Coordinates p, const Indices i, double* __restrict values,
-               double* __restrict inside, const Ways way) {
-  for (std::size_t k = 0; k < count; ++k) {
-    const int a = i.a[k], b = i.b[k], c = i.c[k], d = i.d[k];
-    const double ux = p.x[b] - p.x[a], uy = p.y[b] - p.y[a], uz = p.z[b] - p.z[a];
-    const double vx = p.x[d] - p.x[c], vy = p.y[d] - p.y[c], vz = p.z[d] - p.z[c];
-    const double wx = p.x[a] - p.x[c], wy = p.y[a] - p.y[c], wz = p.z[a] - p.z[c];
-    const double uu = ux * ux + uy * uy + uz * uz + tiny;
-    const double vv = vx * vx + vy * vy + vz * vz + tiny;
-    const double uv = ux * vx + uy * vy + uz * vz;
-    const double uw = ux * wx + uy * wy + uz * wz;
-    const double vw = vx * wx + vy * wy + vz * wz;
-    const double ww = wx * wx + wy * wy + wz * wz;
-
-    const double area2 = uu * vv - uv * uv;
-    const bool crossing = area2 > parallel * uu * vv;
-    const double free = crossing ? to_unit((uv * vw - uw * vv) / (area2 + tiny)) : 0.0;
-    const double t = to_unit((uv * free + vw) / vv);
-    const double s = to_unit((uv * t - uw) / uu);
-    inside[k] = s * (1 - s) * t * (1 - t);
-    const double x = wx + s * ux - t * vx, y = wy + s * uy - t * vy, z = wz + s * uz - t * vz;
-    const double least = x * x + y * y + z * z - rounding * (uu + vv + ww);
-    values[k] = std::sqrt(larger(least, 0.0));
-    way.x[k] = x;
-    way.y[k] = y;
-    way.z[k] = z;
+    inside[k] = within & (beta > 0) & (gamma > 0) & (beta + gamma < area2) ? 1.0 : 0.0;
   }
 }
 
@@ -134,13 +88,7 @@ Indices indices(const Lists& points) {
 }  // namespace
 
 void Distances::measure(const Points& positions) {
-  const Coordinates x = coordinates(positions);
-  const Ways ways{ways_[0].data(), ways_[1].data(), ways_[2].data()};
-  if (edges_) {
-    edge_edge(size_, x, indices(points_), values_.data(), inside_.data(), ways);
-  } else {
-    point_triangle(size_, x, indices(points_), values_.data(), ways);
-  }
+  point_triangle(size_, coordinates(positions), indices(points_), values_.data(), inside_.data());
 }
 
 }  // namespace clothsim

@@ -1,105 +1,107 @@
+#include "clothsim/search/near_pairs.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
 
 #include "near_pairs_impl.h"
 
 namespace clothsim {
 namespace {
 
-/// Farthest that two features which approach each other are looked at, of the least distance at
-/// rest.
-constexpr double margin_share = 0.12;
+/// Pairs count as touching from this far beyond the nearest they may come, of the least distance at
+/// rest: with a third of it, some of a pile at rest come and go.
+constexpr double margin_share = 0.036;
+
+/// Patches that are so many times as far as they may come nearer in a step need no closer bound.
+constexpr double far_off = 8;
+
+/// Patches that are near each other are measured anew after so many looks, however still they lie:
+/// what is found late is found then.
+constexpr int longest_sleep = 256;
+
+/// Tiles from one of a patch to the nearest of one so many patches on.
+int least_way(int patches_on) { return std::max(0, (std::abs(patches_on) - 1) * Patch::side + 1); }
 
 }  // namespace
 
 NearPairs::Impl::Impl(const Cloth& cloth)
-    : mesh(cloth),
-      nearest(cloth),
-      feature_pairs(mesh),
-      patches(cut_into_patches(cloth, patch_cells)),
-      patch_columns((mesh.cell_columns + patch_cells - 1) / patch_cells),
-      outlines(patches.size()) {
+    : columns(cloth.columns),
+      mesh(std::make_shared<SurfaceMesh>(cloth)),
+      nearest(std::make_shared<NearestDistances>(cloth)),
+      patches(std::make_shared<std::vector<Patch>>(cut_into_patches(cloth))),
+      patch_columns((cloth.columns + Patch::side - 1) / Patch::side),
+      features(cloth.columns),
+      shapes(cloth, patches->size()),
+      slots(mesh, nearest) {
   const Points& x = cloth.rest_positions;
   const double along_row = (x.row(1) - x.row(0)).norm();
-  const double along_column = (x.row(cloth.columns) - x.row(0)).norm();
+  const double along_column = (x.row(columns) - x.row(0)).norm();
   spacing = std::min(along_row, along_column);
+  fill_nearest();
   // A point and the long side of a triangle; two diagonals side by side are as far apart.
-  least_rest_distance = along_row * along_column / std::hypot(along_row, along_column);
-  contact = 2 * cloth.thickness;
-  margin = margin_share * least_rest_distance;
-  boxes.resize(patches.size());
-  gradients.resize(patches.size());
+  margin = margin_share * along_row * along_column / std::hypot(along_row, along_column);
 }
 
-/// Brings what is known of patches up to date.
-void NearPairs::Impl::advance(const Cloth& cloth, const Points& positions, const Workers& workers) {
-  if (last.rows() > 0 && last == positions) return;
-  outline(cloth, positions, workers);
-  if (last.rows() > 0) {
-    motions.follow(patches, last, positions, workers);
-    workers.share(
-        static_cast<int>(patch_pairs.size()),
-        [&](int begin, int end) {
-          for (int k = begin; k < end; ++k) {
-            PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-            pair.moved += motions.between(pair.p, pair.q);
-          }
-        },
-        Workers::dear);
-  }
-  last = positions;
-  const double most_spread = patch_cells * spacing;
-  if (paired_at.rows() == 0 || 2 * spread(paired_at, positions) > most_spread) {
-    pair_patches(contact + kept_reach() + most_spread);
-    paired_at = positions;
-  }
-}
-
-/// Where patches and cells are.
-void NearPairs::Impl::outline(const Cloth& cloth, const Points& positions, const Workers& workers) {
-  const int columns = mesh.cell_columns;
-  workers.share(
-      static_cast<int>(patches.size()),
-      [&](int begin, int end) {
-        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
-          const Patch& patch = patches[p];
-          const int first = patch.cells.front();
-          boxes[p] = around(positions, patch.points);
-          gradients[p] = gradient_bounds(cloth, positions, first % columns, first / columns,
-                                         patch.columns - 1, patch.rows - 1);
-          outlines.update(p, patch, positions);
-        }
-      },
-      Workers::dear);
-}
-
-/// Are they so near on the cloth that they may touch at rest, but for the neighbours' share?
-bool NearPairs::Impl::are_neighbours(int p, int q) const {
-  const std::vector<int>& of_p = patches[static_cast<std::size_t>(p)].cells;
-  const std::vector<int>& of_q = patches[static_cast<std::size_t>(q)].cells;
-  const int columns = mesh.cell_columns;
-  const double window = std::ceil(contact / (NearestDistances::neighbour_share * spacing));
-  const auto gap = [](int a_first, int a_last, int b_first, int b_last) {
-    return std::max(b_first - a_last, a_first - b_last);
+/// What the outlines of tiles are compared with.
+void NearPairs::Impl::fill_nearest() {
+  nearest_far.fill(static_cast<float>(nearest->far()));
+  const auto is_neighbour = [&](int patches_on) {
+    const int gap = least_way(patches_on);
+    return nearest->are_neighbours(gap, 0) || nearest->are_neighbours(0, gap);
   };
-  return gap(of_p.front() % columns, of_p.back() % columns, of_q.front() % columns,
-             of_q.back() % columns) <= window &&
-         gap(of_p.front() / columns, of_p.back() / columns, of_q.front() / columns,
-             of_q.back() / columns) <= window;
+  while (is_neighbour(near_patches + 1)) ++near_patches;
+  constexpr int side = Patch::side, tiles = TileShapes::tiles;
+  for (int r = -near_patches; r <= near_patches; ++r) {
+    for (int c = -near_patches; c <= near_patches; ++c) {
+      TileShapes::PairValues values;
+      for (int k = 0; k < tiles * tiles; ++k) {
+        const int i = k / tiles, j = k % tiles;
+        const int along_row = c * side + j % side - i % side;
+        const int along_column = r * side + j / side - i / side;
+        float most = static_cast<float>(nearest->far());
+        if (nearest->are_neighbours(along_row, along_column)) {
+          const auto& of = nearest->of_tiles(along_row, along_column);
+          most = *std::max_element(of.begin(), of.end());
+        }
+        values[static_cast<std::size_t>(k)] = most;
+      }
+      nearest_of_tiles.push_back(values);
+    }
+  }
 }
 
-/// Pairs the patches whose boxes are within `reach`; those that were paired before go on.
-void NearPairs::Impl::pair_patches(double reach) {
-  std::vector<Box> wider = boxes;
-  for (Box& box : wider) {
-    box.min().array() -= reach / 2;
-    box.max().array() += reach / 2;
+double NearPairs::Impl::sees() const { return Patch::side * spacing; }
+
+/// Are they so near on the cloth that they may come nearer than others?
+bool NearPairs::Impl::are_neighbours(int p, int q) const {
+  return nearest->are_neighbours(least_way(p % patch_columns - q % patch_columns),
+                                 least_way(p / patch_columns - q / patch_columns));
+}
+
+/// Pairs the patches that are near enough; those that were paired before go on.
+void NearPairs::Impl::pair_patches(const Points& positions) {
+  const double reach = SurfaceSlots::reach * nearest->far() + sees();
+  std::vector<Box> boxes, wider;
+  for (const Patch& patch : *patches) {
+    boxes.push_back(around(positions, patch.points));
+    wider.push_back(boxes.back());
+    wider.back().min().array() -= reach / 2;
+    wider.back().max().array() += reach / 2;
   }
   std::vector<PatchPair> pairs;
-  const auto add = [&](int p, int q) { pairs.push_back({p, q, are_neighbours(p, q)}); };
-  for (int p = 0; p < static_cast<int>(patches.size()); ++p) add(p, p);
+  const auto add = [&](int p, int q) {
+    PatchPair pair{p, q, are_neighbours(p, q)};
+    pair.to_meet = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
+        boxes[static_cast<std::size_t>(q)]));
+    pair.to_touch = pair.to_meet - nearest->far();
+    pairs.push_back(pair);
+  };
+  for (int p = 0; p < static_cast<int>(patches->size()); ++p) add(p, p);
   BoxTree(wider).visit_overlaps(add);
   const auto before = [](const PatchPair& a, const PatchPair& b) {
     return a.p < b.p || (a.p == b.p && a.q < b.q);
@@ -112,64 +114,167 @@ void NearPairs::Impl::pair_patches(double reach) {
     if (old != patch_pairs.end() && old->p == pair.p && old->q == pair.q) pair = std::move(*old);
   }
   patch_pairs = std::move(pairs);
+  paired_nearer = 0;
 }
 
-/// What is asked for, of all patches.
-const std::vector<NearPair>& NearPairs::Impl::look(const Query& query, const Workers& workers) {
+/// Numbers of their edges: three of each tile.
+std::uint64_t NearPairs::Impl::edge_key(const Edges& edges) {
+  const auto number = static_cast<std::uint64_t>(edges.number) - TileFeatures::points;
+  const auto a = 3 * static_cast<std::uint64_t>(edges.a) + number / 3;
+  const auto b = 3 * static_cast<std::uint64_t>(edges.b) + number % 3;
+  return std::uint64_t{1} << 63 | a << 31 | b;
+}
+
+/// How much nearer patches come on straight ways from where they are.
+void NearPairs::Impl::foresee(const Points& ends, const Workers& workers) {
+  motions.follow(*patches, last, ends, workers);
+  if (paired_nearer + motions.most() > sees()) pair_patches(last);
+  workers.share(
+      static_cast<int>(patch_pairs.size()),
+      [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+          const double left = std::min(pair.to_touch, pair.to_meet) - pair.nearer;
+          const double most = motions.at_most(pair.p, pair.q);
+          pair.step = far_off * most < left ? most : motions.between(pair.p, pair.q);
+        }
+      },
+      Workers::dear);
+}
+
+/// They have gone there.
+void NearPairs::Impl::arrive(const Points& ends) {
+  for (PatchPair& pair : patch_pairs) pair.nearer += pair.step;
+  paired_nearer += motions.most();
+  last = ends;
+  std::fill(is_shaped.begin(), is_shaped.end(), 0);
+}
+
+/// Points may be elsewhere than they have been followed to.
+void NearPairs::Impl::be_at(const Points& positions, const Workers& workers) {
+  if (last.rows() == 0) {
+    last = positions;
+    is_shaped.assign(patches->size(), 0);
+    pair_patches(positions);
+  } else if (last != positions) {
+    foresee(positions, workers);
+    arrive(positions);
+  }
+}
+
+/// Where the tiles of patches are that are due.
+void NearPairs::Impl::shape(const std::vector<PatchPair*>& due, const Workers& workers) {
+  std::vector<int> missing;
+  for (const PatchPair* pair : due) {
+    for (const int p : {pair->p, pair->q}) {
+      char& is = is_shaped[static_cast<std::size_t>(p)];
+      if (is == 0) missing.push_back(p);
+      is = 1;
+    }
+  }
+  if (missing.empty()) return;
+  const Eigen::RowVector3d mean = last.colwise().mean();
+  shapes.see_from(mean.transpose(), (last.rowwise() - mean).cwiseAbs().maxCoeff());
+  workers.share(
+      static_cast<int>(missing.size()),
+      [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+          const int p = missing[static_cast<std::size_t>(k)];
+          shapes.update(p, (*patches)[static_cast<std::size_t>(p)], last);
+        }
+      },
+      Workers::dear);
+}
+
+/// Measures pairs of patches, and returns all features within of(pair) [m] of each other.
+template <typename Within>
+std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<PatchPair*>& due,
+                                                   const Within& within, const Workers& workers,
+                                                   WorkBudget* budget) {
+  if (due.empty()) return {};
+  shape(due, workers);
   scratches.resize(static_cast<std::size_t>(workers.threads() * Workers::uneven));
   for (Scratch& scratch : scratches) scratch.band = -1;
   std::atomic<std::size_t> used{0};
   workers.share(
-      static_cast<int>(patch_pairs.size()),
+      static_cast<int>(due.size()),
       [&](int begin, int end) {
         Scratch& scratch = scratches[used++];
         scratch.band = begin;
+        scratch.proposals.clear();
+        scratch.found.clear();
         for (int k = begin; k < end; ++k) {
-          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-          const double within = query.within(pair);
-          if (!query.spend(1)) break;  // what was begun is taken back
-          if (std::min(pair.wake_at[0], pair.wake_at[1]) > pair.moved + within) continue;
-          if (pair.moved + within > pair.list_until) {
-            const double gap = gap_of_patches(pair);
-            if (gap > within) {
-              pair.wake_at.fill(pair.moved + gap);
-              continue;
-            }
-            seek(query, pair, scratch);
-          } else {
-            scratch.awake.push_back(&pair);
-          }
+          if (budget && budget->is_spent()) break;  // what was begun is taken back
+          PatchPair& pair = *due[static_cast<std::size_t>(k)];
+          measure(pair, last, within(pair), scratch);
+          if (budget) budget->spend(WorkBudget::patches_measured);
         }
-        for (const bool edges : {false, true}) {
-          for (std::size_t list = 0; list < FeaturePairs::num_lists; ++list) {
-            measure_cells(query, edges, list, scratch);
-          }
-          look_at_lists(query, edges, scratch);
-        }
-        keep_found(query, scratch);
-        scratch.awake.clear();
       },
       Workers::dear, Workers::uneven);
 
-  return collect();
+  std::sort(scratches.begin(), scratches.end(),
+            [](const Scratch& a, const Scratch& b) { return a.band < b.band; });
+  std::vector<SurfaceSlots::Proposal> proposals;
+  std::vector<NearPair> found;
+  for (const Scratch& scratch : scratches) {
+    if (scratch.band < 0) continue;
+    proposals.insert(proposals.end(), scratch.proposals.begin(), scratch.proposals.end());
+    found.insert(found.end(), scratch.found.begin(), scratch.found.end());
+  }
+  slots.add(proposals, last);
+  return found;
 }
 
-/// What has been found in all bands, in order.
-const std::vector<NearPair>& NearPairs::Impl::collect() {
-  std::vector<Scratch*> order;
-  for (Scratch& scratch : scratches) order.push_back(&scratch);
-  std::sort(order.begin(), order.end(),
-            [](const Scratch* a, const Scratch* b) { return a->band < b->band; });
-  near.clear();
-  for (Scratch* scratch : order) {
-    if (near.empty()) {
-      near.swap(scratch->near);
-    } else {
-      near.insert(near.end(), scratch->near.begin(), scratch->near.end());
+/// Are features nearer than the margin, or on the way to where they touch?
+bool NearPairs::Impl::may_touch(const SurfacePair& pair, const Separation& s,
+                                const Points& ahead) const {
+  return s.distance <= pair.nearest + margin || gap_along(s.normal, pair, ahead) <= pair.nearest;
+}
+
+/// Slots, by their points and numbers.
+void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers) {
+  const Eigen::RowVector3d common = ahead.colwise().mean() - last.colwise().mean();
+  const Scalars ways = ((ahead - last).rowwise() - common).rowwise().norm();
+  std::mutex mutex;
+  std::map<int, std::vector<NearPair>> found;  // by the first slot that a thread looked at
+  workers.share(
+      static_cast<int>(slots.all().size()),
+      [&](int begin, int end) {
+        std::vector<NearPair> of_band;
+        for (int k = begin; k < end; ++k) {
+          const SurfaceSlots::Slot& slot = slots.all()[static_cast<std::size_t>(k)];
+          const SurfacePair pair = slots.pair(slot);
+          const auto& [a, b, c, d] = pair.points;
+          const double way = ways[a] + std::max({ways[b], ways[c], ways[d]});
+          if (slot.distance - pair.nearest > std::max(way, margin)) continue;
+          const Separation s = separation(pair, last);
+          if (!may_touch(pair, s, ahead)) continue;
+          const auto key = static_cast<std::uint64_t>(slot.point) << 32 |
+                           static_cast<std::uint64_t>(slot.number);
+          of_band.push_back({key, pair, s});
+        }
+        const std::lock_guard<std::mutex> lock(mutex);
+        found[begin] = std::move(of_band);
+      },
+      Workers::dear);
+  for (const auto& [begin, pairs] : found) near.insert(near.end(), pairs.begin(), pairs.end());
+}
+
+/// Edges on lists, by their keys.
+void NearPairs::Impl::collect_edges(const Points& ahead) {
+  const auto first = static_cast<std::ptrdiff_t>(near.size());
+  for (const PatchPair& of : patch_pairs) {
+    for (const Edges& edges : of.edges) {
+      SurfacePair pair = features.pair(edges.a, edges.b, static_cast<std::size_t>(edges.number));
+      const Separation s = separation(pair, last);
+      if (std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; }))
+        continue;
+      pair.nearest = nearest->of(pair);
+      if (may_touch(pair, s, ahead)) near.push_back({edge_key(edges), pair, s});
     }
-    scratch->near.clear();
   }
-  return near;
+  std::sort(near.begin() + first, near.end(),
+            [](const NearPair& a, const NearPair& b) { return a.key < b.key; });
 }
 
 NearPairs::NearPairs(const Cloth& cloth) : impl_(std::make_unique<Impl>(cloth)) {}
@@ -181,36 +286,96 @@ NearPairs& NearPairs::operator=(NearPairs other) noexcept {
   return *this;
 }
 
-const std::vector<NearPair>& NearPairs::approaching(const Cloth& cloth, const Points& positions,
-                                                    const Points& ahead, const Workers& workers,
-                                                    WorkBudget* budget) {
+const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
+                                                    const Workers& workers, WorkBudget* budget) {
   Impl& impl = *impl_;
-  const Impl::Query query{positions, &ahead, Impl::infinity, budget, {margin(), margin()}};
-  const double step = std::max(2 * Impl::spread(positions, ahead), least_margin());
-  if (const std::optional<double> needed = impl.keep(cloth, query, step, workers)) {
-    return impl.look_at_kept(query, *needed);
+  impl.be_at(positions, workers);
+  impl.slots.walk(positions, workers);
+  if (budget) budget->spend(static_cast<std::int64_t>(impl.slots.all().size()));
+  std::vector<Impl::PatchPair*> due;
+  int turn = impl.looks++;
+  for (Impl::PatchPair& pair : impl.patch_pairs) {
+    const bool is_near = pair.to_meet < SurfaceSlots::reach * impl.nearest->far();
+    const bool is_stale = is_near && turn++ % longest_sleep == 0;
+    if (is_stale || pair.nearer + pair.step > pair.to_touch) due.push_back(&pair);
   }
-  impl.advance(cloth, positions, workers);
-  return impl.look(query, workers);
+  impl.measure_all(
+      due, [](const Impl::PatchPair&) { return 0.0; }, workers, budget);
+  impl.near.clear();
+  impl.collect_points(ahead, workers);
+  impl.collect_edges(ahead);
+  return impl.near;
 }
 
-const std::vector<NearPair>& NearPairs::within(const Cloth& cloth, const Points& positions,
-                                               double distance, const Workers& workers,
-                                               WorkBudget* budget) {
-  assert(distance <= reach());
+std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends, double floor,
+                                          const Workers& workers, WorkBudget* budget) {
   Impl& impl = *impl_;
-  const double most_gap = distance - least_nearest();
-  const double most_far_gap = distance - impl.nearest.least_far();
-  const Impl::Query query{positions, nullptr, distance, budget, {most_far_gap, most_gap}};
-  const double needed = most_gap + impl.nearer_than_kept(positions);
-  if (needed <= impl.kept_reach()) return impl.look_at_kept(query, needed);
-  impl.advance(cloth, positions, workers);
-  return impl.look(query, workers);
+  impl.be_at(here, workers);
+  impl.foresee(ends, workers);
+  std::vector<Impl::PatchPair*> due;
+  for (Impl::PatchPair& pair : impl.patch_pairs) {
+    if (pair.nearer + pair.step + floor >= pair.to_meet) due.push_back(&pair);
+  }
+  return impl.measure_all(
+      due, [&](const Impl::PatchPair& pair) { return pair.step + floor; }, workers, budget);
 }
 
-double NearPairs::least_margin() const { return impl_->least_margin(); }
+void NearPairs::go(const Points& ends) { impl_->arrive(ends); }
+
+void NearPairs::forget() {
+  impl_->last.resize(0, 3);
+  impl_->patch_pairs.clear();
+  impl_->slots.clear();
+  impl_->looks = 0;
+}
+
+void NearPairs::write(MemoryWriter& memory) const {
+  memory.add(impl_->last.rows() > 0);
+  if (impl_->last.rows() == 0) return;
+  memory.add(impl_->last);
+  memory.add(impl_->looks);
+  memory.add(impl_->paired_nearer);
+  impl_->slots.write(memory);
+  memory.add(static_cast<double>(impl_->patch_pairs.size()));
+  for (const Impl::PatchPair& pair : impl_->patch_pairs) {
+    for (const double number : {static_cast<double>(pair.p), static_cast<double>(pair.q),
+                                pair.nearer, pair.step, pair.to_touch, pair.to_meet}) {
+      memory.add(number);
+    }
+    memory.add(static_cast<double>(pair.edges.size()));
+    for (const Impl::Edges& edges : pair.edges) {
+      for (const int number : {edges.a, edges.b, edges.number}) memory.add(number);
+    }
+  }
+}
+
+void NearPairs::read(MemoryReader& memory) {
+  forget();
+  if (memory.index(2) == 0) return;
+  Impl& impl = *impl_;
+  const std::size_t points = impl.mesh->around_point.size(), patches = impl.patches->size();
+  impl.last = memory.points(static_cast<Eigen::Index>(points));
+  impl.is_shaped.assign(patches, 0);
+  impl.looks = memory.index(std::numeric_limits<int>::max());
+  impl.paired_nearer = memory.number();
+  impl.slots.read(memory);
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    const int p = memory.index(patches), q = memory.index(patches);
+    Impl::PatchPair pair{p, q, impl.are_neighbours(p, q)};
+    for (double* number : {&pair.nearer, &pair.step, &pair.to_touch, &pair.to_meet}) {
+      *number = memory.number();
+    }
+    for (std::size_t edges = memory.count(); edges > 0; --edges) {
+      const int a = memory.index(points), b = memory.index(points);
+      pair.edges.push_back({a, b, memory.index(TileFeatures::count)});
+    }
+    impl.patch_pairs.push_back(pair);
+  }
+}
+
+double NearPairs::most_nearer() const { return impl_->motions.most(); }
+double NearPairs::sees() const { return impl_->sees(); }
+double NearPairs::least_nearest() const { return impl_->nearest->least(); }
 double NearPairs::margin() const { return impl_->margin; }
-double NearPairs::least_nearest() const { return impl_->nearest.least(); }
-const SurfaceMesh& NearPairs::mesh() const { return impl_->mesh; }
 
 }  // namespace clothsim

@@ -13,6 +13,16 @@ const std::array<Eigen::Vector2i, 3> edge_ways{Eigen::Vector2i(1, 0), {0, 1}, {1
 const std::array<std::array<Eigen::Vector2i, 3>, 2> corners{
     {{Eigen::Vector2i(0, 0), {1, 0}, {1, 1}}, {Eigen::Vector2i(0, 0), {1, 1}, {0, 1}}}};
 
+/// Has feature pair k of a tile and one so far on the same point twice?
+bool share_a_point(std::size_t k, int columns, int rows) {
+  if (std::max(std::abs(columns), std::abs(rows)) > 2) return false;
+  constexpr int width = 10;  // of a grid that has both
+  const SurfacePair pair =
+      TileFeatures(width).pair(width * width, width * (width + rows) + columns, k);
+  const auto second = pair.points.begin() + (pair.edges() ? 2 : 1);
+  return std::find_first_of(pair.points.begin(), second, second, pair.points.end()) != second;
+}
+
 }  // namespace
 
 NearestDistances::Table::Table(const Eigen::Vector2i& most_way)
@@ -39,13 +49,12 @@ NearestDistances::NearestDistances(const Cloth& cloth)
     point_places_.emplace_back(i % cloth.columns, i / cloth.columns);
     const bool ends_row = point_places_.back().x() == cloth.columns - 1;
     const bool ends_column = point_places_.back().y() == cloth.rows - 1;
-    if (!ends_row && !ends_column) cell_places_.push_back(point_places_.back());
     const bool begins_row = point_places_.back().x() == 0, begins_column = i < cloth.columns;
     borders_.push_back(static_cast<unsigned char>(ends_row | ends_column << 1 | begins_row << 2 |
                                                   begins_column << 3));
   }
   fill_features();
-  fill_cells();
+  fill_tiles();
 }
 
 double NearestDistances::distance(bool edges, const std::array<Eigen::Vector2i, 4>& points) const {
@@ -70,7 +79,7 @@ void NearestDistances::fill_features() {
     }
   };
 
-  least_ = least_far();
+  least_ = far_inside();
   const auto keep = [&](double& entry, bool edges, const std::array<Eigen::Vector2i, 4>& points) {
     entry = distance(edges, points);
     const auto second = points.begin() + (edges ? 2 : 1);
@@ -97,41 +106,20 @@ void NearestDistances::fill_features() {
   }
 }
 
-void NearestDistances::fill_cells() {
-  const Eigen::Vector2i most_way = of_points_[0].most;
-  of_cells_ = of_first_cells_ = Table(most_way);
-
-  // What a cell owns, as points and edges from its first point.
-  struct Owned {
-    std::vector<Eigen::Vector2i> points;
-    std::vector<std::pair<Eigen::Vector2i, std::size_t>> edges;
-  };
-  const Owned usual{{{1, 1}}, {{{1, 0}, 1}, {{0, 1}, 0}, {{0, 0}, 2}}};
-  const Owned first{{{0, 0}, {1, 0}, {0, 1}, {1, 1}},
-                    {{{1, 0}, 1}, {{0, 1}, 0}, {{0, 0}, 2}, {{0, 0}, 0}, {{0, 0}, 1}}};
-
-  const auto most = [&](const Owned& owned, const Eigen::Vector2i& way) {
-    double result = 0;
-    for (const int sign : {1, -1}) {  // points of one against triangles of the other
-      for (const Eigen::Vector2i& point : owned.points) {
-        const Eigen::Vector2i d = sign * way - point;
-        for (const Table& table : of_points_) {
-          result = std::max(result, table.at(d.x(), d.y(), contact_));
-        }
+void NearestDistances::fill_tiles() {
+  const Eigen::Vector2i most = of_points_[0].most;
+  for (int rows = -most.y(); rows <= most.y(); ++rows) {
+    for (int columns = -most.x(); columns <= most.x(); ++columns) {
+      OfTiles of;
+      for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+        const bool edges = k >= TileFeatures::points;
+        const std::size_t e = (k - TileFeatures::points) / 3, f = (k - TileFeatures::points) % 3;
+        const int sign = k < 2 || edges ? 1 : -1;
+        const Table& table = edges ? of_edges_[e][f] : of_points_[k % 2];
+        of[k] = static_cast<float>(table.at(sign * columns, sign * rows, contact_));
+        if (share_a_point(k, columns, rows)) of[k] = -1;
       }
-    }
-    for (const auto& [e, e_direction] : owned.edges) {
-      for (const auto& [f, f_direction] : owned.edges) {
-        const Eigen::Vector2i d = way + f - e;
-        result = std::max(result, of_edges_[e_direction][f_direction].at(d.x(), d.y(), contact_));
-      }
-    }
-    return result;
-  };
-  for (int rows = -most_way.y(); rows <= most_way.y(); ++rows) {
-    for (int columns = -most_way.x(); columns <= most_way.x(); ++columns) {
-      of_cells_.at(columns, rows) = most(usual, {columns, rows});
-      of_first_cells_.at(columns, rows) = most(first, {columns, rows});
+      of_tiles_.push_back(of);
     }
   }
 }
@@ -160,19 +148,6 @@ double NearestDistances::of(const SurfacePair& pair) const {
 bool NearestDistances::is_border(int first, int second) const {
   return (borders_[static_cast<std::size_t>(first)] & borders_[static_cast<std::size_t>(second)]) !=
          0;
-}
-
-bool NearestDistances::has_border(int cell) const {
-  const Eigen::Vector2i& place = cell_places_[static_cast<std::size_t>(cell)];
-  return (place.array() == 0 || place.array() == cell_places_.back().array()).any();
-}
-
-double NearestDistances::most_of_cells(int cell, int other) const {
-  const Eigen::Vector2i& place = cell_places_[static_cast<std::size_t>(cell)];
-  const Eigen::Vector2i& other_place = cell_places_[static_cast<std::size_t>(other)];
-  const bool first = place.minCoeff() == 0 || other_place.minCoeff() == 0;
-  const Eigen::Vector2i way = other_place - place;
-  return (first ? of_first_cells_ : of_cells_).at(way.x(), way.y(), contact_);
 }
 
 }  // namespace clothsim

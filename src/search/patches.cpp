@@ -1,51 +1,94 @@
 #include "clothsim/search/patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "clothsim/model/lanes.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {
 
-Vector3 centre(const Patch& patch, const Points& x) {
-  Vector3 sum = Vector3::Zero();
-  for (const int i : patch.points) sum += row(x, i);
-  return sum / static_cast<double>(patch.points.size());
+/// Points of a patch, side by side: the first fills up what is left.
+constexpr int most_points = (Patch::side + 1) * (Patch::side + 1);
+constexpr int rounds = (most_points + num_lanes - 1) / num_lanes;
+constexpr int room = rounds * num_lanes;
+
+struct Ways {
+  std::array<std::array<double, room>, 3> at;   // [m], from the centre
+  std::array<std::array<double, room>, 3> way;  // [m]
+};
+
+double total(const Lanes& v) {
+  return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+}
+double largest(const Lanes& v) {
+  double most = v[0];
+  for (int k = 1; k < num_lanes; ++k) most = std::max(most, v[k]);
+  return most;
 }
 
-/// An orthonormal frame that turns with the patch: from the sum and the difference of its two
-/// directions, which are perpendicular to each other. The identity where it is squeezed flat.
-Eigen::Matrix3d frame(const Patch& patch, const Points& x) {
-  const auto point = [&](int column, int r) {
-    return row(x, patch.points[static_cast<std::size_t>(r * patch.columns + column)]);
-  };
-  Vector3 along_row = Vector3::Zero(), along_column = Vector3::Zero();
-  for (int r = 0; r < patch.rows; ++r) along_row += point(patch.columns - 1, r) - point(0, r);
-  for (int c = 0; c < patch.columns; ++c) along_column += point(c, patch.rows - 1) - point(c, 0);
-  along_row.normalize();
-  along_column.normalize();
-  const Vector3 sum = along_row + along_column, difference = along_row - along_column;
-  constexpr double flat = 1e-3;
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  if (std::min(sum.norm(), difference.norm()) < flat) return axes;
-  axes.col(0) = sum.normalized();
-  axes.col(2) = axes.col(0).cross(difference).normalized();
-  axes.col(1) = axes.col(2).cross(axes.col(0));
-  return axes;
+/// Sums over all places of products of two rows.
+[[gnu::always_inline]] inline double product(const double* a, const double* b) {
+  Lanes sum{};
+  for (int r = 0; r < room; r += num_lanes) sum += lanes_at(a + r) * lanes_at(b + r);
+  return total(sum);
+}
+
+/// sum (r r), sum (d r): second moments of places, and of ways by places.
+struct Moments {
+  Eigen::Matrix3d places;
+  Eigen::Matrix3d ways;
+};
+
+CLOTHSIM_TARGET_CLONES
+Moments moments(const Ways& ways) {
+  Moments m;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
+      if (j >= i) {
+        m.places(row, column) = m.places(column, row) =
+            product(ways.at[i].data(), ways.at[j].data());
+      }
+      m.ways(row, column) = product(ways.way[i].data(), ways.at[j].data());
+    }
+  }
+  return m;
+}
+
+/// Squares of the longest of r, and of d - w x r.
+CLOTHSIM_TARGET_CLONES
+std::array<double, 2> longest(const Ways& ways, double wx, double wy, double wz) {
+  Lanes arms{}, beyond{};
+  for (int r = 0; r < room; r += num_lanes) {
+    const Lanes &x = lanes_at(ways.at[0].data() + r), &y = lanes_at(ways.at[1].data() + r),
+                &z = lanes_at(ways.at[2].data() + r);
+    const Lanes dx = lanes_at(ways.way[0].data() + r) - (wy * z - wz * y);
+    const Lanes dy = lanes_at(ways.way[1].data() + r) - (wz * x - wx * z);
+    const Lanes dz = lanes_at(ways.way[2].data() + r) - (wx * y - wy * x);
+    const Lanes arm = x * x + y * y + z * z, way = dx * dx + dy * dy + dz * dz;
+    arms = arm > arms ? arm : arms;
+    beyond = way > beyond ? way : beyond;
+  }
+  return {largest(arms), largest(beyond)};
 }
 
 }  // namespace
 
-std::vector<Patch> cut_into_patches(const Cloth& cloth, int size) {
+std::vector<Patch> cut_into_patches(const Cloth& cloth) {
   std::vector<Patch> patches;
-  for (int first_row = 0; first_row < cloth.rows - 1; first_row += size) {
-    for (int first_column = 0; first_column < cloth.columns - 1; first_column += size) {
-      const int last_row = std::min(first_row + size, cloth.rows - 1);
-      const int last_column = std::min(first_column + size, cloth.columns - 1);
-      Patch patch{last_column - first_column + 1, last_row - first_row + 1, {}, {}};
-      for (int r = first_row; r <= last_row; ++r) {
-        for (int c = first_column; c <= last_column; ++c) {
-          patch.points.push_back(r * cloth.columns + c);
-          if (r < last_row && c < last_column) patch.cells.push_back(r * (cloth.columns - 1) + c);
+  for (int first_row = 0; first_row < cloth.rows; first_row += Patch::side) {
+    for (int first_column = 0; first_column < cloth.columns; first_column += Patch::side) {
+      Patch patch;
+      patch.tiles.fill(Patch::none);
+      for (int r = 0; r <= Patch::side && first_row + r < cloth.rows; ++r) {
+        for (int c = 0; c <= Patch::side && first_column + c < cloth.columns; ++c) {
+          const int point = (first_row + r) * cloth.columns + first_column + c;
+          patch.points.push_back(point);
+          if (r == Patch::side || c == Patch::side) continue;
+          patch.tiles[static_cast<std::size_t>(r * Patch::side + c)] = point;
         }
       }
       patches.push_back(std::move(patch));
@@ -54,48 +97,76 @@ std::vector<Patch> cut_into_patches(const Cloth& cloth, int size) {
   return patches;
 }
 
+PatchMotions::Motion PatchMotions::follow_one(const Patch& patch, const Points& from,
+                                              const Points& to, const Eigen::RowVector3d& common) {
+  const auto count = patch.points.size();
+  Ways ways;
+  std::array<double, 3> centre{}, shift{};
+  double way2 = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int i = patch.points[k];
+    double beyond2 = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      ways.at[a][k] = from(i, axis);
+      ways.way[a][k] = to(i, axis) - from(i, axis);
+      centre[a] += ways.at[a][k] / static_cast<double>(count);
+      shift[a] += ways.way[a][k] / static_cast<double>(count);
+      const double beyond = ways.way[a][k] - common[axis];
+      beyond2 += beyond * beyond;
+    }
+    way2 = std::max(way2, beyond2);
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t k = 0; k < count; ++k) {
+      ways.at[a][k] -= centre[a];
+      ways.way[a][k] -= shift[a];
+    }
+    std::fill(ways.at[a].begin() + static_cast<std::ptrdiff_t>(count), ways.at[a].end(), 0.0);
+    std::fill(ways.way[a].begin() + static_cast<std::ptrdiff_t>(count), ways.way[a].end(), 0.0);
+  }
+
+  // The turn that explains most: of least squares. A patch in a line may turn about it anyhow.
+  const Moments m = moments(ways);
+  const double trace = m.places.trace();
+  const Eigen::Matrix3d inertia = (trace * (1 + 1e-6)) * Eigen::Matrix3d::Identity() - m.places;
+  const Vector3 momentum(m.ways(2, 1) - m.ways(1, 2), m.ways(0, 2) - m.ways(2, 0),
+                         m.ways(1, 0) - m.ways(0, 1));
+  Vector3 turn = Vector3::Zero();
+  if (trace > 0) turn = inertia.inverse() * momentum;
+  if (!turn.allFinite()) turn.setZero();
+  const auto [arm2, beyond2] = longest(ways, turn.x(), turn.y(), turn.z());
+  return {{centre[0], centre[1], centre[2]},
+          {shift[0], shift[1], shift[2]},
+          turn,
+          std::sqrt(arm2),
+          std::sqrt(beyond2),
+          std::sqrt(way2)};
+}
+
 void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
                           const Workers& workers) {
   motions_.resize(patches.size());
-  const auto follow_one = [&](const Patch& patch) -> Motion {
-    Motion motion{centre(patch, from),
-                  centre(patch, to),
-                  frame(patch, to) * frame(patch, from).transpose(),
-                  0,
-                  0,
-                  {}};
-    double radius2 = 0, strain2 = 0;
-    for (const int i : patch.points) {
-      const Vector3 arm = row(from, i) - motion.from;
-      radius2 = std::max(radius2, arm.squaredNorm());
-      const Vector3 astray = row(to, i) - motion.to - motion.rotation * arm;
-      strain2 = std::max(strain2, astray.squaredNorm());
-      motion.ways.extend(Vector3(row(to, i) - row(from, i)));
-    }
-    motion.radius = std::sqrt(radius2);
-    motion.strain = std::sqrt(strain2);
-    return motion;
-  };
+  const Eigen::RowVector3d common = (to - from).colwise().mean();
   workers.share(
       static_cast<int>(patches.size()),
       [&](int begin, int end) {
         for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-          motions_[k] = follow_one(patches[k]);
+          motions_[k] = follow_one(patches[k], from, to, common);
         }
       },
       Workers::dear);
+  longest_ = 0;
+  for (const Motion& motion : motions_) longest_ = std::max(longest_, motion.way);
 }
 
 double PatchMotions::between(int p, int q) const {
-  const Motion& a = motions_[static_cast<std::size_t>(p)];
-  const Motion& b = motions_[static_cast<std::size_t>(q)];
-  // Seen from a, the centre of b has moved and its frame has turned, by as much as the difference
-  // of two rotations stretches an arm: its Frobenius norm over the root of 2.
-  const Vector3 shift = b.to - a.to - a.rotation * (b.from - a.from);
-  const double turn = std::sqrt((b.rotation - a.rotation).squaredNorm() / 2);
-  const double as_bodies = shift.norm() + turn * b.radius + a.strain + b.strain;
-  const Vector3 as_points = (a.ways.max() - b.ways.min()).cwiseMax(b.ways.max() - a.ways.min());
-  return std::min(as_bodies, as_points.norm());
+  const Motion &a = of(p), &b = of(q);
+  const Vector3 turn = (a.turn + b.turn) / 2, half_difference = (a.turn - b.turn) / 2;
+  const Vector3 shift = a.shift - b.shift - turn.cross(a.centre - b.centre);
+  return std::min(
+      shift.norm() + half_difference.norm() * (a.radius + b.radius) + a.strain + b.strain,
+      at_most(p, q));
 }
 
 }  // namespace clothsim

@@ -18,7 +18,6 @@ TEST(Distances, AreThoseOfEachPair) {
   Points x = random_points(count, 1, 3);
   for (int i = 0; i < 10; ++i) x.row(i) = x.row(i + 10);               // the same twice
   for (int i = 20; i < 30; ++i) x.row(i).tail(2) = x.row(20).tail(2);  // on a line
-  Distances edges(true), triangles(false);
   std::vector<SurfacePair> pairs;
   std::uint64_t random = 1;
   const auto draw = [&] {
@@ -26,35 +25,34 @@ TEST(Distances, AreThoseOfEachPair) {
     return static_cast<int>((random >> 33) % count);
   };
   double most = 0;
-  int at_ends = 0, inside = 0;
-  for (Distances* distances : {&edges, &triangles}) {
-    for (int round = 0; round < 20; ++round) {
-      pairs.clear();
-      distances->clear();
-      while (distances->room() > 0) {
-        const int triangle = distances == &edges ? SurfacePair::no_triangle : 0;
-        pairs.push_back({triangle, {draw(), draw(), draw(), draw()}, 0});
-        distances->add(pairs.back().points);
-      }
-      distances->measure(x);
-      for (std::size_t k = 0; k < pairs.size(); ++k) {
-        const Separation s = separation(pairs[k], x);
-        const double exact = s.distance;
-        EXPECT_LE((*distances)[k], exact + 1e-12);
-        EXPECT_GE((*distances)[k], (1 - 1e-10) * exact - 1e-6);
-        most = std::max(most, exact);
-        const bool apart = exact > 1e-3 && pairs[k].points[0] != pairs[k].points[1] &&
-                           pairs[k].points[2] != pairs[k].points[3];
-        if (distances != &edges || !apart) continue;
-        const bool at_end =
-            std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; });
-        EXPECT_EQ(edges.at_end(k), at_end);
-        ++(at_end ? at_ends : inside);
-      }
+  int at_edges = 0, inside = 0;
+  Distances distances;
+  for (int round = 0; round < 20; ++round) {
+    pairs.clear();
+    distances.clear();
+    while (distances.room() > 0) {
+      pairs.push_back({0, {draw(), draw(), draw(), draw()}, 0});
+      distances.add(pairs.back().points);
+    }
+    distances.measure(x);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const Separation s = separation(pairs[k], x);
+      const double exact = s.distance;
+      EXPECT_LE(distances[k], exact + 1e-12);
+      EXPECT_GE(distances[k], (1 - 1e-10) * exact - 1e-6);
+      most = std::max(most, exact);
+      const auto& [a, b, c, d] = pairs[k].points;
+      const auto side = [&](int from, int to) -> Vector3 { return row(x, to) - row(x, from); };
+      const double area = side(b, c).cross(side(b, d)).norm();
+      if (exact < 1e-3 || area < 1e-3) continue;
+      const bool at_edge =
+          std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; });
+      EXPECT_EQ(distances.at_edge(k), at_edge);
+      ++(at_edge ? at_edges : inside);
     }
   }
   EXPECT_GT(most, 1);
-  EXPECT_GT(at_ends, 100);
+  EXPECT_GT(at_edges, 100);
   EXPECT_GT(inside, 100);
 }
 
@@ -87,7 +85,7 @@ long double exact_distance(const Points& x, const std::array<int, 4>& points) {
 TEST(Distances, OfPointsAboveNeedlesAreNeverMoreThanTheyAre) {
   // Of all lengths 1, ever thinner, each at some place of its own.
   for (double height = 1; height > 1e-9; height /= 3) {
-    Distances distances(false);
+    Distances distances;
     const int count = 60;
     Points x(4 * count, 3);
     const Points random = random_points(3 * count, 1, 5);

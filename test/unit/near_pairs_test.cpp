@@ -23,58 +23,67 @@ Points rolled(const Cloth& cloth, double turns) {
   return x;
 }
 
-/// Of points and triangles, and edges that are closest inside both.
-bool is_inside(const SurfacePair& pair, const Separation& s) {
-  return !pair.edges() ||
-         std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
+/// Are they the same, or is there at most one triangle between them?
+bool are_beside(const SurfaceMesh& mesh, int s, int t) {
+  const auto touch = [&](int p, int q) {
+    const auto &a = mesh.triangles[static_cast<std::size_t>(p)],
+               &b = mesh.triangles[static_cast<std::size_t>(q)];
+    return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+  };
+  const auto& corners = mesh.triangles[static_cast<std::size_t>(s)];
+  return std::any_of(corners.begin(), corners.end(), [&](int corner) {
+    const auto& around = mesh.around_point[static_cast<std::size_t>(corner)];
+    return std::any_of(around.begin(), around.end(), [&](int p) { return touch(p, t); });
+  });
 }
 
-/// Pairs within the nearest they may come plus `margin`, and within `distance`; edges only where
-/// they are closest `inside`, if so asked.
-void expect_equals_brute_force(const std::vector<NearPair>& found, const Cloth& cloth,
-                               const Points& x, double margin, double distance, bool inside) {
-  const auto chosen = [&](const SurfacePair& pair) {
-    const Separation s = separation(pair, x);
-    return s.distance <= pair.nearest + margin && s.distance <= distance &&
-           (!inside || is_inside(pair, s));
-  };
-  const auto expected = sorted_features(brute_force(cloth, chosen));
-  EXPECT_EQ(found.size(), expected.size());
-  EXPECT_TRUE(sorted_features(found) == expected);
+/// Of each point and triangle that are closer than a share of what they may come, that triangle was
+/// found or one close by that is as near.
+void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& found,
+                             const Points& x, double share) {
+  const SurfaceMesh mesh(cloth);
+  std::vector<std::vector<const NearPair*>> of_point(static_cast<std::size_t>(cloth.num_points()));
+  for (const NearPair& near : found) {
+    const Separation s = separation(near.pair, x);
+    EXPECT_EQ(near.separation.distance, s.distance);
+    EXPECT_EQ(near.pair.nearest, NearestDistances(cloth).of(near.pair));
+    if (near.pair.edges()) continue;
+    of_point[static_cast<std::size_t>(near.pair.points[0])].push_back(&near);
+  }
+  brute_force(cloth, [&](const SurfacePair& pair) {
+    if (pair.edges()) return false;
+    const double distance = separation(pair, x).distance, rounding = 2e-4 * pair.nearest;
+    if (distance > share * pair.nearest) return false;
+    const auto& of = of_point[static_cast<std::size_t>(pair.points[0])];
+    EXPECT_TRUE(std::any_of(of.begin(), of.end(),
+                            [&](const NearPair* near) {
+                              const double of_near = near->separation.distance;
+                              return are_beside(mesh, near->pair.triangle, pair.triangle) &&
+                                     (of_near <= distance + rounding ||
+                                      of_near - near->pair.nearest <=
+                                          distance - pair.nearest + rounding);
+                            }))
+        << pair.points[0] << ' ' << pair.triangle << ' ' << distance;
+    return false;
+  });
 }
 
-/// Whatever is asked for.
-void expect_equals_brute_force(const Cloth& cloth, NearPairs& finder, const Points& x) {
-  constexpr double any = 1e9;
-  expect_equals_brute_force(finder.approaching(cloth, x, x), cloth, x, finder.least_margin(), any,
-                            true);
-  const double close = 0.5 * finder.reach();
-  expect_equals_brute_force(finder.within(cloth, x, close), cloth, x, any, close, false);
-
-  // All near ones that meet on the way to anywhere else, and none that is far.
-  const Points ahead = x + random_points(cloth.num_points(), 1, 7);
-  const auto found = sorted_features(finder.approaching(cloth, x, ahead));
-  const auto near = [&](const SurfacePair& pair, double margin) {
-    const Separation s = separation(pair, x);
-    return s.distance <= pair.nearest + margin && is_inside(pair, s);
-  };
-  const auto may_be_found = sorted_features(
-      brute_force(cloth, [&](const SurfacePair& pair) { return near(pair, finder.margin()); }));
-  EXPECT_TRUE(std::includes(may_be_found.begin(), may_be_found.end(), found.begin(), found.end()));
-  std::vector<Points> on_the_way;
-  for (const double share : {0.1, 0.3, 0.5, 1.0}) on_the_way.push_back(x + share * (ahead - x));
-  const auto must_be_found = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
-    const auto meets = [&](const Points& there) {
-      return separation(pair, there).distance <= pair.nearest;
-    };
-    return near(pair, finder.least_margin()) ||
-           (near(pair, finder.margin()) &&
-            std::any_of(on_the_way.begin(), on_the_way.end(), meets));
+/// All that come as near as the floor on the way are found.
+void expect_all_that_meet(const Cloth& cloth, NearPairs& finder, const Points& here,
+                          const Points& ends, double floor) {
+  const auto found = sorted_features(finder.may_meet(here, ends, floor));
+  ASSERT_LE(finder.most_nearer(), finder.sees());
+  for (const double time : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const Points at = here + time * (ends - here);
+    const auto must = sorted_features(brute_force(
+        cloth, [&](const SurfacePair& pair) { return separation(pair, at).distance <= floor; }));
+    EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end())) << time;
+  }
+  const double way = 2 * longest_row(ends - here);
+  const auto may = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+    return separation(pair, here).distance <= way + floor;
   }));
-  EXPECT_TRUE(
-      std::includes(found.begin(), found.end(), must_be_found.begin(), must_be_found.end()));
-  const double reach = finder.reach();
-  expect_equals_brute_force(finder.within(cloth, x, reach), cloth, x, any, reach, false);
+  EXPECT_TRUE(std::includes(may.begin(), may.end(), found.begin(), found.end()));
 }
 
 TEST(NearPairs, NoneOnAFlatClothHoweverThick) {
@@ -82,117 +91,125 @@ TEST(NearPairs, NoneOnAFlatClothHoweverThick) {
     const Cloth cloth = cloth_of(20, 15, thickness);
     NearPairs finder(cloth);
     const Points& x = cloth.rest_positions;
-    const Points ahead = x + random_points(cloth.num_points(), 1, 7);
-    EXPECT_TRUE(finder.approaching(cloth, x, ahead).empty()) << thickness;
+    EXPECT_TRUE(finder.approaching(x, x).empty()) << thickness;
+    EXPECT_TRUE(finder.may_meet(x, x, 1e-6).empty()) << thickness;
   }
 }
 
-TEST(NearPairs, EqualBruteForceOnAClothInAnyShape) {
+TEST(NearPairs, MissNothingThatMeetsOnAClothInAnyShape) {
   const Cloth cloth = cloth_of(14, 9, 0.02);
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    NearPairs finder(cloth);
-    expect_equals_brute_force(cloth, finder, shaken(cloth, 0.05, seed));
-    NearPairs other(cloth);
-    expect_equals_brute_force(cloth, other, random_points(cloth.num_points(), 0.15, seed));
-  }
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {  // asked for at once, however near they are
-    NearPairs fresh(cloth);
-    const Points x = random_points(cloth.num_points(), 0.15, seed);
-    constexpr double any = 1e9;
-    const double close = 0.5 * fresh.reach();
-    expect_equals_brute_force(fresh.within(cloth, x, close), cloth, x, any, close, false);
-  }
-  NearPairs finder(cloth);
-  expect_equals_brute_force(cloth, finder, rolled(cloth, 2.5));
-  NearPairs flat(cloth);
+  const double floor = 0.004;
   Points line = cloth.rest_positions;
   line.rightCols(2).setZero();
-  expect_equals_brute_force(cloth, flat, line);
+  const std::vector<Points> shapes{shaken(cloth, 0.05, 1),
+                                   random_points(cloth.num_points(), 0.15, 2), rolled(cloth, 2.5),
+                                   line, Points::Zero(cloth.num_points(), 3)};
+  for (const Points& x : shapes) {
+    for (const double way : {0.0, 0.01, 0.05}) {
+      NearPairs finder(cloth);
+      expect_all_that_meet(cloth, finder, x, x + random_points(cloth.num_points(), way, 7), floor);
+    }
+  }
 }
 
-TEST(NearPairs, EqualBruteForceWhereAllOfALargeClothIsCrumpled) {
-  const Cloth cloth = cloth_of(25, 25, 0.01);
-  NearPairs finder(cloth);
-  const Points x = random_points(cloth.num_points(), 0.4, 2);
-  constexpr double any = 1e9;
-  expect_equals_brute_force(finder.approaching(cloth, x, x), cloth, x, finder.least_margin(), any,
-                            true);
-}
-
-TEST(NearPairs, EqualBruteForceWhileTheClothMoves) {
-  // Rolled up step by step with all points trembling, then blown apart at once.
+TEST(NearPairs, MissNothingThatMeetsOrTouchesWhileTheClothMoves) {
+  // Rolled up step by step with all points trembling, then drifting and turning as a whole.
   const Cloth cloth = cloth_of(17, 6, 0.015);
   NearPairs finder(cloth);
   std::size_t most = 0;
-  for (int step = 0; step < 60; ++step) {
-    const double share = step / 60.0;
+  const auto at = [&](int step) -> Points {
+    const double share = std::min(step, 240) / 240.0;
+    const Eigen::AngleAxisd turn(0.012 * step, Vector3(1, 2, 3).normalized());
     const Points x = (1 - share) * cloth.rest_positions + share * rolled(cloth, 2) +
                      random_points(cloth.num_points(), 1e-3, static_cast<std::uint64_t>(step));
-    expect_equals_brute_force(cloth, finder, x);
-    most = std::max(most, finder.approaching(cloth, x, x).size());
-  }
-  EXPECT_GT(most, 50u);
-  expect_equals_brute_force(cloth, finder, 3 * cloth.rest_positions);
-  EXPECT_TRUE(finder.within(cloth, 3 * cloth.rest_positions, finder.reach()).empty());
-}
-
-TEST(NearPairs, EqualBruteForceWhileTheClothHardlyMovesWithinItself) {
-  // It drifts as a whole, rolls up slowly and trembles: what is near is kept over many steps.
-  const Cloth cloth = cloth_of(17, 6, 0.015);
-  NearPairs finder(cloth);
-  const Points tremor = random_points(cloth.num_points(), 1, 5);
-  std::size_t most = 0;
-  for (int step = 0; step < 80; ++step) {
-    const auto at = [&](double time) -> Points {
-      const Points x = rolled(cloth, 1.9 + 5e-4 * time) + 2e-3 * std::sin(0.3 * time) * tremor;
-      return x.rowwise() + 0.03 * time * Eigen::RowVector3d(1, -2, 3);
-    };
-    const Points x = at(step), ahead = at(step + 1);
-    NearPairs fresh(cloth);
-    const auto found = sorted_features(finder.approaching(cloth, x, ahead));
-    EXPECT_TRUE(found == sorted_features(fresh.approaching(cloth, x, ahead))) << step;
-    constexpr double any = 1e9;
-    const double close = (step % 4 + 1) * 0.25 * finder.reach();
-    expect_equals_brute_force(finder.within(cloth, x, close), cloth, x, any, close, false);
-    const auto touching = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
-      const Separation s = separation(pair, x);
-      return s.distance <= pair.nearest + finder.least_margin() && is_inside(pair, s);
-    }));
-    EXPECT_TRUE(std::includes(found.begin(), found.end(), touching.begin(), touching.end()));
-    most = std::max(most, touching.size());
+    const Points turned = x * turn.toRotationMatrix().transpose();
+    return turned.rowwise() + 0.005 * step * Eigen::RowVector3d(1, -2, 3);
+  };
+  for (int step = 0; step < 260; ++step) {
+    SCOPED_TRACE(step);
+    const Points here = at(step), ends = at(step + 1);
+    const std::vector<NearPair> found = finder.approaching(here, ends);
+    expect_all_that_touches(cloth, found, here, 0.7);
+    if (step > 240) {
+      expect_all_that_meet(cloth, finder, here, ends, 0.002);
+    } else {
+      finder.may_meet(here, ends, 0.002);
+    }
+    finder.go(ends);
+    most = std::max(most, found.size());
   }
   EXPECT_GT(most, 50u);
 }
 
-TEST(NearPairs, MissNoneThatTouchesOnTheWayAhead) {
-  // Also where the whole turns and moves far: that brings nothing nearer.
-  const Cloth cloth = cloth_of(17, 6, 0.015);
-  const Points x = rolled(cloth, 2);
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+TEST(NearPairs, FindWhatTouchesOnACrumpledClothAtOnce) {
+  const Cloth cloth = cloth_of(25, 25, 0.01);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     NearPairs finder(cloth);
-    const Eigen::AngleAxisd turn(0.3, Vector3(1, 2, 3).normalized());
-    const Points trembling = x + random_points(cloth.num_points(), 0.1 * finder.margin(), seed);
-    const Points ahead = trembling * turn.toRotationMatrix().transpose();
-    const auto found = sorted_features(finder.approaching(cloth, x, ahead));
-    const auto touching = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
-      return separation(pair, ahead).distance <= pair.nearest &&
-             is_inside(pair, separation(pair, x));
-    }));
-    EXPECT_GT(touching.size(), 20u);
-    EXPECT_TRUE(std::includes(found.begin(), found.end(), touching.begin(), touching.end()));
+    const Points x = random_points(cloth.num_points(), 0.4, seed);
+    expect_all_that_touches(cloth, finder.approaching(x, x), x, 1);
   }
 }
 
-TEST(NearPairs, HaveKeysThatAscendAndDoNotDependOnWhatCameBefore) {
+TEST(NearPairs, ListEdgesThatCrossWhereNoPointSeesIt) {
+  // Two corners of a strip folded so that its borders cross far from any point.
+  const Cloth cloth = strip(8);
+  const State state = folded(cloth, 1.5 * strip_thickness, Eigen::RowVector3d(0.05, -0.05, 0));
+  NearPairs finder(cloth);
+  const auto found = sorted_features(finder.approaching(state.positions, state.positions));
+  const auto must = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+    const Separation s = separation(pair, state.positions);
+    return pair.edges() && s.distance < pair.nearest &&
+           std::all_of(s.weights.begin(), s.weights.end(), [](double w) { return w != 0; });
+  }));
+  EXPECT_GT(must.size(), 1u);
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end()));
+}
+
+TEST(NearPairs, GoOnToTheSameWithTheirMemory) {
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  NearPairs finder(cloth), other(cloth);
+  const auto at = [&](int step) -> Points {
+    return rolled(cloth, 1.5 + 0.01 * step) +
+           random_points(cloth.num_points(), 1e-3, static_cast<std::uint64_t>(step));
+  };
+  for (int step = 0; step < 40; ++step) {
+    if (step == 20) {
+      MemoryWriter memory;
+      finder.write(memory);
+      MemoryReader reader(memory.numbers());
+      other.read(reader);
+      reader.finish();
+    }
+    const auto look = [&](NearPairs& of) {
+      const std::vector<NearPair> near = of.approaching(at(step), at(step + 1));
+      std::vector<NearPair> meets = of.may_meet(at(step), at(step + 1), 0.002);
+      of.go(at(step + 1));
+      meets.insert(meets.begin(), near.begin(), near.end());
+      return meets;
+    };
+    const std::vector<NearPair> found = look(finder);
+    if (step < 20) continue;
+    const std::vector<NearPair> of_other = look(other);
+    ASSERT_EQ(found.size(), of_other.size()) << step;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].key, of_other[k].key);
+      EXPECT_EQ(found[k].pair.points, of_other[k].pair.points);
+      EXPECT_EQ(found[k].separation.distance, of_other[k].separation.distance);
+    }
+  }
+}
+
+TEST(NearPairs, HaveKeysThatAscendAndForgetWhatCameBefore) {
   const Cloth cloth = cloth_of(17, 6, 0.015);
   NearPairs moving(cloth), fresh(cloth);
   const Points x = rolled(cloth, 2);
   const Points ahead = x + random_points(cloth.num_points(), 1e-3, 1);
   for (const double share : {0.0, 0.5, 0.8, 0.9}) {
-    moving.approaching(cloth, (1 - share) * cloth.rest_positions + share * x, ahead);
+    moving.approaching((1 - share) * cloth.rest_positions + share * x, ahead);
   }
-  const std::vector<NearPair> of_moving = moving.approaching(cloth, x, ahead);
-  const std::vector<NearPair> of_fresh = fresh.approaching(cloth, x, ahead);
+  moving.forget();
+  const std::vector<NearPair> of_moving = moving.approaching(x, ahead);
+  const std::vector<NearPair> of_fresh = fresh.approaching(x, ahead);
   ASSERT_EQ(of_moving.size(), of_fresh.size());
   ASSERT_GT(of_fresh.size(), 50u);
   for (std::size_t k = 0; k < of_fresh.size(); ++k) {

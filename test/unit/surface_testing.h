@@ -47,7 +47,7 @@ inline State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shif
 inline double least_distance(const Cloth& cloth, const Points& positions) {
   double least = 1;
   NearPairs finder(cloth);
-  for (const NearPair& near : finder.approaching(cloth, positions, 10 * positions)) {
+  for (const NearPair& near : finder.approaching(positions, 10 * positions)) {
     if (near.pair.nearest == 2 * strip_thickness) least = std::min(least, near.separation.distance);
   }
   return least;

@@ -30,16 +30,14 @@ class SurfaceFinder {
   /// As keep_from_crossing().
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
-  /// Each step looks for itself.
-  void seek_anew() {}
-  void write(MemoryWriter&) const {}
-  void read(MemoryReader&, const Cloth&) {}
+  void seek_anew() { near_.forget(); }
+  void write(MemoryWriter& memory) const { near_.write(memory); }
+  void read(MemoryReader& memory, const Cloth&) { near_.read(memory); }
 
  private:
   struct Sought;
 
-  bool is_nearest_on_surface(const SurfacePair&, const Separation&) const;
-  std::optional<Contact> contact_of(const Sought&, const NearPair&, const Contact* last) const;
+  static std::optional<Contact> contact_of(const Sought&, const NearPair&, const Contact* last);
 
   NearPairs near_;
 };

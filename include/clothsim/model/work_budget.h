@@ -13,8 +13,7 @@ class WorkBudget {
   // What takes so many visits, measured.
   static constexpr int contact_in_pass = 5;      // of the cloth with itself
   static constexpr int point_on_colliders = 10;  // to find and to correct its contacts
-  static constexpr int outlines_compared = 40;   // of the cells of two patches
-  static constexpr int pair_listed = 5;          // to look at again
+  static constexpr int patches_measured = 100;   // against each other
   static constexpr int pair_found = 50;          // and what its contact takes to begin
 
   /// From now on, until the next call.

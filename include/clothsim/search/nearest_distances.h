@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/search/surface_pair.h"
+#include "clothsim/search/tiles.h"
 
 namespace clothsim {
 
@@ -33,13 +35,22 @@ class NearestDistances {
 
   /// Of a pair [m].
   double of(const SurfacePair&) const;
-  /// The most over what two cells own, see SurfaceMesh: over their edges, or all [m].
-  double most_of_cells(int cell, int other) const;
-  double most_of_edges(int cell, int other) const {
-    return std::min(most_of_cells(cell, other), far_edges(has_border(cell) || has_border(other)));
+  /// Of what two tiles have together, from a lower bound that holds for any pair so far from each
+  /// other on the grid; of edges of the border up to far() [m]. Below 0 where they share a point.
+  /// `columns`, `rows`: the way from the first tile to the second, see are_neighbours().
+  using OfTiles = std::array<float, TileFeatures::count>;
+  const OfTiles& of_tiles(int columns, int rows) const {
+    return of_tiles_[of_points_[0].place(columns, rows)];
   }
-  /// The least of two that are no neighbours [m].
-  double least_far() const { return far_edges(false); }
+  /// So near on the grid that they may come nearer than others.
+  bool are_neighbours(int columns, int rows) const {
+    return std::abs(columns) <= of_points_[0].most.x() && std::abs(rows) <= of_points_[0].most.y();
+  }
+  /// Of two that are no neighbours: the most, and of edges inside the cloth [m].
+  double far() const { return contact_; }
+  double far_inside() const { return far_edges(false); }
+  /// Has a tile an edge of the border?
+  bool has_border(int tile) const { return borders_[static_cast<std::size_t>(tile)] != 0; }
   /// The least of any two [m].
   double least() const { return least_; }
 
@@ -56,23 +67,20 @@ class NearestDistances {
   };
 
   void fill_features();
-  void fill_cells();
+  void fill_tiles();
   double distance(bool edges, const std::array<Eigen::Vector2i, 4>& points) const;
   double far_edges(bool border) const { return (border ? 1 : edge_share) * contact_; }
   bool is_border(int first, int second) const;
-  bool has_border(int cell) const;
 
   int point_columns_;
   std::vector<Eigen::Vector2i> point_places_;  // column and row
-  std::vector<Eigen::Vector2i> cell_places_;
-  std::vector<unsigned char> borders_;  // that points lie on, a bit for each
-  Eigen::Vector2d spacing_;             // along rows and columns [m]
+  std::vector<unsigned char> borders_;         // that points lie on, a bit for each
+  Eigen::Vector2d spacing_;                    // along rows and columns [m]
   double contact_;
   double least_;
   std::array<Table, 2> of_points_;                // by triangle of its cell
   std::array<std::array<Table, 3>, 3> of_edges_;  // by direction of either: row, column, diagonal
-  Table of_cells_;
-  Table of_first_cells_;  // where one is in the first row or column, with more points and edges
+  std::vector<OfTiles> of_tiles_;                 // by way
 };
 
 }  // namespace clothsim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "clothsim/geometry/box_tree.h"
@@ -8,43 +9,56 @@
 
 namespace clothsim {
 
-/// A rectangle of the grid of a cloth, some cells wide and high.
+/// A rectangle of the grid of a cloth. Each point of the grid has a tile: itself, its edges to the
+/// next points along the row, along the column and across, and the two triangles between these. The
+/// last ones of a row or column lack some of that.
 struct Patch {
-  int columns;              // of points
-  int rows;                 // of points
-  std::vector<int> points;  // along rows, borders too
-  std::vector<int> cells;   // along rows, counted as SurfaceMesh does
+  static constexpr int side = 4;  // tiles along it
+  static constexpr int none = -1;
+
+  std::array<int, side * side> tiles;  // along rows, by their points; none beyond the cloth
+  std::vector<int> points;             // of the tiles, those on the far borders too
 };
 
-/// Cuts a cloth into patches of `size` x `size` cells, smaller ones at the last row and column.
-std::vector<Patch> cut_into_patches(const Cloth&, int size);
+/// Cuts the tiles of a cloth into patches, smaller ones at the last row and column.
+std::vector<Patch> cut_into_patches(const Cloth&);
 
-/// How patches move against each other.
+/// How patches move against each other while points go on straight ways.
 ///
-/// Each is followed as a rigid body, so that a cloth that turns as a whole does not seem to
-/// move within itself: what no isometry changes, no distance shows. Where it crumples, the ways of
-/// its points tell more.
+/// The ways of a patch are seen as u + w x r, those of a rigid body that sets out, and what they
+/// have beyond that. Of a common w no distance becomes less, as each goes square to itself.
 class PatchMotions {
  public:
-  /// The motion of `patches` between two sets of positions [m, N x 3, finite].
+  /// The ways of the points of `patches` from one set of positions to another [m, N x 3, finite].
   void follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
               const Workers& = {});
 
-  /// The most by which the distance of a point on p to one on q may have changed [m]. Both may be
-  /// the same patch.
+  /// The most by which a point on p comes nearer to one on q, at any time on the way [m]. Both may
+  /// be the same patch.
   double between(int p, int q) const;
+
+  /// Likewise, quickly found and far from the least: from the ways of the points alone.
+  double at_most(int p, int q) const { return of(p).way + of(q).way; }
+
+  /// That of any two [m].
+  double most() const { return 2 * longest_; }
 
  private:
   struct Motion {
-    Vector3 from;  // centre
-    Vector3 to;
-    Eigen::Matrix3d rotation;
-    double radius;  // farthest point from the centre, at the start [m]
-    double strain;  // farthest that a point has gone from where the rigid body has it [m]
-    Box ways;       // of its points [m]
+    Vector3 centre;  // at the start [m]
+    Vector3 shift;   // u [m]
+    Vector3 turn;    // w
+    double radius;   // farthest point from the centre [m]
+    double strain;   // longest way beyond u + w x r [m]
+    double way;      // longest beyond the mean of all points' ways [m]
   };
 
+  static Motion follow_one(const Patch&, const Points& from, const Points& to,
+                           const Eigen::RowVector3d& common);
+  const Motion& of(int patch) const { return motions_[static_cast<std::size_t>(patch)]; }
+
   std::vector<Motion> motions_;
+  double longest_ = 0;
 };
 
 }  // namespace clothsim

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "clothsim/geometry/surface_mesh.h"
+#include "clothsim/model/memory.h"
+#include "clothsim/model/workers.h"
+#include "clothsim/search/nearest_distances.h"
+#include "clothsim/search/surface_pair.h"
+
+namespace clothsim {
+
+/// What points are near: each slot is a point and a triangle, the one of a layer with the least
+/// gap. It is kept from step to step and walks over the surface: where a triangle beside it has
+/// less, it goes on to that.
+class SurfaceSlots {
+ public:
+  struct Slot {
+    int point;
+    int number;           // among those of its point: stays as it walks
+    int triangle;         // none: it ends
+    int owner;            // triangle that stands for the closest place, of all that have it
+    double nearest = 0;   // that they may come [m]
+    double distance = 0;  // when it was looked at [m]
+
+    double gap() const { return distance - nearest; }
+  };
+  /// A point and a triangle that are near.
+  struct Proposal {
+    int point;
+    int triangle;
+    bool operator<(const Proposal& other) const {
+      return point < other.point || (point == other.point && triangle < other.triangle);
+    }
+  };
+
+  /// A slot ends where its distance is more than this, of the nearest that its features may come.
+  static constexpr double reach = 1.5;
+
+  SurfaceSlots(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
+
+  /// Has all slots walk, and ends those that have come far, or to where one of the same point is.
+  void walk(const Points& positions, const Workers& = {});
+
+  /// Makes a slot of each that none of its point has. Sorts them.
+  void add(std::vector<Proposal>& proposals, const Points& positions);
+
+  /// Does a slot of the point keep it off a triangle that is at a `distance` and may come as near
+  /// as `nearest` [m]? It is there, or beside it with no larger a gap.
+  bool covers(const Proposal&, double distance, double nearest) const;
+
+  /// By point and number.
+  const std::vector<Slot>& all() const { return slots_; }
+  SurfacePair pair(const Slot&) const;
+
+  void clear();
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&);
+
+ private:
+  std::size_t begin(int point) const { return first_[static_cast<std::size_t>(point)]; }
+  std::size_t end(int point) const { return first_[static_cast<std::size_t>(point) + 1]; }
+  const std::array<int, 3>& corners(int triangle) const {
+    return mesh_->triangles[static_cast<std::size_t>(triangle)];
+  }
+  bool has(int triangle, int point) const;
+  std::array<double, 3> measure(Slot&, const Points&) const;
+  template <typename Visit>
+  void for_each_beside(const Slot&, const std::array<double, 3>& weights, const Visit&) const;
+  void go_to_nearest(Slot&, const Points&) const;
+  bool is_new(const Slot&, const Slot* begin, const Slot* end) const;
+  void index();
+
+  std::shared_ptr<const SurfaceMesh> mesh_;
+  std::shared_ptr<const NearestDistances> nearest_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> first_;  // slot of each point, and the end
+};
+
+}  // namespace clothsim

@@ -1,0 +1,208 @@
+// What two patches have near each other: near_pairs.cpp says when they are measured.
+
+#include <algorithm>
+
+#include "clothsim/model/target_clones.h"
+#include "near_pairs_impl.h"
+
+namespace clothsim {
+namespace {
+
+using Row = TileShapes::Row;
+constexpr std::size_t lanes = TileShapes::at_once;
+
+/// Slots are proposed up to this share of a triangle beside it: further out another one is nearer.
+constexpr float beside = 0.1F;
+
+/// Edges are listed up to this, of the nearest that they may come: a quarter as far as slots reach.
+constexpr float edge_reach = 1 + static_cast<float>(SurfaceSlots::reach - 1) / 4;
+
+/// What distances of sixteen pairs of tiles come to.
+struct Judged {
+  enum : int { is_near = 1, may_meet = 2 };
+  Row to_touch;
+  Row to_meet;
+  std::array<std::array<int, lanes>, TileFeatures::count> flags;
+  std::array<int, TileFeatures::count> any;
+};
+
+// As ternaries they are vectorised.
+inline float smaller(float a, float b) { return a < b ? a : b; }
+
+/// `nearest`: that features may come, below 0 where they share a point. `border`: 1 where a tile is
+/// at the border, beyond which no other triangle is nearer. `within`: what may meet.
+CLOTHSIM_TARGET_CLONES
+void judge(const TileShapes::Distances& found, const std::array<Row, TileFeatures::count>& nearest,
+           const Row& border, float rounding, float within, Judged& judged) {
+  constexpr auto reach = static_cast<float>(SurfaceSlots::reach);
+  Row to_touch, to_meet, seen;
+  for (std::size_t i = 0; i < lanes; ++i) to_touch[i] = to_meet[i] = TileShapes::far, seen[i] = 0;
+  for (std::size_t k = 0; k < TileFeatures::points; ++k) {
+    int any = 0;
+    for (std::size_t i = 0; i < lanes; ++i) {
+      const float may = nearest[k][i];
+      const float distance = may < 0 ? TileShapes::far : found.values[k][i] - rounding;
+      const bool is_near = distance < reach * may;
+      to_meet[i] = smaller(to_meet[i], distance);
+      to_touch[i] = smaller(to_touch[i], is_near ? (reach - 1) * may : distance - may);
+      seen[i] = is_near ? 1.0F : seen[i];
+      const bool is_its =
+          is_near & ((found.within[k][i] > -beside) | (distance < may) | (border[i] > 0));
+      const int flags =
+          (is_its ? Judged::is_near : 0) | (distance <= within ? Judged::may_meet : 0);
+      judged.flags[k][i] = flags;
+      any |= flags;
+    }
+    judged.any[k] = any;
+  }
+  // Where points see a layer, they keep it off before edges touch.
+  for (std::size_t k = TileFeatures::points; k < TileFeatures::count; ++k) {
+    int any = 0;
+    for (std::size_t i = 0; i < lanes; ++i) {
+      const float may = nearest[k][i];
+      const float distance = may < 0 ? TileShapes::far : found.values[k][i] - rounding;
+      const bool is_near = distance < edge_reach * may;
+      to_meet[i] = smaller(to_meet[i], distance);
+      to_touch[i] =
+          smaller(to_touch[i], is_near | (seen[i] > 0) ? TileShapes::far : distance - may);
+      const int flags =
+          (is_near ? Judged::is_near : 0) | (distance <= within ? Judged::may_meet : 0);
+      judged.flags[k][i] = flags;
+      any |= flags;
+    }
+    judged.any[k] = any;
+  }
+  judged.to_touch = to_touch;
+  judged.to_meet = to_meet;
+}
+
+/// A key of features that are found without a slot.
+std::uint64_t key_of(const SurfacePair& pair) {
+  const auto at = [&](std::size_t k) { return static_cast<std::uint64_t>(pair.points[k]); };
+  if (!pair.edges()) return at(0) << 32 | static_cast<std::uint64_t>(pair.triangle);
+  return std::uint64_t{1} << 63 | at(0) << 32 | at(2);
+}
+
+}  // namespace
+
+/// Sixteen pairs of tiles, or fewer, that are measured at once.
+struct NearPairs::Impl::Batch {
+  const int* pairs;  // numbers
+  std::size_t count;
+  bool are_neighbours;
+  std::array<std::array<int, 2>, lanes> tiles = {};
+  std::array<Row, TileFeatures::count> nearest = {};  // that features may come [m]
+  Row border = {};                                    // 1: of a tile at the border
+};
+
+/// Finds what has no slot yet, which edges are near, and what is within a distance [m].
+void NearPairs::Impl::measure(PatchPair& pair, const Points& positions, double within,
+                              Scratch& scratch) const {
+  TileShapes::Near& tiles = scratch.tiles;
+  const TileShapes::PairValues& most = pair.are_neighbours ? nearest_of(pair) : nearest_far;
+  shapes.look(pair.p, pair.q, most, SurfaceSlots::reach,
+              static_cast<float>(within) + shapes.rounding(), tiles);
+  pair.nearer = 0;
+  pair.to_meet = std::min<double>(tiles.rest, unbounded) - shapes.rounding();
+  pair.to_touch = std::min<double>(tiles.rest_gap, unbounded) - shapes.rounding();
+  pair.edges.clear();
+
+  int* const begin = tiles.pairs.data();
+  int* const end = begin + tiles.count;
+  int* first_neighbours = end;
+  if (pair.are_neighbours) {
+    first_neighbours = std::partition(begin, end, [&](int k) {
+      const auto [along_row, along_column] = way(pair, k);
+      return !nearest->are_neighbours(along_row, along_column);
+    });
+  }
+  const auto measure_range = [&](const int* from, const int* to, bool are_neighbours) {
+    for (; from < to; from += lanes) {
+      Batch batch{from, std::min(static_cast<std::size_t>(to - from), lanes), are_neighbours};
+      measure_batch(pair, batch, positions, within, scratch);
+    }
+  };
+  measure_range(begin, first_neighbours, false);
+  measure_range(first_neighbours, end, true);
+}
+
+/// The way between patches, along rows and columns of them.
+std::array<int, 2> NearPairs::Impl::patch_way(const PatchPair& pair) const {
+  return {pair.q % patch_columns - pair.p % patch_columns,
+          pair.q / patch_columns - pair.p / patch_columns};
+}
+
+/// The way between two of their tiles, by number.
+std::array<int, 2> NearPairs::Impl::way(const PatchPair& pair, int number) const {
+  constexpr int side = Patch::side, tiles = TileShapes::tiles;
+  const int a = number / tiles, b = number % tiles;
+  const auto [along_row, along_column] = patch_way(pair);
+  return {side * along_row + b % side - a % side, side * along_column + b / side - a / side};
+}
+
+/// Nearest that any features of tiles may come, of two patches.
+const TileShapes::PairValues& NearPairs::Impl::nearest_of(const PatchPair& pair) const {
+  const auto [along_row, along_column] = patch_way(pair);
+  return nearest_of_tiles[static_cast<std::size_t>(
+      (along_column + near_patches) * (2 * near_patches + 1) + along_row + near_patches)];
+}
+
+/// Which tiles they are, and how near their features may come.
+void NearPairs::Impl::prepare(const PatchPair& pair, Batch& batch) const {
+  const auto far = static_cast<float>(nearest->far());
+  const auto far_inside = static_cast<float>(nearest->far_inside());
+  const Patch &p = (*patches)[static_cast<std::size_t>(pair.p)],
+              &q = (*patches)[static_cast<std::size_t>(pair.q)];
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const int number = batch.pairs[std::min(i, batch.count - 1)];
+    const auto k = static_cast<std::size_t>(number);
+    const int a = p.tiles[k / TileShapes::tiles], b = q.tiles[k % TileShapes::tiles];
+    batch.tiles[i] = {a, b};
+    const bool border = nearest->has_border(a) || nearest->has_border(b);
+    batch.border[i] = border ? 1 : 0;
+    const auto [along_row, along_column] = way(pair, number);
+    const float* const of =
+        batch.are_neighbours ? nearest->of_tiles(along_row, along_column).data() : nullptr;
+    for (std::size_t f = 0; f < TileFeatures::count; ++f) {
+      const float most = f < TileFeatures::points || border ? far : far_inside;
+      batch.nearest[f][i] = of ? smaller(of[f], most) : most;
+    }
+  }
+}
+
+void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points& positions,
+                                    double within, Scratch& scratch) const {
+  TileShapes::Distances& distances = scratch.distances;
+  shapes.measure(pair.p, pair.q, batch.pairs, batch.count, distances);
+  prepare(pair, batch);
+  Judged judged;
+  judge(distances, batch.nearest, batch.border, shapes.rounding(), static_cast<float>(within),
+        judged);
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
+    pair.to_touch = std::min<double>(pair.to_touch, judged.to_touch[i]);
+  }
+  for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+    for (std::size_t i = 0; judged.any[k] != 0 && i < batch.count; ++i) {
+      const int flags = judged.flags[k][i];
+      if (flags == 0) continue;
+      const auto& [a, b] = batch.tiles[i];
+      SurfacePair found = features.pair(a, b, k);
+      if ((flags & Judged::is_near) != 0) {
+        const SurfaceSlots::Proposal proposal{found.points[0], found.triangle};
+        if (found.edges()) {
+          pair.edges.push_back({a, b, static_cast<int>(k)});
+        } else if (!slots.covers(proposal, distances.values[k][i], batch.nearest[k][i])) {
+          scratch.proposals.push_back(proposal);
+        }
+      }
+      if ((flags & Judged::may_meet) != 0) {
+        found.nearest = nearest->of(found);
+        const Separation s = separation(found, positions);
+        if (s.distance <= within) scratch.found.push_back({key_of(found), found, s});
+      }
+    }
+  }
+}
+
+}  // namespace clothsim
