@@ -50,6 +50,10 @@ NearPairs::Impl::Impl(const Cloth& cloth)
 /// What the outlines of tiles are compared with.
 void NearPairs::Impl::fill_nearest() {
   nearest_far.fill(static_cast<float>(nearest->far()));
+  for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+    far_rows[k].fill(
+        static_cast<float>(k < TileFeatures::points ? nearest->far() : nearest->far_inside()));
+  }
   const auto is_neighbour = [&](int patches_on) {
     const int gap = least_way(patches_on);
     return nearest->are_neighbours(gap, 0) || nearest->are_neighbours(0, gap);
@@ -265,6 +269,7 @@ void NearPairs::Impl::collect_edges(const Points& ahead) {
   const auto first = static_cast<std::ptrdiff_t>(near.size());
   for (const PatchPair& of : patch_pairs) {
     for (const Edges& edges : of.edges) {
+      if (edges.gap > of.nearer + of.step + margin) continue;
       SurfacePair pair = features.pair(edges.a, edges.b, static_cast<std::size_t>(edges.number));
       const Separation s = separation(pair, last);
       if (std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; }))
@@ -290,7 +295,7 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
                                                     const Workers& workers, WorkBudget* budget) {
   Impl& impl = *impl_;
   impl.be_at(positions, workers);
-  impl.slots.walk(positions, workers);
+  impl.slots.walk(positions, impl.looks, workers);
   if (budget) budget->spend(static_cast<std::int64_t>(impl.slots.all().size()));
   std::vector<Impl::PatchPair*> due;
   int turn = impl.looks++;
@@ -345,6 +350,7 @@ void NearPairs::write(MemoryWriter& memory) const {
     memory.add(static_cast<double>(pair.edges.size()));
     for (const Impl::Edges& edges : pair.edges) {
       for (const int number : {edges.a, edges.b, edges.number}) memory.add(number);
+      memory.add(edges.gap);
     }
   }
 }
@@ -367,7 +373,8 @@ void NearPairs::read(MemoryReader& memory) {
     }
     for (std::size_t edges = memory.count(); edges > 0; --edges) {
       const int a = memory.index(points), b = memory.index(points);
-      pair.edges.push_back({a, b, memory.index(TileFeatures::count)});
+      const int number = memory.index(TileFeatures::count);
+      pair.edges.push_back({a, b, number, memory.number()});
     }
     impl.patch_pairs.push_back(pair);
   }

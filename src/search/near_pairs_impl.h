@@ -15,11 +15,14 @@
 namespace clothsim {
 
 struct NearPairs::Impl {
+  using TileFeatureRows = std::array<TileShapes::Row, TileFeatures::count>;
+
   /// Two edges that are near, by tiles and the number of the pair among their features.
   struct Edges {
     int a;
     int b;
     int number;
+    double gap;  // when they were measured [m]
   };
 
   /// Two patches, or one with itself.
@@ -86,6 +89,7 @@ struct NearPairs::Impl {
   // Nearest that any features of two tiles may come [m], and of neighbours, by the way from patch
   // to patch, near_patches at most.
   TileShapes::PairValues nearest_far;
+  TileFeatureRows far_rows;  // of features inside the cloth
   int near_patches = 0;
   std::vector<TileShapes::PairValues> nearest_of_tiles;
   double spacing;  // shorter one at rest [m]

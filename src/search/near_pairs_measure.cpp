@@ -90,9 +90,10 @@ struct NearPairs::Impl::Batch {
   const int* pairs;  // numbers
   std::size_t count;
   bool are_neighbours;
-  std::array<std::array<int, 2>, lanes> tiles = {};
-  std::array<Row, TileFeatures::count> nearest = {};  // that features may come [m]
-  Row border = {};                                    // 1: of a tile at the border
+  std::array<std::array<int, 2>, lanes> tiles;
+  const TileFeatureRows* nearest = nullptr;  // that features may come [m]
+  TileFeatureRows own;
+  Row border;  // 1: of a tile at the border
 };
 
 /// Finds what has no slot yet, which edges are near, and what is within a distance [m].
@@ -118,7 +119,10 @@ void NearPairs::Impl::measure(PatchPair& pair, const Points& positions, double w
   }
   const auto measure_range = [&](const int* from, const int* to, bool are_neighbours) {
     for (; from < to; from += lanes) {
-      Batch batch{from, std::min(static_cast<std::size_t>(to - from), lanes), are_neighbours};
+      Batch batch;
+      batch.pairs = from;
+      batch.count = std::min(static_cast<std::size_t>(to - from), lanes);
+      batch.are_neighbours = are_neighbours;
       measure_batch(pair, batch, positions, within, scratch);
     }
   };
@@ -149,25 +153,33 @@ const TileShapes::PairValues& NearPairs::Impl::nearest_of(const PatchPair& pair)
 
 /// Which tiles they are, and how near their features may come.
 void NearPairs::Impl::prepare(const PatchPair& pair, Batch& batch) const {
-  const auto far = static_cast<float>(nearest->far());
-  const auto far_inside = static_cast<float>(nearest->far_inside());
   const Patch &p = (*patches)[static_cast<std::size_t>(pair.p)],
               &q = (*patches)[static_cast<std::size_t>(pair.q)];
+  bool any_border = false;
   for (std::size_t i = 0; i < lanes; ++i) {
-    const int number = batch.pairs[std::min(i, batch.count - 1)];
-    const auto k = static_cast<std::size_t>(number);
+    const auto k = static_cast<std::size_t>(batch.pairs[std::min(i, batch.count - 1)]);
     const int a = p.tiles[k / TileShapes::tiles], b = q.tiles[k % TileShapes::tiles];
     batch.tiles[i] = {a, b};
     const bool border = nearest->has_border(a) || nearest->has_border(b);
     batch.border[i] = border ? 1 : 0;
-    const auto [along_row, along_column] = way(pair, number);
+    any_border = any_border || border;
+  }
+  if (!batch.are_neighbours && !any_border) {
+    batch.nearest = &far_rows;
+    return;
+  }
+  const auto far = static_cast<float>(nearest->far());
+  const auto far_inside = static_cast<float>(nearest->far_inside());
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const auto [along_row, along_column] = way(pair, batch.pairs[std::min(i, batch.count - 1)]);
     const float* const of =
         batch.are_neighbours ? nearest->of_tiles(along_row, along_column).data() : nullptr;
     for (std::size_t f = 0; f < TileFeatures::count; ++f) {
-      const float most = f < TileFeatures::points || border ? far : far_inside;
-      batch.nearest[f][i] = of ? smaller(of[f], most) : most;
+      const float most = f < TileFeatures::points || batch.border[i] > 0 ? far : far_inside;
+      batch.own[f][i] = of ? smaller(of[f], most) : most;
     }
   }
+  batch.nearest = &batch.own;
 }
 
 void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points& positions,
@@ -176,7 +188,7 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points&
   shapes.measure(pair.p, pair.q, batch.pairs, batch.count, distances);
   prepare(pair, batch);
   Judged judged;
-  judge(distances, batch.nearest, batch.border, shapes.rounding(), static_cast<float>(within),
+  judge(distances, *batch.nearest, batch.border, shapes.rounding(), static_cast<float>(within),
         judged);
   for (std::size_t i = 0; i < batch.count; ++i) {
     pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
@@ -189,10 +201,11 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points&
       const auto& [a, b] = batch.tiles[i];
       SurfacePair found = features.pair(a, b, k);
       if ((flags & Judged::is_near) != 0) {
+        const double distance = distances.values[k][i], may = (*batch.nearest)[k][i];
         const SurfaceSlots::Proposal proposal{found.points[0], found.triangle};
         if (found.edges()) {
-          pair.edges.push_back({a, b, static_cast<int>(k)});
-        } else if (!slots.covers(proposal, distances.values[k][i], batch.nearest[k][i])) {
+          pair.edges.push_back({a, b, static_cast<int>(k), distance - may});
+        } else if (!slots.covers(proposal, distance, may)) {
           scratch.proposals.push_back(proposal);
         }
       }

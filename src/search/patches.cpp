@@ -10,14 +10,16 @@
 namespace clothsim {
 namespace {
 
-/// Points of a patch, side by side: the first fills up what is left.
+/// Points of a patch, side by side, and zeros up to whole lanes.
 constexpr int most_points = (Patch::side + 1) * (Patch::side + 1);
-constexpr int rounds = (most_points + num_lanes - 1) / num_lanes;
-constexpr int room = rounds * num_lanes;
+constexpr int room = (most_points + num_lanes - 1) / num_lanes * num_lanes;
+using Column = std::array<double, room>;
 
 struct Ways {
-  std::array<std::array<double, room>, 3> at;   // [m], from the centre
-  std::array<std::array<double, room>, 3> way;  // [m]
+  std::array<Column, 3> at;   // [m], from the centre
+  std::array<Column, 3> way;  // [m], beyond the mean
+  std::array<double, 3> centre;
+  std::array<double, 3> shift;
 };
 
 double total(const Lanes& v) {
@@ -29,18 +31,40 @@ double largest(const Lanes& v) {
   return most;
 }
 
-/// Sums over all places of products of two rows.
-[[gnu::always_inline]] inline double product(const double* a, const double* b) {
-  Lanes sum{};
-  for (int r = 0; r < room; r += num_lanes) sum += lanes_at(a + r) * lanes_at(b + r);
-  return total(sum);
+/// Sum over all places, of one column or of the products of two.
+[[gnu::always_inline]] inline double sum(const Column& a) {
+  Lanes result{};
+  for (std::size_t r = 0; r < room; r += num_lanes) result += lanes_at(a.data() + r);
+  return total(result);
+}
+[[gnu::always_inline]] inline double product(const Column& a, const Column& b) {
+  Lanes result{};
+  for (std::size_t r = 0; r < room; r += num_lanes) {
+    result += lanes_at(a.data() + r) * lanes_at(b.data() + r);
+  }
+  return total(result);
 }
 
-/// sum (r r), sum (d r): second moments of places, and of ways by places.
+/// Takes the mean of the first `count` off a column.
+[[gnu::always_inline]] inline double centred(Column& column, std::size_t count) {
+  const double mean = sum(column) / static_cast<double>(count);
+  for (std::size_t k = 0; k < count; ++k) column[k] -= mean;
+  return mean;
+}
+
+/// Second moments of places, and of ways by places.
 struct Moments {
   Eigen::Matrix3d places;
   Eigen::Matrix3d ways;
 };
+
+CLOTHSIM_TARGET_CLONES
+void centre(Ways& ways, std::size_t count) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ways.centre[axis] = centred(ways.at[axis], count);
+    ways.shift[axis] = centred(ways.way[axis], count);
+  }
+}
 
 CLOTHSIM_TARGET_CLONES
 Moments moments(const Ways& ways) {
@@ -48,31 +72,33 @@ Moments moments(const Ways& ways) {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
-      if (j >= i) {
-        m.places(row, column) = m.places(column, row) =
-            product(ways.at[i].data(), ways.at[j].data());
-      }
-      m.ways(row, column) = product(ways.way[i].data(), ways.at[j].data());
+      if (j >= i) m.places(row, column) = m.places(column, row) = product(ways.at[i], ways.at[j]);
+      m.ways(row, column) = product(ways.way[i], ways.at[j]);
     }
   }
   return m;
 }
 
-/// Squares of the longest of r, and of d - w x r.
+/// Squares of the longest of r, of d - w x r, and of d and a shift.
 CLOTHSIM_TARGET_CLONES
-std::array<double, 2> longest(const Ways& ways, double wx, double wy, double wz) {
-  Lanes arms{}, beyond{};
-  for (int r = 0; r < room; r += num_lanes) {
+std::array<double, 3> longest(const Ways& ways, double wx, double wy, double wz, double sx,
+                              double sy, double sz) {
+  Lanes arms{}, beyond{}, all{};
+  for (std::size_t r = 0; r < room; r += num_lanes) {
     const Lanes &x = lanes_at(ways.at[0].data() + r), &y = lanes_at(ways.at[1].data() + r),
                 &z = lanes_at(ways.at[2].data() + r);
-    const Lanes dx = lanes_at(ways.way[0].data() + r) - (wy * z - wz * y);
-    const Lanes dy = lanes_at(ways.way[1].data() + r) - (wz * x - wx * z);
-    const Lanes dz = lanes_at(ways.way[2].data() + r) - (wx * y - wy * x);
-    const Lanes arm = x * x + y * y + z * z, way = dx * dx + dy * dy + dz * dz;
+    const Lanes &dx = lanes_at(ways.way[0].data() + r), &dy = lanes_at(ways.way[1].data() + r),
+                &dz = lanes_at(ways.way[2].data() + r);
+    const Lanes ex = dx - (wy * z - wz * y), ey = dy - (wz * x - wx * z),
+                ez = dz - (wx * y - wy * x);
+    const Lanes fx = dx + sx, fy = dy + sy, fz = dz + sz;
+    const Lanes arm = x * x + y * y + z * z, way = ex * ex + ey * ey + ez * ez,
+                whole = fx * fx + fy * fy + fz * fz;
     arms = arm > arms ? arm : arms;
     beyond = way > beyond ? way : beyond;
+    all = whole > all ? whole : all;
   }
-  return {largest(arms), largest(beyond)};
+  return {largest(arms), largest(beyond), largest(all)};
 }
 
 }  // namespace
@@ -98,33 +124,21 @@ std::vector<Patch> cut_into_patches(const Cloth& cloth) {
 }
 
 PatchMotions::Motion PatchMotions::follow_one(const Patch& patch, const Points& from,
-                                              const Points& to, const Eigen::RowVector3d& common) {
+                                              const Points& to, const Vector3& common) {
   const auto count = patch.points.size();
   Ways ways;
-  std::array<double, 3> centre{}, shift{};
-  double way2 = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const int i = patch.points[k];
-    double beyond2 = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      ways.at[a][k] = from(i, axis);
-      ways.way[a][k] = to(i, axis) - from(i, axis);
-      centre[a] += ways.at[a][k] / static_cast<double>(count);
-      shift[a] += ways.way[a][k] / static_cast<double>(count);
-      const double beyond = ways.way[a][k] - common[axis];
-      beyond2 += beyond * beyond;
-    }
-    way2 = std::max(way2, beyond2);
-  }
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* const start = from.col(static_cast<Eigen::Index>(axis)).data();
+    const double* const end = to.col(static_cast<Eigen::Index>(axis)).data();
+    ways.at[axis].fill(0);
+    ways.way[axis].fill(0);
     for (std::size_t k = 0; k < count; ++k) {
-      ways.at[a][k] -= centre[a];
-      ways.way[a][k] -= shift[a];
+      const int i = patch.points[k];
+      ways.at[axis][k] = start[i];
+      ways.way[axis][k] = end[i] - start[i];
     }
-    std::fill(ways.at[a].begin() + static_cast<std::ptrdiff_t>(count), ways.at[a].end(), 0.0);
-    std::fill(ways.way[a].begin() + static_cast<std::ptrdiff_t>(count), ways.way[a].end(), 0.0);
   }
+  centre(ways, count);
 
   // The turn that explains most: of least squares. A patch in a line may turn about it anyhow.
   const Moments m = moments(ways);
@@ -135,9 +149,11 @@ PatchMotions::Motion PatchMotions::follow_one(const Patch& patch, const Points& 
   Vector3 turn = Vector3::Zero();
   if (trace > 0) turn = inertia.inverse() * momentum;
   if (!turn.allFinite()) turn.setZero();
-  const auto [arm2, beyond2] = longest(ways, turn.x(), turn.y(), turn.z());
-  return {{centre[0], centre[1], centre[2]},
-          {shift[0], shift[1], shift[2]},
+  const Vector3 shift(ways.shift[0], ways.shift[1], ways.shift[2]), own = shift - common;
+  const auto [arm2, beyond2, way2] =
+      longest(ways, turn.x(), turn.y(), turn.z(), own.x(), own.y(), own.z());
+  return {{ways.centre[0], ways.centre[1], ways.centre[2]},
+          shift,
           turn,
           std::sqrt(arm2),
           std::sqrt(beyond2),
@@ -147,7 +163,7 @@ PatchMotions::Motion PatchMotions::follow_one(const Patch& patch, const Points& 
 void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
                           const Workers& workers) {
   motions_.resize(patches.size());
-  const Eigen::RowVector3d common = (to - from).colwise().mean();
+  const Vector3 common = (to.colwise().mean() - from.colwise().mean()).transpose();
   workers.share(
       static_cast<int>(patches.size()),
       [&](int begin, int end) {

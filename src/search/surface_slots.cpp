@@ -9,6 +9,9 @@
 namespace clothsim {
 namespace {
 
+/// What touches nothing, goes on to the triangles beside it in one of so many looks.
+constexpr int most_looks = 4;
+
 /// What is nearer by less, of the nearest that may come, is as near.
 constexpr double as_near = 1e-9;
 
@@ -91,7 +94,7 @@ bool SurfaceSlots::is_new(const Slot& slot, const Slot* begin, const Slot* end) 
   });
 }
 
-void SurfaceSlots::walk(const Points& positions, const Workers& workers) {
+void SurfaceSlots::walk(const Points& positions, int look, const Workers& workers) {
   workers.share(
       static_cast<int>(slots_.size()),
       [&](int first, int last) {
@@ -104,11 +107,12 @@ void SurfaceSlots::walk(const Points& positions, const Workers& workers) {
           distances.measure(positions);
           for (int i = 0; i < count; ++i) {
             const auto place = static_cast<std::size_t>(i);
-            if (distances.at_edge(place)) {
-              go_to_nearest(slots[i], positions);
-            } else {
-              slots[i].distance = distances[place];
-              slots[i].owner = slots[i].triangle;
+            Slot& slot = slots[i];
+            slot.distance = distances[place];
+            if (!distances.at_edge(place)) {
+              slot.owner = slot.triangle;
+            } else if (slot.gap() < 0 || (slot.point + look) % most_looks == 0) {
+              go_to_nearest(slot, positions);
             }
           }
         }
@@ -168,10 +172,13 @@ void SurfaceSlots::add(std::vector<Proposal>& proposals, const Points& positions
     added.push_back(slot);
   }
   if (added.empty()) return;
-  slots_.insert(slots_.end(), added.begin(), added.end());
-  std::sort(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
+  const auto before = [](const Slot& a, const Slot& b) {
     return a.point < b.point || (a.point == b.point && a.number < b.number);
-  });
+  };
+  std::sort(added.begin(), added.end(), before);
+  const auto count = static_cast<std::ptrdiff_t>(slots_.size());
+  slots_.insert(slots_.end(), added.begin(), added.end());
+  std::inplace_merge(slots_.begin(), slots_.begin() + count, slots_.end(), before);
   index();
 }
 
@@ -193,6 +200,7 @@ void SurfaceSlots::write(MemoryWriter& memory) const {
     memory.add(slot.point);
     memory.add(slot.number);
     memory.add(slot.triangle);
+    memory.add(slot.owner);
   }
 }
 
@@ -202,7 +210,8 @@ void SurfaceSlots::read(MemoryReader& memory) {
     Slot slot{};
     slot.point = memory.index(mesh_->around_point.size());
     slot.number = memory.index(mesh_->triangles.size());
-    slot.triangle = slot.owner = memory.index(mesh_->triangles.size());
+    slot.triangle = memory.index(mesh_->triangles.size());
+    slot.owner = memory.index(mesh_->triangles.size());
     slot.nearest = nearest_->of(pair(slot));
     slots_.push_back(slot);
   }

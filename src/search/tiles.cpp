@@ -45,7 +45,8 @@ void point_triangle(const Corner& a, const Corner& b, const Corner& c, const Cor
     const float uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ww = dot(w, w), uw = dot(u, w),
                 vw = dot(v, w);
 
-    const float s = to_unit(uw / (uu + tiny));
+    const float per_uu = 1 / (uu + tiny);
+    const float s = to_unit(uw * per_uu);
     const float t = to_unit(vw / (vv + tiny));
     const float ee = uu - 2 * uv + vv, ew = vw - uw - uv + uu;
     const float r = to_unit(ew / (ee + tiny));
@@ -61,9 +62,8 @@ void point_triangle(const Corner& a, const Corner& b, const Corner& c, const Cor
     const float least = smaller(smaller(of_c, of_d), 1 - of_c - of_d);
     const float thinness = uu * vv * share;
     const float on_plane = ww - (of_c * uw + of_d * vw);
-    // In thin triangles the first one's rounding grows, and the edges are the nearer.
-    const float inside =
-        larger(on_plane - rounding * thinness * ww, on_edges - larger(uu, vv) / (thinness + tiny));
+    // In thin triangles the first one's rounding grows, and edges are no farther than their height.
+    const float inside = larger(on_plane - rounding * thinness * ww, on_edges - area2 * per_uu);
     const bool is_within = (least >= 0) & (area2 > rounding * uu * vv);
     const float squared = is_within ? inside : on_edges;
     values[k] = root(squared - rounding * (uu + vv + ww)) + lack[k];

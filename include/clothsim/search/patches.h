@@ -54,7 +54,7 @@ class PatchMotions {
   };
 
   static Motion follow_one(const Patch&, const Points& from, const Points& to,
-                           const Eigen::RowVector3d& common);
+                           const Vector3& common);
   const Motion& of(int patch) const { return motions_[static_cast<std::size_t>(patch)]; }
 
   std::vector<Motion> motions_;

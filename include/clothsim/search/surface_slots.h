@@ -42,8 +42,9 @@ class SurfaceSlots {
 
   SurfaceSlots(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
 
-  /// Has all slots walk, and ends those that have come far, or to where one of the same point is.
-  void walk(const Points& positions, const Workers& = {});
+  /// Has slots walk, and ends those that have come far, or to where one of the same point is.
+  /// `look`: counts up; those that do not touch take turns.
+  void walk(const Points& positions, int look, const Workers& = {});
 
   /// Makes a slot of each that none of its point has. Sorts them.
   void add(std::vector<Proposal>& proposals, const Points& positions);
