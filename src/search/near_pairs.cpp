@@ -4,9 +4,10 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <map>
 #include <mutex>
+#include <numeric>
 
 #include "near_pairs_impl.h"
 
@@ -23,6 +24,9 @@ constexpr double far_off = 8;
 /// Patches that are near each other are measured anew after so many looks, however still they lie:
 /// what is found late is found then.
 constexpr int longest_sleep = 256;
+
+/// The number of a pair of patches that is paired no more.
+constexpr int gone = -1;
 
 /// Tiles from one of a patch to the nearest of one so many patches on.
 int least_way(int patches_on) { return std::max(0, (std::abs(patches_on) - 1) * Patch::side + 1); }
@@ -112,13 +116,24 @@ void NearPairs::Impl::pair_patches(const Points& positions) {
   };
   std::sort(pairs.begin(), pairs.end(), before);
 
-  auto old = patch_pairs.begin();
-  for (PatchPair& pair : pairs) {
-    while (old != patch_pairs.end() && before(*old, pair)) ++old;
-    if (old != patch_pairs.end() && old->p == pair.p && old->q == pair.q) pair = std::move(*old);
+  // Those that were paired before go on, with their edges.
+  std::vector<int> renumbered(patch_pairs.size(), gone);
+  std::size_t old = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    while (old < patch_pairs.size() && before(patch_pairs[old], pairs[k])) ++old;
+    if (old == patch_pairs.size() || before(pairs[k], patch_pairs[old])) continue;
+    pairs[k] = patch_pairs[old];
+    renumbered[old] = static_cast<int>(k);
   }
+  for (Edges& of : edges) of.pair = renumbered[static_cast<std::size_t>(of.pair)];
+  drop_edges([](const Edges& of) { return of.pair == gone; });
   patch_pairs = std::move(pairs);
   paired_nearer = 0;
+}
+
+template <typename IsDropped>
+void NearPairs::Impl::drop_edges(const IsDropped& is_dropped) {
+  edges.erase(std::remove_if(edges.begin(), edges.end(), is_dropped), edges.end());
 }
 
 /// Numbers of their edges: three of each tile.
@@ -129,26 +144,42 @@ std::uint64_t NearPairs::Impl::edge_key(const Edges& edges) {
   return std::uint64_t{1} << 63 | a << 31 | b;
 }
 
-/// How much nearer patches come on straight ways from where they are.
-void NearPairs::Impl::foresee(const Points& ends, const Workers& workers) {
+/// How much nearer patches come on straight ways from where they are. Those that may meet, but for
+/// a `floor` [m], are `now`.
+void NearPairs::Impl::foresee(const Points& ends, double floor, const Workers& workers) {
   motions.follow(*patches, last, ends, workers);
   if (paired_nearer + motions.most() > sees()) pair_patches(last);
+  std::mutex mutex;
+  std::map<int, std::array<std::vector<int>, 2>> found;  // by the first pair of a band
   workers.share(
       static_cast<int>(patch_pairs.size()),
       [&](int begin, int end) {
+        std::array<std::vector<int>, 2> of_band;
         for (int k = begin; k < end; ++k) {
           PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+          pair.nearer = moved(pair);
           const double left = std::min(pair.to_touch, pair.to_meet) - pair.nearer;
           const double most = motions.at_most(pair.p, pair.q);
           pair.step = far_off * most < left ? most : motions.between(pair.p, pair.q);
+          if (2 * pair.step > pair.to_touch - pair.nearer) of_band[0].push_back(k);
+          if (pair.step + floor >= pair.to_meet - pair.nearer) of_band[1].push_back(k);
         }
+        const std::lock_guard<std::mutex> lock(mutex);
+        found[begin] = std::move(of_band);
       },
       Workers::dear);
+  has_gone = false;
+  soon.clear();
+  now.clear();
+  for (const auto& [begin, of_band] : found) {
+    soon.insert(soon.end(), of_band[0].begin(), of_band[0].end());
+    now.insert(now.end(), of_band[1].begin(), of_band[1].end());
+  }
 }
 
 /// They have gone there.
 void NearPairs::Impl::arrive(const Points& ends) {
-  for (PatchPair& pair : patch_pairs) pair.nearer += pair.step;
+  has_gone = true;
   paired_nearer += motions.most();
   last = ends;
   std::fill(is_shaped.begin(), is_shaped.end(), 0);
@@ -158,27 +189,29 @@ void NearPairs::Impl::arrive(const Points& ends) {
 void NearPairs::Impl::be_at(const Points& positions, const Workers& workers) {
   if (last.rows() == 0) {
     last = positions;
+    has_gone = false;
     is_shaped.assign(patches->size(), 0);
     pair_patches(positions);
+    soon.resize(patch_pairs.size());
+    std::iota(soon.begin(), soon.end(), 0);
   } else if (last != positions) {
-    foresee(positions, workers);
+    foresee(positions, 0, workers);
     arrive(positions);
   }
 }
 
 /// Where the tiles of patches are that are due.
-void NearPairs::Impl::shape(const std::vector<PatchPair*>& due, const Workers& workers) {
+void NearPairs::Impl::shape(const std::vector<int>& due, const Workers& workers) {
   std::vector<int> missing;
-  for (const PatchPair* pair : due) {
-    for (const int p : {pair->p, pair->q}) {
+  for (const int k : due) {
+    const PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+    for (const int p : {pair.p, pair.q}) {
       char& is = is_shaped[static_cast<std::size_t>(p)];
       if (is == 0) missing.push_back(p);
       is = 1;
     }
   }
-  if (missing.empty()) return;
-  const Eigen::RowVector3d mean = last.colwise().mean();
-  shapes.see_from(mean.transpose(), (last.rowwise() - mean).cwiseAbs().maxCoeff());
+  shapes.see_from(row(last, 0));
   workers.share(
       static_cast<int>(missing.size()),
       [&](int begin, int end) {
@@ -192,7 +225,7 @@ void NearPairs::Impl::shape(const std::vector<PatchPair*>& due, const Workers& w
 
 /// Measures pairs of patches, and returns all features within of(pair) [m] of each other.
 template <typename Within>
-std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<PatchPair*>& due,
+std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<int>& due,
                                                    const Within& within, const Workers& workers,
                                                    WorkBudget* budget) {
   if (due.empty()) return {};
@@ -207,10 +240,11 @@ std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<PatchPair*>
         scratch.band = begin;
         scratch.proposals.clear();
         scratch.found.clear();
+        scratch.edges.clear();
         for (int k = begin; k < end; ++k) {
           if (budget && budget->is_spent()) break;  // what was begun is taken back
-          PatchPair& pair = *due[static_cast<std::size_t>(k)];
-          measure(pair, last, within(pair), scratch);
+          const int pair = due[static_cast<std::size_t>(k)];
+          measure(pair, within(patch_pairs[static_cast<std::size_t>(pair)]), scratch);
           if (budget) budget->spend(WorkBudget::patches_measured);
         }
       },
@@ -220,10 +254,14 @@ std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<PatchPair*>
             [](const Scratch& a, const Scratch& b) { return a.band < b.band; });
   std::vector<SurfaceSlots::Proposal> proposals;
   std::vector<NearPair> found;
+  std::vector<char> is_measured(patch_pairs.size(), 0);
+  for (const int pair : due) is_measured[static_cast<std::size_t>(pair)] = 1;
+  drop_edges([&](const Edges& of) { return is_measured[static_cast<std::size_t>(of.pair)] != 0; });
   for (const Scratch& scratch : scratches) {
     if (scratch.band < 0) continue;
     proposals.insert(proposals.end(), scratch.proposals.begin(), scratch.proposals.end());
     found.insert(found.end(), scratch.found.begin(), scratch.found.end());
+    edges.insert(edges.end(), scratch.edges.begin(), scratch.edges.end());
   }
   slots.add(proposals, last);
   return found;
@@ -267,16 +305,14 @@ void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers
 /// Edges on lists, by their keys.
 void NearPairs::Impl::collect_edges(const Points& ahead) {
   const auto first = static_cast<std::ptrdiff_t>(near.size());
-  for (const PatchPair& of : patch_pairs) {
-    for (const Edges& edges : of.edges) {
-      if (edges.gap > of.nearer + of.step + margin) continue;
-      SurfacePair pair = features.pair(edges.a, edges.b, static_cast<std::size_t>(edges.number));
-      const Separation s = separation(pair, last);
-      if (std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; }))
-        continue;
-      pair.nearest = nearest->of(pair);
-      if (may_touch(pair, s, ahead)) near.push_back({edge_key(edges), pair, s});
-    }
+  for (const Edges& listed : edges) {
+    const PatchPair& of = patch_pairs[static_cast<std::size_t>(listed.pair)];
+    if (listed.gap > moved(of) + of.step + margin) continue;
+    SurfacePair pair = features.pair(listed.a, listed.b, static_cast<std::size_t>(listed.number));
+    const Separation s = separation(pair, last);
+    if (std::any_of(s.weights.begin(), s.weights.end(), [](double w) { return w == 0; })) continue;
+    pair.nearest = nearest->of(pair);
+    if (may_touch(pair, s, ahead)) near.push_back({edge_key(listed), pair, s});
   }
   std::sort(near.begin() + first, near.end(),
             [](const NearPair& a, const NearPair& b) { return a.key < b.key; });
@@ -297,12 +333,17 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   impl.be_at(positions, workers);
   impl.slots.walk(positions, impl.looks, workers);
   if (budget) budget->spend(static_cast<std::int64_t>(impl.slots.all().size()));
-  std::vector<Impl::PatchPair*> due;
-  int turn = impl.looks++;
-  for (Impl::PatchPair& pair : impl.patch_pairs) {
-    const bool is_near = pair.to_meet < SurfaceSlots::reach * impl.nearest->far();
-    const bool is_stale = is_near && turn++ % longest_sleep == 0;
-    if (is_stale || pair.nearer + pair.step > pair.to_touch) due.push_back(&pair);
+  std::vector<int> due;
+  const auto pair = [&](int k) -> const Impl::PatchPair& {
+    return impl.patch_pairs[static_cast<std::size_t>(k)];
+  };
+  for (const int k : impl.soon) {
+    if (impl.is_due(pair(k))) due.push_back(k);
+  }
+  const int count = static_cast<int>(impl.patch_pairs.size());
+  for (int k = impl.looks++ % longest_sleep; k < count; k += longest_sleep) {
+    const bool is_near = pair(k).to_meet < SurfaceSlots::reach * impl.nearest->far();
+    if (is_near && !impl.is_due(pair(k))) due.push_back(k);
   }
   impl.measure_all(
       due, [](const Impl::PatchPair&) { return 0.0; }, workers, budget);
@@ -316,69 +357,16 @@ std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends
                                           const Workers& workers, WorkBudget* budget) {
   Impl& impl = *impl_;
   impl.be_at(here, workers);
-  impl.foresee(ends, workers);
-  std::vector<Impl::PatchPair*> due;
-  for (Impl::PatchPair& pair : impl.patch_pairs) {
-    if (pair.nearer + pair.step + floor >= pair.to_meet) due.push_back(&pair);
-  }
+  impl.foresee(ends, floor, workers);
+  std::vector<int> soon;
+  std::set_union(impl.soon.begin(), impl.soon.end(), impl.now.begin(), impl.now.end(),
+                 std::back_inserter(soon));
+  impl.soon.swap(soon);
   return impl.measure_all(
-      due, [&](const Impl::PatchPair& pair) { return pair.step + floor; }, workers, budget);
+      impl.now, [&](const Impl::PatchPair& pair) { return pair.step + floor; }, workers, budget);
 }
 
 void NearPairs::go(const Points& ends) { impl_->arrive(ends); }
-
-void NearPairs::forget() {
-  impl_->last.resize(0, 3);
-  impl_->patch_pairs.clear();
-  impl_->slots.clear();
-  impl_->looks = 0;
-}
-
-void NearPairs::write(MemoryWriter& memory) const {
-  memory.add(impl_->last.rows() > 0);
-  if (impl_->last.rows() == 0) return;
-  memory.add(impl_->last);
-  memory.add(impl_->looks);
-  memory.add(impl_->paired_nearer);
-  impl_->slots.write(memory);
-  memory.add(static_cast<double>(impl_->patch_pairs.size()));
-  for (const Impl::PatchPair& pair : impl_->patch_pairs) {
-    for (const double number : {static_cast<double>(pair.p), static_cast<double>(pair.q),
-                                pair.nearer, pair.step, pair.to_touch, pair.to_meet}) {
-      memory.add(number);
-    }
-    memory.add(static_cast<double>(pair.edges.size()));
-    for (const Impl::Edges& edges : pair.edges) {
-      for (const int number : {edges.a, edges.b, edges.number}) memory.add(number);
-      memory.add(edges.gap);
-    }
-  }
-}
-
-void NearPairs::read(MemoryReader& memory) {
-  forget();
-  if (memory.index(2) == 0) return;
-  Impl& impl = *impl_;
-  const std::size_t points = impl.mesh->around_point.size(), patches = impl.patches->size();
-  impl.last = memory.points(static_cast<Eigen::Index>(points));
-  impl.is_shaped.assign(patches, 0);
-  impl.looks = memory.index(std::numeric_limits<int>::max());
-  impl.paired_nearer = memory.number();
-  impl.slots.read(memory);
-  for (std::size_t left = memory.count(); left > 0; --left) {
-    const int p = memory.index(patches), q = memory.index(patches);
-    Impl::PatchPair pair{p, q, impl.are_neighbours(p, q)};
-    for (double* number : {&pair.nearer, &pair.step, &pair.to_touch, &pair.to_meet}) {
-      *number = memory.number();
-    }
-    for (std::size_t edges = memory.count(); edges > 0; --edges) {
-      const int a = memory.index(points), b = memory.index(points);
-      const int number = memory.index(TileFeatures::count);
-      pair.edges.push_back({a, b, number, memory.number()});
-    }
-    impl.patch_pairs.push_back(pair);
-  }
-}
 
 double NearPairs::most_nearer() const { return impl_->motions.most(); }
 double NearPairs::sees() const { return impl_->sees(); }

@@ -19,6 +19,7 @@ struct NearPairs::Impl {
 
   /// Two edges that are near, by tiles and the number of the pair among their features.
   struct Edges {
+    int pair;  // of patches
     int a;
     int b;
     int number;
@@ -30,12 +31,11 @@ struct NearPairs::Impl {
     int p;
     int q;
     bool are_neighbours;  // on the cloth
-    double nearer = 0;    // that they may have come since they were measured [m]
-    double step = 0;      // of it, on the way looked at last [m]
+    double nearer = 0;    // that they may have come since they were measured, but for step [m]
+    double step = 0;      // that they may come on the way looked at last [m]
     // By how much they may come nearer before features touch that have no slot, or any meet [m].
     double to_touch = 0;
     double to_meet = 0;
-    std::vector<Edges> edges = {};
   };
 
   /// What is found of a band of patch pairs.
@@ -45,6 +45,7 @@ struct NearPairs::Impl {
     TileShapes::Distances distances;
     std::vector<SurfaceSlots::Proposal> proposals;
     std::vector<NearPair> found;
+    std::vector<Edges> edges;
   };
 
   explicit Impl(const Cloth&);
@@ -57,12 +58,17 @@ struct NearPairs::Impl {
   bool are_neighbours(int p, int q) const;
   void fill_nearest();
   void pair_patches(const Points& positions);
-  void foresee(const Points& ends, const Workers&);
+  template <typename IsDropped>
+  void drop_edges(const IsDropped&);
+  void foresee(const Points& ends, double floor, const Workers&);
   void arrive(const Points& ends);
   void be_at(const Points& positions, const Workers&);
-  void shape(const std::vector<PatchPair*>& due, const Workers&);
+  /// What two have come nearer so far [m].
+  double moved(const PatchPair& pair) const { return pair.nearer + (has_gone ? pair.step : 0); }
+  bool is_due(const PatchPair& pair) const { return moved(pair) + pair.step > pair.to_touch; }
+  void shape(const std::vector<int>& due, const Workers&);
   template <typename Within>
-  std::vector<NearPair> measure_all(const std::vector<PatchPair*>& due, const Within& within,
+  std::vector<NearPair> measure_all(const std::vector<int>& due, const Within& within,
                                     const Workers&, WorkBudget*);
   bool may_touch(const SurfacePair&, const Separation&, const Points& ahead) const;
   void collect_points(const Points& ahead, const Workers&);
@@ -70,9 +76,9 @@ struct NearPairs::Impl {
   static std::uint64_t edge_key(const Edges&);
 
   // near_pairs_measure.cpp: what two patches have near each other.
-  void measure(PatchPair&, const Points& positions, double within, Scratch&) const;
+  void measure(int pair, double within, Scratch&);
   struct Batch;
-  void measure_batch(PatchPair&, Batch&, const Points& positions, double within, Scratch&) const;
+  void measure_batch(int pair, Batch&, double within, Scratch&);
   void prepare(const PatchPair&, Batch&) const;
   std::array<int, 2> patch_way(const PatchPair&) const;
   std::array<int, 2> way(const PatchPair&, int number) const;
@@ -96,9 +102,12 @@ struct NearPairs::Impl {
   double margin;   // [m]
 
   std::vector<PatchPair> patch_pairs;  // by p, then q
-  double paired_nearer = 0;            // that any two may have come since they were paired [m]
+  std::vector<Edges> edges;
+  std::vector<int> soon, now;  // pairs that may be due in the next look, and for what meets
+  double paired_nearer = 0;    // that any two may have come since they were paired [m]
   int looks = 0;
-  Points last;  // positions last given; none yet: no rows
+  Points last;            // positions last given; none yet: no rows
+  bool has_gone = false;  // the way looked at last
   PatchMotions motions;
   std::vector<char> is_shaped;  // by patch, at `last`
 

@@ -97,16 +97,16 @@ struct NearPairs::Impl::Batch {
 };
 
 /// Finds what has no slot yet, which edges are near, and what is within a distance [m].
-void NearPairs::Impl::measure(PatchPair& pair, const Points& positions, double within,
-                              Scratch& scratch) const {
+void NearPairs::Impl::measure(int number, double within, Scratch& scratch) {
+  PatchPair& pair = patch_pairs[static_cast<std::size_t>(number)];
   TileShapes::Near& tiles = scratch.tiles;
   const TileShapes::PairValues& most = pair.are_neighbours ? nearest_of(pair) : nearest_far;
-  shapes.look(pair.p, pair.q, most, SurfaceSlots::reach,
-              static_cast<float>(within) + shapes.rounding(), tiles);
-  pair.nearer = 0;
-  pair.to_meet = std::min<double>(tiles.rest, unbounded) - shapes.rounding();
-  pair.to_touch = std::min<double>(tiles.rest_gap, unbounded) - shapes.rounding();
-  pair.edges.clear();
+  const float rounding = shapes.rounding(pair.p, pair.q);
+  shapes.look(pair.p, pair.q, most, SurfaceSlots::reach, static_cast<float>(within) + rounding,
+              tiles);
+  pair.nearer -= moved(pair);
+  pair.to_meet = std::min<double>(tiles.rest, unbounded) - rounding;
+  pair.to_touch = std::min<double>(tiles.rest_gap, unbounded) - rounding;
 
   int* const begin = tiles.pairs.data();
   int* const end = begin + tiles.count;
@@ -123,7 +123,7 @@ void NearPairs::Impl::measure(PatchPair& pair, const Points& positions, double w
       batch.pairs = from;
       batch.count = std::min(static_cast<std::size_t>(to - from), lanes);
       batch.are_neighbours = are_neighbours;
-      measure_batch(pair, batch, positions, within, scratch);
+      measure_batch(number, batch, within, scratch);
     }
   };
   measure_range(begin, first_neighbours, false);
@@ -182,14 +182,14 @@ void NearPairs::Impl::prepare(const PatchPair& pair, Batch& batch) const {
   batch.nearest = &batch.own;
 }
 
-void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points& positions,
-                                    double within, Scratch& scratch) const {
+void NearPairs::Impl::measure_batch(int number, Batch& batch, double within, Scratch& scratch) {
+  PatchPair& pair = patch_pairs[static_cast<std::size_t>(number)];
   TileShapes::Distances& distances = scratch.distances;
   shapes.measure(pair.p, pair.q, batch.pairs, batch.count, distances);
   prepare(pair, batch);
   Judged judged;
-  judge(distances, *batch.nearest, batch.border, shapes.rounding(), static_cast<float>(within),
-        judged);
+  judge(distances, *batch.nearest, batch.border, shapes.rounding(pair.p, pair.q),
+        static_cast<float>(within), judged);
   for (std::size_t i = 0; i < batch.count; ++i) {
     pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
     pair.to_touch = std::min<double>(pair.to_touch, judged.to_touch[i]);
@@ -204,14 +204,14 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, Batch& batch, const Points&
         const double distance = distances.values[k][i], may = (*batch.nearest)[k][i];
         const SurfaceSlots::Proposal proposal{found.points[0], found.triangle};
         if (found.edges()) {
-          pair.edges.push_back({a, b, static_cast<int>(k), distance - may});
+          scratch.edges.push_back({number, a, b, static_cast<int>(k), distance - may});
         } else if (!slots.covers(proposal, distance, may)) {
           scratch.proposals.push_back(proposal);
         }
       }
       if ((flags & Judged::may_meet) != 0) {
         found.nearest = nearest->of(found);
-        const Separation s = separation(found, positions);
+        const Separation s = separation(found, last);
         if (s.distance <= within) scratch.found.push_back({key_of(found), found, s});
       }
     }

@@ -176,15 +176,12 @@ TileShapes::TileShapes(const Cloth& cloth, std::size_t num_patches)
     : columns_(cloth.columns),
       rows_(cloth.rows),
       values_(num_patches * rows * tiles),
+      roundings_(num_patches),
       exists_(num_patches * tiles) {}
-
-void TileShapes::see_from(const Vector3& origin, double extent) {
-  origin_ = origin;
-  rounding_ = 4 * epsilon * static_cast<float>(extent);
-}
 
 void TileShapes::update(int patch, const Patch& of, const Points& positions) {
   float* const values = values_.data() + static_cast<std::size_t>(patch) * rows * tiles;
+  float farthest = 0;
   for (std::size_t k = 0; k < tiles; ++k) {
     const int tile = of.tiles[k] == Patch::none ? of.tiles[0] : of.tiles[k];
     exists_[static_cast<std::size_t>(patch) * tiles + k] = of.tiles[k] != Patch::none;
@@ -199,6 +196,7 @@ void TileShapes::update(int patch, const Patch& of, const Points& positions) {
         const auto column = static_cast<Eigen::Index>(axis);
         const auto at = static_cast<float>(positions(point, column) - origin_[column]);
         values[(corner * axes + axis) * tiles + k] = at;
+        farthest = std::max(farthest, std::abs(at));
         sum += at;
       }
       values[(centre * axes + axis) * tiles + k] = sum / TileFeatures::corners;
@@ -210,6 +208,7 @@ void TileShapes::update(int patch, const Patch& of, const Points& positions) {
     lack(1, last_column);
     lack(2, last_row);
   }
+  roundings_[static_cast<std::size_t>(patch)] = 4 * epsilon * farthest;
 }
 
 void TileShapes::look(int patch, int other, const PairValues& nearest, float share, float least,

@@ -13,7 +13,7 @@ using namespace testing;
 struct Shapes {
   Shapes(const Cloth& cloth, const Points& x)
       : patches(cut_into_patches(cloth)), shapes(cloth, patches.size()), features(cloth.columns) {
-    shapes.see_from(x.colwise().mean().transpose(), x.cwiseAbs().maxCoeff());
+    shapes.see_from(x.colwise().mean().transpose());
     for (std::size_t p = 0; p < patches.size(); ++p) {
       shapes.update(static_cast<int>(p), patches[p], x);
     }
@@ -62,7 +62,7 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
             for (std::size_t k = 0; k < TileFeatures::count; ++k) {
               if (found.values[k][i] >= TileShapes::far) continue;
               const double exact = separation(of.features.pair(a, b, k), x).distance;
-              const double told = found.values[k][i] - of.shapes.rounding();
+              const double told = found.values[k][i] - of.shapes.rounding(p, q);
               ASSERT_LE(told, exact) << shape << ' ' << k;
               closest = std::max(closest, exact - told);
               ++compared;
@@ -113,8 +113,8 @@ TEST(TileShapes, LookPastNoTileThatIsNear) {
             }
           }
         }
-        EXPECT_LE(near.rest - of.shapes.rounding(), rest);
-        EXPECT_LE(near.rest_gap - of.shapes.rounding(), rest - 0.1);
+        EXPECT_LE(near.rest - of.shapes.rounding(p, q), rest);
+        EXPECT_LE(near.rest_gap - of.shapes.rounding(p, q), rest - 0.1);
         EXPECT_GT(near.rest, 0.15F);
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -52,14 +53,17 @@ class TileShapes {
 
   TileShapes(const Cloth&, std::size_t num_patches);
 
-  /// What all tiles are seen from, and how far the farthest of them is [m].
-  void see_from(const Vector3& origin, double extent);
+  /// Where all tiles are seen from.
+  void see_from(const Vector3& origin) { origin_ = origin; }
 
   /// Takes the tiles of a patch as they are at `positions` [m, N x 3].
   void update(int patch, const Patch& of, const Points& positions);
 
-  /// What rounding of places does to a distance [m].
-  float rounding() const { return rounding_; }
+  /// What rounding of places does to a distance between two patches [m].
+  float rounding(int patch, int other) const {
+    return std::max(roundings_[static_cast<std::size_t>(patch)],
+                    roundings_[static_cast<std::size_t>(other)]);
+  }
 
   /// A number for each pair i * tiles + j of tiles of two patches.
   using PairValues = std::array<float, tiles * tiles>;
@@ -93,9 +97,9 @@ class TileShapes {
   int columns_;
   int rows_;
   Vector3 origin_ = Vector3::Zero();
-  float rounding_ = 0;
   std::vector<float> values_;
-  std::vector<char> exists_;  // whether a tile is none, by patch
+  std::vector<float> roundings_;  // by patch [m]
+  std::vector<char> exists_;      // whether a tile is none, by patch
 };
 
 }  // namespace clothsim
