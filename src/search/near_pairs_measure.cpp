@@ -14,7 +14,8 @@ constexpr std::size_t lanes = TileShapes::at_once;
 /// Slots are proposed up to this share of a triangle beside it: further out another one is nearer.
 constexpr float beside = 0.1F;
 
-/// Edges are listed up to this, of the nearest that they may come: a quarter as far as slots reach.
+/// Edges of layers that points see are listed up to this, of the nearest that they may come: a
+/// quarter as far as slots reach.
 constexpr float edge_reach = 1 + static_cast<float>(SurfaceSlots::reach - 1) / 4;
 
 /// What distances of sixteen pairs of tiles come to.
@@ -61,10 +62,12 @@ void judge(const TileShapes::Distances& found, const std::array<Row, TileFeature
     for (std::size_t i = 0; i < lanes; ++i) {
       const float may = nearest[k][i];
       const float distance = may < 0 ? TileShapes::far : found.values[k][i] - rounding;
-      const bool is_near = distance < edge_reach * may;
+      const bool is_seen = seen[i] > 0;
+      const bool is_near = distance < (is_seen ? edge_reach : reach) * may;
       to_meet[i] = smaller(to_meet[i], distance);
-      to_touch[i] =
-          smaller(to_touch[i], is_near | (seen[i] > 0) ? TileShapes::far : distance - may);
+      to_touch[i] = smaller(to_touch[i], is_seen   ? TileShapes::far
+                                         : is_near ? (reach - 1) * may
+                                                   : distance - may);
       const int flags =
           (is_near ? Judged::is_near : 0) | (distance <= within ? Judged::may_meet : 0);
       judged.flags[k][i] = flags;
@@ -102,8 +105,8 @@ void NearPairs::Impl::measure(int number, double within, Scratch& scratch) {
   TileShapes::Near& tiles = scratch.tiles;
   const TileShapes::PairValues& most = pair.are_neighbours ? nearest_of(pair) : nearest_far;
   const float rounding = shapes.rounding(pair.p, pair.q);
-  shapes.look(pair.p, pair.q, most, SurfaceSlots::reach, static_cast<float>(within) + rounding,
-              tiles);
+  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest->far());
+  shapes.look(pair.p, pair.q, most, gap, static_cast<float>(within) + rounding, tiles);
   pair.nearer -= moved(pair);
   pair.to_meet = std::min<double>(tiles.rest, unbounded) - rounding;
   pair.to_touch = std::min<double>(tiles.rest_gap, unbounded) - rounding;

@@ -90,7 +90,7 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
 bool SurfaceSlots::is_new(const Slot& slot, const Slot* begin, const Slot* end) const {
   return std::none_of(begin, end, [&](const Slot& other) {
     return other.triangle != SurfaceMesh::none && other.owner == slot.owner &&
-           other.nearest >= slot.nearest;
+           slot.owner != SurfaceMesh::none && other.nearest >= slot.nearest;
   });
 }
 
@@ -113,6 +113,8 @@ void SurfaceSlots::walk(const Points& positions, int look, const Workers& worker
               slot.owner = slot.triangle;
             } else if (slot.gap() < 0 || (slot.point + look) % most_looks == 0) {
               go_to_nearest(slot, positions);
+            } else {
+              slot.owner = SurfaceMesh::none;
             }
           }
         }
@@ -200,7 +202,6 @@ void SurfaceSlots::write(MemoryWriter& memory) const {
     memory.add(slot.point);
     memory.add(slot.number);
     memory.add(slot.triangle);
-    memory.add(slot.owner);
   }
 }
 
@@ -211,7 +212,7 @@ void SurfaceSlots::read(MemoryReader& memory) {
     slot.point = memory.index(mesh_->around_point.size());
     slot.number = memory.index(mesh_->triangles.size());
     slot.triangle = memory.index(mesh_->triangles.size());
-    slot.owner = memory.index(mesh_->triangles.size());
+    slot.owner = SurfaceMesh::none;
     slot.nearest = nearest_->of(pair(slot));
     slots_.push_back(slot);
   }

@@ -118,11 +118,11 @@ void measure_all(const std::array<Corners, 2>& of,
 }
 
 /// How far the tiles b of a patch are from one tile a, by planes square to the line between their
-/// centres. Tells which are within `share` of `nearest` or `least`, if any, and keeps how far the
-/// others are at least, and beyond their nearest.
+/// centres. Tells which are within `gap` of their `nearest` or within `least`, if any, and keeps
+/// how far the others are at least, and beyond their nearest.
 CLOTHSIM_TARGET_CLONES
-bool outline(const float* a, const float* __restrict b, const float* __restrict nearest,
-             float share, float least, std::array<int, n>& near, TileShapes::Row& rest,
+bool outline(const float* a, const float* __restrict b, const float* __restrict nearest, float gap,
+             float least, std::array<int, n>& near, TileShapes::Row& rest,
              TileShapes::Row& rest_gap) {
   constexpr std::size_t corner = 3 * n, centre = 4 * corner;
   const Vector from{a[centre], a[centre + n], a[centre + 2 * n]};
@@ -144,7 +144,7 @@ bool outline(const float* a, const float* __restrict b, const float* __restrict 
     const float lowest = smaller(smaller(dot(way, of_b(0)), dot(way, of_b(1))),
                                  smaller(dot(way, of_b(2)), dot(way, of_b(3))));
     const float distance = larger((lowest - highest) / (root(dot(way, way)) + tiny), 0.0F);
-    const int is_near = distance > larger(share * nearest[j], least) ? 0 : 1;
+    const int is_near = distance > larger(nearest[j] + gap, least) ? 0 : 1;
     near[j] = is_near;
     any |= is_near;
     rest[j] = is_near != 0 ? rest[j] : smaller(rest[j], distance);
@@ -211,7 +211,7 @@ void TileShapes::update(int patch, const Patch& of, const Points& positions) {
   roundings_[static_cast<std::size_t>(patch)] = 4 * epsilon * farthest;
 }
 
-void TileShapes::look(int patch, int other, const PairValues& nearest, float share, float least,
+void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float least,
                       Near& near) const {
   const char* const exists = exists_.data() + static_cast<std::size_t>(patch) * tiles;
   const char* const other_exists = exists_.data() + static_cast<std::size_t>(other) * tiles;
@@ -221,8 +221,8 @@ void TileShapes::look(int patch, int other, const PairValues& nearest, float sha
   rest_gap.fill(far);
   near.count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const bool any = outline(of(patch) + i, of(other), nearest.data() + i * n, share, least,
-                             is_near, rest, rest_gap);
+    const bool any = outline(of(patch) + i, of(other), nearest.data() + i * n, gap, least, is_near,
+                             rest, rest_gap);
     if (!any || exists[i] == 0) continue;
     for (std::size_t j = patch == other ? i + 1 : 0; j < n; ++j) {
       near.pairs[near.count] = static_cast<int>(i * n + j);

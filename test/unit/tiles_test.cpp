@@ -50,7 +50,7 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
         TileShapes::PairValues nearest;
         nearest.fill(1e6F);
         TileShapes::Near near;
-        of.shapes.look(p, q, nearest, 1, 0, near);
+        of.shapes.look(p, q, nearest, 0, 0, near);
         for (std::size_t first = 0; first < near.count; first += TileShapes::at_once) {
           const std::size_t count = std::min(near.count - first, TileShapes::at_once);
           TileShapes::Distances found;
@@ -88,7 +88,7 @@ TEST(TileShapes, LookPastNoTileThatIsNear) {
         TileShapes::PairValues nearest;
         nearest.fill(0.1F);
         TileShapes::Near near;
-        of.shapes.look(p, q, nearest, 1.5F, 0.05F, near);
+        of.shapes.look(p, q, nearest, 0.05F, 0.05F, near);
         std::vector<bool> is_near(TileShapes::tiles * TileShapes::tiles, false);
         for (std::size_t k = 0; k < near.count; ++k) {
           is_near[static_cast<std::size_t>(near.pairs[k])] = true;

@@ -20,9 +20,9 @@ class SurfaceSlots {
  public:
   struct Slot {
     int point;
-    int number;           // among those of its point: stays as it walks
-    int triangle;         // none: it ends
-    int owner;            // triangle that stands for the closest place, of all that have it
+    int number;    // among those of its point: stays as it walks
+    int triangle;  // none: it ends
+    int owner;     // of the triangles that have the closest place, the first; none: not looked at
     double nearest = 0;   // that they may come [m]
     double distance = 0;  // when it was looked at [m]
 

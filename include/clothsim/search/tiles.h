@@ -68,15 +68,15 @@ class TileShapes {
   /// A number for each pair i * tiles + j of tiles of two patches.
   using PairValues = std::array<float, tiles * tiles>;
 
-  /// Pairs of tiles that may be within `share` of the nearest that they may come or within `least`
-  /// [m], of a patch with itself each once.
+  /// Pairs of tiles that may be within a `gap` beyond the nearest that they may come, or within
+  /// `least` [m], of a patch with itself each once.
   struct Near {
     std::array<int, tiles * tiles> pairs;
     std::size_t count = 0;
     float rest = far;      // the others are so far from each other [m],
     float rest_gap = far;  // beyond the nearest they may come
   };
-  void look(int patch, int other, const PairValues& nearest, float share, float least,
+  void look(int patch, int other, const PairValues& nearest, float gap, float least,
             Near& near) const;
 
   /// Distances of the features of `count` of these pairs, up to `at_once`.
