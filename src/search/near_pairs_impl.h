@@ -81,7 +81,6 @@ struct NearPairs::Impl {
   void measure_batch(int pair, Batch&, double within, Scratch&);
   void prepare(const PatchPair&, Batch&) const;
   std::array<int, 2> patch_way(const PatchPair&) const;
-  std::array<int, 2> way(const PatchPair&, int number) const;
   const TileShapes::PairValues& nearest_of(const PatchPair&) const;
 
   int columns;

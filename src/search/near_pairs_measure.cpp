@@ -29,6 +29,7 @@ struct Judged {
 
 // As ternaries they are vectorised.
 inline float smaller(float a, float b) { return a < b ? a : b; }
+inline float larger(float a, float b) { return a > b ? a : b; }
 
 /// `nearest`: that features may come, below 0 where they share a point. `border`: 1 where a tile is
 /// at the border, beyond which no other triangle is nearer. `within`: what may meet.
@@ -57,17 +58,20 @@ void judge(const TileShapes::Distances& found, const std::array<Row, TileFeature
     judged.any[k] = any;
   }
   // Where points see a layer, they keep it off before edges touch.
+  Row edges_reach, none_touch;
+  for (std::size_t i = 0; i < lanes; ++i) {
+    edges_reach[i] = seen[i] > 0 ? edge_reach : reach;
+    none_touch[i] = seen[i] > 0 ? TileShapes::far : -TileShapes::far;
+  }
   for (std::size_t k = TileFeatures::points; k < TileFeatures::count; ++k) {
     int any = 0;
     for (std::size_t i = 0; i < lanes; ++i) {
       const float may = nearest[k][i];
       const float distance = may < 0 ? TileShapes::far : found.values[k][i] - rounding;
-      const bool is_seen = seen[i] > 0;
-      const bool is_near = distance < (is_seen ? edge_reach : reach) * may;
+      const bool is_near = distance < edges_reach[i] * may;
+      const float gap = is_near ? (reach - 1) * may : distance - may;
       to_meet[i] = smaller(to_meet[i], distance);
-      to_touch[i] = smaller(to_touch[i], is_seen   ? TileShapes::far
-                                         : is_near ? (reach - 1) * may
-                                                   : distance - may);
+      to_touch[i] = smaller(to_touch[i], larger(gap, none_touch[i]));
       const int flags =
           (is_near ? Judged::is_near : 0) | (distance <= within ? Judged::may_meet : 0);
       judged.flags[k][i] = flags;
@@ -84,6 +88,13 @@ std::uint64_t key_of(const SurfacePair& pair) {
   const auto at = [&](std::size_t k) { return static_cast<std::uint64_t>(pair.points[k]); };
   if (!pair.edges()) return at(0) << 32 | static_cast<std::uint64_t>(pair.triangle);
   return std::uint64_t{1} << 63 | at(0) << 32 | at(2);
+}
+
+/// The way between two tiles, by their number and the way between patches.
+std::array<int, 2> way(const std::array<int, 2>& patches, int number) {
+  constexpr int side = Patch::side, tiles = TileShapes::tiles;
+  const int a = number / tiles, b = number % tiles;
+  return {patches[0] + b % side - a % side, patches[1] + b / side - a / side};
 }
 
 }  // namespace
@@ -113,10 +124,11 @@ void NearPairs::Impl::measure(int number, double within, Scratch& scratch) {
 
   int* const begin = tiles.pairs.data();
   int* const end = begin + tiles.count;
+  const std::array<int, 2> between = patch_way(pair);
   int* first_neighbours = end;
   if (pair.are_neighbours) {
     first_neighbours = std::partition(begin, end, [&](int k) {
-      const auto [along_row, along_column] = way(pair, k);
+      const auto [along_row, along_column] = way(between, k);
       return !nearest->are_neighbours(along_row, along_column);
     });
   }
@@ -133,25 +145,18 @@ void NearPairs::Impl::measure(int number, double within, Scratch& scratch) {
   measure_range(first_neighbours, end, true);
 }
 
-/// The way between patches, along rows and columns of them.
+/// The way between patches, along rows and columns of tiles.
 std::array<int, 2> NearPairs::Impl::patch_way(const PatchPair& pair) const {
-  return {pair.q % patch_columns - pair.p % patch_columns,
-          pair.q / patch_columns - pair.p / patch_columns};
-}
-
-/// The way between two of their tiles, by number.
-std::array<int, 2> NearPairs::Impl::way(const PatchPair& pair, int number) const {
-  constexpr int side = Patch::side, tiles = TileShapes::tiles;
-  const int a = number / tiles, b = number % tiles;
-  const auto [along_row, along_column] = patch_way(pair);
-  return {side * along_row + b % side - a % side, side * along_column + b / side - a / side};
+  return {Patch::side * (pair.q % patch_columns - pair.p % patch_columns),
+          Patch::side * (pair.q / patch_columns - pair.p / patch_columns)};
 }
 
 /// Nearest that any features of tiles may come, of two patches.
 const TileShapes::PairValues& NearPairs::Impl::nearest_of(const PatchPair& pair) const {
   const auto [along_row, along_column] = patch_way(pair);
-  return nearest_of_tiles[static_cast<std::size_t>(
-      (along_column + near_patches) * (2 * near_patches + 1) + along_row + near_patches)];
+  const int row = along_column / Patch::side + near_patches;
+  const int column = along_row / Patch::side + near_patches;
+  return nearest_of_tiles[static_cast<std::size_t>(row * (2 * near_patches + 1) + column)];
 }
 
 /// Which tiles they are, and how near their features may come.
@@ -171,15 +176,19 @@ void NearPairs::Impl::prepare(const PatchPair& pair, Batch& batch) const {
     batch.nearest = &far_rows;
     return;
   }
+  const std::array<int, 2> between = patch_way(pair);
   const auto far = static_cast<float>(nearest->far());
   const auto far_inside = static_cast<float>(nearest->far_inside());
+  NearestDistances::OfTiles any;
+  any.fill(far);
   for (std::size_t i = 0; i < lanes; ++i) {
-    const auto [along_row, along_column] = way(pair, batch.pairs[std::min(i, batch.count - 1)]);
-    const float* const of =
-        batch.are_neighbours ? nearest->of_tiles(along_row, along_column).data() : nullptr;
-    for (std::size_t f = 0; f < TileFeatures::count; ++f) {
-      const float most = f < TileFeatures::points || batch.border[i] > 0 ? far : far_inside;
-      batch.own[f][i] = of ? smaller(of[f], most) : most;
+    const auto [along_row, along_column] = way(between, batch.pairs[std::min(i, batch.count - 1)]);
+    const NearestDistances::OfTiles& of =
+        batch.are_neighbours ? nearest->of_tiles(along_row, along_column) : any;
+    const float most = batch.border[i] > 0 ? far : far_inside;
+    for (std::size_t f = 0; f < TileFeatures::points; ++f) batch.own[f][i] = of[f];
+    for (std::size_t f = TileFeatures::points; f < TileFeatures::count; ++f) {
+      batch.own[f][i] = smaller(of[f], most);
     }
   }
   batch.nearest = &batch.own;
