@@ -331,7 +331,7 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
                                                     const Workers& workers, WorkBudget* budget) {
   Impl& impl = *impl_;
   impl.be_at(positions, workers);
-  impl.slots.walk(positions, impl.looks, workers);
+  impl.slots.walk(positions, workers);
   if (budget) budget->spend(static_cast<std::int64_t>(impl.slots.all().size()));
   std::vector<int> due;
   const auto pair = [&](int k) -> const Impl::PatchPair& {

@@ -9,9 +9,6 @@
 namespace clothsim {
 namespace {
 
-/// What touches nothing, goes on to the triangles beside it in one of so many looks.
-constexpr int most_looks = 4;
-
 /// What is nearer by less, of the nearest that may come, is as near.
 constexpr double as_near = 1e-9;
 
@@ -90,11 +87,11 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
 bool SurfaceSlots::is_new(const Slot& slot, const Slot* begin, const Slot* end) const {
   return std::none_of(begin, end, [&](const Slot& other) {
     return other.triangle != SurfaceMesh::none && other.owner == slot.owner &&
-           slot.owner != SurfaceMesh::none && other.nearest >= slot.nearest;
+           other.nearest >= slot.nearest;
   });
 }
 
-void SurfaceSlots::walk(const Points& positions, int look, const Workers& workers) {
+void SurfaceSlots::walk(const Points& positions, const Workers& workers) {
   workers.share(
       static_cast<int>(slots_.size()),
       [&](int first, int last) {
@@ -111,10 +108,8 @@ void SurfaceSlots::walk(const Points& positions, int look, const Workers& worker
             slot.distance = distances[place];
             if (!distances.at_edge(place)) {
               slot.owner = slot.triangle;
-            } else if (slot.gap() < 0 || (slot.point + look) % most_looks == 0) {
-              go_to_nearest(slot, positions);
             } else {
-              slot.owner = SurfaceMesh::none;
+              go_to_nearest(slot, positions);
             }
           }
         }
@@ -212,7 +207,7 @@ void SurfaceSlots::read(MemoryReader& memory) {
     slot.point = memory.index(mesh_->around_point.size());
     slot.number = memory.index(mesh_->triangles.size());
     slot.triangle = memory.index(mesh_->triangles.size());
-    slot.owner = SurfaceMesh::none;
+    slot.owner = slot.triangle;
     slot.nearest = nearest_->of(pair(slot));
     slots_.push_back(slot);
   }

@@ -20,9 +20,9 @@ class SurfaceSlots {
  public:
   struct Slot {
     int point;
-    int number;    // among those of its point: stays as it walks
-    int triangle;  // none: it ends
-    int owner;     // of the triangles that have the closest place, the first; none: not looked at
+    int number;           // among those of its point: stays as it walks
+    int triangle;         // none: it ends
+    int owner;            // of the triangles that have the closest place, the first
     double nearest = 0;   // that they may come [m]
     double distance = 0;  // when it was looked at [m]
 
@@ -43,8 +43,7 @@ class SurfaceSlots {
   SurfaceSlots(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
 
   /// Has slots walk, and ends those that have come far, or to where one of the same point is.
-  /// `look`: counts up; those that do not touch take turns.
-  void walk(const Points& positions, int look, const Workers& = {});
+  void walk(const Points& positions, const Workers& = {});
 
   /// Makes a slot of each that none of its point has. Sorts them.
   void add(std::vector<Proposal>& proposals, const Points& positions);
