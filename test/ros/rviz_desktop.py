@@ -102,6 +102,9 @@ class View:
         right /= np.linalg.norm(right)
         self.axes = np.array([right, np.cross(right, -out), -out])  # right, up, ahead
 
+    def __eq__(self, other):
+        return np.array_equal(self.corner, other.corner) and np.array_equal(self.size, other.size)
+
     def pixel(self, point):
         """Where a point of the world is seen, and how far ahead it is [m]."""
         right, up, ahead = self.axes @ (np.asarray(point) - self.eye)
