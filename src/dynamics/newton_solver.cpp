@@ -15,12 +15,6 @@
 namespace clothsim {
 namespace {
 
-/// Share of the fall that the slope foretells with which a step is content (Armijo).
-constexpr double least_fall = 1e-4;
-
-/// Share of a point's inertia that its springs may use up.
-constexpr double shared_inertia = 0.9;
-
 /// Shortest step tried, of Newton's. Below, it is lost in rounding.
 constexpr double shortest_step = std::numeric_limits<double>::epsilon();
 
@@ -60,16 +54,16 @@ struct NewtonSolver::Impl {
 
 /// A spring shorter than at rest pushes across itself with a stiffness -s. Two ends of inertia p
 /// and q bear that, and the matrix stays positive definite, for s < p q / (p + q), with p and q
-/// shares of theirs that add up to less than all.
+/// shares of theirs that add up to less than all: as large as what the point keeps for itself.
 void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weights) {
   Scalars springs = Scalars::Zero(cloth.num_points());
   for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
     ++springs[a];
     ++springs[b];
   });
-  spare = (cloth.inv_mass.array() > 0)
-              .select(shared_inertia * weights.array() / springs.array().max(1),
-                      std::numeric_limits<double>::infinity());
+  spare =
+      (cloth.inv_mass.array() > 0)
+          .select(weights.array() / (springs.array() + 1), std::numeric_limits<double>::infinity());
 }
 
 /// `block` to both points, -`block` between them, but for pins.
@@ -133,12 +127,11 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
 bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, const Points& y,
                                  const Past& past, Points& d) {
   const double before = incremental_potential(cloth, weights, y, d, past);
-  const double slope = gradient.cwiseProduct(step).sum();
   const double rounding = 1e-13 * before;
   for (double share = 1; share >= shortest_step; share /= 2) {
     trial = d + share * step;
     const double after = incremental_potential(cloth, weights, y, trial, past);
-    if (after <= before + least_fall * share * slope + rounding) {
+    if (after <= before + rounding) {
       std::swap(d, trial);
       return true;
     }
