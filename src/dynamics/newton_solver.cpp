@@ -42,7 +42,6 @@ struct NewtonSolver::Impl {
 
   Parameters parameters;
   bool ran_out = false;
-  int steps = 0;
   SpringSystem<3> system;
   Scalars spare;     // inertia for each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
@@ -176,10 +175,9 @@ NewtonSolver& NewtonSolver::operator=(NewtonSolver&&) noexcept = default;
 
 int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points& y, Points& d,
                         const Past& past) {
-  return impl_->steps = impl_->solve(cloth, weights, y, past, d);
+  return impl_->solve(cloth, weights, y, past, d);
 }
 
 bool NewtonSolver::ran_out() const { return impl_->ran_out; }
-int NewtonSolver::steps() const { return impl_->steps; }
 
 }  // namespace clothsim

@@ -8,32 +8,18 @@
 namespace clothsim {
 namespace {
 
-/// Visits that a frame may take for each point from a state that was set: some, and more for each
-/// substep that the springs alone need. 50 x 50 points get a second.
+/// Visits that a frame may take for each point from a state that was set, beside one in each pass
+/// of the substeps that the springs alone need. 50 x 50 points get a second.
 constexpr double visits_a_point = 40e3;
-constexpr double visits_a_substep = 400;
-
-/// Newton steps of a substep that are usual, and what one takes: a sparse factorisation, of so many
-/// visits for each point and each along a side (25 x 25 to 100 x 100 points measured).
-constexpr double usual_newton_steps = 3;
-constexpr double visits_of_factorisation = 40;
-
-/// So many times that from a state that the simulation came to: what is hit at 100 m/s takes ten.
-constexpr double patience = 100;
 
 }  // namespace
 
 void Simulator::Impl::allow_work(double dt) {
-  const bool is_implicit = std::holds_alternative<ImplicitEuler>(method->integrator) ||
-                           std::holds_alternative<Bdf2>(method->integrator);
-  const double a_substep =
-      visits_a_substep + (is_implicit ? usual_newton_steps * visits_of_newton_step() : 0);
-  const double visits = visits_a_point + a_substep * least_substeps(dt);
-  budget.allow(cloth.num_points() * visits * (is_given ? 1 : patience));
-}
-
-double Simulator::Impl::visits_of_newton_step() const {
-  return visits_of_factorisation * std::sqrt(cloth.num_points());
+  // From a state that the simulation came to, one in each pass of all substeps that there may be:
+  // what is hit at 100 m/s takes a fifth of it.
+  const double visits =
+      is_given ? visits_a_point + max_sweeps * least_substeps(dt) : max_sweeps * max_substeps;
+  budget.allow(cloth.num_points() * visits);
 }
 
 double Simulator::Impl::least_substeps(double dt) const {

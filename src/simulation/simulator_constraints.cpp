@@ -12,10 +12,9 @@ namespace {
 
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds. The most is met only in a shock.
+/// seconds.
 constexpr int min_sweeps = 4;
 constexpr int min_sweeps_alone = 6;
-constexpr int max_sweeps = 200;
 constexpr int max_corrections = 600;
 
 /// The most over a strain limit that yields: more would only pull harder at what cannot be met.

@@ -237,9 +237,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
   std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
-  const int newton_steps =
-      std::visit([](const auto& m) { return m.newton_steps(); }, method->integrator);
-  spend(1 + newton_steps * visits_of_newton_step());
+  spend(1);
 
   if (touches() && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(inert, h, report);

@@ -40,6 +40,9 @@ inline void check_place(const Pose& pose) {
   check_orientation(pose.orientation);
 }
 
+/// Passes over the constraints in a substep, at most: met only in a shock.
+inline constexpr int max_sweeps = 200;
+
 /// How a scene with `cloth` is integrated, and by what.
 struct Method {
   Method(const SimulationSpec& spec, const Cloth& cloth, const std::vector<ColliderSpec>& colliders)
@@ -252,10 +255,9 @@ struct Simulator::Impl {
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
   void repair(const Cloth&, bool solved, StepReport&);
-  /// Sets the budget of a frame of dt [s], with all that is tried.
+  /// Sets the budget of a frame of dt [s], with all that is tried but Newton's steps, of which the
+  /// method has a most of its own.
   void allow_work(double dt);
-  /// For each point.
-  double visits_of_newton_step() const;
   /// Substeps of a frame of dt [s] that the scene or its springs ask for, whatever the state.
   double least_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.

@@ -44,8 +44,7 @@ class Bdf2 {
   /// Takes the next step as the first.
   void forget() { watch_ = {}; }
 
-  bool ran_out() const { return solver_.ran_out(); }    // see Integrator
-  int newton_steps() const { return solver_.steps(); }  // see Integrator
+  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
 
   /// The history, where it still holds for the cloth. `read` throws InvalidValue for what was not
   /// written.

@@ -30,8 +30,7 @@ class ImplicitEuler {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  bool ran_out() const { return solver_.ran_out(); }    // see Integrator
-  int newton_steps() const { return solver_.steps(); }  // see Integrator
+  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
 
  private:
   NewtonSolver solver_;

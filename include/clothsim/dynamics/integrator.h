@@ -22,7 +22,6 @@ namespace clothsim {
 /// - `step(const Cloth&, const Loads&, double h, State&, const Workers&)`, to the same bits with
 ///   any number of threads; Newton's method uses one;
 /// - `ran_out()`, whether the last step stopped iterating before it met its own tolerance;
-/// - `newton_steps()`, that the last step took, 0 where it is explicit;
 /// - `Parameters`, a struct of double, int and enumerations with defaults, whose
 ///   `each(parameters, visit)` calls `visit(const char* key, value, const Range&)` for each, and
 ///   a constructor that takes it.

@@ -45,9 +45,6 @@ class NewtonSolver {
   /// out, or no share of a step made the potential fall.
   bool ran_out() const;
 
-  /// Newton steps that the last solve() took.
-  int steps() const;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -31,7 +31,6 @@ class SymplecticEuler {
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
   static constexpr bool ran_out() { return false; }  // see Integrator
-  static constexpr int newton_steps() { return 0; }  // see Integrator
 
  private:
   Points forces_;  // [N], N x 3

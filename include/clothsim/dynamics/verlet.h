@@ -42,7 +42,6 @@ class VelocityVerlet {
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
   static constexpr bool ran_out() { return false; }  // see Integrator
-  static constexpr int newton_steps() { return 0; }  // see Integrator
 
  private:
   template <typename Forces>

@@ -56,7 +56,6 @@ class Xpbd {
   void add_reactions(const Cloth&, double h, Points& impulses) const;
 
   static constexpr bool ran_out() { return false; }  // see Integrator
-  static constexpr int newton_steps() { return 0; }  // see Integrator
 
  private:
   struct Constraint {
