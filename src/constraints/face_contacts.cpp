@@ -8,9 +8,6 @@
 namespace clothsim {
 namespace {
 
-/// Passes that take triangles out of a collider, each of which may move its neighbours in.
-constexpr int max_passes = 50;
-
 /// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
 enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
 
@@ -171,7 +168,7 @@ void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, d
                        [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
   };
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
-  for (int pass = 1; pass <= max_passes; ++pass) {
+  for (int pass = 1; pass <= passes_in_vain; ++pass) {
     bool again = false;
     const auto move_out = [&](int, const Corners& corners) {
       // In the first pass all, then those with a corner that has just moved.

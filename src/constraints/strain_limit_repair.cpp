@@ -9,10 +9,6 @@
 namespace clothsim {
 namespace {
 
-/// Where in the tolerance correct() aims: inside, or the last bits take for ever, yet not far, or
-/// springs that hold others up go slack.
-constexpr double aim = 0.95;
-
 /// A spring this many times longer than its limit is left to the impulses: to repair it at once
 /// would throw its ends about.
 constexpr double beyond_repair = 1.5;
@@ -96,7 +92,8 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
-      const double excess = length - (longest_ + aim * tolerance) * c.rest_length;
+      const double aim = longest_ + tolerance - tolerance / precision;
+      const double excess = length - aim * c.rest_length;
       const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
       pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);
       shortened_[index(i)] = 1;

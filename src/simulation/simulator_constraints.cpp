@@ -15,18 +15,12 @@ namespace {
 /// seconds.
 constexpr int min_sweeps = 4;
 constexpr int min_sweeps_alone = 6;
+
+/// Passes that repair what those have left, at most.
 constexpr int max_corrections = 600;
 
-/// The most over a strain limit that yields: more would only pull harder at what cannot be met.
-constexpr int max_yielding_sweeps = 50;
-
-/// How much closer than the strain tolerance a substep's rates are solved: what is left of them
-/// adds up, from step to step.
-constexpr double precision = 20;
+/// Precision where only the limit acts.
 constexpr double precision_alone = 14;
-
-/// How much closer contact is solved than that: what friction leaves over, creeps.
-constexpr double contact_precision = 2.5;
 
 /// While a cloth in contact moves within itself, this many strain tolerances of that speed do: 1 %
 /// with the usual tolerance. Errors are those of the steps then, for half to two thirds of the
@@ -100,7 +94,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
 }
 
 int Simulator::Impl::most_limit_sweeps() const {
-  return strain_limit && strain_limit->yields() ? max_yielding_sweeps : max_sweeps;
+  return strain_limit && strain_limit->yields() ? passes_in_vain : max_sweeps;
 }
 
 void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, double length,
@@ -138,8 +132,8 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
   // What the limit leaves over keeps piles from coming to rest.
   const double small = std::max(length / precision, self_contacts ? 0 : moving);
-  const double at_rest = length / (precision * contact_precision);
-  const double small_touch = std::max(std::min(at_rest, calm * h), moving);
+  const double at_rest = std::min(length / precision, calm * h);
+  const double small_touch = std::max(at_rest, moving);
   const double small_fold = std::max(at_rest, folding_precision * moving);
   const double unseen_fold = small_fold - at_rest;  // at rest all is seen
   Pinches& pinches = collider_contacts.pinches();

@@ -18,8 +18,12 @@ inline constexpr double least_gravity = 9.81;
 inline constexpr double overlap_share = 0.01;
 
 /// Contact is solved to this speed at least [m/s], however short the steps: what is left of each
-/// step's solution shakes a cloth that lies.
+/// step's solution shakes a cloth that lies, and what friction leaves over, creeps.
 inline constexpr double calm = 5e-4;
+
+/// Passes at what may be impossible, at most: over a strain limit that yields, where more would
+/// only pull harder, and over triangles in a collider, each of which may move its neighbours in.
+inline constexpr int passes_in_vain = 50;
 
 /// The step after which contacts are sought.
 struct ContactStep {

@@ -14,6 +14,11 @@
 
 namespace clothsim {
 
+/// How much closer than the strain tolerance a substep's rates are solved: what is left of them
+/// adds up, from step to step. Repairs aim so much inside of it, or their last bits take for ever,
+/// yet not further, or springs that hold others up go slack.
+inline constexpr double precision = 20;
+
 /// Stretch over the strain limit [of a rest length] that pins or colliders must be asking for:
 /// others' pulls make less.
 inline constexpr double overpulled = 0.05;
