@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "clothsim/constraints/contact_step.h"
 #include "clothsim/constraints/momentum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/errors.h"
@@ -15,20 +16,12 @@
 namespace clothsim {
 namespace {
 
-/// h omega of a tension that steps cannot follow: `auto` chooses them for 1.2 at most, and at 2 a
-/// point flies from side to side.
-constexpr double fastest_swing = 1.5;
-
 /// How much of a step's doubt one that can be met takes back once the limit yields. It settles
 /// where most can.
 constexpr double relief = 0.1;
 
-/// Largest h^2 omega^2 of a spring's impulses where the limit yields, of those kept and of all that
-/// a step gives. Of neighbours that stay, T swings a point across its spring at omega^2 = T / (m
-/// l), so that this is the kick T h / m over the speed l / h. With much more, steps swing: a point
-/// has up to twelve springs. With no bound on a step's own, collider and limit outdo each other.
-constexpr double most_kept_swing = 0.08;
-constexpr double most_swing = 4 * most_kept_swing;
+/// Springs that a point may have: four of each of three families.
+enum { springs_of_a_point = 12 };
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
@@ -100,20 +93,24 @@ double StrainLimit::tension_frequency() const {
   return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
-bool StrainLimit::outruns_steps() const { return step_.h * tension_frequency() > fastest_swing; }
+bool StrainLimit::outruns_steps() const {
+  // Neighbours that swing against each other do so at sqrt(2) times that, and where they get over 2
+  // in a step, fly from side to side.
+  return step_.h * tension_frequency() > M_SQRT2;
+}
 
 void StrainLimit::learn(double violation) {
   if (violation > 0) {
     // Where springs are twice their length, patience would fling the cloth about.
     const double haste = yields() ? 1 : std::max(violation / overpulled, 1.0);
-    doubt_ = std::min(doubt_ + haste * step_.h, patience + most_doubt);
+    doubt_ = std::min(doubt_ + haste * step_.h, 2 * patience);
   } else {
     doubt_ = std::max(doubt_ - (yields() ? relief : 1) * step_.h, 0.0);
   }
 }
 
 double StrainLimit::insistence() const {
-  return yields() ? std::exp2((patience - doubt_) / half_time) : 1;
+  return yields() ? std::exp2((patience - doubt_) / longest_step) : 1;
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
@@ -159,7 +156,7 @@ void StrainLimit::write(MemoryWriter& memory) const {
 void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
-  doubt_ = std::clamp(memory.number(), 0.0, patience + most_doubt);
+  doubt_ = std::clamp(memory.number(), 0.0, 2 * patience);
   momentum_ = std::max(1.0, memory.number());
   last_active_.clear();
   last_ids_.clear();
@@ -187,9 +184,14 @@ void StrainLimit::read(MemoryReader& memory) {
 
 void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
+  // Of neighbours that stay, T swings a point across a spring at omega^2 = T / (m l), and h^2
+  // omega^2 is the kick T h / m over the speed l / h. Where the limit yields, what all springs of a
+  // point keep adds up to h omega = 1, which a step follows, and what they give to 2, where it
+  // would fly from side to side: with no bound on a step's own, collider and limit outdo each
+  // other.
   const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
-  step_ = {h, reach, 0, insistence(), most_kept_swing * speed};
-  most_kick_ = most_swing * speed;
+  step_ = {h, reach, 0, insistence(), speed / springs_of_a_point};
+  most_kick_ = 4 * step_.most_kept;
   for (FourSprings& s : active_) {
     for (double& kick : s.kick) kick = std::min(scale * kick, step_.most_kept);
   }

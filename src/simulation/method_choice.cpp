@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "clothsim/constraints/contact_step.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/spectrum.h"
@@ -36,10 +37,6 @@ constexpr double limit_cost = 2.75e-9;
 constexpr double contact_cost = 1e-7;
 constexpr double face_contact_cost = 2.5e-7;
 constexpr double self_points_cost = 2e-8;
-
-/// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
-/// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
-constexpr double longest_step = 3e-3;
 
 /// What errors depend on.
 struct Motion {

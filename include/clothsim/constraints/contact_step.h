@@ -21,6 +21,10 @@ inline constexpr double overlap_share = 0.01;
 /// step's solution shakes a cloth that lies, and what friction leaves over, creeps.
 inline constexpr double calm = 5e-4;
 
+/// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
+/// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
+inline constexpr double longest_step = 3e-3;
+
 /// Passes at what may be impossible, at most: over a strain limit that yields, where more would
 /// only pull harder, and over triangles in a collider, each of which may move its neighbours in.
 inline constexpr int passes_in_vain = 50;

@@ -97,7 +97,7 @@ class StrainLimit {
   void learn(double violation);
 
   /// Yields from now on, until passes do again.
-  void give_way() { doubt_ = patience + most_doubt; }
+  void give_way() { doubt_ = 2 * patience; }
 
   /// Is more asked of it than it can grant?
   bool yields() const { return doubt_ > patience; }
@@ -140,12 +140,9 @@ class StrainLimit {
   };
 
   /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
-  /// the further a spring is over it.
+  /// the further a spring is over it. Beyond, what is worked off falls to a half in each longest
+  /// step, for as long again at most.
   static constexpr double patience = 0.1;
-
-  /// Time beyond patience in which what is worked off falls to a half, and the most of it [s].
-  static constexpr double half_time = 3e-3;
-  static constexpr double most_doubt = 20 * half_time;
 
   struct Constraint {
     int a;
