@@ -59,7 +59,7 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
   over_.resize(index(2 * (direction + 1)));
   order_.resize(pieces_.size());
   std::iota(order_.begin(), order_.end(), 0);
-  const auto neighbourhood = [&](int i) { return pieces_[index(i)].first / at_once; };
+  const auto neighbourhood = [&](int i) { return pieces_[index(i)].first / near_at_once; };
   std::stable_sort(order_.begin(), order_.end(),
                    [&](int i, int j) { return neighbourhood(i) < neighbourhood(j); });
   local_.assign(index(cloth.num_points()), -1);

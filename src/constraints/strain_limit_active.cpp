@@ -48,7 +48,7 @@ std::size_t StrainLimit::add_colour(int count) {
   const std::size_t place = ids_.size();
   if (count == 0) return place;
   num_active_ += index(count);
-  constexpr std::size_t segment_length = at_once / FourSprings::count;
+  constexpr std::size_t segment_length = near_at_once / FourSprings::count;
   std::size_t end = active_.size();
   active_.resize(end + (index(count) + FourSprings::count - 1) / FourSprings::count);
   ids_.resize(FourSprings::count * active_.size(), -1);

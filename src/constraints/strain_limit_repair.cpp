@@ -99,7 +99,7 @@ bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, doubl
       shortened_[index(i)] = 1;
     }
   };
-  workers.share(static_cast<int>(ids.size()), shorten_band, at_once);
+  workers.share(static_cast<int>(ids.size()), shorten_band, near_at_once);
 
   bool any = false;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -164,7 +164,7 @@ void StrainLimit::flag_longer_than(double stretch, const Points& positions,
                       &positions(piece.first, 2), piece.offset, piece.count, longest * longest);
     }
   };
-  workers.share(static_cast<int>(order_.size()), look, at_once / Piece::length);
+  workers.share(static_cast<int>(order_.size()), look, near_at_once / Piece::length);
 }
 
 }  // namespace clothsim

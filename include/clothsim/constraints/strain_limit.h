@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/constraints/limited_spring.h"
+#include "clothsim/constraints/room.h"
 #include "clothsim/constraints/tension_inertia.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -121,10 +122,6 @@ class StrainLimit {
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-  /// Springs that are worth a thread: half a microsecond of work. What so many points have stays in
-  /// the nearest cache.
-  static constexpr int at_once = 512;
 
   /// Springs that begin at neighbours, as many as a word has bits. A spring's id is 64 times its
   /// piece's place in pieces_, and its own in the piece.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -13,8 +14,8 @@ namespace clothsim {
 /// none of its triangles does.
 class TriangleBlocks {
  public:
-  /// Triangles of a block: two rows of eight cells' corners are its points.
-  static constexpr int size = 16;
+  /// Triangles of a block: as many as the widest vector unit takes.
+  static constexpr int size = num_lanes;
 
   void reset(const Cloth&);
 
