@@ -11,9 +11,6 @@ namespace {
 /// that pull it from its pins stretched it by 70 to 90 %.
 constexpr double strongest_grip = 3;
 
-/// Of the room that layers need: where less than that is left, they come no nearer to each other.
-constexpr double thinnest = 0.3;
-
 Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
   return (normal_a - normal_b).normalized();
 }
@@ -42,11 +39,10 @@ bool jams(const Vector3& normal_a, const Vector3& normal_b, double m, double n) 
   return cos_wedge * std::sqrt((1 + m * m) * (1 + n * n)) > 1 - m * n;
 }
 
-/// Where a point is between both, from 0 at a to 1 at b.
+/// Where a point is between both, from 0 at a to 1 at b; in the middle where they overlap.
 double share_across(const Pinches::Side& a, const Pinches::Side& b) {
   const double gap = a.distance + b.distance;
-  if (gap <= thinnest * (a.room + b.room)) return 0.5;
-  return std::clamp(a.distance / gap, 0.0, 1.0);
+  return gap > 0 ? std::clamp(a.distance / gap, 0.0, 1.0) : 0.5;
 }
 
 }  // namespace

@@ -4,12 +4,10 @@
 #include <map>
 #include <set>
 
+#include "clothsim/constraints/local_cloth.h"
+
 namespace clothsim {
 namespace {
-
-/// Speed of one collider against the other up to which layers between them are a grip [m/s]: what
-/// is hit faster is left to impulses, which let piles fly apart.
-constexpr double fastest_grip = 1;
 
 /// Why a point has no node.
 constexpr int not_seen = -1, not_between = -2;
@@ -122,8 +120,10 @@ void Stacks::pinch(const Jaw& all_of_a, const Jaw& all_of_b, const Cloth& cloth,
     if (node.a.room == 0 || node.b.room == 0) continue;  // nothing lies between it and a jaw
     if (node.a.touches && node.b.touches && !node.is_between) continue;  // beside each other
     const Vector3 x = row(start, node.point);
+    // No layers are a grip that are hit faster than contact leads what is caught: impulses let
+    // piles fly apart.
     const double speed = (b.collider.velocity_at(x) - a.collider.velocity_at(x)).norm();
-    if (!node.is_between && speed > fastest_grip) continue;
+    if (!node.is_between && speed > recovery_speed) continue;
     if (Pinches::leave_no_room(node.a, node.b, x, h)) {
       pinches.add(node.point, x, node.a, node.b, cloth);
     }

@@ -16,7 +16,7 @@ namespace clothsim {
 ///
 /// What surfaces that close on a cloth, one layer or several, ask of it cannot all be met, and
 /// impulses that try grow without end. So such a point goes across them in its share of what is
-/// between both, and layers keep their order; where that is next to nothing, it goes as their mean.
+/// between both, and layers keep their order; where they overlap, it goes as their mean.
 /// Solids press as hard as it takes: where friction can keep it from slipping out, it does, and the
 /// point goes along with both, more with what holds it firmer, whatever pushes it. Else it slips.
 /// So it does where the strain limit pulls it with more than its share of some weights of the whole
