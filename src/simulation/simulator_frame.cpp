@@ -14,13 +14,6 @@
 namespace clothsim {
 namespace {
 
-/// Times the usual substeps that springs which part fast may ask for. Of material that changes a
-/// hundredfold every frame 4 tears springs in 3 of 10000 frames, 16 in none of 54000.
-constexpr int most_for_parting = 16;
-
-/// Share of the velocity against it that air may take in a substep: explicit steps bear twice all.
-constexpr double most_air_share = 0.5;
-
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
 bool are_near(const double* numbers, Eigen::Index count) {
@@ -87,8 +80,9 @@ int Simulator::Impl::first_substeps() {
     if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
   }
   if (has_air()) {
+    // Air takes no more than all of the velocity against it in a substep.
     const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
-    const double steps = std::min(std::ceil(dt * rate / most_air_share), double{max_substeps});
+    const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
     least = std::max(least, static_cast<int>(steps));
   }
   return method->substeps(scene.simulation, cloth, state.positions, least, workers);
@@ -179,10 +173,8 @@ bool Simulator::Impl::is_pulled_without_end() const {
 int Simulator::Impl::substeps_for_parting(double dt) const {
   const int least = method->choice.least_substeps;
   const int needed = substeps_at_parting(cloth, state.velocities, dt, least);
-  if (needed == least) return 1;
-  // Then springs part the faster the shorter the steps.
-  if (is_pulled_without_end()) return 1;
-  return std::min(needed, most_for_parting * least);
+  // Where it is pulled without end springs part the faster the shorter the steps.
+  return needed == least || is_pulled_without_end() ? 1 : needed;
 }
 
 bool Simulator::Impl::is_out_of_reach() {
