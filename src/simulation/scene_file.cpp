@@ -17,9 +17,6 @@
 namespace clothsim {
 namespace {
 
-/// Keys of an assignment: several times what the deepest value of a scene or a view takes.
-constexpr int most_keys = 20;
-
 using Keys = std::vector<std::string>;
 
 /// Asks for the size first: what has none, as a pipe or a device, may never end.
@@ -110,9 +107,9 @@ void add(const std::string& assignment, Change& root) {
   if (equals == std::string::npos || empty_key) {
     throw InvalidValue({"assignment"}, '"' + assignment + '"', "path.to.key=value");
   }
-  if (keys.size() > std::size_t{most_keys}) {
+  if (keys.size() > longest_shown) {
     throw InvalidValue({"assignment"}, "a path of " + std::to_string(keys.size()) + " keys",
-                       "at most " + std::to_string(most_keys));
+                       "at most " + std::to_string(longest_shown));
   }
   Change* place = &root;
   for (const std::string& key : keys) place = &place->inside[key];

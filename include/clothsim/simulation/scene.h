@@ -29,7 +29,8 @@ inline constexpr std::size_t max_colliders = std::numeric_limits<std::uint8_t>::
 /// Most bytes of a scene's file, or of a robot's: far above any.
 inline constexpr std::size_t max_file_size = 16'000'000;
 
-/// Characters of what a user wrote, or items of a list, that a message repeats.
+/// Characters of what a user wrote, or items of a list, that a message repeats. A path of more keys
+/// could not be told, and no value of a scene or a view lies as deep.
 inline constexpr std::size_t longest_shown = 40;
 
 /// What is written with some digits may be off by so much, of its size or [m]; a direction or a
