@@ -25,18 +25,15 @@ constexpr double real_time_share = 0.9;
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
-/// CPU time of the strain limit a substep [s] per spring, where the cloth's weight brings half of
-/// them there.
-constexpr double limit_cost = 2.75e-9;
-
-/// CPU time of contact a substep [s] per point of a cloth that lies or has folded: with a collider
-/// that points do for, with faces or surfaces, and of points with each other. Measured by
-/// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach it is
-/// next to nothing, in an impact several times that: it tells which method is cheaper, not what is
-/// in real time.
+/// CPU time of impulses a substep [s] per point of a cloth that lies or has folded: with a collider
+/// that points do for, with faces or surfaces, and between points alone, as where they touch each
+/// other or the cloth's weight brings half of the springs to their limit. Measured by
+/// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
+/// contact is next to nothing, in an impact several times that: it tells which method is cheaper,
+/// not what is in real time.
 constexpr double contact_cost = 1e-7;
 constexpr double face_contact_cost = 2.5e-7;
-constexpr double self_points_cost = 2e-8;
+constexpr double between_points_cost = 1.6e-8;
 
 /// What errors depend on.
 struct Motion {
@@ -204,7 +201,7 @@ double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& coll
   for (const ColliderSpec& collider : colliders) {
     cost += clearance(collider.shape, cloth).faces ? face_contact_cost : contact_cost;
   }
-  if (cloth.self_collision == SelfCollision::points) cost += self_points_cost;
+  if (cloth.self_collision == SelfCollision::points) cost += between_points_cost;
   if (cloth.self_collision == SelfCollision::surface) cost += face_contact_cost;
   return cost * cloth.num_points();
 }
@@ -247,7 +244,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
   const double step_cost =                                    // contact aside
       c.cost(links, cloth.num_points()) +
-      (cloth.strain_limit ? limit_cost * cloth.num_springs() : 0);
+      (cloth.strain_limit ? between_points_cost * cloth.num_points() : 0);
   const double affordable_steps = real_time_share / (spec.frames_per_second * step_cost);
 
   int n = needed;
