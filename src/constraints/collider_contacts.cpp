@@ -219,6 +219,14 @@ double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, 
   return longest;
 }
 
+bool ColliderContacts::has_edges(const std::vector<MovingCollider>& colliders,
+                                 const Cloth& cloth) const {
+  const bool pinched = pinches_.count() > 0 || is_restored_pinched_;
+  return pinched || std::any_of(colliders.begin(), colliders.end(), [&](const MovingCollider& c) {
+           return c.enabled() && clearance(c.shape(), cloth).faces;
+         });
+}
+
 int ColliderContacts::count() const {
   int points = 0;
   for (const Side& s : sides_) points += s.slots.count();

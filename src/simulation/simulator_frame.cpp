@@ -158,7 +158,10 @@ int Simulator::Impl::substeps_under_tension(double dt, int least) const {
     return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt, least);
   }
   const TensionInertia& inertia = strain_limit->inertia();
-  if (touches()) return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least);
+  if (touches()) {
+    const bool is_smooth = !self_contacts && !collider_contacts.has_edges(colliders, cloth);
+    return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least, is_smooth);
+  }
   const int needed = substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
   if (needed == least) return least;
   const int at_weight = std::max(least, substeps_at_weight(cloth, gravity, dt));

@@ -56,6 +56,9 @@ class ColliderContacts {
   const Pinches& pinches() const { return pinches_; }
   Pinches& pinches() { return pinches_; }
 
+  /// Have triangles contacts of their own with any of these, or do two pinch the cloth?
+  bool has_edges(const std::vector<MovingCollider>&, const Cloth&) const;
+
   /// Was any of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }
 
