@@ -9,11 +9,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Longest way of a point [m].
-double longest_way(const Points& from, const Points& to) {
-  return std::sqrt((to - from).rowwise().squaredNorm().maxCoeff());
-}
-
 /// To the same bits; by far quicker than to measure.
 bool are_same(const Points& a, const Points& b) {
   const auto bytes = static_cast<std::size_t>(a.size()) * sizeof(double);

@@ -51,7 +51,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
 
   set_out();
   if (!take_substeps(steps, before, report) || !is_good(state)) return Outcome::failed;
-  if (course.is_apart && longest_row(state.positions - before.positions) > course.allowed_way) {
+  if (course.is_apart && longest_way(before.positions, state.positions) > course.allowed_way) {
     return Outcome::went_too_far;
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);

@@ -16,10 +16,11 @@ inline Vector3 row(const Points& points, int i) {
   return {points(i, 0), points(i, 1), points(i, 2)};
 }
 
-/// Length of the longest of some vectors, one or more.
-inline double longest_row(const Points& vectors) {
-  return std::sqrt(vectors.rowwise().squaredNorm().maxCoeff());
-}
+/// Length of the longest of some vectors.
+double longest_row(const Points& vectors);
+
+/// Longest way of a point.
+double longest_way(const Points& from, const Points& to);
 
 /// One number per point.
 using Scalars = Eigen::VectorXd;
