@@ -41,6 +41,10 @@ using LooseVector = double __attribute__((vector_size(32), aligned(8), may_alias
   return reinterpret_cast<const LooseVector&>(numbers[4 * i]);
 }
 
+[[gnu::always_inline]] inline LooseVector& four_at(double* numbers, std::size_t i) {
+  return reinterpret_cast<LooseVector&>(numbers[4 * i]);
+}
+
 /// A vector in space for each of four springs.
 struct Four {
   Vector x, y, z;
@@ -119,15 +123,12 @@ template <typename Point>
   }
 }
 
-/// Gives springs these masses, 0 where none acts, and goes on with the last step's impulses, up to
-/// a kick of `most` [m/s].
-[[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass, double most) {
-  const Vector zero = {};
+/// Gives springs these masses, 0 where none acts, and kicks, up to `most` [m/s].
+[[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass,
+                                         const LooseVector& kick, double most) {
   const Vector bound = {most, most, most, most};
-  const Vector same_impulse = vector(s.kick) * (vector(s.mass) / mass);
-  const Vector bounded = same_impulse < bound ? same_impulse : bound;
-  vector(s.kick) = mass > 0 ? bounded : zero;
-  vector(s.before) = vector(s.kick);
+  const Vector bounded = kick < bound ? kick : bound;
+  vector(s.kick) = vector(s.before) = mass > 0 ? bounded : Vector{};
   vector(s.mass) = mass;
 }
 
@@ -148,8 +149,23 @@ template <typename Point>
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, const Quad* before,
-                 const double* longest, std::size_t fours, FourSprings* springs) {
+void resume_springs(LimitStep step, double scale, std::size_t fours, FourSprings* springs,
+                    double* kicks, double* masses, Quad* velocities) {
+  const Vector bound = {step.most_kept, step.most_kept, step.most_kept, step.most_kept};
+  for (std::size_t i = 0; i < fours; ++i) {
+    FourSprings& s = springs[i];
+    const Vector scaled = scale * vector(s.kick);
+    const Vector kick = scaled < bound ? scaled : bound;
+    vector(s.kick) = four_at(kicks, i) = kick;
+    four_at(masses, i) = vector(s.mass);
+    give(s, kick, Ends(s, velocities));
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSprings* springs,
+                 Quad* points) {
+  const auto [positions, velocities, before, longest, kicks, masses] = turn;
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
   const double share = step.insistence * std::min(violation_rate * step.h, most_of_violation) /
@@ -174,7 +190,7 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
     const Vector mass = is_long ? 1 / (w_a + w_b) : zero;
-    carry(s, mass, step.most_kept);
+    carry(s, mass, four_at(kicks, i) * (four_at(masses, i) / mass), step.most_kept);
     vector(s.share) = w_a * mass;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
@@ -192,13 +208,20 @@ void aim_springs(LimitStep step, const Quad* positions, const Quad* velocities, 
     const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
                            (most < turning ? most : turning);
     vector(s.fastest) = is_long ? fastest : zero;
+    give(s, vector(s.kick), Ends(s, points));
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities) {
+void add_tensions(const FourSprings* springs, const double* longest, std::size_t fours,
+                  double* tensions) {
   for (std::size_t i = 0; i < fours; ++i) {
-    give(springs[i], vector(springs[i].kick), Ends(springs[i], velocities));
+    const FourSprings& s = springs[i];
+    const Vector tension = vector(s.mass) * vector(s.kick) / four_at(longest, i);
+    for (std::size_t k = 0; k < FourSprings::count; ++k) {
+      tensions[FourSprings::point(s.a[k])] += tension[k];
+      tensions[FourSprings::point(s.b[k])] += tension[k];
+    }
   }
 }
 

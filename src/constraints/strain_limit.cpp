@@ -80,7 +80,7 @@ void StrainLimit::add_impulses(double scale, Points& sum) const {
 double StrainLimit::tension_frequency() const {
   // omega^2 = sum T / (m l), with T h / m what an end takes of the kick.
   std::vector<double> across(touched_.size() + 1, 0.0);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
+  for (std::size_t i = 0; i < fours(); ++i) {
     const FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
       const double both = s.kick[k] / lengths_[FourSprings::count * i + k];
@@ -158,27 +158,41 @@ void StrainLimit::read(MemoryReader& memory) {
   step_.h = std::max(0.0, memory.number());
   doubt_ = std::clamp(memory.number(), 0.0, 2 * patience);
   momentum_ = std::max(1.0, memory.number());
-  last_active_.clear();
-  last_ids_.clear();
   std::fill(flags_.begin(), flags_.end(), 0);
+  struct Kept {
+    int id = 0;
+    double kick = 0, mass = 0, share = 0;
+    Vector3 direction{0, 0, 0};
+  };
+  std::vector<Kept> kept(memory.count());
   std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
-  for (std::size_t left = memory.count(); left > 0; --left) {
-    const int id = memory.index(pieces_.size() * Piece::length);
-    const std::pair<int, int> here{constraint(id).colour, id};
-    if (id % Piece::length >= pieces_[index(id / Piece::length)].count || here <= last) {
+  for (Kept& k : kept) {
+    k.id = memory.index(pieces_.size() * Piece::length);
+    const std::pair<int, int> here{constraint(k.id).colour, k.id};
+    if (k.id % Piece::length >= pieces_[index(k.id / Piece::length)].count || here <= last) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
-    FourSprings spring{};
-    spring.kick[0] = std::max(0.0, memory.number());
-    spring.mass[0] = std::max(0.0, memory.number());
-    spring.share[0] = memory.number();
-    for (double* axis : {spring.x, spring.y, spring.z}) *axis = memory.number();
-    last_active_.push_back(spring);
-    last_ids_.insert(last_ids_.end(), {id, -1, -1, -1});
-    flag(id);
+    k.kick = std::max(0.0, memory.number());
+    k.mass = std::max(0.0, memory.number());
+    k.share = memory.number();
+    k.direction = memory.vector();
+    flag(k.id);
   }
+  last_ids_.clear();
   list_active();
+  auto next = kept.begin();
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    FourSprings& s = active_[i / FourSprings::count];
+    const Kept k = ids_[i] < 0 ? Kept{} : *next++;
+    const std::size_t lane = i % FourSprings::count;
+    s.kick[lane] = k.kick;
+    s.mass[lane] = k.mass;
+    s.share[lane] = k.share;
+    s.x[lane] = k.direction.x();
+    s.y[lane] = k.direction.y();
+    s.z[lane] = k.direction.z();
+  }
   inertia_.read(memory);
 }
 
@@ -192,12 +206,9 @@ void StrainLimit::predict(double h, double reach, State& state) {
   const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
   step_ = {h, reach, 0, insistence(), speed / springs_of_a_point};
   most_kick_ = 4 * step_.most_kept;
-  for (FourSprings& s : active_) {
-    for (double& kick : s.kick) kick = std::min(scale * kick, step_.most_kept);
-  }
-
   std::fill(given_.begin(), given_.end(), Quad{});
-  pull_points(active_.data(), active_.size(), given_.data());
+  resume_springs(step_, scale, fours(), active_.data(), kicks_.data(), masses_.data(),
+                 given_.data());
   const double way = reach * h;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const int point = touched_[i];
@@ -247,9 +258,10 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
     before_.resize(velocities_.size());
     for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);
   }
-  aim_springs(step_, positions_.data(), predicted_.data(), before ? before_.data() : nullptr,
-              lengths_.data(), active_.size(), active_.data());
-  pull_points(active_.data(), active_.size(), velocities_.data());
+  aim_springs(step_,
+              {positions_.data(), predicted_.data(), before ? before_.data() : nullptr,
+               lengths_.data(), kicks_.data(), masses_.data()},
+              fours(), active_.data(), velocities_.data());
 }
 
 void StrainLimit::store(Points& velocities) const {
@@ -325,14 +337,7 @@ void StrainLimit::learn_tension() {
   inertia_.fade();
   if (yields()) return inertia_.reset();  // what it gives then is bounded to what steps can follow
   tensions_.assign(touched_.size() + 1, 0.0);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const FourSprings& s = active_[i];
-    for (std::size_t k = 0; k < FourSprings::count; ++k) {
-      const double tension = s.mass[k] * s.kick[k] / lengths_[FourSprings::count * i + k];
-      tensions_[index(FourSprings::point(s.a[k]))] += tension;
-      tensions_[index(FourSprings::point(s.b[k]))] += tension;
-    }
-  }
+  add_tensions(active_.data(), lengths_.data(), fours(), tensions_.data());
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     if (positions_[i].w > 0) inertia_.add(touched_[i], tensions_[i] / step_.h);
   }

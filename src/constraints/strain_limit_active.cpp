@@ -9,88 +9,80 @@ namespace clothsim {
 /// the last step.
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   flag_longer_than(longest_, positions, workers);
-  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.kick[k] > 0) flag(id);
-  });
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (kicks_[i] > 0) flag(ids_[i]);
+  }
   if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
 
   last_touched_ = touched_;
   last_given_.swap(given_);
-  last_active_.swap(active_);
+  last_kicks_.swap(kicks_);
+  last_masses_.swap(masses_);
   last_ids_.swap(ids_);
   list_active();
   return true;
 }
 
-/// Lists the flagged springs in fours of one colour, with the impulses of last_active_: all that
-/// have some are flagged, and come in the same order.
+/// Lists the flagged springs in fours of one colour, with the impulses of last_ids_: all that have
+/// some are flagged, and come in the same order.
 void StrainLimit::list_active() {
   clear_active();
   std::size_t next = 0;  // in last_ids_
   for (std::size_t begin = 0, end = 0; begin < pieces_.size(); begin = end) {
     while (end < pieces_.size() && pieces_[end].direction == pieces_[begin].direction) ++end;
     for (const std::uint64_t first : {~std::uint64_t{0}, std::uint64_t{0}}) {
-      const auto bits_of = [&](std::size_t i) { return flags_[i] & (pieces_[i].second ^ first); };
-      int count = 0;
-      for (std::size_t i = begin; i < end; ++i) count += __builtin_popcountll(bits_of(i));
-      std::size_t place = add_colour(count);
       for (std::size_t i = begin; i < end; ++i) {
-        for_each_bit(i, bits_of(i), [&](int id) { list(id, place++, next); });
+        const Piece& piece = pieces_[i];
+        for_each_bit(i, flags_[i] & (piece.second ^ first), [&](int id) { list(id, piece, next); });
       }
+      close_colour();
     }
   }
   close_active();
 }
 
-/// Makes room for `count` springs of a colour. Returns the place of the first in ids_.
-std::size_t StrainLimit::add_colour(int count) {
-  const std::size_t place = ids_.size();
-  if (count == 0) return place;
-  num_active_ += index(count);
-  constexpr std::size_t segment_length = near_at_once / FourSprings::count;
-  std::size_t end = active_.size();
-  active_.resize(end + (index(count) + FourSprings::count - 1) / FourSprings::count);
-  ids_.resize(FourSprings::count * active_.size(), -1);
-  lengths_.resize(ids_.size(), 1.0);
-  while (end < active_.size()) {
-    end = std::min(end + segment_length, active_.size());
-    segment_ends_.push_back(static_cast<int>(end));
-  }
-  colour_ends_.push_back(static_cast<int>(segment_ends_.size()));
-  return place;
+/// Lists a spring; `next`: where in last_ids_ it is, or later ones.
+void StrainLimit::list(int id, const Piece& piece, std::size_t& next) {
+  while (next < last_ids_.size() && last_kicks_[next] == 0) ++next;
+  const bool pulled = next < last_ids_.size() && last_ids_[next] == id;
+  const std::size_t k = ids_.size() % FourSprings::count;
+  if (k == 0 && active_.size() == fours()) active_.emplace_back();
+  FourSprings& s = active_[fours()];
+  const int a = piece.first + id % Piece::length;
+  s.a[k] = FourSprings::place(touch(a));
+  s.b[k] = FourSprings::place(touch(a + piece.offset));
+  ids_.push_back(id);
+  lengths_.push_back(longest_ * piece.rest_length);
+  kicks_.push_back(pulled ? last_kicks_[next] : 0);
+  masses_.push_back(pulled ? last_masses_[next++] : 0);
+  ++num_active_;
 }
 
-/// Puts a spring into its place in ids_; `next`: where in last_ids_ it is, or later ones.
-void StrainLimit::list(int id, std::size_t place, std::size_t& next) {
-  constexpr std::size_t fours = FourSprings::count;
-  const auto pulled = [&] { return last_active_[next / fours].kick[next % fours] > 0; };
-  while (next < last_ids_.size() && !pulled()) ++next;
-  FourSprings& s = active_[place / fours];
-  const std::size_t k = place % fours;
-  if (next < last_ids_.size() && last_ids_[next] == id) {
-    const FourSprings& last = last_active_[next / fours];
-    const std::size_t l = next++ % fours;
-    s.x[k] = last.x[l];
-    s.y[k] = last.y[l];
-    s.z[k] = last.z[l];
-    s.kick[k] = last.kick[l];
-    s.mass[k] = last.mass[l];
-    s.share[k] = last.share[l];
+/// Fills up the last four of a colour, and divides it into segments.
+void StrainLimit::close_colour() {
+  while (ids_.size() % FourSprings::count != 0) {
+    ids_.push_back(-1);
+    lengths_.push_back(1);
+    kicks_.push_back(0);
+    masses_.push_back(0);
   }
-  const Constraint c = constraint(id);
-  s.a[k] = FourSprings::place(touch(c.a));
-  s.b[k] = FourSprings::place(touch(c.b));
-  ids_[place] = id;
-  lengths_[place] = longest_ * c.rest_length;
+  constexpr int segment_length = near_at_once / static_cast<int>(FourSprings::count);
+  int begin = segment_ends_.empty() ? 0 : segment_ends_.back();
+  for (const auto end = static_cast<int>(fours()); begin < end;) {
+    segment_ends_.push_back(begin = std::min(begin + segment_length, end));
+  }
+  const auto end = static_cast<int>(segment_ends_.size());
+  if (end > (colour_ends_.empty() ? 0 : colour_ends_.back())) colour_ends_.push_back(end);
 }
 
 void StrainLimit::clear_active() {
   for (const int point : touched_) local_[index(point)] = -1;
   touched_.clear();
-  active_.clear();
   ids_.clear();
   lengths_.clear();
+  kicks_.clear();
+  masses_.clear();
   segment_ends_.clear();
   colour_ends_.clear();
   num_active_ = 0;

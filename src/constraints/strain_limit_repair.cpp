@@ -29,7 +29,7 @@ void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& p
 /// are longer by what their ends have moved at most.
 bool StrainLimit::holds(double tolerance) const {
   return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
-         !any_longer(active_.data(), lengths_.data(), active_.size(), 1 + tolerance / longest_,
+         !any_longer(active_.data(), lengths_.data(), fours(), 1 + tolerance / longest_,
                      positions_.data());
 }
 

@@ -56,6 +56,36 @@ void add_inertia(int count, double time2, const double* mass, const double* with
   }
 }
 
+CLOTHSIM_TARGET_CLONES
+double total(int count, const double* numbers) {
+  Lanes sums = {};
+  int i = 0;
+  for (; i + num_lanes <= count; i += num_lanes) sums += lanes_at(numbers + i);
+  double sum = 0;
+  for (int lane = 0; lane < num_lanes; ++lane) sum += sums[lane];
+  for (; i < count; ++i) sum += numbers[i];
+  return sum;
+}
+
+CLOTHSIM_TARGET_CLONES
+void scale(int count, double factor, double* numbers) {
+  for (int i = 0; i < count; ++i) numbers[i] *= factor;
+}
+
+CLOTHSIM_TARGET_CLONES
+double largest_ratio(int count, const double* numbers, const double* divisors) {
+  Lanes largest = {};
+  int i = 0;
+  for (; i + num_lanes <= count; i += num_lanes) {
+    const Lanes ratio = lanes_at(numbers + i) / lanes_at(divisors + i);
+    largest = ratio > largest ? ratio : largest;
+  }
+  double result = 0;
+  for (int lane = 0; lane < num_lanes; ++lane) result = std::max(result, largest[lane]);
+  for (; i < count; ++i) result = std::max(result, numbers[i] / divisors[i]);
+  return result;
+}
+
 /// What a cloth is as a rigid body, about an origin, and what inertia beyond its mass has taken.
 struct Body {
   double first[3];   // m x [kg m]
@@ -155,7 +185,8 @@ void TensionInertia::weigh(const Cloth& cloth, double h, const State& state, Sca
   inv_mass.resize(cloth.num_points());
   add_inertia(cloth.num_points(), added * h * h, cloth.mass.data(), cloth.inv_mass.data(),
               stiffness_.data(), inv_mass.data());
-  is_free_ = cloth.inv_mass.minCoeff() > 0;
+  const double* const first = cloth.inv_mass.data();
+  is_free_ = std::all_of(first, first + cloth.num_points(), [](double w) { return w > 0; });
   if (is_free_) start_velocities_ = state.velocities;
 }
 
@@ -189,7 +220,7 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State
 }
 
 double TensionInertia::share(double h) const {
-  return is_tense_ ? added * h * h * stiffness_.sum() / mass_ : 0;
+  return is_tense_ ? added * h * h * total(count(), stiffness_.data()) / mass_ : 0;
 }
 
 double TensionInertia::share_at(double frequency, double h) {
@@ -197,12 +228,12 @@ double TensionInertia::share_at(double frequency, double h) {
 }
 
 double TensionInertia::frequency(const Cloth& cloth) const {
-  return is_tense_ ? std::sqrt((stiffness_.array() / cloth.mass.array()).maxCoeff()) : 0;
+  return is_tense_ ? std::sqrt(largest_ratio(count(), stiffness_.data(), cloth.mass.data())) : 0;
 }
 
 void TensionInertia::fade() {
   if (!is_tense_) return;
-  stiffness_ *= kept;
+  scale(count(), kept, stiffness_.data());
 }
 
 void TensionInertia::add(int point, double stiffness) {

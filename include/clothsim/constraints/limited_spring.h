@@ -40,14 +40,31 @@ struct LimitStep {
   double most_kept;   // of a kick that the step begins with [m/s]
 };
 
-/// Directions in the middle of the step, and the rates of elongation allowed. Velocities and
-/// positions by point; `longest`: by spring, its length at the limit [m]. `before`: velocities at
-/// the step's start, by which to tell turns from kicks; null: all are turns.
-void aim_springs(LimitStep, const Quad* positions, const Quad* velocities, const Quad* before,
-                 const double* longest, std::size_t fours, FourSprings* springs);
+/// Makes kicks `scale` times as large, up to step.most_kept, gives them to the points, and keeps
+/// what makes their impulses: `kicks` [m/s] and `masses` [kg] by spring.
+void resume_springs(LimitStep, double scale, std::size_t fours, FourSprings* springs, double* kicks,
+                    double* masses, Quad* velocities);
 
-/// Gives the points their impulses.
-void pull_points(const FourSprings* springs, std::size_t fours, Quad* velocities);
+/// What turns springs' impulses into their present directions. Positions, with inverse masses, and
+/// velocities by point; by spring its length at the limit [m], and kick and mass of its impulse.
+/// `before`: velocities at the step's start, by which to tell turns from kicks; null: all are
+/// turns.
+struct Turn {
+  const Quad* positions;
+  const Quad* velocities;
+  const Quad* before;
+  const double* longest;
+  const double* kicks;
+  const double* masses;
+};
+
+/// Directions in the middle of the step, and the rates of elongation allowed. Gives the points
+/// their impulses, along these.
+void aim_springs(LimitStep, const Turn&, std::size_t fours, FourSprings* springs, Quad* velocities);
+
+/// Adds T h / l [N s/m] of springs to both their points.
+void add_tensions(const FourSprings* springs, const double* longest, std::size_t fours,
+                  double* tensions);
 
 /// What a pass has changed.
 struct PassChange {

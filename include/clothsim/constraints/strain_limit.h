@@ -173,9 +173,10 @@ class StrainLimit {
   bool find_active(const Points& positions, const Workers&);
   void clear_active();
   void list_active();
-  std::size_t add_colour(int count);
-  void list(int id, std::size_t place, std::size_t& next);
+  void list(int id, const Piece& piece, std::size_t& next);
+  void close_colour();
   void close_active();
+  std::size_t fours() const { return ids_.size() / FourSprings::count; }
   int touch(int point);
   PassChange sweep_active(double momentum, const Workers&);
   void store(Points& velocities) const;
@@ -198,9 +199,11 @@ class StrainLimit {
   int num_springs_;
 
   // The springs at their limit, in fours of one colour.
-  std::vector<FourSprings> active_;  // in the order of their sweeps
+  std::vector<FourSprings> active_;  // in the order of their sweeps; more are left from before
   std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
   std::vector<double> lengths_;      // at the limit [m], as ids_
+  std::vector<double> kicks_;        // given by predict() [m/s], likewise
+  std::vector<double> masses_;       // over which they are impulses [kg]
   std::vector<int> segment_ends_;    // in active_, of what a thread takes at once
   std::vector<int> colour_ends_;     // in segment_ends_
   std::vector<int> touched_;         // points of active_, which knows them by their places here
@@ -223,8 +226,9 @@ class StrainLimit {
   std::vector<std::uint64_t> flags_;  // a bit for each constraint
   std::vector<std::uint64_t> last_flags_;  // what active_ is of; none: of fewer
   std::vector<PassChange> changes_;        // by segment
-  std::vector<FourSprings> last_active_;
   std::vector<int> last_ids_;
+  std::vector<double> last_kicks_;  // as last_ids_
+  std::vector<double> last_masses_;
   std::vector<int> last_touched_;
   std::vector<Quad> last_given_;  // as last_touched_
 

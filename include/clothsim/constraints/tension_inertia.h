@@ -51,6 +51,8 @@ class TensionInertia {
   void read(MemoryReader&);
 
  private:
+  int count() const { return static_cast<int>(stiffness_.size()); }
+
   double mass_;              // of the cloth [kg]
   Scalars stiffness_;        // by point, sum of T / l, largest of late [N/m]
   bool is_tense_ = false;    // any of it is not 0
