@@ -20,7 +20,7 @@ constexpr double spring_margin = 0.85;
 /// h omega for the springs of a point that carry the whole cloth's weight. Inertia that tension
 /// adds keeps longer steps stable, but they stretch soft and heavy cloth beyond its limit as it
 /// falls.
-constexpr double weight_limit = 3.5;
+constexpr double weight_limit = 4.4;
 
 /// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip
 /// of a box a cloth trembles for ever at 0.7 and rests at 0.5, on a sphere it rests at 1.4. Between
