@@ -89,12 +89,19 @@ int Simulator::Impl::first_substeps() {
 }
 
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
+  int held_back = 0;
   for (double h = course.dt / steps; steps > 0; --steps, ++report.substeps) {
-    // More and shorter ones where tension has come.
+    // More and shorter ones where tension has come, and where layers that nothing presses together
+    // go too far for their contacts to keep them apart.
     const double left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
-    const int needed = looks_again ? substeps_under_tension(left, steps) : steps;
+    int needed = looks_again ? substeps_under_tension(left, steps) : steps;
+    const bool passed = report.held_back > held_back && report.pinched == 0 &&
+                        longest_row(state.velocities) * h > cloth.thickness;
+    if (passed && !scene.simulation.substeps)
+      needed = std::max(needed, std::min(2 * steps, max_substeps));
+    held_back = report.held_back;
     if (needed > steps) h = left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
