@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -48,7 +49,7 @@ struct Motion {
   double velocity;  // rms over the horizon of its velocity in the fall before [m/s]
   double buckling;  // rate at which an upright column that stands on something buckles [1/s]
   double folded;    // rms over the cloth of how far it has folded when that ends [m]
-  double growth;    // times that the motion itself multiplies errors of its fast waves
+  bool rings;       // with fast waves, in which errors grow
 };
 
 /// How far a cloth that nothing holds may fall [m]: to the nearest collider.
@@ -92,17 +93,10 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
   m.folded = part * link * std::log(std::max(link / unevenness, M_E));
 }
 
-/// A held cloth bends as it comes down, and a stiff one rings with fast waves, in which errors
-/// grow: by a power of omega_max t times g t^2 / L, the angle by which it comes down. The two
-/// numbers are the middle of 212 strips and squares held by an edge or two corners, of all sizes,
-/// ks / m up to 1e10 / s^2, g from 2.5 to 25 m/s^2. Where errors grow, half lie within a factor 3
-/// of it: next neighbours differ by up to ten times.
-void add_ringing(Motion& m) {
-  constexpr double onset = 29000;
-  constexpr double power = 2.5;
-  const double angle = m.gravity * horizon * horizon / m.size;
-  m.growth = 1 + std::pow(m.fastest * horizon * angle / onset, power);
-}
+/// A held cloth bends as it comes down. Beyond this omega_max t times g t^2 / L, the angle by which
+/// it does, a stiff one rings with fast waves, in which errors grow a threefold to a hundredfold:
+/// next neighbours differ by ten times, so that nothing foretells them. Measured.
+constexpr double onset = 30000;
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
                  const std::vector<ColliderSpec>& colliders) {
@@ -117,10 +111,9 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   m.swing = std::sqrt(1.5 * m.gravity / m.size);
   m.loaded = 1;
   m.held = true;
-  m.growth = 1;
   const bool is_free = (cloth.inv_mass.array() > 0).all();
   if (!is_free) {
-    add_ringing(m);
+    m.rings = m.fastest * horizon * m.gravity * horizon * horizon / m.size > onset;
   } else if (m.gravity > 0) {
     const double room = room_below(cloth, colliders);
     m.held = std::isfinite(room);
@@ -138,6 +131,7 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
 struct Candidate {
   const char* method;
   bool takes_impulses;
+  bool damps_fast_waves;
   double (*error)(const Motion&, double h);
   double (*cost)(double springs, double points);
 };
@@ -156,7 +150,7 @@ double under_load(const Motion& m, double h, double error) {
 /// 1.25).
 double verlet_error(const Motion& m, double h) {
   const double phase = horizon * h * h / 24 * (m.gravity * m.axial + m.size * std::pow(m.swing, 3));
-  return under_load(m, h, 0.65 * phase * m.growth);
+  return under_load(m, h, 0.65 * phase);
 }
 
 /// Of fourth order, led by the fast waves: fitted. Its stages see a cloth that is held fall by a
@@ -164,7 +158,7 @@ double verlet_error(const Motion& m, double h) {
 /// sphere it creeps at some mm/s for ever.
 double rk4_error(const Motion& m, double h) {
   const double waves = 840 * m.gravity * std::pow(m.axial, 1.2) * std::pow(h, 4) * horizon;
-  return under_load(m, h, waves * m.growth);
+  return under_load(m, h, waves);
 }
 
 /// Between first order, where impulses or the start restart it, and second: fitted. The first step
@@ -183,11 +177,13 @@ double xpbd_error(const Motion& m, double h) {
 
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
-      {VelocityVerlet::name, true, verlet_error, [](double s, double) { return 0.9e-9 * s; }},
-      {RungeKutta4::name, false, rk4_error, [](double s, double) { return 3.8e-9 * s; }},
-      {Xpbd::name, true, xpbd_error, [](double s, double) { return 7.5e-9 * s; }},
+      {VelocityVerlet::name, true, false, verlet_error,
+       [](double s, double) { return 0.9e-9 * s; }},
+      {RungeKutta4::name, false, false, rk4_error, [](double s, double) { return 3.8e-9 * s; }},
+      {Xpbd::name, true, true, xpbd_error, [](double s, double) { return 7.5e-9 * s; }},
       // Two factorisations of the grid's matrix a step.
-      {Bdf2::name, false, bdf2_error, [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},
+      {Bdf2::name, false, true, bdf2_error,
+       [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},
   };
   return all;
 }
@@ -222,8 +218,7 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
 struct Offer {
   const Candidate* candidate;
   int substeps;
-  double error;      // of the cloth's size
-  bool is_foretold;  // that error: without gravity nothing tells how the cloth is going to move
+  std::optional<double> error;  // of the cloth's size
   bool is_explicit;
   double cost;  // CPU seconds a simulated second
   bool stable;
@@ -235,12 +230,20 @@ double stability_limit_of(const std::string& method) {
   return std::visit([](const auto& m) { return m.stability_limit; }, make_integrator(method));
 }
 
+/// None where nothing tells how the cloth is going to move.
+std::optional<double> error_of(const Candidate& c, const Motion& m, double h) {
+  if (m.gravity == 0 || (m.rings && !c.damps_fast_waves)) return {};
+  return c.error(m, h) / m.size;
+}
+
 Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& cloth,
                const std::vector<ColliderSpec>& colliders, const Motion& motion) {
   const double dt = 1 / spec.frames_per_second;
   const double stability_limit = stability_limit_of(c.method);
   const int needed = usual_substeps(stability_limit, spec, cloth, colliders);
-  const auto error = [&](int n) { return c.error(motion, dt / n) / motion.size; };
+  const auto is_off = [&](int n) {
+    return error_of(c, motion, dt / n).value_or(0) > spec.tolerance;
+  };
   const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
   const double step_cost =                                    // contact aside
       c.cost(links, cloth.num_points()) +
@@ -254,26 +257,55 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
     // As many as the tolerance asks for and real time allows.
     const int affordable = static_cast<int>(std::clamp(
         affordable_steps, static_cast<double>(needed), static_cast<double>(max_substeps)));
-    while (error(n) > spec.tolerance && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
+    while (is_off(n) && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
   }
+  const std::optional<double> error = error_of(c, motion, dt / n);
   const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
   const double cost = n * spec.frames_per_second * (step_cost + cost_of_contact(cloth, colliders));
   return {&c,
           n,
-          error(n),
-          motion.gravity > 0,
+          error,
           std::isfinite(stability_limit),
           cost,
           stable,
-          error(n) <= spec.tolerance,
+          error && !is_off(n),
           n <= affordable_steps};
 }
 
-MethodChoice choice_of(const Offer& offer, Reason reason) {
-  MethodChoice result{offer.candidate->method, offer.substeps, reason};
-  if (offer.is_foretold) result.predicted_error = offer.error;
-  result.predicted_cost = offer.cost;
-  return result;
+bool cheaper(const Offer& a, const Offer& b) { return a.cost < b.cost; }
+
+bool finer(const Offer& a, const Offer& b) { return a.error < b.error; }
+
+/// Explicit methods keep energy and momenta.
+bool explicit_or_cheaper(const Offer& a, const Offer& b) {
+  return a.is_explicit != b.is_explicit ? a.is_explicit : cheaper(a, b);
+}
+
+/// The first rule that is for any offer takes the best of those.
+struct Rule {
+  Reason reason;
+  bool (*is_for)(const Offer&);
+  bool (*is_better)(const Offer&, const Offer&);
+};
+
+constexpr Rule rules[] = {
+    {Reason::error_unforetold, [](const Offer& o) { return !o.error && o.real_time; },
+     explicit_or_cheaper},
+    {Reason::cheapest_within_tolerance, [](const Offer& o) { return o.accurate && o.real_time; },
+     cheaper},
+    {Reason::most_accurate_in_real_time, [](const Offer& o) { return o.real_time; }, finer},
+    {Reason::none_in_real_time, [](const Offer&) { return true; }, cheaper},
+};
+
+MethodChoice choice_among(std::vector<Offer> offers) {
+  for (const Rule& rule : rules) {
+    const auto end = std::stable_partition(offers.begin(), offers.end(), rule.is_for);
+    if (end == offers.begin()) continue;
+    const Offer& best = *std::min_element(offers.begin(), end, rule.is_better);
+    return {best.candidate->method, best.substeps, rule.reason,
+            best.real_time,         best.error,    best.cost};
+  }
+  return {VelocityVerlet::name, 1, Reason::none_stable, false};
 }
 
 }  // namespace
@@ -287,7 +319,6 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
   if (!cloth.has_forces()) {
     return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
   }
-
   const Motion motion = motion_of(spec, cloth, colliders);
   std::vector<Offer> offers;
   for (const Candidate& c : candidates()) {
@@ -295,36 +326,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     const Offer offer = offer_of(c, spec, cloth, colliders, motion);
     if (offer.stable) offers.push_back(offer);
   }
-  if (offers.empty()) {
-    return {VelocityVerlet::name, 1, Reason::none_stable, false};
-  }
-
-  const auto cheaper = [](const Offer& a, const Offer& b) { return a.cost < b.cost; };
-  const auto finer = [](const Offer& a, const Offer& b) { return a.error < b.error; };
-  const auto best_of = [&](auto is_wanted, auto better) -> std::optional<Offer> {
-    std::optional<Offer> best;
-    for (const Offer& offer : offers) {
-      if (is_wanted(offer) && (!best || better(offer, *best))) best = offer;
-    }
-    return best;
-  };
-
-  const auto keeps_what_comes = [](const Offer& a) {
-    return !a.is_foretold && a.is_explicit && a.real_time;
-  };
-  if (auto o = best_of(keeps_what_comes, cheaper)) {
-    return choice_of(*o, Reason::explicit_without_gravity);
-  }
-  if (auto o = best_of([](const Offer& a) { return a.accurate && a.real_time; }, cheaper)) {
-    return choice_of(*o, Reason::cheapest_within_tolerance);
-  }
-  if (auto o = best_of([](const Offer& a) { return a.real_time; }, finer)) {
-    return choice_of(*o, Reason::most_accurate_in_real_time);
-  }
-  MethodChoice slow =
-      choice_of(*best_of([](const Offer&) { return true; }, cheaper), Reason::none_in_real_time);
-  slow.is_feasible = false;
-  return slow;
+  return choice_among(std::move(offers));
 }
 
 }  // namespace clothsim

@@ -11,8 +11,9 @@ const char* clause_of(Reason reason) {
       return "named by the scene";
     case Reason::no_springs:
       return "no springs to integrate";
-    case Reason::explicit_without_gravity:
-      return "no error can be foretold without gravity: an explicit method, in real time";
+    case Reason::error_unforetold:
+      return "no error can be foretold without gravity, or as a stiff cloth rings: an explicit "
+             "method if one is in real time";
     case Reason::cheapest_within_tolerance:
       return "the cheapest within tolerance";
     case Reason::most_accurate_in_real_time:

@@ -173,11 +173,9 @@ Scene ribbon_of(double ks) {
   return ribbon;
 }
 
-TEST(MethodChoice, PredictsThatErrorsGrowInARibbonOfSteel) {
-  // Bending waves multiply them, by 40 to 100 at ks 5e7. How much is erratic: single strips scatter
-  // more than their mean.
+TEST(MethodChoice, PredictsARibbonsErrorAsLongAsItDoesNotRing) {
   double log_ratio = 0;
-  const std::vector<double> stiffnesses = {1e7, 2e7, 4e7, 5e7, 6e7};
+  const std::vector<double> stiffnesses = {1e6, 1.5e6, 2e6, 2.5e6};
   for (const double ks : stiffnesses) {
     const Scene ribbon = ribbon_of(ks);
     const MethodChoice chosen = choice(ribbon);
@@ -185,26 +183,49 @@ TEST(MethodChoice, PredictsThatErrorsGrowInARibbonOfSteel) {
     const double ratio =
         measured_error(ribbon, chosen.least_substeps, 45) / chosen.predicted_error.value();
     RecordProperty("ks " + std::to_string(ks), std::to_string(ratio) + " times the predicted");
+    EXPECT_LT(ratio, 4);
+    EXPECT_GT(ratio, 1.0 / 4);
     log_ratio += std::log(ratio) / static_cast<double>(stiffnesses.size());
-    if (ks == 5e7) {  // the charted one
-      EXPECT_LT(ratio, 3);
-      EXPECT_GT(ratio, 1.0 / 3);
-    }
   }
   EXPECT_LT(std::exp(log_ratio), 3);
   EXPECT_GT(std::exp(log_ratio), 1.0 / 3);
 }
 
-TEST(MethodChoice, TakesBdf2ForARibbonThatIsStifferYet) {
-  const Scene ribbon = ribbon_of(1e9);
+TEST(MethodChoice, OfARibbonOfSteelThatRingsNothingIsForetold) {
+  for (const double ks : {5e7, 1e9}) {
+    const Scene ribbon = ribbon_of(ks);
+    const MethodChoice chosen = choice(ribbon);
+    EXPECT_EQ(chosen.method, "verlet") << ks;
+    EXPECT_EQ(chosen.reasons.all(), std::set{Reason::error_unforetold}) << ks;
+    EXPECT_FALSE(chosen.predicted_error) << ks;
+    EXPECT_LT(chosen.predicted_cost.value(), 0.9) << ks;
+    Simulator simulator(ribbon);
+    for (int frame = 0; frame < 45; ++frame) {
+      const StepReport report = simulator.step();
+      EXPECT_EQ(report.reasons.all(), std::set{Reason::error_unforetold}) << ks;
+      EXPECT_EQ(report.recoveries, 0) << ks;
+      EXPECT_LT(report.worst_stretch, 1e-3) << ks;
+    }
+  }
+}
+
+TEST(MethodChoice, TakesBdf2ForARibbonWhereExplicitDoesNotFit) {
+  const Scene ribbon = ribbon_of(2e10);
   const MethodChoice chosen = choice(ribbon);
   EXPECT_EQ(chosen.method, "bdf2");
+  EXPECT_EQ(chosen.reasons.all(), std::set{Reason::cheapest_within_tolerance});
   EXPECT_LT(chosen.predicted_error.value(), ribbon.simulation.tolerance);
 
+  // What it damps does not grow. Verlet's substeps need shorter frames.
+  constexpr int parts = 2;
   Scene exact = ribbon;
   exact.simulation.method = "verlet";
-  exact.simulation.substeps = 4096;
-  const double measured = error_between(frames(ribbon, 15), frames(exact, 15));
+  exact.simulation.frames_per_second *= parts;
+  exact.simulation.substeps = max_substeps;
+  const std::vector<Points> all = frames(exact, 15 * parts);
+  std::vector<Points> same_times;
+  for (std::size_t i = parts - 1; i < all.size(); i += parts) same_times.push_back(all[i]);
+  const double measured = error_between(frames(ribbon, 15), same_times);
   EXPECT_LT(measured, 3 * chosen.predicted_error.value());
   EXPECT_GT(measured, chosen.predicted_error.value() / 3);
 }
@@ -258,7 +279,7 @@ TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
   scene.simulation.gravity.setZero();
   const MethodChoice chosen = choice(scene);
   EXPECT_EQ(chosen.method, "verlet");
-  EXPECT_TRUE(chosen.reasons.has(Reason::explicit_without_gravity));
+  EXPECT_TRUE(chosen.reasons.has(Reason::error_unforetold));
   EXPECT_FALSE(chosen.predicted_error);
   EXPECT_TRUE(chosen.predicted_cost);
 
@@ -267,6 +288,7 @@ TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
   scene.cloth.columns = scene.cloth.rows = 100;
   const MethodChoice stiff = choice(scene);
   EXPECT_NE(stiff.method, "verlet");
+  EXPECT_TRUE(stiff.is_feasible);
   EXPECT_FALSE(stiff.predicted_error);
 }
 
@@ -316,7 +338,7 @@ TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
   };
   for (const Case& c : {Case{5000, 150, 50, 1e-3},
                         {5e5, 150, 50, 1e-3},
-                        {2e7, 150, 50, 1e-3},
+                        {2e6, 150, 50, 1e-3},
                         {5e8, 150, 50, 1e-3},
                         {5000, 0.15, 30, 1e-3},
                         {5000, 150, 25, 1e-6},

@@ -24,9 +24,9 @@ struct MethodChoice {
 
 /// What `simulation.method` stands for. A name: that method. `auto`: the cheapest method that stays
 /// within `simulation.tolerance` in real time; if none does, the most accurate in real time; if
-/// none is in real time, the cheapest. A given count of substeps is kept. Without gravity nothing
-/// tells how the cloth will move, so that no error is foretold: then an explicit method, which
-/// keeps energy and momenta, where one is in real time.
+/// none is in real time, the cheapest. A given count of substeps is kept. Where nothing tells how
+/// the cloth will move, without gravity or as a stiff one rings, no error is foretold: then an
+/// explicit method, which keeps energy and momenta, where one is in real time.
 ///
 /// A function of its arguments alone, so that equal scenes give equal bits on every machine: costs
 /// are known per spring or point, not measured as it runs. Errors are those of the integration of a

@@ -10,7 +10,7 @@ enum class Reason {
   // Of the choice of a method.
   named_by_scene,
   no_springs,
-  explicit_without_gravity,
+  error_unforetold,
   cheapest_within_tolerance,
   most_accurate_in_real_time,
   none_in_real_time,

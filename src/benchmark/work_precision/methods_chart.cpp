@@ -44,8 +44,8 @@ struct Judge {
   const Trial trial;
   Reference reference;
   std::map<std::pair<std::string, int>, Trajectory> converged_runs;
-  std::optional<Contender> chosen;  // by `auto`
-  double predicted_error = 0;       // by it
+  std::optional<Contender> chosen;       // by `auto`
+  double predicted_error = Score::none;  // by it
   std::vector<Contender> others;
 
   /// The run of the same scheme without solver error; null where it does not iterate.

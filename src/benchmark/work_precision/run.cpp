@@ -39,7 +39,7 @@ Run run_once(Stepper& stepper, int frames, double stop, double& spent) {
       run.trajectory.push_back(stepper.state());
       run.method = report.method;
       run.substeps = report.substeps;
-      run.predicted_error = report.predicted_error.value_or(0);
+      run.predicted_error = report.predicted_error.value_or(run.predicted_error);
       sweeps += report.sweeps;
       substeps += report.substeps;
     }

@@ -21,12 +21,12 @@ const char* name_of(Outcome);
 struct Run {
   Outcome outcome = Outcome::done;
   Trajectory trajectory;
-  std::string method;          // the last frame's, as it reports it
-  int substeps = 0;            // likewise
-  double predicted_error = 0;  // likewise; 0 where it predicts none
-  double sweeps = 0;           // passes over the constraints in a substep, mean over the run
-  double cost = 0;             // CPU milliseconds per simulated second
-  int repeats = 0;             // cost is the least of so many runs
+  std::string method;  // the last frame's, as it reports it
+  int substeps = 0;    // likewise
+  double predicted_error = std::numeric_limits<double>::quiet_NaN();  // where it predicts one
+  double sweeps = 0;  // passes over the constraints in a substep, mean over the run
+  double cost = 0;    // CPU milliseconds per simulated second
+  int repeats = 0;    // cost is the least of so many runs
 };
 
 /// How long a run may take, in all [CPU s].
