@@ -10,11 +10,11 @@
 namespace clothsim {
 namespace {
 
-/// Waves of gusts along each axis, and their lowest and highest frequency [Hz]. The period of all
-/// is far longer than a scene runs, since the ratios of the frequencies are irrational.
-constexpr int waves = 12;
+/// Waves of gusts along each axis have frequencies between these [Hz]. From one to the next it is
+/// the golden ratio, so that the period of all is far longer than a scene runs.
 constexpr double slowest = 0.1;
 constexpr double fastest = 3;
+const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
 
 /// Added to squared areas [m^4] and speeds [m^2/s^2] that are divided by, or rooted.
 constexpr double least = std::numeric_limits<double>::min();
@@ -75,8 +75,7 @@ Vector3 wind_at(const Vector3& mean, const Gusts& gusts, double time) {
   Vector3 wind = mean;
   for (int axis = 0; axis < 3; ++axis) {
     double sum = 0, amplitudes = 0;
-    for (int k = 0; k < waves; ++k) {
-      const double frequency = slowest * std::pow(fastest / slowest, (k + 0.5) / waves);
+    for (double frequency = slowest; frequency < fastest; frequency *= golden_ratio) {
       // A power of f^-5/3 df in bands that are as wide as they are high.
       const double amplitude = std::pow(frequency, -1.0 / 3);
       const double phase = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)

@@ -20,20 +20,16 @@
 namespace clothsim {
 namespace {
 
-/// Share of a core that may go into the cloth: the rest is for those who look at it.
-constexpr double real_time_share = 0.9;
-
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
 /// CPU time of impulses a substep [s] per point of a cloth that lies or has folded: with a collider
-/// that points do for, with faces or surfaces, and between points alone, as where they touch each
-/// other or the cloth's weight brings half of the springs to their limit. Measured by
+/// that points do for, and between points alone, as where they touch each other or the cloth's
+/// weight brings half of the springs to their limit. Measured by
 /// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
 /// contact is next to nothing, in an impact several times that: it tells which method is cheaper,
 /// not what is in real time.
-constexpr double contact_cost = 1e-7;
-constexpr double face_contact_cost = 2.5e-7;
+constexpr double contact_cost = 8e-8;
 constexpr double between_points_cost = 1.6e-8;
 
 /// What errors depend on.
@@ -193,12 +189,13 @@ bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
 }
 
 double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  enum { corners = 3 };  // that each contact of a face gives impulses to
   double cost = 0;
   for (const ColliderSpec& collider : colliders) {
-    cost += clearance(collider.shape, cloth).faces ? face_contact_cost : contact_cost;
+    cost += clearance(collider.shape, cloth).faces ? corners * contact_cost : contact_cost;
   }
   if (cloth.self_collision == SelfCollision::points) cost += between_points_cost;
-  if (cloth.self_collision == SelfCollision::surface) cost += face_contact_cost;
+  if (cloth.self_collision == SelfCollision::surface) cost += corners * contact_cost;
   return cost * cloth.num_points();
 }
 
@@ -248,7 +245,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const double step_cost =                                    // contact aside
       c.cost(links, cloth.num_points()) +
       (cloth.strain_limit ? between_points_cost * cloth.num_points() : 0);
-  const double affordable_steps = real_time_share / (spec.frames_per_second * step_cost);
+  const double affordable_steps = 1 / (spec.frames_per_second * step_cost);
 
   int n = needed;
   if (spec.substeps) {

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/npz.h"
@@ -10,8 +11,8 @@
 namespace clothsim {
 namespace {
 
-/// Of a file: far more than a motion has, and few enough to hold.
-constexpr std::size_t most_key_frames = 1'000'000;
+/// As many as the shortest lines of the largest file that is read.
+constexpr std::size_t most_key_frames = max_file_size / std::size("0,0,0,0");
 
 /// Time, place and quaternion x, y, z, w, row by row.
 using Row = std::array<double, 8>;

@@ -89,8 +89,8 @@ TEST(Air, GustsAreBoundedDrawnFromTheSeedAndWithoutMean) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(sum[axis] / samples, 0, 0.01);
-    // 12 waves: a root mean square of most / sqrt(2 * 12), and more as amplitudes differ.
-    EXPECT_NEAR(std::sqrt(square[axis] / samples), 0.5 / std::sqrt(24), 0.02);
+    // Eight waves: a root mean square of most / sqrt(2 * 8), and more as amplitudes differ.
+    EXPECT_NEAR(std::sqrt(square[axis] / samples), 0.5 / std::sqrt(16), 0.02);
   }
   EXPECT_EQ(wind_at(mean, {0.5, 3}, 7), wind_at(mean, {0.5, 3}, 7));
   EXPECT_NE(wind_at(mean, {0.5, 3}, 7), wind_at(mean, {0.5, 4}, 7));

@@ -9,7 +9,8 @@
 namespace clothsim {
 
 /// The classical Runge-Kutta method. Fourth order, four forces a step; stable for
-/// h < 2 sqrt(2) / omega_max, where it takes energy out of fast swings.
+/// h < sqrt(8) / omega_max, where it takes energy out of fast swings: a step keeps the share
+/// 1 - z^6 / 72 + z^8 / 576, with z = h omega.
 /// Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.1.
 ///
 /// Drag goes in by its integrating factor: the method is applied to exp(c t) v (Lawson 1967,
@@ -18,8 +19,9 @@ class RungeKutta4 {
  public:
   static constexpr const char* name = "rk4";
   enum { order = 4 };
-  static constexpr double stability_limit = 2 * M_SQRT2;  // h omega_max
-  static double reach(double damping, double h);          // see Integrator
+  enum { limit_squared = 8 };
+  static inline const double stability_limit = std::sqrt(double{limit_squared});  // h omega_max
+  static double reach(double damping, double h);                                  // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>

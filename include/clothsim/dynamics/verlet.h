@@ -21,8 +21,9 @@ class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
   enum { order = 2 };
-  static constexpr double stability_limit = 2;    // h omega_max
-  static double reach(double damping, double h);  // see Integrator
+  enum { limit = 2 };
+  static constexpr double stability_limit = limit;  // h omega_max
+  static double reach(double damping, double h);    // see Integrator
 
   struct Parameters {
     /// Of the springs' forces. Positions and velocities are always double.
