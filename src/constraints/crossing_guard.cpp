@@ -10,10 +10,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Way of a point between two measurements, of its distance to the nearest feature: below a half,
-/// or two could meet.
-constexpr double bound_share = 0.45;
-
 /// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
 /// which would let them cross.
 constexpr double floor_share = 1e-5;
@@ -28,10 +24,10 @@ constexpr int most_legs = 6;
 struct Room {
   double floor;  // [m]
 
-  /// Way of their points, wherever to [m]. What starts nearer than anything may ever come has no
-  /// side to be kept on.
+  /// Way of their points, wherever to [m]: if both make it, they end at the floor. What starts
+  /// nearer than anything may ever come has no side to be kept on.
   double way(double distance) const {
-    return distance < floor / 2 ? infinity : bound_share * std::max(distance - floor, 0.0);
+    return distance < floor / 2 ? infinity : std::max(distance - floor, 0.0) / 2;
   }
 
   /// Gap that must be left at the ends of ways along the direction of a pair at `here`, for a plane

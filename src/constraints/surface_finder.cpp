@@ -6,15 +6,9 @@
 #include <mutex>
 
 #include "clothsim/constraints/crossing_guard.h"
+#include "clothsim/constraints/pinches.h"
 
 namespace clothsim {
-namespace {
-
-/// Force that works off an overlap, of the weight of the cloth: more shakes layers that fingers
-/// leave a little room, but not their thickness.
-constexpr double parting_push = 0.1;
-
-}  // namespace
 
 /// What a step has that its contacts are made of.
 struct SurfaceFinder::Sought {
@@ -60,7 +54,7 @@ std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const Nea
                      slowest,
                      sought.cloth.friction,
                      sought.strongest + 2 * to_stop,
-                     parting_push * sought.strongest};
+                     Pinches::beside * sought.strongest};
   if (last) contact.impulse.keep(last->impulse);
   return contact;
 }

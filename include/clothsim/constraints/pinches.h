@@ -41,8 +41,8 @@ class Pinches {
   /// wedge impulses push sideways.
   static constexpr double facing = 0.5;
 
-  /// Push on what is held in part, of the weight of the cloth: what colliders or layers ask of it
-  /// may be more than it can give.
+  /// Push on what is held in part, or out of an overlap of layers, of the weight of the cloth: what
+  /// colliders or layers ask of it may be more than it can give.
   static constexpr double beside = 0.25;
 
   /// Do surfaces with these normals face each other?
