@@ -63,12 +63,6 @@ Eigen::Vector2d ridge(double way, double radius, double height) {
   return {sign * (radius + left_over - wall), height};
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The cloth over a rod, and two fingers.
 class Hand {
  public:
@@ -156,7 +150,9 @@ class Hand {
       const Vector3 with_fingers = turn_about_z() * row(before_, i) + Vector3(0, 0, lift);
       lag.push_back((row(simulator_.state().positions, i) - with_fingers).norm());
     }
-    return median(lag);
+    const auto middle = lag.begin() + static_cast<std::ptrdiff_t>(lag.size() / 2);
+    std::nth_element(lag.begin(), middle, lag.end());
+    return *middle;
   }
 
  private:
@@ -237,15 +233,15 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
   EXPECT_LT(hand.slipped(), 5e-3);
   EXPECT_GT(hand.pinched(), 0);
 
-  // An edge of the fold may snap free as the table goes: the median of three that start some
-  // nanometres apart.
-  std::vector<double> speeds{up};
+  // An edge of the fold may snap free as the table goes, or not, as last digits have it: the mean
+  // of three that start some nanometres apart.
+  double speeds = up;
   for (const double aside : {1e-9, 2e-9}) {
     Hand other(GetParam(), aside);
     other.lift_it();
-    speeds.push_back(other.fastest_beyond_fall());
+    speeds += other.fastest_beyond_fall();
   }
-  EXPECT_LT(median(speeds), 2 * 1.5 * speed) << "nothing is flung";
+  EXPECT_LT(speeds / 3, 2 * 1.5 * speed) << "nothing is flung";
 
   // To the same bits after a copy.
   const auto saved = simulator.save();
