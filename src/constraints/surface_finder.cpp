@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
 
 #include "clothsim/constraints/crossing_guard.h"
 #include "clothsim/constraints/pinches.h"
@@ -69,13 +67,9 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
       near_.approaching(step.start, ahead, step.workers, step.budget);
   const Sought sought{cloth, step.h, middle, state.velocities,
                       cloth.mass.sum() * step.gravity * step.h};
-  std::mutex mutex;
-  std::map<int, std::vector<Contact>> found;  // by the first pair that a thread looked at
-  step.workers.share(
-      static_cast<int>(near_pairs.size()),
-      [&](int begin, int end) {
+  const auto found = step.workers.gather<std::vector<Contact>>(
+      static_cast<int>(near_pairs.size()), [&](int begin, int end, std::vector<Contact>& contacts) {
         if (begin == end) return;
-        std::vector<Contact> contacts;
         contacts.reserve(static_cast<std::size_t>(end - begin));
         ContactList::Last last(list, near_pairs[static_cast<std::size_t>(begin)].key);
         for (int k = begin; k < end; ++k) {
@@ -83,11 +77,8 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
           const std::optional<Contact> contact = contact_of(sought, near, last.of(near.key));
           if (contact) contacts.push_back(*contact);
         }
-        const std::lock_guard<std::mutex> lock(mutex);
-        found[begin] = std::move(contacts);
-      },
-      Workers::dear);
-  for (const auto& [begin, contacts] : found) list.add(contacts);
+      });
+  for (const std::vector<Contact>& contacts : found) list.add(contacts);
 }
 
 int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,

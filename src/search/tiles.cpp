@@ -28,19 +28,23 @@ struct Vector {
 };
 inline float dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// A corner of sixteen tiles.
-using Corner = std::array<TileShapes::Row, 3>;
-using Corners = std::array<Corner, TileFeatures::corners>;
+using Row = TileShapes::Row;
+using Corner = TileShapes::Corner;
+using Corners = TileShapes::Corners;
+inline Vector at(const Corner& corner, std::size_t k) {
+  return {corner[0][k], corner[1][k], corner[2][k]};
+}
 inline Vector between(const Corner& from, const Corner& to, std::size_t k) {
   return {to[0][k] - from[0][k], to[1][k] - from[1][k], to[2][k] - from[2][k]};
 }
 
-/// Of points a to triangles b, c, d: see Distances in geometry.
+/// Of points a to triangles b, c, d: the least to its edges, or to its plane where that is within.
+/// All from the products of the ways from b.
 CLOTHSIM_TARGET_CLONES
-void point_triangle(const Corner& a, const Corner& b, const Corner& c, const Corner& d,
-                    const TileShapes::Row& lack, TileShapes::Row& values, TileShapes::Row& within) {
+void point_triangle(const Corner& a, const Corner& b, const Corner& c, const Corner& d, Row& values,
+                    Row& within) {
 #pragma GCC ivdep
-  for (std::size_t k = 0; k < TileShapes::at_once; ++k) {
+  for (std::size_t k = 0; k < n; ++k) {
     const Vector u = between(b, c, k), v = between(b, d, k), w = between(b, a, k);
     const float uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ww = dot(w, w), uw = dot(u, w),
                 vw = dot(v, w);
@@ -66,18 +70,16 @@ void point_triangle(const Corner& a, const Corner& b, const Corner& c, const Cor
     const float inside = larger(on_plane - rounding * thinness * ww, on_edges - area2 * per_uu);
     const bool is_within = (least >= 0) & (area2 > rounding * uu * vv);
     const float squared = is_within ? inside : on_edges;
-    values[k] = root(squared - rounding * (uu + vv + ww)) + lack[k];
+    values[k] = root(squared - rounding * (uu + vv + ww));
     within[k] = least;
   }
 }
 
 /// Of edges a -> b to c -> d. Parallel ones are taken to be as near as a slight turn makes them.
 CLOTHSIM_TARGET_CLONES
-void edge_edge(const Corner& a, const Corner& b, const Corner& c, const Corner& d,
-               const TileShapes::Row& lack_a, const TileShapes::Row& lack_c,
-               TileShapes::Row& values) {
+void edge_edge(const Corner& a, const Corner& b, const Corner& c, const Corner& d, Row& values) {
 #pragma GCC ivdep
-  for (std::size_t k = 0; k < TileShapes::at_once; ++k) {
+  for (std::size_t k = 0; k < n; ++k) {
     const Vector u = between(a, b, k), v = between(c, d, k), w = between(c, a, k);
     const float uu = dot(u, u) + tiny, vv = dot(v, v) + tiny, uv = dot(u, v), uw = dot(u, w),
                 vw = dot(v, w), ww = dot(w, w);
@@ -89,60 +91,31 @@ void edge_edge(const Corner& a, const Corner& b, const Corner& c, const Corner& 
     const Vector way{w.x + s * u.x - t * v.x, w.y + s * u.y - t * v.y, w.z + s * u.z - t * v.z};
     const float turn = root(crossing ? 0.0F : rounding * (uu + vv));
     const float distance = root(dot(way, way) - rounding * (uu + vv + ww)) - turn;
-    values[k] = larger(distance, 0.0F) + lack_a[k] + lack_c[k];
+    values[k] = larger(distance, 0.0F);
   }
 }
 
-void measure_all(const std::array<Corners, 2>& of,
-                 const std::array<std::array<TileShapes::Row, 3>, 2>& lacks,
-                 TileShapes::Distances& found) {
-  for (std::size_t side = 0; side < 2; ++side) {
-    const Corner& point = of[side][0];
-    const Corners& other = of[1 - side];
-    for (std::size_t t = 0; t < 2; ++t) {
-      const auto& [a, b, c] = TileFeatures::triangles[t];
-      point_triangle(point, other[a], other[b], other[c], lacks[1 - side][0],
-                     found.values[2 * side + t], found.within[2 * side + t]);
-    }
-  }
-  // Edges lack what their way does: the one across is no longer than the triangles.
-  static constexpr std::array<std::size_t, 3> lack{1, 2, 0};
-  for (std::size_t e = 0; e < 3; ++e) {
-    for (std::size_t f = 0; f < 3; ++f) {
-      const auto& [a, b] = TileFeatures::edges[e];
-      const auto& [c, d] = TileFeatures::edges[f];
-      edge_edge(of[0][a], of[0][b], of[1][c], of[1][d], lacks[0][lack[e]], lacks[1][lack[f]],
-                found.values[TileFeatures::points + 3 * e + f]);
-    }
-  }
-}
-
-/// How far the tiles b of a patch are from one tile a, by planes square to the line between their
-/// centres. Tells which are within `gap` of their `nearest` or within `least`, if any, and keeps
-/// how far the others are at least, and beyond their nearest.
+/// How far the tiles b of a patch are from tile i of patch a, by planes square to the line between
+/// their centres. Tells which are within `gap` of their `nearest` or within `least`, if any, and
+/// keeps how far the others are at least, and beyond their nearest.
 CLOTHSIM_TARGET_CLONES
-bool outline(const float* a, const float* __restrict b, const float* __restrict nearest, float gap,
-             float least, std::array<int, n>& near, TileShapes::Row& rest,
-             TileShapes::Row& rest_gap) {
-  constexpr std::size_t corner = 3 * n, centre = 4 * corner;
-  const Vector from{a[centre], a[centre + n], a[centre + 2 * n]};
-  const auto of_a = [&](std::size_t k) -> Vector {
-    const float* const at = a + k * corner;
-    return {at[0] - from.x, at[n] - from.y, at[2 * n] - from.z};
+bool outline(const Corners& a, std::size_t i, const Corners& b, const float* __restrict nearest,
+             float gap, float least, std::array<int, n>& near, Row& rest, Row& rest_gap) {
+  const Vector from = at(a[0], i);
+  const auto seen = [&from](const Corner& corner, std::size_t k) -> Vector {
+    return {corner[0][k] - from.x, corner[1][k] - from.y, corner[2][k] - from.z};
   };
-  const Vector a0 = of_a(0), a1 = of_a(1), a2 = of_a(2), a3 = of_a(3);
+  const Vector a1 = seen(a[1], i), a2 = seen(a[2], i), a3 = seen(a[3], i);
   int any = 0;
 #pragma GCC ivdep
   for (std::size_t j = 0; j < n; ++j) {
-    const auto of_b = [&](std::size_t k) -> Vector {
-      const float* const at = b + k * corner + j;
-      return {at[0] - from.x, at[n] - from.y, at[2 * n] - from.z};
-    };
-    const Vector way = of_b(TileFeatures::corners);
-    const float highest =
-        larger(larger(dot(way, a0), dot(way, a1)), larger(dot(way, a2), dot(way, a3)));
-    const float lowest = smaller(smaller(dot(way, of_b(0)), dot(way, of_b(1))),
-                                 smaller(dot(way, of_b(2)), dot(way, of_b(3))));
+    const Vector b0 = seen(b[0], j), b1 = seen(b[1], j), b2 = seen(b[2], j), b3 = seen(b[3], j);
+    const Vector way{b0.x + b1.x + b2.x + b3.x - a1.x - a2.x - a3.x,
+                     b0.y + b1.y + b2.y + b3.y - a1.y - a2.y - a3.y,
+                     b0.z + b1.z + b2.z + b3.z - a1.z - a2.z - a3.z};
+    const float highest = larger(larger(0.0F, dot(way, a1)), larger(dot(way, a2), dot(way, a3)));
+    const float lowest =
+        smaller(smaller(dot(way, b0), dot(way, b1)), smaller(dot(way, b2), dot(way, b3)));
     const float distance = larger((lowest - highest) / (root(dot(way, way)) + tiny), 0.0F);
     const int is_near = distance > larger(nearest[j] + gap, least) ? 0 : 1;
     near[j] = is_near;
@@ -172,61 +145,55 @@ SurfacePair TileFeatures::pair(int a, int b, std::size_t number) const {
   return {SurfacePair::no_triangle, {point(a, i), point(a, j), point(b, k), point(b, l)}, 0};
 }
 
-TileShapes::TileShapes(const Cloth& cloth, std::size_t num_patches)
+TileShapes::TileShapes(const Cloth& cloth, std::shared_ptr<const std::vector<Patch>> patches)
     : columns_(cloth.columns),
       rows_(cloth.rows),
-      values_(num_patches * rows * tiles),
-      roundings_(num_patches),
-      exists_(num_patches * tiles) {}
+      patches_(std::move(patches)),
+      corners_(patches_->size()),
+      roundings_(patches_->size()) {}
 
-void TileShapes::update(int patch, const Patch& of, const Points& positions) {
-  float* const values = values_.data() + static_cast<std::size_t>(patch) * rows * tiles;
+void TileShapes::update(int patch, const Points& positions) {
+  const auto& tiles_of = (*patches_)[static_cast<std::size_t>(patch)].tiles;
   float farthest = 0;
-  for (std::size_t k = 0; k < tiles; ++k) {
-    const int tile = of.tiles[k] == Patch::none ? of.tiles[0] : of.tiles[k];
-    exists_[static_cast<std::size_t>(patch) * tiles + k] = of.tiles[k] != Patch::none;
+  for (std::size_t k = 0; k < n; ++k) {
+    const int tile = exists(patch, k) ? tiles_of[k] : tiles_of[0];
     const bool last_column = tile % columns_ == columns_ - 1,
                last_row = tile / columns_ == rows_ - 1;
-    for (std::size_t axis = 0; axis < axes; ++axis) {
-      float sum = 0;
-      for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
-        const auto& [along_row, along_column] = TileFeatures::ways[corner];
-        const int point =
-            tile + (last_column ? 0 : along_row) + (last_row ? 0 : along_column * columns_);
-        const auto column = static_cast<Eigen::Index>(axis);
-        const auto at = static_cast<float>(positions(point, column) - origin_[column]);
-        values[(corner * axes + axis) * tiles + k] = at;
+    for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
+      const auto& [along_row, along_column] = TileFeatures::ways[corner];
+      const int point =
+          tile + (last_column ? 0 : along_row) + (last_row ? 0 : along_column * columns_);
+      const Vector3 seen = row(positions, point) - row(positions, 0);  // fewer digits are lost
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<float>(seen[static_cast<Eigen::Index>(axis)]);
+        corners_[static_cast<std::size_t>(patch)][corner][axis][k] = at;
         farthest = std::max(farthest, std::abs(at));
-        sum += at;
       }
-      values[(centre * axes + axis) * tiles + k] = sum / TileFeatures::corners;
     }
-    const auto lack = [&](std::size_t what, bool is_lacking) {
-      values[(first_lack + what) * tiles + k] = is_lacking ? far : 0;
-    };
-    lack(0, last_column || last_row);
-    lack(1, last_column);
-    lack(2, last_row);
   }
   roundings_[static_cast<std::size_t>(patch)] = 4 * epsilon * farthest;
 }
 
+float TileShapes::rounding(int patch, int other) const {
+  return std::max(roundings_[static_cast<std::size_t>(patch)],
+                  roundings_[static_cast<std::size_t>(other)]);
+}
+
 void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float least,
                       Near& near) const {
-  const char* const exists = exists_.data() + static_cast<std::size_t>(patch) * tiles;
-  const char* const other_exists = exists_.data() + static_cast<std::size_t>(other) * tiles;
+  const Corners &a = corners_[static_cast<std::size_t>(patch)],
+                &b = corners_[static_cast<std::size_t>(other)];
   std::array<int, n> is_near;
   Row rest, rest_gap;
-  rest.fill(far);
-  rest_gap.fill(far);
+  rest.fill(infinity);
+  rest_gap.fill(infinity);
   near.count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const bool any = outline(of(patch) + i, of(other), nearest.data() + i * n, gap, least, is_near,
-                             rest, rest_gap);
-    if (!any || exists[i] == 0) continue;
+    const bool any = outline(a, i, b, nearest.data() + i * n, gap, least, is_near, rest, rest_gap);
+    if (!any || !exists(patch, i)) continue;
     for (std::size_t j = patch == other ? i + 1 : 0; j < n; ++j) {
       near.pairs[near.count] = static_cast<int>(i * n + j);
-      near.count += is_near[j] != 0 && other_exists[j] != 0 ? 1 : 0;
+      near.count += is_near[j] != 0 && exists(other, j) ? 1 : 0;
     }
   }
   near.rest = *std::min_element(rest.begin(), rest.end());
@@ -235,27 +202,27 @@ void TileShapes::look(int patch, int other, const PairValues& nearest, float gap
 
 void TileShapes::measure(int patch, int other, const int* pairs, std::size_t count,
                          Distances& found) const {
-  std::array<Corners, 2> corners;
-  std::array<std::array<Row, 3>, 2> lacks;
-  std::array<std::array<std::size_t, at_once>, 2> at;
-  for (std::size_t k = 0; k < at_once; ++k) {
+  std::array<Corners, 2> of;
+  for (std::size_t k = 0; k < n; ++k) {
     const auto pair = static_cast<std::size_t>(pairs[std::min(k, count - 1)]);
-    at[0][k] = pair / n;
-    at[1][k] = pair % n;
-  }
-  for (std::size_t side = 0; side < 2; ++side) {
-    const float* const values = of(side == 0 ? patch : other);
-    const auto take = [&](std::size_t row, Row& into) {
-      for (std::size_t k = 0; k < at_once; ++k) into[k] = values[row * n + at[side][k]];
-    };
     for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
-      for (std::size_t axis = 0; axis < axes; ++axis) {
-        take(corner * axes + axis, corners[side][corner][axis]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        of[0][corner][axis][k] = corners_[static_cast<std::size_t>(patch)][corner][axis][pair / n];
+        of[1][corner][axis][k] = corners_[static_cast<std::size_t>(other)][corner][axis][pair % n];
       }
     }
-    for (std::size_t what = 0; what < 3; ++what) take(first_lack + what, lacks[side][what]);
   }
-  measure_all(corners, lacks, found);
+  for (std::size_t k = 0; k < TileFeatures::points; ++k) {
+    const Corners &point = of[k / 2], &other_tile = of[1 - k / 2];
+    const auto& [a, b, c] = TileFeatures::triangles[k % 2];
+    point_triangle(point[0], other_tile[a], other_tile[b], other_tile[c], found.values[k],
+                   found.within[k]);
+  }
+  for (std::size_t k = TileFeatures::points; k < TileFeatures::count; ++k) {
+    const auto& [a, b] = TileFeatures::edges[(k - TileFeatures::points) / 3];
+    const auto& [c, d] = TileFeatures::edges[(k - TileFeatures::points) % 3];
+    edge_edge(of[0][a], of[0][b], of[1][c], of[1][d], found.values[k]);
+  }
 }
 
 }  // namespace clothsim

@@ -19,7 +19,6 @@ void expect_bound(const std::vector<Patch>& patches, const Points& from, const P
     for (std::size_t q = 0; q < patches.size(); ++q) {
       const double bound = motions.between(static_cast<int>(p), static_cast<int>(q));
       EXPECT_LE(bound, most + 1e-12);
-      EXPECT_LE(bound, motions.at_most(static_cast<int>(p), static_cast<int>(q)) + 1e-12);
       EXPECT_LE(bound, motions.most() + 1e-12);
       for (const double time : {0.2, 0.5, 0.8, 1.0}) {
         const Points at = from + time * (to - from);
@@ -58,18 +57,12 @@ TEST(PatchMotions, BoundHowMuchNearerPointsComeAtAnyTime) {
   const std::vector<Patch> patches = cut_into_patches(cloth);
   ASSERT_EQ(patches.size(), 9u);
   const Points from = shaken(cloth, 0.02, 1);
-  // A common turn brings nothing nearer, whatever the way of its end: all go square to their arms.
-  const Vector3 axis = Vector3(3, 1, 2).normalized();
-  Points turned = from;
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    turned.row(i) += 0.3 * axis.cross(row(from, i)).transpose();
-  }
-  turned.rowwise() += Eigen::RowVector3d(1, -2, 3);
+  // What all do alike brings nothing nearer.
+  const Points moved = from.rowwise() + Eigen::RowVector3d(1, -2, 3);
   for (const double tremble : {0.0, 0.001, 0.5}) {
     SCOPED_TRACE(tremble);
     const Points ways = random_points(cloth.num_points(), tremble, 2);
-    expect_bound(patches, from, turned + ways, 20 * tremble + 1e-5);
-    expect_bound(patches, from, from + ways, 4 * std::sqrt(3.0) * tremble);
+    expect_bound(patches, from, moved + ways, 4 * std::sqrt(3.0) * tremble + 1e-12);
   }
 }
 

@@ -47,41 +47,19 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
     const Cloth cloth = cloth_of(columns, rows, 0.01);
     const NearestDistances nearest(cloth);
     const TileFeatures features(columns);
-    const auto lacks = [&](int tile, std::size_t corner) {
-      const auto& [c, r] = TileFeatures::ways[corner];
-      return tile % cloth.columns + c == cloth.columns || tile / cloth.columns + r == cloth.rows;
-    };
     std::vector<SurfacePair> found;
     for (int a = 0; a < cloth.num_points(); ++a) {
       for (int b = a + 1; b < cloth.num_points(); ++b) {
-        const int along_row = b % columns - a % columns, along_column = b / columns - a / columns;
-        if (!nearest.are_neighbours(along_row, along_column)) continue;
-        const auto& of_tiles = nearest.of_tiles(along_row, along_column);
+        const bool border = nearest.at_border(a) || nearest.at_border(b);
+        const auto& of_tiles = nearest.of_tiles(nearest.way(a, b), border);
         for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-          const auto lacks_any = [&](int tile, const auto& corners) {
-            return std::any_of(corners.begin(), corners.end(),
-                               [&](std::size_t corner) { return lacks(tile, corner); });
-          };
-          const std::size_t e = (k - TileFeatures::points) / 3, f = (k - TileFeatures::points) % 3;
-          if (k < TileFeatures::points
-                  ? lacks_any(k < 2 ? b : a, TileFeatures::triangles[k % 2])
-                  : lacks_any(a, TileFeatures::edges[e]) || lacks_any(b, TileFeatures::edges[f])) {
-            continue;
-          }
-          if (of_tiles[k] < 0) continue;
+          if (of_tiles[k] < 0 || nearest.lack(a, b, k)) continue;
           found.push_back(features.pair(a, b, k));
-          EXPECT_GE(of_tiles[k], static_cast<float>(nearest.of(found.back())));
+          EXPECT_GE(of_tiles[k], nearest.of(found.back()));
         }
       }
     }
-    const auto all = brute_force(cloth, [&](const SurfacePair& pair) {
-      const auto way = [&](std::size_t from, std::size_t to) {
-        return std::pair(pair.points[to] % columns - pair.points[from] % columns,
-                         pair.points[to] / columns - pair.points[from] / columns);
-      };
-      const auto [along_row, along_column] = way(0, pair.edges() ? 2 : 1);
-      return nearest.are_neighbours(along_row, along_column);
-    });
+    const auto all = brute_force(cloth, [](const SurfacePair&) { return true; });
     EXPECT_TRUE(sorted_features(found) == sorted_features(all)) << columns << " x " << rows;
   }
 }

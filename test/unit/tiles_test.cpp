@@ -12,11 +12,11 @@ using namespace testing;
 /// Tiles of patches as they are at some positions.
 struct Shapes {
   Shapes(const Cloth& cloth, const Points& x)
-      : patches(cut_into_patches(cloth)), shapes(cloth, patches.size()), features(cloth.columns) {
-    shapes.see_from(x.colwise().mean().transpose());
-    for (std::size_t p = 0; p < patches.size(); ++p) {
-      shapes.update(static_cast<int>(p), patches[p], x);
-    }
+      : patches(cut_into_patches(cloth)),
+        shapes(cloth, std::make_shared<std::vector<Patch>>(patches)),
+        features(cloth.columns),
+        nearest(cloth) {
+    for (int p = 0; p < static_cast<int>(patches.size()); ++p) shapes.update(p, x);
   }
   int tile(int patch, std::size_t k) const {
     return patches[static_cast<std::size_t>(patch)].tiles[k];
@@ -25,6 +25,7 @@ struct Shapes {
   std::vector<Patch> patches;
   TileShapes shapes;
   TileFeatures features;
+  NearestDistances nearest;
 };
 
 TEST(TileShapes, AreNeverFartherThanTheyAre) {
@@ -51,8 +52,8 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
         nearest.fill(1e6F);
         TileShapes::Near near;
         of.shapes.look(p, q, nearest, 0, 0, near);
-        for (std::size_t first = 0; first < near.count; first += TileShapes::at_once) {
-          const std::size_t count = std::min(near.count - first, TileShapes::at_once);
+        for (std::size_t first = 0; first < near.count; first += TileShapes::tiles) {
+          const std::size_t count = std::min(near.count - first, TileShapes::tiles);
           TileShapes::Distances found;
           of.shapes.measure(p, q, near.pairs.data() + first, count, found);
           for (std::size_t i = 0; i < count; ++i) {
@@ -60,7 +61,7 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
             const int a = of.tile(p, pair / TileShapes::tiles),
                       b = of.tile(q, pair % TileShapes::tiles);
             for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-              if (found.values[k][i] >= TileShapes::far) continue;
+              if (of.nearest.lack(a, b, k)) continue;
               const double exact = separation(of.features.pair(a, b, k), x).distance;
               const double told = found.values[k][i] - of.shapes.rounding(p, q);
               ASSERT_LE(told, exact) << shape << ' ' << k;
@@ -93,7 +94,7 @@ TEST(TileShapes, LookPastNoTileThatIsNear) {
         for (std::size_t k = 0; k < near.count; ++k) {
           is_near[static_cast<std::size_t>(near.pairs[k])] = true;
         }
-        double rest = TileShapes::far;
+        double rest = TileShapes::infinity;
         for (std::size_t k = 0; k < is_near.size(); ++k) {
           const int a = of.tile(p, k / TileShapes::tiles), b = of.tile(q, k % TileShapes::tiles);
           const bool counts = p != q || k / TileShapes::tiles < k % TileShapes::tiles;

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 namespace clothsim {
 
@@ -43,6 +47,26 @@ class Workers {
       run({[](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); },
            &body, count, least, bands_a_thread});
     }
+  }
+
+  /// Bands of a loop over parts that are dear, where body(begin, end, result) gives a result for
+  /// each: in their order.
+  template <typename Result, typename Body>
+  std::vector<Result> gather(int count, const Body& body, int bands_a_thread = 1) const {
+    std::mutex mutex;
+    std::map<int, Result> found;  // by the first part
+    share(
+        count,
+        [&](int begin, int end) {
+          Result result;
+          body(begin, end, result);
+          const std::lock_guard<std::mutex> lock(mutex);
+          found[begin] = std::move(result);
+        },
+        dear, bands_a_thread);
+    std::vector<Result> results;
+    for (auto& [begin, result] : found) results.push_back(std::move(result));
+    return results;
   }
 
  private:

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdlib>
@@ -12,6 +11,34 @@
 
 namespace clothsim {
 
+/// What is told by the way from one place of a grid to another, along rows and columns.
+template <typename Value>
+class ByWay {
+ public:
+  ByWay() = default;
+  /// make(way) up to the `most` along both, and `beyond`.
+  template <typename Make>
+  ByWay(const Eigen::Vector2i& most, const Value& beyond, const Make& make)
+      : most_(most), values_{beyond} {
+    for (int row = -most.y(); row <= most.y(); ++row) {
+      for (int column = -most.x(); column <= most.x(); ++column) {
+        values_.push_back(make(Eigen::Vector2i(column, row)));
+      }
+    }
+  }
+
+  const Value& at(const Eigen::Vector2i& way) const {
+    const bool is_beyond = std::abs(way.x()) > most_.x() || std::abs(way.y()) > most_.y();
+    const Eigen::Vector2i place = way + most_;
+    const int number = 1 + place.y() * (2 * most_.x() + 1) + place.x();
+    return values_[is_beyond ? 0 : static_cast<std::size_t>(number)];
+  }
+
+ private:
+  Eigen::Vector2i most_;
+  std::vector<Value> values_;  // beyond, then along rows
+};
+
 /// How near two features of a cloth may come: 2 * thickness, or where they are neighbours on the
 /// cloth, a quarter of their distance at rest, so that it can fold sharply and yet not pass through
 /// itself.
@@ -21,8 +48,8 @@ namespace clothsim {
 /// left to them where folds cross whose points miss each other. An edge of the border has no cloth
 /// beside it that points could meet: it keeps the whole distance.
 ///
-/// A grid looks the same from every cell, so the distances are kept by the way from one feature to
-/// the other.
+/// A grid looks the same from every cell, so the distances are kept by the way from one tile to the
+/// other.
 class NearestDistances {
  public:
   /// How near neighbours on the cloth may come, of their distance at rest.
@@ -35,52 +62,46 @@ class NearestDistances {
 
   /// Of a pair [m].
   double of(const SurfacePair&) const;
-  /// Of what two tiles have together, from a lower bound that holds for any pair so far from each
-  /// other on the grid; of edges of the border up to far() [m]. Below 0 where they share a point.
-  /// `columns`, `rows`: the way from the first tile to the second, see are_neighbours().
+
+  /// Of the features that tiles have together on a way from one to the other [m]: below 0 where
+  /// they share a point. `border`: one tile is there, and so may edges be.
   using OfTiles = std::array<float, TileFeatures::count>;
-  const OfTiles& of_tiles(int columns, int rows) const {
-    return of_tiles_[of_points_[0].place(columns, rows)];
+  const OfTiles& of_tiles(const Eigen::Vector2i& way, bool border) const {
+    return of_tiles_[border ? 1 : 0].at(way);
   }
-  /// So near on the grid that they may come nearer than others.
-  bool are_neighbours(int columns, int rows) const {
-    return std::abs(columns) <= of_points_[0].most.x() && std::abs(rows) <= of_points_[0].most.y();
+  /// Of any features of the tiles of two patches, by their first tiles: the most of each pair [m].
+  const TileShapes::PairValues& of_patches(int first, int second) const {
+    return of_patches_.at(way(first, second) / Patch::side);
   }
-  /// Of two that are no neighbours: the most, and of edges inside the cloth [m].
-  double far() const { return contact_; }
-  double far_inside() const { return far_edges(false); }
-  /// Has a tile an edge of the border?
-  bool has_border(int tile) const { return borders_[static_cast<std::size_t>(tile)] != 0; }
-  /// The least of any two [m].
+  /// From one point, or a tile by its point, to another.
+  Eigen::Vector2i way(int from, int to) const {
+    return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
+  }
+  bool at_border(int point) const {
+    const Eigen::Vector2i& place = places_[static_cast<std::size_t>(point)];
+    return place.x() == 0 || place.y() == 0 || place.x() == last_.x() || place.y() == last_.y();
+  }
+  /// Do tiles a and b at the last row or column lack what pair `number` of their features needs?
+  bool lack(int a, int b, std::size_t number) const;
+
+  /// The most and the least of any two [m].
+  double most() const { return contact_; }
   double least() const { return least_; }
 
  private:
-  /// By way along rows and along columns, from -most to most.
-  struct Table {
-    explicit Table(const Eigen::Vector2i& most = {0, 0});
+  using Features = std::array<double, TileFeatures::count>;
 
-    Eigen::Vector2i most;
-    std::vector<double> values;
-    std::size_t place(int columns, int rows) const;
-    double& at(int columns, int rows) { return values[place(columns, rows)]; }
-    double at(int columns, int rows, double beyond) const;
-  };
-
-  void fill_features();
-  void fill_tiles();
-  double distance(bool edges, const std::array<Eigen::Vector2i, 4>& points) const;
-  double far_edges(bool border) const { return (border ? 1 : edge_share) * contact_; }
+  void fill_features(const Eigen::Vector2d& spacing, const Eigen::Vector2i& most_way);
+  void fill_tiles(const Eigen::Vector2i& most_way);
   bool is_border(int first, int second) const;
 
-  int point_columns_;
-  std::vector<Eigen::Vector2i> point_places_;  // column and row
-  std::vector<unsigned char> borders_;         // that points lie on, a bit for each
-  Eigen::Vector2d spacing_;                    // along rows and columns [m]
+  Eigen::Vector2i last_;                 // column and row
+  std::vector<Eigen::Vector2i> places_;  // of points: column and row
   double contact_;
   double least_;
-  std::array<Table, 2> of_points_;                // by triangle of its cell
-  std::array<std::array<Table, 3>, 3> of_edges_;  // by direction of either: row, column, diagonal
-  std::vector<OfTiles> of_tiles_;                 // by way
+  ByWay<Features> features_;                // as if at the border
+  std::array<ByWay<OfTiles>, 2> of_tiles_;  // inside, and there
+  ByWay<TileShapes::PairValues> of_patches_;
 };
 
 }  // namespace clothsim

@@ -24,9 +24,6 @@ struct Patch {
 std::vector<Patch> cut_into_patches(const Cloth&);
 
 /// How patches move against each other while points go on straight ways.
-///
-/// The ways of a patch are seen as u + w x r, those of a rigid body that sets out, and what they
-/// have beyond that. Of a common w no distance becomes less, as each goes square to itself.
 class PatchMotions {
  public:
   /// The ways of the points of `patches` from one set of positions to another [m, N x 3, finite].
@@ -37,28 +34,12 @@ class PatchMotions {
   /// be the same patch.
   double between(int p, int q) const;
 
-  /// Likewise, quickly found and far from the least: from the ways of the points alone.
-  double at_most(int p, int q) const { return of(p).way + of(q).way; }
-
   /// That of any two [m].
   double most() const { return 2 * longest_; }
 
  private:
-  struct Motion {
-    Vector3 centre;  // at the start [m]
-    Vector3 shift;   // u [m]
-    Vector3 turn;    // w
-    double radius;   // farthest point from the centre [m]
-    double strain;   // longest way beyond u + w x r [m]
-    double way;      // longest beyond the mean of all points' ways [m]
-  };
-
-  static Motion follow_one(const Patch&, const Points& from, const Points& to,
-                           const Vector3& common);
-  const Motion& of(int patch) const { return motions_[static_cast<std::size_t>(patch)]; }
-
-  std::vector<Motion> motions_;
-  double longest_ = 0;
+  std::vector<Box> ways_;  // of the points of each patch [m]
+  double longest_ = 0;     // way beyond the mean of all [m]
 };
 
 }  // namespace clothsim

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "clothsim/geometry/surface_mesh.h"
@@ -20,8 +22,8 @@ class SurfaceSlots {
  public:
   struct Slot {
     int point;
-    int number;           // among those of its point: stays as it walks
-    int triangle;         // none: it ends
+    int number;  // among those of its point: stays as it walks
+    int triangle;
     int owner;            // of the triangles that have the closest place, the first
     double nearest = 0;   // that they may come [m]
     double distance = 0;  // when it was looked at [m]
@@ -33,7 +35,7 @@ class SurfaceSlots {
     int point;
     int triangle;
     bool operator<(const Proposal& other) const {
-      return point < other.point || (point == other.point && triangle < other.triangle);
+      return std::tie(point, triangle) < std::tie(other.point, other.triangle);
     }
   };
 
@@ -43,17 +45,18 @@ class SurfaceSlots {
   SurfaceSlots(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
 
   /// Has slots walk, and ends those that have come far, or to where one of the same point is.
-  void walk(const Points& positions, const Workers& = {});
+  /// Returns how many are left.
+  std::int64_t walk(const Points& positions, const Workers& = {});
 
-  /// Makes a slot of each that none of its point has. Sorts them.
-  void add(std::vector<Proposal>& proposals, const Points& positions);
+  /// Makes a slot of each that none of its point has.
+  void add(std::vector<Proposal> proposals, const Points& positions);
 
   /// Does a slot of the point keep it off a triangle that is at a `distance` and may come as near
   /// as `nearest` [m]? It is there, or beside it with no larger a gap.
-  bool covers(const Proposal&, double distance, double nearest) const;
+  bool covers(const Proposal&, float distance, float nearest) const;
 
-  /// By point and number.
-  const std::vector<Slot>& all() const { return slots_; }
+  /// Of a point, by number.
+  const std::vector<Slot>& of(int point) const { return slots_[static_cast<std::size_t>(point)]; }
   SurfacePair pair(const Slot&) const;
 
   void clear();
@@ -61,8 +64,6 @@ class SurfaceSlots {
   void read(MemoryReader&);
 
  private:
-  std::size_t begin(int point) const { return first_[static_cast<std::size_t>(point)]; }
-  std::size_t end(int point) const { return first_[static_cast<std::size_t>(point) + 1]; }
   const std::array<int, 3>& corners(int triangle) const {
     return mesh_->triangles[static_cast<std::size_t>(triangle)];
   }
@@ -71,13 +72,11 @@ class SurfaceSlots {
   template <typename Visit>
   void for_each_beside(const Slot&, const std::array<double, 3>& weights, const Visit&) const;
   void go_to_nearest(Slot&, const Points&) const;
-  bool is_new(const Slot&, const Slot* begin, const Slot* end) const;
-  void index();
+  bool is_kept(const Slot&, const Slot* begin, const Slot* end) const;
 
   std::shared_ptr<const SurfaceMesh> mesh_;
   std::shared_ptr<const NearestDistances> nearest_;
-  std::vector<Slot> slots_;
-  std::vector<std::size_t> first_;  // slot of each point, and the end
+  std::vector<std::vector<Slot>> slots_;  // by point
 };
 
 }  // namespace clothsim

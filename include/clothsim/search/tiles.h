@@ -1,8 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <memory>
 #include <vector>
 
 #include "clothsim/search/patches.h"
@@ -15,6 +16,7 @@ namespace clothsim {
 class TileFeatures {
  public:
   enum : std::size_t { corners = 4 };
+  enum : std::size_t { across = 2 };  // its corner
   enum : std::size_t { points = 4 };  // pairs of a point and a triangle come first, then of edges
   enum : std::size_t { count = 13 };
   /// Ways from a tile's point to its corners, along rows and along columns.
@@ -36,34 +38,32 @@ class TileFeatures {
   int columns_;
 };
 
-/// Where tiles are, side by side and in single precision, so that sixteen pairs are measured at
-/// once. Distances are never more than they are, but for rounding() of their places.
+/// Where tiles are, side by side and in single precision, so that as many pairs as a patch has
+/// tiles are measured at once. Distances are never more than they are, but for rounding() of their
+/// places.
 class TileShapes {
  public:
-  static constexpr std::size_t tiles = Patch::side * Patch::side;  // of a patch, at most
-  static constexpr std::size_t at_once = 16;
-  static constexpr float far = 1e30F;  // as far away as what a tile lacks [m]
+  static constexpr std::size_t tiles = Patch::side * Patch::side;  // of a patch
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-  using Row = std::array<float, at_once>;
-  /// Of up to `at_once` pairs of tiles.
+  using Row = std::array<float, tiles>;
+  using Features = std::array<Row, TileFeatures::count>;
+  using Corner = std::array<Row, 3>;  // by axis
+  using Corners = std::array<Corner, TileFeatures::corners>;
+  /// Of up to as many pairs of tiles.
   struct Distances {
-    std::array<Row, TileFeatures::count> values;   // [m]
+    Features values;                               // [m]
     std::array<Row, TileFeatures::points> within;  // least barycentric coordinate of the point
   };
 
-  TileShapes(const Cloth&, std::size_t num_patches);
+  TileShapes(const Cloth&, std::shared_ptr<const std::vector<Patch>>);
 
-  /// Where all tiles are seen from.
-  void see_from(const Vector3& origin) { origin_ = origin; }
-
-  /// Takes the tiles of a patch as they are at `positions` [m, N x 3].
-  void update(int patch, const Patch& of, const Points& positions);
+  /// Takes the tiles of a patch as they are at `positions` [m, N x 3]: the same for all that are
+  /// compared. What a tile at the last row or column lacks lies along that.
+  void update(int patch, const Points& positions);
 
   /// What rounding of places does to a distance between two patches [m].
-  float rounding(int patch, int other) const {
-    return std::max(roundings_[static_cast<std::size_t>(patch)],
-                    roundings_[static_cast<std::size_t>(other)]);
-  }
+  float rounding(int patch, int other) const;
 
   /// A number for each pair i * tiles + j of tiles of two patches.
   using PairValues = std::array<float, tiles * tiles>;
@@ -72,34 +72,25 @@ class TileShapes {
   /// `least` [m], of a patch with itself each once.
   struct Near {
     std::array<int, tiles * tiles> pairs;
-    std::size_t count = 0;
-    float rest = far;      // the others are so far from each other [m],
-    float rest_gap = far;  // beyond the nearest they may come
+    std::size_t count;
+    float rest;      // the others are so far from each other [m],
+    float rest_gap;  // beyond the nearest they may come
   };
-  void look(int patch, int other, const PairValues& nearest, float gap, float least,
-            Near& near) const;
+  void look(int patch, int other, const PairValues& nearest, float gap, float least, Near&) const;
 
-  /// Distances of the features of `count` of these pairs, up to `at_once`.
+  /// Distances of the features of `count` of these pairs, up to `tiles`; the last one fills up.
   void measure(int patch, int other, const int* pairs, std::size_t count, Distances&) const;
 
  private:
-  // By patch: corners, then the centre, each by axis; what a tile lacks: all triangles, the edge
-  // to the right, and the one above.
-  enum : std::size_t { axes = 3 };
-  static constexpr std::size_t centre = TileFeatures::corners;
-  static constexpr std::size_t first_lack = (TileFeatures::corners + 1) * axes;
-  static constexpr std::size_t rows = first_lack + 3;
-
-  const float* of(int patch) const {
-    return values_.data() + static_cast<std::size_t>(patch) * rows * tiles;
+  bool exists(int patch, std::size_t tile) const {
+    return (*patches_)[static_cast<std::size_t>(patch)].tiles[tile] != Patch::none;
   }
 
   int columns_;
   int rows_;
-  Vector3 origin_ = Vector3::Zero();
-  std::vector<float> values_;
+  std::shared_ptr<const std::vector<Patch>> patches_;
+  std::vector<Corners> corners_;  // by patch [m]
   std::vector<float> roundings_;  // by patch [m]
-  std::vector<char> exists_;      // whether a tile is none, by patch
 };
 
 }  // namespace clothsim
