@@ -55,7 +55,7 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
         for (std::size_t k = 0; k < TileFeatures::count; ++k) {
           if (of_tiles[k] < 0 || nearest.lack(a, b, k)) continue;
           found.push_back(features.pair(a, b, k));
-          EXPECT_GE(of_tiles[k], nearest.of(found.back()));
+          EXPECT_GE(of_tiles[k], static_cast<float>(nearest.of(found.back())));
         }
       }
     }
