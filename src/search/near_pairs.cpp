@@ -245,6 +245,5 @@ void NearPairs::go(const Points& ends) { impl_->arrive(ends); }
 double NearPairs::most_nearer() const { return impl_->motions.most(); }
 double NearPairs::sees() const { return impl_->sees; }
 double NearPairs::least_nearest() const { return impl_->nearest->least(); }
-double NearPairs::margin() const { return impl_->margin; }
 
 }  // namespace clothsim

@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
-#include "clothsim/search/surface_pair.h"
 
 namespace clothsim {
 
@@ -38,7 +38,7 @@ class NearPairs {
   NearPairs& operator=(NearPairs) noexcept;
 
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], or are nearer
-  /// than they may come plus margin(), by ascending key. Edges are closest inside both, and of the
+  /// than they may come plus a margin, by ascending key. Edges are closest inside both, and of the
   /// triangles that a point is as near to there is one. Some are missing where the budget is spent.
   const std::vector<NearPair>& approaching(const Points& positions, const Points& ahead,
                                            const Workers& = {}, WorkBudget* = nullptr);
@@ -61,7 +61,6 @@ class NearPairs {
 
   /// Nearest that any pair may come [m].
   double least_nearest() const;
-  double margin() const;
 
   /// What the next look goes on with. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;

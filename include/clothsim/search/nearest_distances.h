@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
-#include "clothsim/search/surface_pair.h"
 #include "clothsim/search/tiles.h"
 
 namespace clothsim {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "clothsim/geometry/surface_mesh.h"
+#include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/workers.h"
 #include "clothsim/search/nearest_distances.h"
-#include "clothsim/search/surface_pair.h"
 
 namespace clothsim {
 

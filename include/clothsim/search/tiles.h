@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "clothsim/geometry/surface_pair.h"
 #include "clothsim/search/patches.h"
-#include "clothsim/search/surface_pair.h"
 
 namespace clothsim {
 

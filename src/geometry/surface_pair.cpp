@@ -1,4 +1,4 @@
-#include "clothsim/search/surface_pair.h"
+#include "clothsim/geometry/surface_pair.h"
 
 #include <algorithm>
 
