@@ -295,36 +295,33 @@ PassChange StrainLimit::sweep_active(double momentum, const Workers& workers) {
 }
 
 /// Passes with momentum over velocities_ until one changes no rate by more than `enough` [m] as a
-/// displacement, at least `least` and at most `most`. Returns how many; `change`: the last one's.
-int StrainLimit::pass(double enough, int least, int most, Momentum& momentum, double& change,
-                      const Workers& workers) {
-  int passes = 0;
+/// displacement, at least `least` and at most `most`.
+StrainLimit::Passes StrainLimit::pass(double enough, int least, int most, Momentum& momentum,
+                                      const Workers& workers) {
+  Passes passes{0, 0};
   do {
     extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
-    const PassChange now = sweep_active(momentum.share(), workers);
-    change = step_.h * now.largest;
-    if (!yields()) momentum.next(now.descent);  // towards what cannot be met it overshoots
-    ++passes;
-  } while (passes < most && (passes < least || change > enough));
+    const PassChange change = sweep_active(momentum.share(), workers);
+    if (!yields()) momentum.next(change.descent);  // towards what cannot be met it overshoots
+    passes = {passes.count + 1, step_.h * change.largest};
+  } while (passes.count < most && (passes.count < least || passes.change > enough));
   return passes;
 }
 
-double StrainLimit::sweep(double enough, int most, Points& velocities, int& passes,
-                          const Workers& workers) {
+StrainLimit::Passes StrainLimit::sweep(double enough, int most, Points& velocities,
+                                       const Workers& workers) {
   for (std::size_t i = 0; i < touched_.size(); ++i) velocities_[i] = quad(velocities, touched_[i]);
   Momentum momentum;
-  double change = 0;
-  passes += pass(enough, 1, most, momentum, change, workers);
+  const Passes passes = pass(enough, 1, most, momentum, workers);
   store(velocities);
-  return change;
+  return passes;
 }
 
 int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
                        State& state, const Workers& workers) {
   turn_impulses(cloth, reach, state, workers, nullptr);
   Momentum momentum(std::min(momentum_, static_cast<double>(least)));
-  double change = 0;
-  const int passes = pass(enough, least, most, momentum, change, workers);
+  const int passes = pass(enough, least, most, momentum, workers).count;
   momentum_ = passes == least ? momentum.strength() : 1;  // what asks for more, is another problem
 
   const double way = step_.reach * step_.h;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 #include "near_pairs_impl.h"
 
@@ -33,10 +34,6 @@ struct TilePair {
   int b;
   bool border;  // one is there
 };
-
-// As ternaries they are vectorised.
-inline float smaller(float a, float b) { return a < b ? a : b; }
-inline float larger(float a, float b) { return a > b ? a : b; }
 
 /// `nearest`: that features may come, below 0 where there are none. `within`: what may meet.
 CLOTHSIM_TARGET_CLONES

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -17,9 +18,6 @@ constexpr float epsilon = std::numeric_limits<float>::epsilon();
 constexpr float rounding = 16 * epsilon;
 constexpr float tiny = std::numeric_limits<float>::min();
 
-// As ternaries they are vectorised.
-inline float smaller(float a, float b) { return a < b ? a : b; }
-inline float larger(float a, float b) { return a > b ? a : b; }
 inline float to_unit(float t) { return smaller(larger(t, 0.0F), 1.0F); }
 inline float root(float squared) { return std::sqrt(larger(squared, 0.0F)); }
 

@@ -181,8 +181,10 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
     double folding = 0;
     if (strain_limit && sweeps < limit_sweeps) {
       // Alone while springs change more than contacts last did: these take longer to go through.
-      stretching = strain_limit->sweep(std::max(small, touched), limit_sweeps - sweeps,
-                                       state.velocities, sweeps, workers);
+      const StrainLimit::Passes passes = strain_limit->sweep(
+          std::max(small, touched), limit_sweeps - sweeps, state.velocities, workers);
+      stretching = passes.change;
+      sweeps += passes.count;
       pinches.add_pulls(state.velocities);
     } else {
       ++sweeps;

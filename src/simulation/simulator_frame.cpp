@@ -91,16 +91,14 @@ int Simulator::Impl::first_substeps() {
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
   int held_back = 0;
   for (double h = course.dt / steps; steps > 0; --steps, ++report.substeps) {
-    // More and shorter ones where tension has come, and where layers that nothing presses together
-    // go too far for their contacts to keep them apart.
+    // More and shorter ones where tension has come, or layers went too far for their contacts.
     const double left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
     int needed = looks_again ? substeps_under_tension(left, steps) : steps;
-    const bool passed = report.held_back > held_back && report.pinched == 0 &&
-                        longest_row(state.velocities) * h > cloth.thickness;
-    if (passed && !scene.simulation.substeps)
+    if (report.held_back > held_back && outruns_contacts(h, report)) {
       needed = std::max(needed, std::min(2 * steps, max_substeps));
+    }
     held_back = report.held_back;
     if (needed > steps) h = left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
@@ -109,6 +107,11 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     if (!substep(h, report)) return false;
   }
   return true;
+}
+
+bool Simulator::Impl::outruns_contacts(double h, const StepReport& report) const {
+  return !scene.simulation.substeps && report.pinched == 0 &&
+         longest_row(state.velocities) * h > cloth.thickness;
 }
 
 void Simulator::Impl::tell_reasons(StepReport& report) const {

@@ -216,6 +216,9 @@ struct Simulator::Impl {
   int first_substeps();
   /// False where the state has left the finite numbers, or the budget is spent.
   bool take_substeps(int steps, const State& before, StepReport&);
+  /// After a step of h [s] in which points were held back: do layers that no two colliders press
+  /// together go farther than they are thick?
+  bool outruns_contacts(double h, const StepReport&) const;
   /// Why the frame was as it was.
   void tell_reasons(StepReport&) const;
   /// Can what has driven the frame explain its end?

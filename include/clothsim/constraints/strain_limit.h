@@ -68,12 +68,17 @@ class StrainLimit {
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
   double sweep(Points& velocities, const Workers& workers = {}) {
-    int passes = 0;
-    return sweep(0, 1, velocities, passes, workers);
+    return sweep(0, 1, velocities, workers).change;
   }
 
-  /// Passes until one changes no more than `enough` [m], at most `most`; adds how many to `passes`.
-  double sweep(double enough, int most, Points& velocities, int& passes, const Workers& = {});
+  /// What passes came to: how many, and what the last one changed [m], as sweep() tells it.
+  struct Passes {
+    int count;
+    double change;
+  };
+
+  /// Passes until one changes no more than `enough` [m], at most `most`.
+  Passes sweep(double enough, int most, Points& velocities, const Workers& = {});
 
   /// begin(), and as many passes as it takes for the last to change no rate by more than `enough`
   /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
@@ -186,7 +191,7 @@ class StrainLimit {
   std::size_t fours() const { return ids_.size() / FourSprings::count; }
   int touch(int point);
   PassChange sweep_active(double momentum, const Workers&);
-  int pass(double enough, int least, int most, Momentum&, double& change, const Workers&);
+  Passes pass(double enough, int least, int most, Momentum&, const Workers&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
   bool add_over(const Cloth&, int id, double tolerance, const Points& positions);
