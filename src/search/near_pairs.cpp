@@ -166,11 +166,10 @@ void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers
             const auto& [a, b, c, d] = pair.points;
             const double way = ways[a] + std::max({ways[b], ways[c], ways[d]});
             if (slot.gap() > std::max(way, margin)) continue;
-            const Separation s = separation(pair, last);
-            if (!may_touch(pair, s, ahead)) continue;
+            if (!may_touch(pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
-            found.push_back({key, pair, s});
+            found.push_back({key, pair, slot.last});
           }
         }
       });
@@ -180,14 +179,15 @@ void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers
 /// Edges on lists, by their keys.
 void NearPairs::Impl::collect_edges(const Points& ahead) {
   const auto first = static_cast<std::ptrdiff_t>(near.size());
-  for (const PatchPair& of : patch_pairs) {
-    for (const Edges& listed : of.edges) {
+  for (PatchPair& of : patch_pairs) {
+    for (Edges& listed : of.edges) {
       if (listed.gap > of.step + margin) continue;
       const auto number = static_cast<std::size_t>(listed.number);
       SurfacePair pair = features.pair(listed.a, listed.b, number);
       const Separation s = separation(pair, last);
-      if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
       pair.nearest = nearest->of(pair);
+      listed.gap = s.distance - pair.nearest;
+      if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
       if (!may_touch(pair, s, ahead)) continue;
       near.push_back({key_of(pair, listed.a, listed.b, number), pair, s});
     }

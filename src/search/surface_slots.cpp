@@ -4,8 +4,6 @@
 #include <atomic>
 #include <utility>
 
-#include "clothsim/geometry/closest_points.h"
-
 namespace clothsim {
 
 SurfaceSlots::SurfaceSlots(std::shared_ptr<const SurfaceMesh> mesh,
@@ -24,14 +22,14 @@ SurfacePair SurfaceSlots::pair(const Slot& slot) const {
 
 /// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.
 template <typename Visit>
-void SurfaceSlots::for_each_beside(const Slot& slot, const std::array<double, 3>& weights,
-                                   const Visit& visit) const {
-  const auto zeros = std::count(weights.begin(), weights.end(), 0.0);
+void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
+  const std::array<double, 4>& weights = slot.last.weights;  // of the corners behind the point's
+  const auto zeros = std::count(weights.begin() + 1, weights.end(), 0.0);
   for (std::size_t k = 0; zeros > 0 && k < 3; ++k) {
-    if (zeros == 1 && weights[k] == 0) {
+    if (zeros == 1 && weights[k + 1] == 0) {
       const int t = mesh_->across[static_cast<std::size_t>(slot.triangle)][k];
       if (t != SurfaceMesh::none && !has(t, slot.point)) visit(t);
-    } else if (zeros == 2 && weights[k] != 0) {
+    } else if (zeros == 2 && weights[k + 1] != 0) {
       const int corner = corners(slot.triangle)[k];
       for (const int t : mesh_->around_point[static_cast<std::size_t>(corner)]) {
         if (t != slot.triangle && !has(t, slot.point)) visit(t);
@@ -40,41 +38,33 @@ void SurfaceSlots::for_each_beside(const Slot& slot, const std::array<double, 3>
   }
 }
 
-/// Where its point is closest to its triangle, as weights of the corners.
-std::array<double, 3> SurfaceSlots::measure(Slot& slot, const Points& positions) const {
-  const std::array<int, 3>& of = corners(slot.triangle);
-  const Vector3 p = row(positions, slot.point), a = row(positions, of[0]),
-                b = row(positions, of[1]), c = row(positions, of[2]);
-  const auto weights = closest_on_triangle(p, a, b, c);
-  slot.distance = (p - weights[0] * a - weights[1] * b - weights[2] * c).norm();
+void SurfaceSlots::go_to(int triangle, Slot& slot, const Points& positions) const {
+  slot.triangle = triangle;
   slot.nearest = nearest_->of(pair(slot));
-  return weights;
+  slot.last = separation(pair(slot), positions);
 }
 
 /// From triangle to triangle beside it, as long as these are nearer.
 void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
-  std::array<double, 3> weights = measure(slot, positions);
   for (bool goes = true; goes;) {
     goes = false;
     const Slot here = slot;
-    const std::array<double, 3> of_here = weights;
-    for_each_beside(here, of_here, [&](int t) {
+    for_each_beside(here, [&](int t) {
       Slot there = here;
-      there.triangle = t;
-      const std::array<double, 3> of_there = measure(there, positions);
+      go_to(t, there, positions);
       if (there.gap() >= slot.gap()) return;
       slot = there;
-      weights = of_there;
       goes = true;
     });
   }
   slot.owner = slot.triangle;
-  for_each_beside(slot, weights, [&](int t) { slot.owner = std::min(slot.owner, t); });
+  for_each_beside(slot, [&](int t) { slot.owner = std::min(slot.owner, t); });
 }
 
 /// Is it not far, and none of these, of the same point, at the same place and as far off?
 bool SurfaceSlots::is_kept(const Slot& slot, const Slot* begin, const Slot* end) const {
-  return slot.distance <= reach * slot.nearest && std::none_of(begin, end, [&](const Slot& other) {
+  return slot.last.distance <= reach * slot.nearest &&
+         std::none_of(begin, end, [&](const Slot& other) {
            return other.owner == slot.owner && other.nearest >= slot.nearest;
          });
 }
@@ -88,6 +78,7 @@ std::int64_t SurfaceSlots::walk(const Points& positions, const Workers& workers)
           std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
           std::size_t kept = 0;
           for (Slot& slot : slots) {
+            slot.last = separation(pair(slot), positions);
             go_to_nearest(slot, positions);
             if (is_kept(slot, slots.data(), slots.data() + kept)) slots[kept++] = slot;
           }
@@ -116,6 +107,7 @@ void SurfaceSlots::add(std::vector<Proposal> proposals, const Points& positions)
   std::sort(proposals.begin(), proposals.end());
   for (const Proposal& proposal : proposals) {
     Slot slot{proposal.point, 0, proposal.triangle, proposal.triangle};
+    go_to(proposal.triangle, slot, positions);
     go_to_nearest(slot, positions);
     std::vector<Slot>& others = slots_[static_cast<std::size_t>(slot.point)];
     if (!is_kept(slot, others.data(), others.data() + others.size())) continue;
@@ -147,6 +139,7 @@ void SurfaceSlots::read(MemoryReader& memory) {
     for (std::size_t left = memory.count(); left > 0; --left) {
       Slot slot{point, memory.index(mesh_->triangles.size()), memory.index(mesh_->triangles.size()),
                 0};
+      slot.nearest = nearest_->of(pair(slot));
       slots.push_back(slot);
     }
   }

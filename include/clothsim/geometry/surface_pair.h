@@ -18,9 +18,9 @@ struct SurfacePair {
 
 /// How two features lie to each other where they are closest.
 struct Separation {
-  double distance;                // [m]
-  Vector3 normal;                 // from b to a; zero where they meet
-  std::array<double, 4> weights;  // of the pair's points: a's sum up to 1, b's to -1
+  double distance = 0;              // [m]
+  Vector3 normal{0, 0, 0};          // from b to a; zero where they meet
+  std::array<double, 4> weights{};  // of the pair's points: a's sum up to 1, b's to -1
 };
 
 /// At `positions` [m, N x 3].

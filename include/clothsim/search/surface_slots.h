@@ -24,11 +24,11 @@ class SurfaceSlots {
     int point;
     int number;  // among those of its point: stays as it walks
     int triangle;
-    int owner;            // of the triangles that have the closest place, the first
-    double nearest = 0;   // that they may come [m]
-    double distance = 0;  // when it was looked at [m]
+    int owner;             // of the triangles that have the closest place, the first
+    double nearest = 0;    // that they may come [m]
+    Separation last = {};  // when it was looked at
 
-    double gap() const { return distance - nearest; }
+    double gap() const { return last.distance - nearest; }
   };
   /// A point and a triangle that are near.
   struct Proposal {
@@ -68,9 +68,9 @@ class SurfaceSlots {
     return mesh_->triangles[static_cast<std::size_t>(triangle)];
   }
   bool has(int triangle, int point) const;
-  std::array<double, 3> measure(Slot&, const Points&) const;
+  void go_to(int triangle, Slot&, const Points&) const;
   template <typename Visit>
-  void for_each_beside(const Slot&, const std::array<double, 3>& weights, const Visit&) const;
+  void for_each_beside(const Slot&, const Visit&) const;
   void go_to_nearest(Slot&, const Points&) const;
   bool is_kept(const Slot&, const Slot* begin, const Slot* end) const;
 
