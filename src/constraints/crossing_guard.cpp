@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace clothsim {
@@ -60,35 +61,100 @@ void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room
   }
 }
 
-/// Shares that may be gone of the ways from `here`, 1 of most: where a plane between two features
-/// does not stay, on the ways so shortened, both are bound to their room. What is not among the
-/// pairs has the room `unseen` [m].
-Scalars shares_of(const std::vector<NearPair>& near_pairs, const Room& room,
-                  const ContactStep& step, const Points& here, const Points& ways, double unseen) {
-  const Scalars lengths = ways.rowwise().norm();
-  Scalars bounds = Scalars::Constant(here.rows(), unseen);
-  const auto shares = [&]() -> Scalars {
-    return (lengths.array() > bounds.array()).select(bounds.array() / lengths.array(), 1.0);
-  };
+/// Where a leg ends, and the shares of their ways that points go, 1 of most.
+struct Leg {
+  Points ends;
+  Scalars shares;
+};
+
+/// Points that are kept apart by being cut short, with what they are kept from. Each zone has a way
+/// of its own, as impact zones have (Bridson, Fedkiw & Anderson 2002): what is held back goes along
+/// with that. Of what neither pins nor two colliders hold it is the mean by mass.
+class Zones {
+ public:
+  explicit Zones(int num_points) : next_(static_cast<std::size_t>(num_points)) {
+    std::iota(next_.begin(), next_.end(), 0);
+  }
+
+  int of(int point) {
+    int& next = next_[static_cast<std::size_t>(point)];
+    while (next != next_[static_cast<std::size_t>(next)])
+      next = next_[static_cast<std::size_t>(next)];
+    return next;
+  }
+  void join(int a, int b) { next_[static_cast<std::size_t>(of(a))] = of(b); }
+
+  /// For each point, that of its zone.
+  Points common_ways(const Cloth& cloth, const ContactStep& step, const Points& ways) {
+    const auto count = static_cast<int>(ways.rows());
+    Points sums = Points::Zero(count, 3);
+    Scalars masses = Scalars::Zero(count);
+    std::vector<bool> is_held(next_.size(), false);
+    for (int i = 0; i < count; ++i) {
+      const auto number = static_cast<std::size_t>(i);
+      const bool is_pinched = step.held && number < step.held->size() && (*step.held)[number];
+      const bool holds = cloth.inv_mass[i] == 0 || is_pinched;
+      const int zone = of(i);
+      if (holds && !is_held[static_cast<std::size_t>(zone)]) {
+        is_held[static_cast<std::size_t>(zone)] = true;
+        sums.row(zone).setZero();
+        masses[zone] = 0;
+      }
+      if (holds != is_held[static_cast<std::size_t>(zone)]) continue;
+      const double mass = holds ? 1 : cloth.mass[i];
+      sums.row(zone) += mass * ways.row(i);
+      masses[zone] += mass;
+    }
+    Points common(count, 3);
+    for (int i = 0; i < count; ++i) common.row(i) = sums.row(of(i)) / masses[of(i)];
+    return common;
+  }
+
+ private:
+  std::vector<int> next_;  // of the same zone; its first one: itself
+};
+
+/// How far points may go from `here` towards `positions`. Where a plane between two features does
+/// not stay, on the ways so shortened, both are bound to their room, beyond the way of their zone;
+/// without zones beyond none. What is not among the pairs has the room `unseen` [m].
+Leg go(const Cloth& cloth, const ContactStep& step, const std::vector<NearPair>& near_pairs,
+       const Room& room, const Points& here, const Points& positions, double unseen,
+       bool has_zones) {
+  const Points ways = positions - here;
+  const auto count = static_cast<int>(here.rows());
+  Zones zones(count);
+  Scalars bounds = Scalars::Constant(count, unseen);
+  for (int i = 1; i < count && unseen < infinity; ++i) zones.join(i, 0);
   std::vector<double> gaps;
   for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
-  for (bool shortened = true; shortened && !step.is_spent();) {
-    shortened = false;
+  Leg leg{positions, Scalars::Ones(count)};
+  for (bool bound = true; bound && !step.is_spent();) {
+    bound = false;
     step.spend(static_cast<std::int64_t>(near_pairs.size()));
-    const Points ends = here + shares().asDiagonal() * ways;
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
-      if (binds[k] || leave(near, gaps[k], here, ends)) continue;
-      binds[k] = true;
+      if (binds[k] || leave(near, gaps[k], here, leg.ends)) continue;
+      binds[k] = bound = true;
       const double most = room.way(near.separation.distance);
       for (const int i : near.pair.points) {
         bounds[i] = std::min(bounds[i], most);
-        shortened = shortened || lengths[i] > bounds[i];
+        zones.join(i, near.pair.points[0]);
       }
     }
+    Points common = Points::Zero(count, 3);
+    if (has_zones) common = zones.common_ways(cloth, step, ways);
+    const Points beyond = ways - common;
+    const Scalars lengths = beyond.rowwise().norm();
+    leg.shares = (lengths.array() > bounds.array()).select(bounds.array() / lengths.array(), 1.0);
+    for (int i = 0; i < count; ++i) {
+      leg.ends.row(i) =
+          leg.shares[i] < 1
+              ? Eigen::RowVector3d(here.row(i) + common.row(i) + leg.shares[i] * beyond.row(i))
+              : Eigen::RowVector3d(positions.row(i));
+    }
   }
-  return shares();
+  return leg;
 }
 
 /// Where ways are longer than the finder sees, binds them all to what it does [m]. Did it so?
@@ -110,18 +176,6 @@ bool adds(const std::vector<NearPair>& more, std::vector<NearPair>& near_pairs) 
   }
   near_pairs.insert(near_pairs.end(), added.begin(), added.end());
   return !added.empty();
-}
-
-/// Mean of these ways, of what colliders hold or else of all: what is held back goes along with it.
-Eigen::RowVector3d common_way(const ContactStep& step, const Points& ways) {
-  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-  int held = 0;
-  for (int i = 0; step.held && i < static_cast<int>(step.held->size()); ++i) {
-    if (!(*step.held)[static_cast<std::size_t>(i)]) continue;
-    sum += ways.row(i);
-    ++held;
-  }
-  return held > 0 ? Eigen::RowVector3d(sum / held) : Eigen::RowVector3d(ways.colwise().mean());
 }
 
 /// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
@@ -146,8 +200,8 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
   Points& positions = state.positions;
   Points here = step.start;
   const Room room{floor_share * finder.least_nearest()};
-  bool together = true;  // points held back go along with the cloth
-  for (int leg = 1;; ++leg) {
+  bool has_zones = true;
+  for (int legs = 1;; ++legs) {
     if (!positions.allFinite()) return 0;  // the frame will be taken back
     std::vector<NearPair> near_pairs =
         finder.may_meet(here, positions, room.floor, step.workers, step.budget);
@@ -157,35 +211,27 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
       finder.go(positions);
       return 0;
     }
-    if (leg == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
+    if (legs == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
 
-    // Ways beyond the common one, which brings nobody closer.
-    Eigen::RowVector3d common = Eigen::RowVector3d::Zero();
-    if (together) common = common_way(step, positions - here);
-    const Points ways = (positions - here).rowwise() - common;
-    Scalars shares;
-    Points ends;
+    Leg leg;
     do {  // what is held back may be in the way of others
-      shares = shares_of(near_pairs, room, step, here, ways, unseen);
-      ends = positions;
-      for (int i = 0; i < here.rows(); ++i) {
-        if (shares[i] < 1) ends.row(i) = here.row(i) + common + shares[i] * ways.row(i);
-      }
+      leg = go(cloth, step, near_pairs, room, here, positions, unseen, has_zones);
       if (step.is_spent()) return 0;
-    } while (adds(finder.may_meet(here, ends, room.floor, step.workers, step.budget), near_pairs) ||
-             narrow(finder, room, unseen));
+    } while (
+        adds(finder.may_meet(here, leg.ends, room.floor, step.workers, step.budget), near_pairs) ||
+        narrow(finder, room, unseen));
 
     // A pin goes where it is told or stays: the cloth does not take it along.
-    if (together && (cloth.inv_mass.array() == 0 && shares.array() < 1).any()) {
-      together = false;
+    if (has_zones && (cloth.inv_mass.array() == 0 && leg.shares.array() < 1).any()) {
+      has_zones = false;
       continue;
     }
-    finder.go(ends);
-    here = ends;
-    const auto held_back = (shares.array() < 1).count();
-    if (held_back == 0 || leg >= most_legs) {
+    finder.go(leg.ends);
+    here = leg.ends;
+    const auto held_back = (leg.shares.array() < 1).count();
+    if (held_back == 0 || legs >= most_legs) {
       positions = here;
-      if (held_back > 0) slow_down(cloth, step, by_impulses, shares, state);
+      if (held_back > 0) slow_down(cloth, step, by_impulses, leg.shares, state);
       return static_cast<int>(held_back);
     }
   }
