@@ -1,0 +1,169 @@
+// Cloths of random materials that meet themselves: dropped, hit by a sphere, pressed or twisted. No
+// two triangles cross in any frame, judged in double precision by all pairs that are near.
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/simulation/report.h"
+#include "fuzz/draw.h"
+#include "fuzz/fuzz.h"
+#include "verification/testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// Stretch that no spring is over which neither pins nor colliders pull.
+constexpr double most_stretch = 0.12;
+
+/// Depth below the ground [m] that a frame may leave where a cloth held back from crossing itself
+/// is.
+constexpr double held_skin = 2e-3;
+
+/// RMS speed of a cloth at rest [m/s], over half a second.
+constexpr double calm = 1e-3;
+
+enum class Attack { drop, sphere, press, twist };
+
+/// A cloth that meets itself, and what drives it.
+class Folding {
+ public:
+  explicit Folding(std::uint64_t seed) : draw_(seed), simulator_(scene(seed)) {}
+
+  void step() {
+    drive();
+    const StepReport report = simulator_.step();
+    ++frame_;
+    worst_ = std::max(worst_, report.worst_stretch);
+    lowest_ = std::min(lowest_, simulator_.state().positions.col(2).minCoeff());
+    speed2_ += std::pow(rms_velocity(simulator_.state()), 2);
+    EXPECT_EQ(count_intersections(simulator_.cloth(), simulator_.state().positions), 0);
+    if (attack_ == Attack::drop) {
+      EXPECT_LT(report.worst_stretch, most_stretch);
+    }
+    // A sphere that goes on into the ground leaves what is below it no room.
+    if (attack_ == Attack::drop || attack_ == Attack::press || is_calm()) {
+      EXPECT_GT(simulator_.state().positions.col(2).minCoeff(), lowest_allowed());
+    }
+    if (frame_ % 45 == 0) {
+      speed_ = std::sqrt(speed2_ / 45);
+      speed2_ = 0;
+    }
+  }
+
+  double time() const { return simulator_.state().time; }
+  bool is_driven() const { return attack_ != Attack::drop && time() < driven_until; }
+  bool is_calm() const { return !is_driven() && speed_ < calm; }
+  /// Fine cloths are judged as they fold, coarse ones until they rest.
+  bool is_to_rest() const { return columns_ == 30 && attack_ != Attack::press; }
+
+  void print() const {
+    static const char* const names[] = {"drop", "sphere", "press", "twist"};
+    std::cout << names[static_cast<int>(attack_)] << ", " << columns_ << " x " << columns_
+              << ", ks " << material_.ks << ", " << material_.density << " kg/m^2, half thickness "
+              << 1e3 * simulator_.cloth().thickness << " mm: " << time() << " s, stretch " << worst_
+              << ", lowest " << lowest_ << " m, rms " << speed_ << " m/s";
+  }
+
+ private:
+  static constexpr double begins = 1, driven_until = 2;  // [s]
+
+  double lowest_allowed() const {
+    return attack_ == Attack::twist ? -std::numeric_limits<double>::infinity() : -held_skin;
+  }
+
+  Scene scene(std::uint64_t seed) {
+    Scene scene = shipped_scene("self_collision");
+    attack_ = draw_.one_of<Attack>(
+        {Attack::drop, Attack::drop, Attack::sphere, Attack::press, Attack::twist});
+    columns_ = draw_.one_of<int>({30, 30, 30, 30, 30, 50, 50, 100});
+    scene.cloth.columns = scene.cloth.rows = columns_;
+    material_.ks = draw_.decades(50, 1e5);
+    material_.density = draw_.decades(0.15, 1e4);
+    scene.cloth.material = material_;
+    scene.cloth.thickness = draw_.decades(5e-4, 1e-2);
+    scene.cloth.self_collision = SelfCollision::surface;
+    scene.simulation.seed = seed;
+    if (attack_ == Attack::drop) scene.cloth.origin.z() += draw_.even(0, 1);
+    speed_of_drive_ = draw_.decades(1.2, 100);
+    if (attack_ == Attack::sphere) {
+      scene.colliders.push_back({"ball", Sphere{0.15}, pose_of_drive(0), 0.3, ""});
+    } else if (attack_ == Attack::press) {
+      scene.colliders.push_back({"press", Plane{}, pose_of_drive(0), 0.5, ""});
+    } else if (attack_ == Attack::twist) {
+      scene.colliders.clear();
+      for (int column = 0; column < columns_; ++column) {
+        scene.cloth.pinned.push_back({column, 0, ""});
+        scene.cloth.pinned.push_back({column, columns_ - 1, ""});
+      }
+      turns_ = draw_.even(0.25, 0.75);
+    }
+    return scene;
+  }
+
+  /// A ball that goes down through the cloth into the ground, or a plane that comes down to leave
+  /// it 3 cm, and goes up again.
+  Pose pose_of_drive(double after) const {
+    const double way = std::clamp(speed_of_drive_ * after, 0.0, 1.2);
+    if (attack_ == Attack::sphere) return {{0.5, 0, 1 - way}, Eigen::Quaterniond::Identity()};
+    const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Vector3::UnitX()));
+    const double share = std::clamp(2 - 2 * std::abs(after - 0.5) / 0.5, 0.0, 1.0);
+    return {{0, 0, 1.5 - share * 1.47}, down};
+  }
+
+  void drive() {
+    const double after = time() + simulator_.frame_duration() - begins;
+    if (attack_ == Attack::drop || after < 0 || !is_driven()) return;
+    if (attack_ == Attack::twist) {
+      twist(std::min(1.0, after / (driven_until - begins)));
+    } else {
+      simulator_.move_collider(1, pose_of_drive(after));
+    }
+  }
+
+  /// Turns the last row about the line between the rows' middles, as it comes nearer.
+  void twist(double share) {
+    const int last = simulator_.cloth().num_points() - columns_;
+    const Vector3 first_middle = (row(start_, 0) + row(start_, columns_ - 1)) / 2;
+    const Vector3 middle =
+        (row(start_, last) + row(start_, simulator_.cloth().num_points() - 1)) / 2;
+    const Vector3 axis = (middle - first_middle).normalized();
+    const Eigen::AngleAxisd turn(2 * M_PI * turns_ * share, axis);
+    const Vector3 nearer = share * turns_ * (first_middle - middle);
+    for (int column = 0; column < columns_; ++column) {
+      const Vector3 arm = row(start_, last + column) - middle;
+      simulator_.move_pin(2 * column + 1, middle + turn * arm + nearer);
+    }
+  }
+
+  Draw draw_;
+  Attack attack_ = Attack::drop;
+  int columns_ = 0;
+  Material material_;
+  double speed_of_drive_ = 0, turns_ = 0;
+  Simulator simulator_;
+  Points start_ = simulator_.state().positions;
+  int frame_ = 0;
+  double worst_ = 0, lowest_ = 1, speed2_ = 0, speed_ = 1;
+};
+
+TEST(FuzzFolding, NothingCrosses) {
+  for_each_seed([](std::uint64_t seed) {
+    const double begin = cpu_seconds();
+    Folding folding(seed);
+    const double seconds = folding.is_to_rest() ? 10 : 2.5;
+    while (folding.time() < seconds && !has_failed() && !folding.is_calm()) folding.step();
+    if (folding.is_to_rest() && !has_failed()) {
+      EXPECT_TRUE(folding.is_calm());
+    }
+    folding.print();
+    std::cout << ", " << (cpu_seconds() - begin) / folding.time() << " CPU seconds a second";
+  });
+}
+
+}  // namespace
+}  // namespace clothsim
