@@ -5,7 +5,7 @@
 #include <set>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {
