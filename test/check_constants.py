@@ -9,7 +9,7 @@ import sys
 
 PACKAGE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = PACKAGE / "docs/constants.md"
-FLOORS = ("dynamics", "search", "constraints", "simulation")
+FLOORS = ("dynamics", "search", "constraints", "scene", "simulation", "run")
 
 HEAD = """# Constants
 
@@ -100,7 +100,7 @@ def row(cells):
 def page():
     parts, count, files, structure = [], 0, 0, []
     for floor in FLOORS:
-        parts.append(f"\n## {floor}\n")
+        heading = f"\n## {floor}\n"
         for base in ("include/clothsim", "src"):
             for path in sorted((PACKAGE / base / floor).glob("*")):
                 structure += enumerators_of(path)
@@ -109,7 +109,8 @@ def page():
                     continue
                 count += len(rows)
                 files += 1
-                parts.append(f"\n### {path.relative_to(PACKAGE)}\n")
+                parts.append(f"{heading}\n### {path.relative_to(PACKAGE)}\n")
+                heading = ""  # once
                 parts.append("\n| name | value | unit | why |\n|---|---|---|---|\n")
                 parts.append("\n".join(map(row, rows)) + "\n")
     floors = ", ".join(FLOORS[:-1]) + " and " + FLOORS[-1]

@@ -7,16 +7,19 @@ import re
 import sys
 import xml.etree.ElementTree
 
-BELOW_SIMULATION = {"model", "geometry", "dynamics", "shapes", "search", "constraints"}
-CORE = BELOW_SIMULATION | {"simulation"}
+BELOW_CONSTRAINTS = {"model", "geometry", "dynamics", "shapes", "search"}
+SIMULATION = BELOW_CONSTRAINTS | {"constraints", "scene", "simulation"}
+CORE = SIMULATION | {"run"}
 MAY_INCLUDE = {
     "model": {"model"},
     "geometry": {"model", "geometry"},
     "dynamics": {"model", "dynamics"},
     "shapes": {"model", "geometry", "shapes"},
     "search": {"model", "geometry", "search"},
-    "constraints": BELOW_SIMULATION,
-    "simulation": CORE,
+    "constraints": BELOW_CONSTRAINTS | {"constraints"},
+    "scene": {"model", "geometry", "dynamics", "shapes", "scene"},
+    "simulation": SIMULATION,
+    "run": CORE,
     "render": {"model", "geometry", "shapes", "render"},
     "view": CORE | {"render", "view"},
     "python": CORE | {"render", "view", "python"},

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim {

@@ -150,26 +150,17 @@ template <int n, typename Real, typename Start>
   }
 }
 
-template <typename Real, typename Start>
+/// The same for an `n` that is told at run time, `n_most` at most.
+template <int n_most = most, typename Real, typename Start>
 [[gnu::always_inline]] inline void sum_up_to_six_of(int n, double g, const Start* start,
                                                     const Real* const* force, const int* offset,
                                                     int count, Real* __restrict total) {
-  switch (n) {
-    case 0:
-      return sum_of<0>(g, start, force, offset, count, total);
-    case 1:
-      return sum_of<1>(g, start, force, offset, count, total);
-    case 2:
-      return sum_of<2>(g, start, force, offset, count, total);
-    case 3:
-      return sum_of<3>(g, start, force, offset, count, total);
-    case 4:
-      return sum_of<4>(g, start, force, offset, count, total);
-    case 5:
-      return sum_of<5>(g, start, force, offset, count, total);
-    default:
-      return sum_of<most>(g, start, force, offset, count, total);
+  if constexpr (n_most > 0) {
+    if (n < n_most) {
+      return sum_up_to_six_of<n_most - 1>(n, g, start, force, offset, count, total);
+    }
   }
+  sum_of<n_most>(g, start, force, offset, count, total);
 }
 
 CLOTHSIM_TARGET_CLONES
@@ -292,48 +283,44 @@ void ForceBlocks<Real>::take_points() {
 }
 
 template <typename Real>
-void ForceBlocks<Real>::fill_pairs(const PairBand& pairs, int first, int count,
-                                   Real* const force[3]) const {
+void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
   const int end = first + count;
-  const int from = std::clamp(0, first, end);
-  const int to = std::clamp(static_cast<int>(pairs.bend.size()), from, end);
+  int from = 0, to = 0;  // where something may act
+  if (d.pairs != nullptr) {
+    to = static_cast<int>(d.pairs->bend.size());
+  } else {
+    while (d.run + 1 != d.end && end_of(*d.run) <= first) ++d.run;
+    from = d.run->first;
+    to = end_of(*(d.end - 1));
+  }
+  from = std::clamp(from, first, end);
+  to = std::clamp(to, from, end);
   for (int axis = 0; axis < 3; ++axis) {
     std::fill(force[axis], force[axis] + (from - first), Real{0});
     std::fill(force[axis] + (to - first), force[axis] + count, Real{0});
   }
-  if (from == to) return;
+  if (from < to) {
+    const int skip = from - first;
+    Real* const pulled[3] = {force[0] + skip, force[1] + skip, force[2] + skip};
+    pull_between(d, from, to - from, pulled);
+  }
+  if (d.pairs == nullptr) clear_gaps(d.run, d.end, first, to, force);
+}
+
+template <typename Real>
+void ForceBlocks<Real>::pull_between(const Direction& d, int from, int count,
+                                     Real* const force[3]) const {
+  const Columns<Real> p{points_[0] + from, points_[1] + from, points_[2] + from};
+  if (d.pairs == nullptr) {
+    pull(p, d.offset, count, d.run->rest_length, d.run->stiffness, force[0], force[1], force[2]);
+    return;
+  }
+  const PairBand& pairs = *d.pairs;
   const Pairs some{pairs.spring.size() > 0 ? &pairs.spring[from] : nullptr, &pairs.bend[from],
                    pairs.rest_length, cloth_.internal_damping};
   Columns<Real> v{};
   if (velocities_ != nullptr) v = {rates_[0] + from, rates_[1] + from, rates_[2] + from};
-  const int skip = from - first;
-  pull_pairs(some, {points_[0] + from, points_[1] + from, points_[2] + from}, v, pairs.offset,
-             to - from, force[0] + skip, force[1] + skip, force[2] + skip);
-}
-
-template <typename Real>
-void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
-  if (d.pairs != nullptr) return fill_pairs(*d.pairs, first, count, force);
-  const auto clear = [&](int from, int to) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::fill(force[axis] + (from - first), force[axis] + (to - first), Real{0});
-    }
-  };
-  const int end = first + count;
-  while (d.run + 1 != d.end && end_of(*d.run) <= first) ++d.run;
-  const int from = std::clamp(d.run->first, first, end);
-  const int to = std::clamp(end_of(*(d.end - 1)), from, end);
-
-  clear(first, from);
-  if (from < to) {
-    const int skip = from - first;
-    pull(Columns<Real>{points_[0] + from, points_[1] + from, points_[2] + from}, d.offset,
-         to - from, d.run->rest_length, d.run->stiffness, force[0] + skip, force[1] + skip,
-         force[2] + skip);
-  }
-  clear(to, end);
-
-  clear_gaps(d.run, d.end, first, to, force);
+  pull_pairs(some, p, v, d.offset, count, force[0], force[1], force[2]);
 }
 
 template <typename Real>

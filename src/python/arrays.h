@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "clothsim/model/types.h"
+#include "clothsim/scene/motion.h"
 #include "clothsim/shapes/collider.h"
-#include "clothsim/simulation/pose_way.h"
 
 namespace clothsim_python {
 

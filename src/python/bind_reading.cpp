@@ -4,7 +4,7 @@
 
 #include "bindings.h"
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/simulation/touches.h"
+#include "clothsim/run/touches.h"
 
 namespace clothsim_python {
 namespace {

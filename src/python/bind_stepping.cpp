@@ -1,5 +1,5 @@
 #include "bindings.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "yaml_objects.h"
 
 namespace clothsim_python {

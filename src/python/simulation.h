@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "arrays.h"
-#include "clothsim/simulation/driven_frames.h"
-#include "clothsim/simulation/motion_player.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/driven_frames.h"
+#include "clothsim/run/motion_player.h"
+#include "clothsim/run/report.h"
 #include "clothsim/simulation/simulator.h"
 #include "gate.h"
 #include "signal_watch.h"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "errors.h"
 
 namespace clothsim_python {

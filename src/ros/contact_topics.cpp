@@ -9,7 +9,7 @@
 
 #include "clothsim/ros/conversions.h"
 #include "clothsim/ros/names.h"
-#include "clothsim/simulation/touches.h"
+#include "clothsim/run/touches.h"
 
 namespace clothsim_ros {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/yaml_values.h"
 
 namespace clothsim_ros {
 namespace {

@@ -9,7 +9,7 @@
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/ros/parameters.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/yaml_values.h"
 
 namespace clothsim_ros {
 namespace {

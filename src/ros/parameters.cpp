@@ -10,8 +10,8 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/render/egl_context.h"
-#include "clothsim/simulation/scene_yaml.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/scene_yaml.h"
+#include "clothsim/scene/yaml_values.h"
 #include "clothsim/view/view_yaml.h"
 
 namespace clothsim_ros {

@@ -64,8 +64,7 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   // Bounds of all points take time, which robots that stand still are not worth.
   if (std::none_of(colliders.begin(), colliders.end(), moves)) return drive;
   // A triangle that touches has corners that are not farther away than its edges are long.
-  double edge = 0;
-  for (const SpringRun& run : cloth.springs) edge = std::max(edge, run.rest_length);
+  const double edge = longest_rest_length(cloth);
   const Eigen::AlignedBox3d box = box_of(before, after);
   for (const MovingCollider& collider : colliders) {
     const double speed = moves(collider) ? collider.fastest_in(box) : 0;

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {
@@ -162,8 +162,6 @@ void Grips::weigh(const Cloth& cloth, const Vector3& gravity, double dt, const P
 
 void Grips::add_spring_impulses(const Cloth& cloth, double h, const State& state,
                                 Points& impulses) const {
-  const Points& positions = state.positions;
-  const auto at = [&](int i) { return Vector3(positions.row(i).transpose()); };
   for (const auto& [frame, grip] : all_) {
     for (const Grip::Held& held : grip.held) {
       const int i = held.point;
@@ -175,7 +173,8 @@ void Grips::add_spring_impulses(const Cloth& cloth, double h, const State& state
         for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
           if (first < run.first || first >= run.first + run.count) continue;
           const int other = first == i ? i + run.offset : first;
-          impulses.row(i) += h * pull(run, at(i), at(other)).transpose();
+          impulses.row(i) +=
+              h * pull(run, row(state.positions, i), row(state.positions, other)).transpose();
         }
       }
     }

@@ -27,18 +27,8 @@ namespace clothsim {
 /// The method that `auto` goes on with after a frame failed: its energy never rises.
 inline constexpr const char* refuge = ImplicitEuler::name;
 
-/// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
-/// whatever shows a good state can.
-inline constexpr Range place_range{-1e12, 1e12, "m"};
+/// Where points may be, on each axis [m].
 inline constexpr double farthest = place_range.max;
-
-/// Throw InvalidValue for what is beyond that, or not finite; for orientations that are no unit
-/// quaternion.
-inline void check_place(const Vector3& position) { check_range("position", position, place_range); }
-inline void check_place(const Pose& pose) {
-  check_place(pose.position);
-  check_orientation(pose.orientation);
-}
 
 /// Passes over the constraints in a substep, at most: met only in a shock.
 inline constexpr int max_sweeps = 200;

@@ -9,7 +9,7 @@
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {

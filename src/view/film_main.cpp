@@ -1,9 +1,9 @@
 #include <cmath>
 #include <optional>
 
-#include "../simulation/run_options.h"
+#include "../run/run_options.h"
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/view/picture_maker.h"
 #include "clothsim/view/video.h"
 #include "clothsim/view/view_yaml.h"

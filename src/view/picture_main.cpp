@@ -5,9 +5,9 @@
 #include <iostream>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/motion_player.h"
-#include "clothsim/simulation/progress_bar.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/run/motion_player.h"
+#include "clothsim/run/progress_bar.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/view/contact_sheet.h"
 #include "clothsim/view/picture_maker.h"

@@ -1,8 +1,8 @@
 #include "clothsim/view/view_yaml.h"
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene_yaml.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/scene_yaml.h"
+#include "clothsim/scene/yaml_values.h"
 
 namespace clothsim {
 namespace {

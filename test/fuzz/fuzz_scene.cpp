@@ -7,7 +7,7 @@
 
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "fuzz/fuzz.h"
 #include "fuzz/random_scene.h"
 #include "verification/energy_account.h"

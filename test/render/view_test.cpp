@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "clothsim/model/errors.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/view/contact_sheet.h"
 #include "clothsim/view/resources.h"
 #include "clothsim/view/snapshot_maker.h"

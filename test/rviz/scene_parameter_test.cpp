@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "clothsim/ros/parameters.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim_rviz {
 namespace {

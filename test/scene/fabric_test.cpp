@@ -6,8 +6,8 @@
 #include <complex>
 
 #include "clothsim/constraints/local_cloth.h"
-#include "clothsim/simulation/report.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/run/report.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "verification/fabric_testing.h"
 
 namespace clothsim {

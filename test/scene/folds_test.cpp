@@ -6,7 +6,7 @@
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "verification/testing.h"
 
 namespace clothsim {

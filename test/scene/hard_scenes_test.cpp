@@ -10,7 +10,7 @@
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/dynamics/verlet.h"
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "clothsim/simulation/substeps.h"
 #include "hanging.h"
 #include "verification/testing.h"

@@ -3,7 +3,7 @@
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "hanging.h"
 #include "verification/testing.h"
 

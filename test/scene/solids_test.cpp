@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "clothsim/simulation/driven_frames.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/driven_frames.h"
+#include "clothsim/run/report.h"
 #include "meshes.h"
 #include "verification/testing.h"
 

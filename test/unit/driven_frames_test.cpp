@@ -1,4 +1,4 @@
-#include "clothsim/simulation/driven_frames.h"
+#include "clothsim/run/driven_frames.h"
 
 #include <gtest/gtest.h>
 

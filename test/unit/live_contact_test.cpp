@@ -4,7 +4,7 @@
 
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
-#include "clothsim/simulation/motion_player.h"
+#include "clothsim/run/motion_player.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/motion_player.h"
+#include "clothsim/run/motion_player.h"
 
 #include <gtest/gtest.h>
 

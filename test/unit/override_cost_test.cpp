@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace {
 

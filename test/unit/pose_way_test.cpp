@@ -1,4 +1,4 @@
-#include "clothsim/simulation/pose_way.h"
+#include "clothsim/run/pose_way.h"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 
 #include <fstream>
 
+#include "clothsim/scene/urdf.h"
 #include "clothsim/shapes/mesh_file.h"
 #include "clothsim/simulation/simulator.h"
-#include "clothsim/simulation/urdf.h"
 #include "meshes.h"
 #include "scene_text.h"
 #include "temporary_folder.h"

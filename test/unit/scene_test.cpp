@@ -1,4 +1,4 @@
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/shapes/mesh_file.h"
-#include "clothsim/simulation/scene_yaml.h"
 
 namespace clothsim {
 

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 #include <gtest/gtest.h>
 

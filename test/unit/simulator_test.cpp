@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clothsim/model/errors.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -1,6 +1,6 @@
 // Where a cloth lies on colliders.
 
-#include "clothsim/simulation/touches.h"
+#include "clothsim/run/touches.h"
 
 #include "verification/testing.h"
 

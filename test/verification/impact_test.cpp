@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -12,7 +12,7 @@
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/grid.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim::testing {

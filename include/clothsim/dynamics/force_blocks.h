@@ -55,7 +55,8 @@ class ForceBlocks {
   void group();
   void take_points();
   void fill(Direction&, int first, int count, Real* const force[3]) const;
-  void fill_pairs(const PairBand&, int first, int count, Real* const force[3]) const;
+  /// What acts on points [from, from + count), each the first of something.
+  void pull_between(const Direction&, int from, int count, Real* const force[3]) const;
   void keep_history();
 
   const Cloth& cloth_;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "clothsim/scene/scene.h"
 #include "clothsim/simulation/method_choice.h"
-#include "clothsim/simulation/scene.h"
 
 namespace clothsim_ros {
 

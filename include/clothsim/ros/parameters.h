@@ -10,7 +10,7 @@
 
 #include "clothsim/model/errors.h"
 #include "clothsim/ros/diagnostic_limits.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 #include "clothsim/view/view.h"
 
 namespace clothsim_ros {

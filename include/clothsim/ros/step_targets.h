@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "clothsim/ros/tf_frame.h"
-#include "clothsim/simulation/driven_frames.h"
+#include "clothsim/run/driven_frames.h"
 
 namespace clothsim_ros {
 

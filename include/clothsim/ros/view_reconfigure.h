@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "clothsim/ros/photographer.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim_ros {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/scene/scene.h"
 #include "clothsim/simulation/reasons.h"
-#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 

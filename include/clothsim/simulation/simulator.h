@@ -9,11 +9,11 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
+#include "clothsim/scene/scene.h"
 #include "clothsim/shapes/collider.h"
 #include "clothsim/simulation/grips.h"
 #include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/reasons.h"
-#include "clothsim/simulation/scene.h"
 
 namespace clothsim {
 

@@ -6,7 +6,7 @@
 
 #include "clothsim/render/camera.h"
 #include "clothsim/render/snapshot.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 #include "clothsim/view/look.h"
 
 namespace clothsim {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 #include "scenes.h"
 
 namespace clothsim::work_precision {

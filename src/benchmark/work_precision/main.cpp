@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "chart.h"
-#include "clothsim/simulation/progress_bar.h"
+#include "clothsim/run/progress_bar.h"
 #include "peers.h"
 
 namespace clothsim::work_precision {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/yaml_values.h"
 
 #include <charconv>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {

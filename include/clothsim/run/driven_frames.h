@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "clothsim/simulation/pose_way.h"
+#include "clothsim/run/pose_way.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim {
@@ -34,11 +34,6 @@ class FrameMotion {
   int frames_ = 0;  // of the way
   int done_ = 0;    // of those
 };
-
-/// Throws InvalidValue, keys relative to the target, such as {"position", "0"}, for numbers that
-/// are not finite, places beyond 1e12 m, speeds beyond 1e6 m/s or rad/s and orientations that are
-/// no unit quaternion.
-void check(const FrameTarget&);
 
 /// Frames that a program moves, without tf, and with them what follows them in a simulator: its
 /// colliders, pins and attached points. A frame that is new starts where its target says, else

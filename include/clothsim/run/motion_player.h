@@ -6,15 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/simulation/driven_frames.h"
-#include "clothsim/simulation/motion.h"
+#include "clothsim/run/driven_frames.h"
+#include "clothsim/scene/motion.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim {
-
-/// Reads key frames from a .csv or .npz file: times [s], places [m], and orientations where it has
-/// them. Throws InvalidValue with the path as key.
-std::vector<MotionEntry> read_key_frames(const std::filesystem::path&, const std::string& frame);
 
 /// Plays the motions of a scene. Times are rounded to whole frames of simulation, and a frame moves
 /// from key frame to key frame as DrivenFrames has it, which is as ~step has it. The first one is

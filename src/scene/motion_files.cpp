@@ -1,3 +1,5 @@
+#include "clothsim/scene/motion_files.h"
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -6,7 +8,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/npz.h"
-#include "clothsim/simulation/motion_player.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {

@@ -6,11 +6,24 @@
 #include <variant>
 #include <vector>
 
-#include "clothsim/simulation/pose_way.h"
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim {
 
 struct LiveSpec;
+
+/// How fast a frame moves, in the world.
+struct Twist {
+  Vector3 linear{0, 0, 0};   // of its origin [m/s]
+  Vector3 angular{0, 0, 0};  // [rad/s]
+};
+
+/// Where a frame is to be.
+struct FrameTarget {
+  Pose pose;
+  std::optional<Twist> twist = {};  // that it arrives with; empty: it moves evenly
+  std::optional<Pose> start = {};   // empty: from where it is
+};
 
 /// A frame is at a pose.
 struct KeyFrame {

@@ -2,22 +2,9 @@
 
 #include <optional>
 
-#include "clothsim/shapes/collider.h"
+#include "clothsim/scene/motion.h"
 
 namespace clothsim {
-
-/// How fast a frame moves, in the world.
-struct Twist {
-  Vector3 linear{0, 0, 0};   // of its origin [m/s]
-  Vector3 angular{0, 0, 0};  // [rad/s]
-};
-
-/// Where a frame is to be.
-struct FrameTarget {
-  Pose pose;
-  std::optional<Twist> twist = {};  // that it arrives with; empty: it moves evenly
-  std::optional<Pose> start = {};   // empty: from where it is
-};
 
 /// The way of a frame from one pose to another. Without a twist at its end the origin moves in a
 /// straight line at constant speed, and the frame turns at constant speed by at most half a turn

@@ -13,11 +13,11 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/files.h"
-#include "clothsim/simulation/motion_player.h"
-#include "clothsim/simulation/output.h"
-#include "clothsim/simulation/progress_bar.h"
-#include "clothsim/simulation/report.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/run/motion_player.h"
+#include "clothsim/run/output.h"
+#include "clothsim/run/progress_bar.h"
+#include "clothsim/run/report.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim {
 namespace {

@@ -11,8 +11,8 @@
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/cloth_spec.h"
+#include "clothsim/scene/motion.h"
 #include "clothsim/shapes/collider.h"
-#include "clothsim/simulation/motion.h"
 
 namespace clothsim {
 
@@ -36,6 +36,10 @@ inline constexpr std::size_t longest_shown = 40;
 /// What is written with some digits may be off by so much, of its size or [m]; a direction or a
 /// quaternion that is shorter is none.
 inline constexpr double written_rounding = 1e-6;
+
+/// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
+/// whatever shows a good state can.
+inline constexpr Range place_range{-1e12, 1e12, "m"};
 
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
@@ -77,6 +81,16 @@ void check_method(const std::string& method);
 
 /// Throws InvalidValue with the key {"orientation"} unless it is a unit quaternion.
 void check_orientation(const Eigen::Quaterniond&);
+
+/// Throw InvalidValue for what is beyond place_range, or not finite; for orientations that are no
+/// unit quaternion.
+void check_place(const Vector3&);
+void check_place(const Pose&);
+
+/// Throws InvalidValue, keys relative to the target, such as {"position", "0"}, for numbers that
+/// are not finite, places beyond 1e12 m, speeds beyond 1e6 m/s or rad/s and orientations that are
+/// no unit quaternion.
+void check(const FrameTarget&);
 
 /// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
 void validate(const SimulationSpec&);

@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "clothsim/model/errors.h"
-#include "clothsim/simulation/scene_yaml.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/scene_yaml.h"
+#include "clothsim/scene/yaml_values.h"
 
 namespace clothsim {
 namespace {

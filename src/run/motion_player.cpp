@@ -1,4 +1,4 @@
-#include "clothsim/simulation/motion_player.h"
+#include "clothsim/run/motion_player.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/motion_files.h"
 
 namespace clothsim {
 namespace {

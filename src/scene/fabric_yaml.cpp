@@ -1,11 +1,11 @@
-#include "clothsim/simulation/fabric_yaml.h"
+#include "clothsim/scene/fabric_yaml.h"
 
 #include <algorithm>
 #include <filesystem>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/package.h"
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim {
 namespace {

@@ -1,16 +1,13 @@
-#include "clothsim/simulation/driven_frames.h"
+#include "clothsim/run/driven_frames.h"
 
 #include <cassert>
 #include <set>
 #include <utility>
 
-#include "simulator_impl.h"
+#include "clothsim/model/checks.h"
 
 namespace clothsim {
 namespace {
-
-constexpr Range linear_range{-1e6, 1e6, "m/s"};
-constexpr Range angular_range{-1e6, 1e6, "rad/s"};
 
 Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
   const Pin& p = simulator.scene().cloth.pinned[pin];
@@ -18,16 +15,6 @@ Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
 }
 
 }  // namespace
-
-void check(const FrameTarget& target) {
-  check_place(target.pose);
-  if (target.start) inside("start", [&] { check_place(*target.start); });
-  if (!target.twist) return;
-  inside("twist", [&] {
-    check_range("linear", target.twist->linear, linear_range);
-    check_range("angular", target.twist->angular, angular_range);
-  });
-}
 
 void FrameMotion::aim(const FrameTarget& target, int frames, double frame_duration) {
   assert(frames >= 1);

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/urdf.h"
+#include "clothsim/scene/urdf.h"
 
 #include <tinyxml2.h>
 
@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 namespace clothsim {
 namespace {

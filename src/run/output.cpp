@@ -1,4 +1,4 @@
-#include "clothsim/simulation/output.h"
+#include "clothsim/run/output.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/progress_bar.h"
+#include "clothsim/run/progress_bar.h"
 
 #include <unistd.h>
 

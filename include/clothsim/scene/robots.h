@@ -2,7 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim {
 

@@ -1,13 +1,13 @@
-#include "clothsim/simulation/scene_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 #include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/resource.h"
+#include "clothsim/scene/fabric_yaml.h"
+#include "clothsim/scene/robots.h"
+#include "clothsim/scene/yaml_values.h"
 #include "clothsim/shapes/mesh_file.h"
-#include "clothsim/simulation/fabric_yaml.h"
-#include "clothsim/simulation/robots.h"
-#include "clothsim/simulation/yaml_values.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and where their values go.
 // Types are checked here, ranges in validate().

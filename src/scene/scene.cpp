@@ -1,11 +1,10 @@
-#include "clothsim/simulation/scene.h"
+#include "clothsim/scene/scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/simulation/driven_frames.h"
 
 namespace clothsim {
 namespace {
@@ -20,6 +19,8 @@ constexpr Range size_range{1e-6, 1e6, "m"};
 constexpr Range padding_range{0, 1e3, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 constexpr Range position_range{-1e6, 1e6, "m"};
+constexpr Range linear_range{-1e6, 1e6, "m/s"};
+constexpr Range angular_range{-1e6, 1e6, "rad/s"};
 
 void validate(const Sphere& sphere, const Pose& pose) {
   check_range("center", pose.position, position_range);
@@ -191,6 +192,23 @@ void check_orientation(const Eigen::Quaterniond& orientation) {
   if (!(std::abs(norm - 1) < written_rounding)) {
     throw InvalidValue({"orientation"}, "a quaternion of norm " + to_text(norm), "norm 1");
   }
+}
+
+void check_place(const Vector3& position) { check_range("position", position, place_range); }
+
+void check_place(const Pose& pose) {
+  check_place(pose.position);
+  check_orientation(pose.orientation);
+}
+
+void check(const FrameTarget& target) {
+  check_place(target.pose);
+  if (target.start) inside("start", [&] { check_place(*target.start); });
+  if (!target.twist) return;
+  inside("twist", [&] {
+    check_range("linear", target.twist->linear, linear_range);
+    check_range("angular", target.twist->angular, angular_range);
+  });
 }
 
 void check_method(const std::string& method) {

@@ -1,4 +1,4 @@
-#include "clothsim/simulation/touches.h"
+#include "clothsim/run/touches.h"
 
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/dynamics/stretch.h"

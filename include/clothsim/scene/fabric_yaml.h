@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clothsim/model/cloth_spec.h"
-#include "clothsim/simulation/yaml_values.h"
+#include "clothsim/scene/yaml_values.h"
 
 namespace clothsim {
 

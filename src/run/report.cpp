@@ -1,4 +1,4 @@
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 
 #include <yaml-cpp/yaml.h>
 

@@ -8,10 +8,10 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/resource.h"
+#include "clothsim/scene/robots.h"
+#include "clothsim/scene/urdf.h"
+#include "clothsim/scene/yaml_values.h"
 #include "clothsim/shapes/mesh_file.h"
-#include "clothsim/simulation/robots.h"
-#include "clothsim/simulation/urdf.h"
-#include "clothsim/simulation/yaml_values.h"
 
 namespace clothsim {
 namespace {
