@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/simulation/report.h"
+#include "clothsim/run/report.h"
 #include "fuzz/draw.h"
 #include "fuzz/fuzz.h"
 #include "verification/testing.h"
