@@ -37,6 +37,9 @@ constexpr double skin = 1e-3;
 /// seed 24.
 constexpr double held_skin = 5e-3;
 
+/// Distance [m] from where it was to be within which a pin has arrived.
+constexpr double arrived = 1e-9;
+
 /// Shares of the energy that a second without drive may make, and of the angular momentum: errors
 /// of methods, and of velocities that are seen once a frame. A cloth that trembles makes all its
 /// energy anew many times a second.
@@ -94,7 +97,7 @@ class SceneRun {
     was_held_back_ = was_held_back_ || report_.held_back > 0;
     const bool is_free = random_.pins.empty() && random_.colliders.empty() && !has_air();
     if (is_free && !was_held_back_) check_momentum();
-    if (is_driven || has_air()) {
+    if (is_driven || has_air() || is_pin_late()) {
       account_.begin(simulator_);
     } else {
       made_ = account_.share_made(simulator_);
@@ -139,11 +142,27 @@ class SceneRun {
       simulator_.move_collider(static_cast<int>(i), random_.colliders[i].at(t, start));
     }
     for (std::size_t i = 0; i < random_.pins.size(); ++i) {
-      const Pin& pin = random_.scene.cloth.pinned[i];
-      const Vector3 at = row(start_.positions, pin.row * cloth().columns + pin.column);
-      const Pose start{at, Eigen::Quaterniond::Identity()};
-      simulator_.move_pin(static_cast<int>(i), random_.pins[i].at(t, start).position);
+      simulator_.move_pin(static_cast<int>(i), pin_target(i, t));
     }
+  }
+
+  int pin_point(std::size_t i) const {
+    const Pin& pin = random_.scene.cloth.pinned[i];
+    return pin.row * cloth().columns + pin.column;
+  }
+
+  Vector3 pin_target(std::size_t i, double time) const {
+    const Pose start{row(start_.positions, pin_point(i)), Eigen::Quaterniond::Identity()};
+    return random_.pins[i].at(time, start).position;
+  }
+
+  /// A pin that its own cloth has blocked goes on to where it was to be, and drives it.
+  bool is_pin_late() const {
+    for (std::size_t i = 0; i < random_.pins.size(); ++i) {
+      const Vector3 at = row(state().positions, pin_point(i));
+      if ((at - pin_target(i, time_)).norm() > arrived) return true;
+    }
+    return false;
   }
 
   /// As fast as it was driven, fell, or as springs that are let go throw it: with the speed of
