@@ -177,21 +177,28 @@ void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers
 }
 
 /// Edges on lists, by their keys.
-void NearPairs::Impl::collect_edges(const Points& ahead) {
+void NearPairs::Impl::collect_edges(const Points& ahead, const Workers& workers) {
+  const auto bands = workers.gather<std::vector<NearPair>>(
+      static_cast<int>(patch_pairs.size()),
+      [&](int begin, int end, std::vector<NearPair>& found) {
+        for (int k = begin; k < end; ++k) {
+          PatchPair& of = patch_pairs[static_cast<std::size_t>(k)];
+          for (Edges& listed : of.edges) {
+            if (listed.gap > of.step + margin) continue;
+            const auto number = static_cast<std::size_t>(listed.number);
+            SurfacePair pair = features.pair(listed.a, listed.b, number);
+            const Separation s = separation(pair, last);
+            pair.nearest = nearest->of(pair);
+            listed.gap = s.distance - pair.nearest;
+            if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
+            if (!may_touch(pair, s, ahead)) continue;
+            found.push_back({key_of(pair, listed.a, listed.b, number), pair, s});
+          }
+        }
+      },
+      Workers::uneven);
   const auto first = static_cast<std::ptrdiff_t>(near.size());
-  for (PatchPair& of : patch_pairs) {
-    for (Edges& listed : of.edges) {
-      if (listed.gap > of.step + margin) continue;
-      const auto number = static_cast<std::size_t>(listed.number);
-      SurfacePair pair = features.pair(listed.a, listed.b, number);
-      const Separation s = separation(pair, last);
-      pair.nearest = nearest->of(pair);
-      listed.gap = s.distance - pair.nearest;
-      if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
-      if (!may_touch(pair, s, ahead)) continue;
-      near.push_back({key_of(pair, listed.a, listed.b, number), pair, s});
-    }
-  }
+  for (const auto& found : bands) near.insert(near.end(), found.begin(), found.end());
   std::sort(near.begin() + first, near.end(),
             [](const NearPair& a, const NearPair& b) { return a.key < b.key; });
 }
@@ -223,7 +230,7 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   impl.measure_all(due, -TileShapes::infinity, workers, budget);
   impl.near.clear();
   impl.collect_points(ahead, workers);
-  impl.collect_edges(ahead);
+  impl.collect_edges(ahead, workers);
   return impl.near;
 }
 

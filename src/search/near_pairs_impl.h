@@ -56,7 +56,7 @@ struct NearPairs::Impl {
                                     WorkBudget*);
   bool may_touch(const SurfacePair&, const Separation&, const Points& ahead) const;
   void collect_points(const Points& ahead, const Workers&);
-  void collect_edges(const Points& ahead);
+  void collect_edges(const Points& ahead, const Workers&);
 
   // near_pairs_measure.cpp: what two patches have near each other.
   void measure(PatchPair&, double within, Found&) const;

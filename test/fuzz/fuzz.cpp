@@ -16,7 +16,7 @@ namespace {
 
 struct Options {
   std::uint64_t seed = 1;
-  int count = 40;
+  int count = usual_count;
   double seconds = 0;
 };
 

@@ -14,6 +14,9 @@
 #include "verification/testing.h"
 
 namespace clothsim {
+
+const int testing::usual_count = 40;
+
 namespace {
 
 using namespace testing;
