@@ -8,12 +8,12 @@ namespace clothsim {
 namespace {
 
 CLOTHSIM_TARGET_CLONES
-void find_changed(Eigen::Index count, double least, const double* __restrict v,
+void find_changed(int begin, int end, Eigen::Index count, double least, const double* __restrict v,
                   double* __restrict seen, std::int64_t* __restrict marked,
                   std::int64_t* __restrict changed) {
   const double *const vx = v, *const vy = v + count, *const vz = v + 2 * count;
   double *const sx = seen, *const sy = seen + count, *const sz = seen + 2 * count;
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Eigen::Index i = begin; i < end; ++i) {
     const bool differs = (std::abs(vx[i] - sx[i]) > least) | (std::abs(vy[i] - sy[i]) > least) |
                          (std::abs(vz[i] - sz[i]) > least);
     const std::int64_t is_changed = marked[i] | std::int64_t{differs};
@@ -33,9 +33,11 @@ void ChangedPoints::mark_all(int count) {
   changed_.resize(marked_.size());
 }
 
-void ChangedPoints::look(const Points& velocities, double least) {
-  find_changed(velocities.rows(), least, velocities.data(), seen_.data(), marked_.data(),
-               changed_.data());
+void ChangedPoints::look(const Points& velocities, double least, const Workers& workers) {
+  workers.share(static_cast<int>(velocities.rows()), [&](int begin, int end) {
+    find_changed(begin, end, velocities.rows(), least, velocities.data(), seen_.data(),
+                 marked_.data(), changed_.data());
+  });
 }
 
 }  // namespace clothsim

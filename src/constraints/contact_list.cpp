@@ -98,7 +98,7 @@ void ContactList::group(const Points& positions) {
 double ContactList::sweep(double precision, Points& velocities, const Workers& workers) {
   if (contacts_.empty()) return 0;
   const double least = unseen_share * precision;
-  changed_.look(velocities, least);
+  changed_.look(velocities, least, workers);
   std::array<double, num_groups> changes{};
   const auto sweep_groups = [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {

@@ -208,7 +208,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     double unseen = infinity;
     narrow(finder, room, unseen);
     if (near_pairs.empty() && unseen == infinity) {
-      finder.go(positions);
+      finder.go(positions, step.workers);
       return 0;
     }
     if (legs == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
@@ -226,7 +226,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
       has_zones = false;
       continue;
     }
-    finder.go(leg.ends);
+    finder.go(leg.ends, step.workers);
     here = leg.ends;
     const auto held_back = (leg.shares.array() < 1).count();
     if (held_back == 0 || legs >= most_legs) {

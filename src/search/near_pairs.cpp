@@ -81,12 +81,18 @@ void NearPairs::Impl::foresee(const Points& ends, const Workers& workers) {
 }
 
 /// They have gone there.
-void NearPairs::Impl::arrive(const Points& ends) {
-  for (PatchPair& pair : patch_pairs) {
-    pair.to_touch -= pair.step;
-    pair.to_meet -= pair.step;
-    for (Edges& of : pair.edges) of.gap -= pair.step;
-  }
+void NearPairs::Impl::arrive(const Points& ends, const Workers& workers) {
+  workers.share(
+      static_cast<int>(patch_pairs.size()),
+      [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
+          pair.to_touch -= pair.step;
+          pair.to_meet -= pair.step;
+          for (Edges& of : pair.edges) of.gap -= pair.step;
+        }
+      },
+      Workers::dear);
   paired_nearer += motions.most();
   last = ends;
   std::fill(is_shaped.begin(), is_shaped.end(), 0);
@@ -99,7 +105,7 @@ void NearPairs::Impl::be_at(const Points& positions, const Workers& workers) {
     pair_patches(positions);
   } else if (last != positions) {
     foresee(positions, workers);
-    arrive(positions);
+    arrive(positions, workers);
   }
 }
 
@@ -247,7 +253,7 @@ std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends
   return impl.measure_all(due, floor, workers, budget);
 }
 
-void NearPairs::go(const Points& ends) { impl_->arrive(ends); }
+void NearPairs::go(const Points& ends, const Workers& workers) { impl_->arrive(ends, workers); }
 
 double NearPairs::most_nearer() const { return impl_->motions.most(); }
 double NearPairs::sees() const { return impl_->sees; }

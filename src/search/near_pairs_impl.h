@@ -49,7 +49,7 @@ struct NearPairs::Impl {
   // near_pairs.cpp: patches, and when they are measured.
   void pair_patches(const Points& positions);
   void foresee(const Points& ends, const Workers&);
-  void arrive(const Points& ends);
+  void arrive(const Points& ends, const Workers&);
   void be_at(const Points& positions, const Workers&);
   void shape(const std::vector<int>& due, const Workers&);
   std::vector<NearPair> measure_all(const std::vector<int>& due, double floor, const Workers&,

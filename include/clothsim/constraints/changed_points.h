@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clothsim/model/types.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
@@ -22,7 +23,7 @@ class ChangedPoints {
 
   /// Finds those that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by more
   /// than `least` [m/s] from what they were when they were last found.
-  void look(const Points& velocities, double least);
+  void look(const Points& velocities, double least, const Workers& = {});
 
   bool any(const std::array<int, 4>& points) const {
     Flag result = 0;

@@ -50,7 +50,7 @@ class NearPairs {
                                  const Workers& = {}, WorkBudget* = nullptr);
 
   /// Points have gone to the ends that it looked at last.
-  void go(const Points& ends);
+  void go(const Points& ends, const Workers& = {});
 
   /// Forgets all that came before.
   void forget();
