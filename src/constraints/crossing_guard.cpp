@@ -77,12 +77,10 @@ class Zones {
   }
 
   int of(int point) {
-    int& next = next_[static_cast<std::size_t>(point)];
-    while (next != next_[static_cast<std::size_t>(next)])
-      next = next_[static_cast<std::size_t>(next)];
-    return next;
+    while (next(point) != point) point = next(point) = next(next(point));
+    return point;
   }
-  void join(int a, int b) { next_[static_cast<std::size_t>(of(a))] = of(b); }
+  void join(int a, int b) { next(of(a)) = of(b); }
 
   /// For each point, that of its zone.
   Points common_ways(const Cloth& cloth, const ContactStep& step, const Points& ways) {
@@ -111,6 +109,8 @@ class Zones {
   }
 
  private:
+  int& next(int point) { return next_[static_cast<std::size_t>(point)]; }
+
   std::vector<int> next_;  // of the same zone; its first one: itself
 };
 
