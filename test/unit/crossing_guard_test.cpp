@@ -118,6 +118,34 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
   }
 }
 
+TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatItTouchesAlone) {
+  // The end of a strip, turned back upon it.
+  const Cloth cloth = strip(30);
+  State at_start{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
+  const std::vector<int> end{28, 29, 58, 59}, below{23, 24, 25, 53, 54, 55}, far{5, 35};
+  for (const int i : end) {
+    const double x = cloth.rest_positions(25, 0) - cloth.rest_positions(i % 30 - 28, 0) + 0.031;
+    at_start.positions.row(i) << x, i < 30 ? 0.02 : 0.08, 2.1 * thickness;
+  }
+  // It goes through the layer below, while the strip's other end stays or goes elsewhere.
+  const auto guarded = [&](double way_of_far) -> Points {
+    State state = at_start;
+    for (const int i : end) state.positions(i, 2) -= 5 * thickness;
+    for (const int i : far) state.positions(i, 1) += way_of_far;
+    const ContactStep contact_step{h, reach, at_start.positions, state.velocities, alone};
+    SelfContacts contacts(cloth, SelfCollision::surface);
+    contacts.begin(cloth, contact_step, state);
+    EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
+    EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+    return state.positions;
+  };
+  const Points as_far_stays = guarded(0), as_far_goes = guarded(0.03);
+  for (const std::vector<int>& points : {end, below}) {
+    for (const int i : points) EXPECT_EQ(as_far_goes.row(i), as_far_stays.row(i)) << i;
+  }
+  EXPECT_LT(as_far_stays(24, 2), -thickness / 2) << "goes along";
+}
+
 TEST(CrossingGuard, LeavesOutRepairsThatHoldTogetherWhatTouches) {
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
