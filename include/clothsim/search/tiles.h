@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "clothsim/geometry/distance_rows.h"
 #include "clothsim/geometry/surface_pair.h"
 #include "clothsim/search/patches.h"
 
@@ -39,17 +40,16 @@ class TileFeatures {
 };
 
 /// Where tiles are, side by side and in single precision, so that as many pairs as a patch has
-/// tiles are measured at once. Distances are never more than they are, but for rounding() of their
-/// places.
+/// tiles are measured at once; see DistanceRows. rounding() is that of their places.
 class TileShapes {
  public:
-  static constexpr std::size_t tiles = Patch::side * Patch::side;  // of a patch
+  static constexpr std::size_t tiles = DistanceRows::size;  // of a patch
+  static_assert(tiles == Patch::side * Patch::side);
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-  using Row = std::array<float, tiles>;
+  using Row = DistanceRows::Row;
   using Features = std::array<Row, TileFeatures::count>;
-  using Corner = std::array<Row, 3>;  // by axis
-  using Corners = std::array<Corner, TileFeatures::corners>;
+  using Corners = DistanceRows::Hulls;
   /// Of up to as many pairs of tiles.
   struct Distances {
     Features values;                               // [m]
