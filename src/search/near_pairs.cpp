@@ -185,7 +185,7 @@ void NearPairs::Impl::collect_edges(const Points& ahead) {
       const auto number = static_cast<std::size_t>(listed.number);
       SurfacePair pair = features.pair(listed.a, listed.b, number);
       const Separation s = separation(pair, last);
-      pair.nearest = nearest->of(pair);
+      pair.nearest = nearest->of(listed.a, listed.b, number);
       listed.gap = s.distance - pair.nearest;
       if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
       if (!may_touch(pair, s, ahead)) continue;

@@ -1,6 +1,7 @@
 // What two patches have near each other: near_pairs.cpp says when they are measured.
 
 #include <algorithm>
+#include <utility>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -27,12 +28,6 @@ struct Judged {
   Row to_meet;
   std::array<int, lanes> near;  // features, a bit for each
   std::array<int, lanes> meet;
-};
-
-struct TilePair {
-  int a;
-  int b;
-  bool border;  // one is there
 };
 
 /// `nearest`: that features may come, below 0 where there are none. `within`: what may meet.
@@ -112,18 +107,14 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, const int* pairs, std::size
                                     double within, Found& found) const {
   const auto& of_p = (*patches)[static_cast<std::size_t>(pair.p)].tiles;
   const auto& of_q = (*patches)[static_cast<std::size_t>(pair.q)].tiles;
-  std::array<TilePair, lanes> tiles;
+  std::array<std::pair<int, int>, lanes> tiles;
   TileShapes::Features may;
   for (std::size_t i = 0; i < lanes; ++i) {
     const auto number = static_cast<std::size_t>(pairs[std::min(i, count - 1)]);
     const int a = of_p[number / lanes], b = of_q[number % lanes];
-    const bool border = nearest->at_border(a) || nearest->at_border(b);
-    tiles[i] = {a, b, border};
-    const auto& of_tiles = nearest->of_tiles(nearest->way(a, b), border);
+    tiles[i] = {a, b};
+    const NearestDistances::OfTiles of_tiles = nearest->of_tiles(a, b);
     for (std::size_t k = 0; k < TileFeatures::count; ++k) may[k][i] = of_tiles[k];
-    for (std::size_t k = 0; border && k < TileFeatures::count; ++k) {
-      if (nearest->lack(a, b, k)) may[k][i] = -1;
-    }
   }
   TileShapes::Distances distances;
   shapes.measure(pair.p, pair.q, pairs, count, distances);
@@ -132,7 +123,8 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, const int* pairs, std::size
   for (std::size_t i = 0; i < count; ++i) {
     pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
     pair.to_touch = std::min<double>(pair.to_touch, judged.to_touch[i]);
-    const auto& [a, b, border] = tiles[i];
+    const auto& [a, b] = tiles[i];
+    const bool border = nearest->at_border(a) || nearest->at_border(b);
     for (int left = judged.near[i] | judged.meet[i]; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(static_cast<unsigned>(left)));
       const bool is_near = (judged.near[i] >> k & 1) != 0,
@@ -147,7 +139,7 @@ void NearPairs::Impl::measure_batch(PatchPair& pair, const int* pairs, std::size
       }
       if (may_meet) {
         SurfacePair both = features.pair(a, b, k);
-        both.nearest = nearest->of(both);
+        both.nearest = nearest->of(a, b, k);
         const Separation s = separation(both, last);
         if (s.distance <= within) found.meet.push_back({key_of(both, a, b, k), both, s});
       }

@@ -20,6 +20,11 @@ SurfacePair SurfaceSlots::pair(const Slot& slot) const {
   return {slot.triangle, {slot.point, a, b, c}, slot.nearest};
 }
 
+double SurfaceSlots::nearest_of(const Slot& slot) const {
+  return nearest_->of(slot.point, corners(slot.triangle)[0],
+                      static_cast<std::size_t>(slot.triangle % 2));
+}
+
 /// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.
 template <typename Visit>
 void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
@@ -40,7 +45,7 @@ void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
 
 void SurfaceSlots::go_to(int triangle, Slot& slot, const Points& positions) const {
   slot.triangle = triangle;
-  slot.nearest = nearest_->of(pair(slot));
+  slot.nearest = nearest_of(slot);
   slot.last = separation(pair(slot), positions);
 }
 
@@ -139,7 +144,7 @@ void SurfaceSlots::read(MemoryReader& memory) {
     for (std::size_t left = memory.count(); left > 0; --left) {
       Slot slot{point, memory.index(mesh_->triangles.size()), memory.index(mesh_->triangles.size()),
                 0};
-      slot.nearest = nearest_->of(pair(slot));
+      slot.nearest = nearest_of(slot);
       slots.push_back(slot);
     }
   }

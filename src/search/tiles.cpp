@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -34,21 +35,16 @@ bool sort_out(const Row& distances, const float* __restrict nearest, float gap, 
 
 }  // namespace
 
-SurfacePair TileFeatures::point_and_triangle(int of_point, int of_triangle,
-                                             std::size_t number) const {
-  const auto& [a, b, c] = triangles[number];
-  const int cell = of_triangle - of_triangle / columns_;  // one less in each row
-  return {2 * cell + static_cast<int>(number),
-          {of_point, point(of_triangle, a), point(of_triangle, b), point(of_triangle, c)},
-          0};
-}
-
 SurfacePair TileFeatures::pair(int a, int b, std::size_t number) const {
-  if (number < 2) return point_and_triangle(a, b, number);
-  if (number < points) return point_and_triangle(b, a, number - 2);
-  const auto& [i, j] = edges[(number - points) / 3];
-  const auto& [k, l] = edges[(number - points) % 3];
-  return {SurfacePair::no_triangle, {point(a, i), point(a, j), point(b, k), point(b, l)}, 0};
+  if (number >= points) {
+    const auto& [i, j] = edges[(number - points) / 3];
+    const auto& [k, l] = edges[(number - points) % 3];
+    return {SurfacePair::no_triangle, {point(a, i), point(a, j), point(b, k), point(b, l)}, 0};
+  }
+  if (number >= 2) std::swap(a, b);
+  const auto& [i, j, k] = triangles[number % 2];
+  const int cell = b - b / columns_;  // one less in each row
+  return {2 * cell + static_cast<int>(number % 2), {a, point(b, i), point(b, j), point(b, k)}, 0};
 }
 
 TileShapes::TileShapes(const Cloth& cloth, std::shared_ptr<const std::vector<Patch>> patches)

@@ -33,7 +33,7 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
       insides += inside;
       const double share = inside ? NearestDistances::edge_share : 1;
       const double expected = std::min(share * 2 * thickness, rest / 4);
-      EXPECT_NEAR(nearest.of(pair), expected, 1e-12);
+      EXPECT_NEAR(nearest_of(nearest, cloth.columns, pair), expected, 1e-12);
       least = std::min(least, expected);
       return false;
     });
@@ -50,12 +50,11 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
     std::vector<SurfacePair> found;
     for (int a = 0; a < cloth.num_points(); ++a) {
       for (int b = a + 1; b < cloth.num_points(); ++b) {
-        const bool border = nearest.at_border(a) || nearest.at_border(b);
-        const auto& of_tiles = nearest.of_tiles(nearest.way(a, b), border);
+        const NearestDistances::OfTiles of_tiles = nearest.of_tiles(a, b);
         for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-          if (of_tiles[k] < 0 || nearest.lack(a, b, k)) continue;
+          if (of_tiles[k] < 0) continue;
           found.push_back(features.pair(a, b, k));
-          EXPECT_GE(of_tiles[k], static_cast<float>(nearest.of(found.back())));
+          EXPECT_EQ(of_tiles[k], static_cast<float>(nearest_of(nearest, columns, found.back())));
         }
       }
     }

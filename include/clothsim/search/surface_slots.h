@@ -68,6 +68,7 @@ class SurfaceSlots {
     return mesh_->triangles[static_cast<std::size_t>(triangle)];
   }
   bool has(int triangle, int point) const;
+  double nearest_of(const Slot&) const;
   void go_to(int triangle, Slot&, const Points&) const;
   template <typename Visit>
   void for_each_beside(const Slot&, const Visit&) const;

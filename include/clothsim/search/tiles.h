@@ -17,13 +17,16 @@ namespace clothsim {
 class TileFeatures {
  public:
   enum : std::size_t { corners = 4 };
-  enum : std::size_t { across = 2 };  // its corner
   enum : std::size_t { points = 4 };  // pairs of a point and a triangle come first, then of edges
   enum : std::size_t { count = 13 };
   /// Ways from a tile's point to its corners, along rows and along columns.
   static constexpr std::array<std::array<int, 2>, corners> ways{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   static constexpr std::array<std::array<std::size_t, 3>, 2> triangles{{{0, 1, 2}, {0, 2, 3}}};
   static constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {0, 3}, {0, 2}}};
+
+  /// Corners that are farthest along what a pair takes of tile a and of tile b.
+  static constexpr std::array<std::size_t, count> of_a{0, 0, 2, 2, 1, 1, 1, 3, 3, 3, 2, 2, 2};
+  static constexpr std::array<std::size_t, count> of_b{2, 2, 0, 0, 1, 3, 2, 1, 3, 2, 1, 3, 2};
 
   explicit TileFeatures(int columns) : columns_(columns) {}
 
@@ -34,7 +37,6 @@ class TileFeatures {
   int point(int tile, std::size_t corner) const {
     return tile + ways[corner][0] + ways[corner][1] * columns_;
   }
-  SurfacePair point_and_triangle(int of_point, int of_triangle, std::size_t number) const;
 
   int columns_;
 };
