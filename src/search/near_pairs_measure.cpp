@@ -1,11 +1,10 @@
 // What two patches have near each other: near_pairs.cpp says when they are measured.
 
 #include <algorithm>
-#include <utility>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
-#include "near_pairs_impl.h"
+#include "clothsim/search/near_pairs.h"
 
 namespace clothsim {
 namespace {
@@ -65,83 +64,68 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
 
 }  // namespace
 
-std::uint64_t key_of(const SurfacePair& pair, int a, int b, std::size_t number) {
-  if (!pair.edges()) {
-    return static_cast<std::uint64_t>(pair.points[0]) << 32 |
-           static_cast<std::uint64_t>(pair.triangle);
-  }
-  // Numbers of their edges: three of each tile.
-  number -= TileFeatures::points;
-  const auto edge_a = 3 * static_cast<std::uint64_t>(a) + number / 3;
-  const auto edge_b = 3 * static_cast<std::uint64_t>(b) + number % 3;
-  return std::uint64_t{1} << 63 | edge_a << 31 | edge_b;
+std::pair<int, int> NearPairs::tiles(const PatchPair& pair, int number) const {
+  const auto tile = static_cast<std::size_t>(number);
+  return {(*patches_)[static_cast<std::size_t>(pair.p)].tiles[tile / lanes],
+          (*patches_)[static_cast<std::size_t>(pair.q)].tiles[tile % lanes]};
 }
 
 /// Finds what has no slot yet, which edges are near, and what is within a distance [m].
-void NearPairs::Impl::measure(PatchPair& pair, double within, Found& found) const {
+void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   pair.edges.clear();
-  const float rounding = shapes.rounding(pair.p, pair.q);
-  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest->most());
-  const auto& of_p = (*patches)[static_cast<std::size_t>(pair.p)].tiles;
-  const auto& of_q = (*patches)[static_cast<std::size_t>(pair.q)].tiles;
-  TileShapes::Near tiles;
-  shapes.look(pair.p, pair.q, nearest->of_patches(of_p[0], of_q[0]), gap,
-              static_cast<float>(std::max(within, 0.0)) + rounding, tiles);
-  pair.to_meet = std::min<double>(tiles.rest, paired) - rounding;
-  pair.to_touch = std::min<double>(tiles.rest_gap, paired) - rounding;
-  for (std::size_t first = 0; first < tiles.count; first += lanes) {
-    const std::size_t count = std::min(tiles.count - first, lanes);
-    measure_batch(pair, tiles.pairs.data() + first, count, within, found);
+  const float rounding = shapes_.rounding(pair.p, pair.q);
+  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most());
+  const auto& [first_of_p, first_of_q] = tiles(pair, 0);
+  TileShapes::Near near;
+  shapes_.look(pair.p, pair.q, nearest_->of_patches(first_of_p, first_of_q), gap,
+               static_cast<float>(std::max(within, 0.0)) + rounding, near);
+  pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
+  pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
+  for (std::size_t first = 0; first < near.count; first += lanes) {
+    const std::size_t count = std::min(near.count - first, lanes);
+    measure_batch(pair, near.pairs.data() + first, count, within, found);
   }
-}
-
-/// A slot, where none is that keeps these apart.
-void NearPairs::Impl::propose(const SurfacePair& pair, float distance, float may,
-                              Found& found) const {
-  const SurfaceSlots::Proposal proposal{pair.points[0], pair.triangle};
-  if (!slots.covers(proposal, distance, may)) found.proposals.push_back(proposal);
 }
 
 /// Of up to sixteen pairs of tiles.
-void NearPairs::Impl::measure_batch(PatchPair& pair, const int* pairs, std::size_t count,
-                                    double within, Found& found) const {
-  const auto& of_p = (*patches)[static_cast<std::size_t>(pair.p)].tiles;
-  const auto& of_q = (*patches)[static_cast<std::size_t>(pair.q)].tiles;
-  std::array<std::pair<int, int>, lanes> tiles;
+void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t count, double within,
+                              Found& found) const {
   TileShapes::Features may;
   for (std::size_t i = 0; i < lanes; ++i) {
-    const auto number = static_cast<std::size_t>(pairs[std::min(i, count - 1)]);
-    const int a = of_p[number / lanes], b = of_q[number % lanes];
-    tiles[i] = {a, b};
-    const NearestDistances::OfTiles of_tiles = nearest->of_tiles(a, b);
+    const auto& [a, b] = tiles(pair, pairs[std::min(i, count - 1)]);
+    const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(a, b);
     for (std::size_t k = 0; k < TileFeatures::count; ++k) may[k][i] = of_tiles[k];
   }
   TileShapes::Distances distances;
-  shapes.measure(pair.p, pair.q, pairs, count, distances);
+  shapes_.measure(pair.p, pair.q, pairs, count, distances);
   Judged judged;
-  judge(distances.values, may, shapes.rounding(pair.p, pair.q), static_cast<float>(within), judged);
+  judge(distances.values, may, shapes_.rounding(pair.p, pair.q), static_cast<float>(within),
+        judged);
   for (std::size_t i = 0; i < count; ++i) {
     pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
     pair.to_touch = std::min<double>(pair.to_touch, judged.to_touch[i]);
-    const auto& [a, b] = tiles[i];
-    const bool border = nearest->at_border(a) || nearest->at_border(b);
+    const auto& [a, b] = tiles(pair, pairs[i]);
     for (int left = judged.near[i] | judged.meet[i]; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(static_cast<unsigned>(left)));
       const bool is_near = (judged.near[i] >> k & 1) != 0,
                  may_meet = (judged.meet[i] >> k & 1) != 0;
-      const float distance = distances.values[k][i], nearest_of = may[k][i];
+      const float distance = distances.values[k][i], nearest = may[k][i];
+      SurfacePair both = features_.pair(a, b, k);
+      both.nearest = nearest_->of(a, b, k);
       if (is_near && k >= TileFeatures::points) {
-        pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest_of});
+        pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest});
       } else if (is_near) {
-        // Beyond the border no other triangle is nearer.
-        const bool is_its = distances.within[k][i] > -beside || distance < nearest_of || border;
-        if (is_its) propose(features.pair(a, b, k), distance, nearest_of, found);
+        // Beyond the border no other triangle is nearer. A slot may keep these apart already.
+        const SurfaceSlots::Proposal proposal{both.points[0], both.triangle};
+        if ((distances.within[k][i] > -beside || distance < nearest || nearest_->at_border(a) ||
+             nearest_->at_border(b)) &&
+            !slots_.covers(proposal, distance, nearest)) {
+          found.proposals.push_back(proposal);
+        }
       }
       if (may_meet) {
-        SurfacePair both = features.pair(a, b, k);
-        both.nearest = nearest->of(a, b, k);
-        const Separation s = separation(both, last);
-        if (s.distance <= within) found.meet.push_back({key_of(both, a, b, k), both, s});
+        const Separation s = separation(both, last_);
+        if (s.distance <= within) found.meet.push_back({TileFeatures::key(a, b, k), both, s});
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -32,6 +33,12 @@ class TileFeatures {
 
   /// Feature pair `number` of tiles a and b, but for how near they may come.
   SurfacePair pair(int a, int b, std::size_t number) const;
+
+  /// Another one for each, above all of 63 bits.
+  static std::uint64_t key(int a, int b, std::size_t number) {
+    return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(a) << 34 |
+           static_cast<std::uint64_t>(b) << 4 | number;
+  }
 
  private:
   int point(int tile, std::size_t corner) const {
