@@ -63,15 +63,10 @@ void NearPairs::pair_patches() {
 void NearPairs::foresee(const Points& ends, const Workers& workers) {
   motions_.follow(*patches_, last_, ends, workers);
   if (paired_nearer_ + motions_.most() > sees_) pair_patches();
-  workers.share(
-      static_cast<int>(patch_pairs_.size()),
-      [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
-          pair.step = motions_.between(pair.p, pair.q);
-        }
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
+    PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
+    pair.step = motions_.between(pair.p, pair.q);
+  });
 }
 
 void NearPairs::go(const Points& ends) {
@@ -101,14 +96,9 @@ void NearPairs::shape(const std::vector<PatchPair*>& due, const Workers& workers
   for (const PatchPair* pair : due) {
     for (const int p : {pair->p, pair->q}) is_due[static_cast<std::size_t>(p)] = 1;
   }
-  workers.share(
-      static_cast<int>(is_due.size()),
-      [&](int begin, int end) {
-        for (int p = begin; p < end; ++p) {
-          if (is_due[static_cast<std::size_t>(p)] != 0) shapes_.update(p, last_);
-        }
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(is_due.size()), [&](int p) {
+    if (is_due[static_cast<std::size_t>(p)] != 0) shapes_.update(p, last_);
+  });
 }
 
 /// Measures pairs of patches, and returns all features that may come within a `floor` [m] on the

@@ -1,7 +1,6 @@
 #include "clothsim/search/surface_slots.h"
 
 #include <algorithm>
-#include <atomic>
 #include <utility>
 
 namespace clothsim {
@@ -75,23 +74,18 @@ bool SurfaceSlots::is_kept(const Slot& slot, const Slot* begin, const Slot* end)
 }
 
 std::int64_t SurfaceSlots::walk(const Points& positions, const Workers& workers) {
-  std::atomic<std::int64_t> left{0};
-  workers.share(
-      static_cast<int>(slots_.size()),
-      [&](int begin, int end) {
-        for (int point = begin; point < end; ++point) {
-          std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
-          std::size_t kept = 0;
-          for (Slot& slot : slots) {
-            slot.last = separation(pair(slot), positions);
-            go_to_nearest(slot, positions);
-            if (is_kept(slot, slots.data(), slots.data() + kept)) slots[kept++] = slot;
-          }
-          slots.resize(kept);
-          left += static_cast<std::int64_t>(kept);
-        }
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(slots_.size()), [&](int point) {
+    std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
+    std::size_t kept = 0;
+    for (Slot& slot : slots) {
+      slot.last = separation(pair(slot), positions);
+      go_to_nearest(slot, positions);
+      if (is_kept(slot, slots.data(), slots.data() + kept)) slots[kept++] = slot;
+    }
+    slots.resize(kept);
+  });
+  std::int64_t left = 0;
+  for (const std::vector<Slot>& slots : slots_) left += static_cast<std::int64_t>(slots.size());
   return left;
 }
 
