@@ -117,13 +117,13 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
         }
       },
       Workers::uneven);
-  std::vector<SurfaceSlots::Proposal> proposals;
+  std::vector<SurfacePair> slots;
   std::vector<NearPair> meet;
   for (const Found& found : bands) {
-    proposals.insert(proposals.end(), found.proposals.begin(), found.proposals.end());
+    slots.insert(slots.end(), found.slots.begin(), found.slots.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots_.add(std::move(proposals), last_);
+  slots_.add(std::move(slots), last_);
   return meet;
 }
 
@@ -140,14 +140,13 @@ void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
       static_cast<int>(last_.rows()), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
           for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
-            const SurfacePair pair = slots_.pair(slot);
-            const auto& [a, b, c, d] = pair.points;
+            const auto& [a, b, c, d] = slot.pair.points;
             const double way = ways[a] + std::max({ways[b], ways[c], ways[d]});
             if (slot.gap() > std::max(way, margin_)) continue;
-            if (!may_touch(pair, slot.last, ahead)) continue;
+            if (!may_touch(slot.pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
-            found.push_back({key, pair, slot.last});
+            found.push_back({key, slot.pair, slot.last});
           }
         }
       });

@@ -116,11 +116,10 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
         pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest});
       } else if (is_near) {
         // Beyond the border no other triangle is nearer. A slot may keep these apart already.
-        const SurfaceSlots::Proposal proposal{both.points[0], both.triangle};
         if ((distances.within[k][i] > -beside || distance < nearest || nearest_->at_border(a) ||
              nearest_->at_border(b)) &&
-            !slots_.covers(proposal, distance, nearest)) {
-          found.proposals.push_back(proposal);
+            !slots_.covers(both, distance)) {
+          found.slots.push_back(both);
         }
       }
       if (may_meet) {

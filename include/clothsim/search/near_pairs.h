@@ -95,7 +95,7 @@ class NearPairs {
 
   /// What is found of a band of patch pairs.
   struct Found {
-    std::vector<SurfaceSlots::Proposal> proposals;
+    std::vector<SurfacePair> slots;  // that may be missing
     std::vector<NearPair> meet;
   };
 
