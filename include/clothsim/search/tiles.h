@@ -2,51 +2,15 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "clothsim/geometry/distance_rows.h"
-#include "clothsim/geometry/surface_pair.h"
+#include "clothsim/geometry/tile_features.h"
 #include "clothsim/search/patches.h"
 
 namespace clothsim {
-
-/// Pairs of features that two tiles have together, by number. A tile's corners are its own point
-/// and those to the right, across and above; see Patch.
-class TileFeatures {
- public:
-  enum : std::size_t { corners = 4 };
-  enum : std::size_t { points = 4 };  // pairs of a point and a triangle come first, then of edges
-  enum : std::size_t { count = 13 };
-  /// Ways from a tile's point to its corners, along rows and along columns.
-  static constexpr std::array<std::array<int, 2>, corners> ways{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-  static constexpr std::array<std::array<std::size_t, 3>, 2> triangles{{{0, 1, 2}, {0, 2, 3}}};
-  static constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {0, 3}, {0, 2}}};
-
-  /// Corners that are farthest along what a pair takes of tile a and of tile b.
-  static constexpr std::array<std::size_t, count> of_a{0, 0, 2, 2, 1, 1, 1, 3, 3, 3, 2, 2, 2};
-  static constexpr std::array<std::size_t, count> of_b{2, 2, 0, 0, 1, 3, 2, 1, 3, 2, 1, 3, 2};
-
-  explicit TileFeatures(int columns) : columns_(columns) {}
-
-  /// Feature pair `number` of tiles a and b, but for how near they may come.
-  SurfacePair pair(int a, int b, std::size_t number) const;
-
-  /// Another one for each, above all of 63 bits.
-  static std::uint64_t key(int a, int b, std::size_t number) {
-    return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(a) << 34 |
-           static_cast<std::uint64_t>(b) << 4 | number;
-  }
-
- private:
-  int point(int tile, std::size_t corner) const {
-    return tile + ways[corner][0] + ways[corner][1] * columns_;
-  }
-
-  int columns_;
-};
 
 /// Where tiles are, side by side and in single precision, so that as many pairs as a patch has
 /// tiles are measured at once; see DistanceRows. rounding() is that of their places.
