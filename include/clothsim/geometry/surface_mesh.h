@@ -8,7 +8,7 @@
 namespace clothsim {
 
 /// Points, edges and triangles of a cloth, and which of these a point has. Needs two columns and
-/// and two rows at least.
+/// two rows at least.
 struct SurfaceMesh {
   explicit SurfaceMesh(const Cloth&);
 

@@ -60,7 +60,7 @@ class NearestDistances {
   /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
   /// lie at the last row or column and lack what they need.
   double of(int a, int b, std::size_t number) const {
-    return std::min(features_.at(way(a, b))[number], most_of(a, b, number));
+    return std::min(tiles_.at(way(a, b)).of[number], most_of(side(a, b, number), number));
   }
   /// Of all of them.
   using OfTiles = std::array<float, TileFeatures::count>;
@@ -84,28 +84,31 @@ class NearestDistances {
  private:
   /// Where on the cloth lies what a tile has from its point to a corner.
   enum Side : unsigned char { inside, border, beyond };
-  using Features = std::array<double, TileFeatures::count>;
+  /// Of two tiles by the way between them, as if at the border, and inside.
+  struct Tiles {
+    std::array<double, TileFeatures::count> of;
+    OfTiles inside;
+  };
 
   Eigen::Vector2i way(int from, int to) const {
     return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
   }
-  /// Wherever they are at rest.
-  double most_of(int a, int b, std::size_t number) const {
-    const Side side = std::max(sides_[static_cast<std::size_t>(a)][TileFeatures::of_a[number]],
-                               sides_[static_cast<std::size_t>(b)][TileFeatures::of_b[number]]);
+  Side side(int a, int b, std::size_t number) const {
+    return std::max(sides_[static_cast<std::size_t>(a)][TileFeatures::of_a[number]],
+                    sides_[static_cast<std::size_t>(b)][TileFeatures::of_b[number]]);
+  }
+  double most_of(Side side, std::size_t number) const {
     if (side == beyond) return -1;
     return number >= TileFeatures::points && side == inside ? edge_share * most() : most();
   }
-  void fill_features();
-  void fill_patches();
+  Tiles make_tiles(const Eigen::Vector2i& way) const;
+  TileShapes::PairValues make_patches(const Eigen::Vector2i& way) const;
 
   double thickness_;
   Eigen::Vector2d spacing_;
-  Eigen::Vector2i most_way_;                                    // that needs a value of its own
   std::vector<Eigen::Vector2i> places_;                         // of points: column and row
   std::vector<std::array<Side, TileFeatures::corners>> sides_;  // of tiles
-  ByWay<Features> features_;                                    // as if at the border
-  ByWay<OfTiles> inside_;
+  ByWay<Tiles> tiles_;
   ByWay<TileShapes::PairValues> of_patches_;
 };
 
