@@ -33,18 +33,17 @@ struct Judged {
 CLOTHSIM_TARGET_CLONES
 void judge(const TileShapes::Features& distances, const TileShapes::Features& nearest,
            float rounding, float within, Judged& judged) {
-  Row to_touch, to_meet, reaches, least_gap, seen;
+  Row to_touch, to_meet, reaches, least_gap;
   to_touch.fill(infinity);
   to_meet.fill(infinity);
   reaches.fill(reach);
   least_gap.fill(-infinity);
-  seen.fill(0);
   std::array<int, lanes> near{}, meet{};
   for (std::size_t k = 0; k < TileFeatures::count; ++k) {
     // Where points see a layer, they keep it off before edges touch.
     for (std::size_t i = 0; k == TileFeatures::points && i < lanes; ++i) {
-      reaches[i] = seen[i] > 0 ? edge_reach : reach;
-      least_gap[i] = seen[i] > 0 ? infinity : -infinity;
+      reaches[i] = near[i] != 0 ? edge_reach : reach;
+      least_gap[i] = near[i] != 0 ? infinity : -infinity;
     }
     const int bit = 1 << k;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -54,7 +53,6 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
       const float gap = is_near ? (reach - 1) * may : distance - may;
       to_meet[i] = smaller(to_meet[i], distance);
       to_touch[i] = smaller(to_touch[i], larger(gap, least_gap[i]));
-      seen[i] = is_near ? 1.0F : seen[i];
       near[i] = is_near ? near[i] | bit : near[i];
       meet[i] = distance <= within ? meet[i] | bit : meet[i];
     }

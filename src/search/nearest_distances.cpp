@@ -30,17 +30,17 @@ NearestDistances::NearestDistances(const Cloth& cloth)
 }
 
 NearestDistances::Tiles NearestDistances::make_tiles(const Eigen::Vector2i& way) const {
-  // Tiles in rows of two points.
-  constexpr int a = 0, b = TileFeatures::corners;
-  Points corners = Points::Zero(2 * b, 3);
+  // Both in rows of two points.
+  const int other = TileFeatures::corners;
+  Points corners = Points::Zero(2 * other, 3);
   for (int i = 0; i < corners.rows(); ++i) {
     Eigen::Vector2i place(i % 2, i / 2 % 2);
-    if (i >= b) place += way;
+    if (i >= other) place += way;
     corners.block<1, 2>(i, 0) = place.cast<double>().cwiseProduct(spacing_).transpose();
   }
   Tiles tiles;
   for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-    const double at_rest = separation(TileFeatures(2).pair(a, b, k), corners).distance;
+    const double at_rest = separation(TileFeatures(2).pair(0, other, k), corners).distance;
     const bool share_a_point = at_rest < least_at_rest() / 2;
     tiles.of[k] = share_a_point ? -1 : std::min(most(), neighbour_share * at_rest);
     tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], most_of(inside, k)));
