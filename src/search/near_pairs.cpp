@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "clothsim/geometry/box_tree.h"
-#include "near_pairs_impl.h"
 
 namespace clothsim {
 namespace {
@@ -19,244 +19,243 @@ constexpr int longest_sleep = 256;
 
 }  // namespace
 
-NearPairs::Impl::Impl(const Cloth& cloth)
-    : mesh(std::make_shared<SurfaceMesh>(cloth)),
-      nearest(std::make_shared<NearestDistances>(cloth)),
-      patches(std::make_shared<std::vector<Patch>>(cut_into_patches(cloth))),
-      features(cloth.columns),
-      shapes(cloth, patches),
-      slots(mesh, nearest),
-      is_shaped(patches->size(), 0) {
-  const Points& x = cloth.rest_positions;
-  const double along_row = (x.row(1) - x.row(0)).norm();
-  const double along_column = (x.row(cloth.columns) - x.row(0)).norm();
-  sees = Patch::side * std::min(along_row, along_column);
-  paired = SurfaceSlots::reach * nearest->most() + sees;
-  // A point and the long side of a triangle; two diagonals side by side are as far apart.
-  margin = margin_share * along_row * along_column / std::hypot(along_row, along_column);
+NearPairs::NearPairs(const Cloth& cloth)
+    : mesh_(std::make_shared<SurfaceMesh>(cloth)),
+      nearest_(std::make_shared<NearestDistances>(cloth)),
+      patches_(std::make_shared<std::vector<Patch>>(cut_into_patches(cloth))),
+      features_(cloth.columns),
+      shapes_(cloth, patches_),
+      slots_(mesh_, nearest_) {
+  sees_ = Patch::side * nearest_->spacing().minCoeff();
+  paired_ = SurfaceSlots::reach * nearest_->most() + sees_;
+  margin_ = margin_share * nearest_->least_at_rest();
 }
 
 /// Pairs the patches that are near enough; those that were paired before go on.
-void NearPairs::Impl::pair_patches(const Points& positions) {
+void NearPairs::pair_patches() {
   std::vector<Box> boxes, wider;
-  for (const Patch& patch : *patches) {
-    boxes.push_back(around(positions, patch.points));
+  for (const Patch& patch : *patches_) {
+    boxes.push_back(around(last_, patch.points));
     wider.push_back(boxes.back());
-    wider.back().min().array() -= paired / 2;
-    wider.back().max().array() += paired / 2;
+    wider.back().min().array() -= paired_ / 2;
+    wider.back().max().array() += paired_ / 2;
   }
   std::vector<PatchPair> pairs;
   const auto add = [&](int p, int q) {
     PatchPair pair{p, q};
-    const auto old = std::lower_bound(patch_pairs.begin(), patch_pairs.end(), pair);
-    if (old != patch_pairs.end() && !(pair < *old)) {
+    const auto old = std::lower_bound(patch_pairs_.begin(), patch_pairs_.end(), pair);
+    if (old != patch_pairs_.end() && !(pair < *old)) {
       pairs.push_back(std::move(*old));
       return;
     }
     pair.to_meet = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
         boxes[static_cast<std::size_t>(q)]));
-    pair.to_touch = pair.to_meet - nearest->most();
+    pair.to_touch = pair.to_meet - nearest_->most();
     pairs.push_back(pair);
   };
-  for (int p = 0; p < static_cast<int>(patches->size()); ++p) add(p, p);
+  for (int p = 0; p < static_cast<int>(patches_->size()); ++p) add(p, p);
   BoxTree(wider).visit_overlaps(add);
   std::sort(pairs.begin(), pairs.end());
-  patch_pairs = std::move(pairs);
-  paired_nearer = 0;
+  patch_pairs_ = std::move(pairs);
+  paired_nearer_ = 0;
 }
 
 /// How much nearer patches come on straight ways from where they are.
-void NearPairs::Impl::foresee(const Points& ends, const Workers& workers) {
-  motions.follow(*patches, last, ends, workers);
-  if (paired_nearer + motions.most() > sees) pair_patches(last);
-  workers.share(
-      static_cast<int>(patch_pairs.size()),
-      [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-          pair.step = motions.between(pair.p, pair.q);
-        }
-      },
-      Workers::dear);
+void NearPairs::foresee(const Points& ends, const Workers& workers) {
+  motions_.follow(*patches_, last_, ends, workers);
+  if (paired_nearer_ + motions_.most() > sees_) pair_patches();
+  workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
+    PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
+    pair.step = motions_.between(pair.p, pair.q);
+  });
 }
 
-/// They have gone there.
-void NearPairs::Impl::arrive(const Points& ends, const Workers& workers) {
-  workers.share(
-      static_cast<int>(patch_pairs.size()),
-      [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-          pair.to_touch -= pair.step;
-          pair.to_meet -= pair.step;
-          for (Edges& of : pair.edges) of.gap -= pair.step;
-        }
-      },
-      Workers::dear);
-  paired_nearer += motions.most();
-  last = ends;
-  std::fill(is_shaped.begin(), is_shaped.end(), 0);
+void NearPairs::go(const Points& ends, const Workers& workers) {
+  workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
+    PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
+    pair.to_touch -= pair.step;
+    pair.to_meet -= pair.step;
+    for (Edges& of : pair.edges) of.gap -= pair.step;
+  });
+  paired_nearer_ += motions_.most();
+  last_ = ends;
 }
 
 /// Points may be elsewhere than they have been followed to.
-void NearPairs::Impl::be_at(const Points& positions, const Workers& workers) {
-  if (last.rows() == 0) {
-    last = positions;
-    pair_patches(positions);
-  } else if (last != positions) {
+void NearPairs::be_at(const Points& positions, const Workers& workers) {
+  if (last_.rows() == 0) {
+    last_ = positions;
+    pair_patches();
+  } else if (last_ != positions) {
     foresee(positions, workers);
-    arrive(positions, workers);
+    go(positions, workers);
   }
 }
 
 /// Where the tiles of patches are that are due.
-void NearPairs::Impl::shape(const std::vector<int>& due, const Workers& workers) {
-  std::vector<int> missing;
-  for (const int k : due) {
-    const PatchPair& pair = patch_pairs[static_cast<std::size_t>(k)];
-    for (const int p : {pair.p, pair.q}) {
-      char& is = is_shaped[static_cast<std::size_t>(p)];
-      if (is == 0) missing.push_back(p);
-      is = 1;
-    }
+void NearPairs::shape(const std::vector<PatchPair*>& due, const Workers& workers) {
+  std::vector<char> is_due(patches_->size(), 0);
+  for (const PatchPair* pair : due) {
+    for (const int p : {pair->p, pair->q}) is_due[static_cast<std::size_t>(p)] = 1;
   }
-  workers.share(
-      static_cast<int>(missing.size()),
-      [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) shapes.update(missing[static_cast<std::size_t>(k)], last);
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(is_due.size()), [&](int p) {
+    if (is_due[static_cast<std::size_t>(p)] != 0) shapes_.update(p, last_);
+  });
 }
 
 /// Measures pairs of patches, and returns all features that may come within a `floor` [m] on the
 /// way looked at last; none at -infinity.
-std::vector<NearPair> NearPairs::Impl::measure_all(const std::vector<int>& due, double floor,
-                                                   const Workers& workers, WorkBudget* budget) {
+std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due, double floor,
+                                             const Workers& workers, WorkBudget* budget) {
   shape(due, workers);
   const auto bands = workers.gather<Found>(
       static_cast<int>(due.size()),
       [&](int begin, int end, Found& found) {
         for (int k = begin; k < end; ++k) {
           if (budget && budget->is_spent()) break;  // what was begun is taken back
-          PatchPair& pair = patch_pairs[static_cast<std::size_t>(due[static_cast<std::size_t>(k)])];
+          PatchPair& pair = *due[static_cast<std::size_t>(k)];
           measure(pair, pair.step + floor, found);
           if (budget) budget->spend(WorkBudget::patches_measured);
         }
       },
       Workers::uneven);
-  std::vector<SurfaceSlots::Proposal> proposals;
+  std::vector<SurfacePair> slots;
   std::vector<NearPair> meet;
   for (const Found& found : bands) {
-    proposals.insert(proposals.end(), found.proposals.begin(), found.proposals.end());
+    slots.insert(slots.end(), found.slots.begin(), found.slots.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots.add(std::move(proposals), last);
+  slots_.add(std::move(slots), last_);
   return meet;
 }
 
 /// Are features nearer than the margin, or on the way to where they touch?
-bool NearPairs::Impl::may_touch(const SurfacePair& pair, const Separation& s,
-                                const Points& ahead) const {
-  return s.distance <= pair.nearest + margin || gap_along(s.normal, pair, ahead) <= pair.nearest;
+bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Points& ahead) const {
+  return s.distance <= pair.nearest + margin_ || gap_along(s.normal, pair, ahead) <= pair.nearest;
 }
 
 /// Slots, by their points and numbers.
-void NearPairs::Impl::collect_points(const Points& ahead, const Workers& workers) {
-  const Eigen::RowVector3d common = ahead.colwise().mean() - last.colwise().mean();
-  const Scalars ways = ((ahead - last).rowwise() - common).rowwise().norm();
+void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
+  const Eigen::RowVector3d common = ahead.colwise().mean() - last_.colwise().mean();
+  const Scalars ways = ((ahead - last_).rowwise() - common).rowwise().norm();
   const auto bands = workers.gather<std::vector<NearPair>>(
-      static_cast<int>(last.rows()), [&](int begin, int end, std::vector<NearPair>& found) {
+      static_cast<int>(last_.rows()), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
-          for (const SurfaceSlots::Slot& slot : slots.of(point)) {
-            const SurfacePair pair = slots.pair(slot);
-            const auto& [a, b, c, d] = pair.points;
+          for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
+            const auto& [a, b, c, d] = slot.pair.points;
             const double way = ways[a] + std::max({ways[b], ways[c], ways[d]});
-            if (slot.gap() > std::max(way, margin)) continue;
-            if (!may_touch(pair, slot.last, ahead)) continue;
+            if (slot.gap() > std::max(way, margin_)) continue;
+            if (!may_touch(slot.pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
-            found.push_back({key, pair, slot.last});
+            found.push_back({key, slot.pair, slot.last});
           }
         }
       });
-  for (const auto& found : bands) near.insert(near.end(), found.begin(), found.end());
+  for (const auto& found : bands) near_.insert(near_.end(), found.begin(), found.end());
 }
 
 /// Edges on lists, by their keys.
-void NearPairs::Impl::collect_edges(const Points& ahead, const Workers& workers) {
+void NearPairs::collect_edges(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
-      static_cast<int>(patch_pairs.size()),
+      static_cast<int>(patch_pairs_.size()),
       [&](int begin, int end, std::vector<NearPair>& found) {
         for (int k = begin; k < end; ++k) {
-          PatchPair& of = patch_pairs[static_cast<std::size_t>(k)];
+          PatchPair& of = patch_pairs_[static_cast<std::size_t>(k)];
           for (Edges& listed : of.edges) {
-            if (listed.gap > of.step + margin) continue;
+            if (listed.gap > of.step + margin_) continue;
             const auto number = static_cast<std::size_t>(listed.number);
-            SurfacePair pair = features.pair(listed.a, listed.b, number);
-            const Separation s = separation(pair, last);
-            pair.nearest = nearest->of(pair);
+            SurfacePair pair = features_.pair(listed.a, listed.b, number);
+            const Separation s = separation(pair, last_);
+            pair.nearest = nearest_->of(listed.a, listed.b, number);
             listed.gap = s.distance - pair.nearest;
             if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
             if (!may_touch(pair, s, ahead)) continue;
-            found.push_back({key_of(pair, listed.a, listed.b, number), pair, s});
+            found.push_back({TileFeatures::key(listed.a, listed.b, number), pair, s});
           }
         }
       },
       Workers::uneven);
-  const auto first = static_cast<std::ptrdiff_t>(near.size());
-  for (const auto& found : bands) near.insert(near.end(), found.begin(), found.end());
-  std::sort(near.begin() + first, near.end(),
+  const auto first = static_cast<std::ptrdiff_t>(near_.size());
+  for (const auto& found : bands) near_.insert(near_.end(), found.begin(), found.end());
+  std::sort(near_.begin() + first, near_.end(),
             [](const NearPair& a, const NearPair& b) { return a.key < b.key; });
-}
-
-NearPairs::NearPairs(const Cloth& cloth) : impl_(std::make_unique<Impl>(cloth)) {}
-NearPairs::~NearPairs() = default;
-NearPairs::NearPairs(const NearPairs& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
-NearPairs::NearPairs(NearPairs&&) noexcept = default;
-NearPairs& NearPairs::operator=(NearPairs other) noexcept {
-  impl_.swap(other.impl_);
-  return *this;
 }
 
 const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
                                                     const Workers& workers, WorkBudget* budget) {
-  Impl& impl = *impl_;
-  impl.be_at(positions, workers);
-  const std::int64_t walked = impl.slots.walk(positions, workers);
+  be_at(positions, workers);
+  const std::int64_t walked = slots_.walk(positions, workers);
   if (budget) budget->spend(walked);
   // Those are due that may touch in a step like the last one, and some of what is near.
-  std::vector<int> due;
-  const double near = SurfaceSlots::reach * impl.nearest->most();
-  const int turn = impl.looks++ % longest_sleep;
-  for (int k = 0; k < static_cast<int>(impl.patch_pairs.size()); ++k) {
-    const Impl::PatchPair& pair = impl.patch_pairs[static_cast<std::size_t>(k)];
-    const bool has_turn = k % longest_sleep == turn && pair.to_meet < near;
-    if (pair.step > pair.to_touch || has_turn) due.push_back(k);
+  std::vector<PatchPair*> due;
+  int to_turn = looks_++ % longest_sleep;
+  for (PatchPair& pair : patch_pairs_) {
+    const bool has_turn = to_turn-- % longest_sleep == 0 && pair.to_meet < paired_ - sees_;
+    if (pair.step > pair.to_touch || has_turn) due.push_back(&pair);
   }
-  impl.measure_all(due, -TileShapes::infinity, workers, budget);
-  impl.near.clear();
-  impl.collect_points(ahead, workers);
-  impl.collect_edges(ahead, workers);
-  return impl.near;
+  measure_all(due, -TileShapes::infinity, workers, budget);
+  near_.clear();
+  collect_points(ahead, workers);
+  collect_edges(ahead, workers);
+  return near_;
 }
 
 std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends, double floor,
                                           const Workers& workers, WorkBudget* budget) {
-  Impl& impl = *impl_;
-  impl.be_at(here, workers);
-  impl.foresee(ends, workers);
-  std::vector<int> due;
-  for (int k = 0; k < static_cast<int>(impl.patch_pairs.size()); ++k) {
-    const Impl::PatchPair& pair = impl.patch_pairs[static_cast<std::size_t>(k)];
-    if (pair.step + floor >= pair.to_meet) due.push_back(k);
+  be_at(here, workers);
+  foresee(ends, workers);
+  std::vector<PatchPair*> due;
+  for (PatchPair& pair : patch_pairs_) {
+    if (pair.step + floor >= pair.to_meet) due.push_back(&pair);
   }
-  return impl.measure_all(due, floor, workers, budget);
+  return measure_all(due, floor, workers, budget);
 }
 
-void NearPairs::go(const Points& ends, const Workers& workers) { impl_->arrive(ends, workers); }
+void NearPairs::forget() {
+  last_.resize(0, 3);
+  patch_pairs_.clear();
+  slots_.clear();
+  looks_ = 0;
+}
 
-double NearPairs::most_nearer() const { return impl_->motions.most(); }
-double NearPairs::sees() const { return impl_->sees; }
-double NearPairs::least_nearest() const { return impl_->nearest->least(); }
+void NearPairs::write(MemoryWriter& memory) const {
+  memory.add(last_.rows() > 0);
+  if (last_.rows() == 0) return;
+  memory.add(last_);
+  memory.add(looks_);
+  memory.add(paired_nearer_);
+  slots_.write(memory);
+  memory.add(static_cast<double>(patch_pairs_.size()));
+  for (const PatchPair& pair : patch_pairs_) {
+    for (const int number : {pair.p, pair.q}) memory.add(number);
+    for (const double number : {pair.step, pair.to_touch, pair.to_meet}) memory.add(number);
+    memory.add(static_cast<double>(pair.edges.size()));
+    for (const Edges& edges : pair.edges) {
+      for (const int number : {edges.a, edges.b, edges.number}) memory.add(number);
+      memory.add(edges.gap);
+    }
+  }
+}
+
+void NearPairs::read(MemoryReader& memory) {
+  forget();
+  if (memory.index(2) == 0) return;
+  const std::size_t points = mesh_->around_point.size(), patches = patches_->size();
+  last_ = memory.points(static_cast<Eigen::Index>(points));
+  looks_ = memory.index(std::numeric_limits<int>::max());
+  paired_nearer_ = memory.number();
+  slots_.read(memory);
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    PatchPair pair{memory.index(patches), memory.index(patches)};
+    for (double* number : {&pair.step, &pair.to_touch, &pair.to_meet}) *number = memory.number();
+    for (std::size_t edges = memory.count(); edges > 0; --edges) {
+      const int a = memory.index(points), b = memory.index(points);
+      const int number = memory.index(TileFeatures::count);
+      pair.edges.push_back({a, b, number, memory.number()});
+    }
+    patch_pairs_.push_back(pair);
+  }
+}
 
 }  // namespace clothsim

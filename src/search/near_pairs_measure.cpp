@@ -4,7 +4,7 @@
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
-#include "near_pairs_impl.h"
+#include "clothsim/search/near_pairs.h"
 
 namespace clothsim {
 namespace {
@@ -29,28 +29,21 @@ struct Judged {
   std::array<int, lanes> meet;
 };
 
-struct TilePair {
-  int a;
-  int b;
-  bool border;  // one is there
-};
-
 /// `nearest`: that features may come, below 0 where there are none. `within`: what may meet.
 CLOTHSIM_TARGET_CLONES
 void judge(const TileShapes::Features& distances, const TileShapes::Features& nearest,
            float rounding, float within, Judged& judged) {
-  Row to_touch, to_meet, reaches, least_gap, seen;
+  Row to_touch, to_meet, reaches, least_gap;
   to_touch.fill(infinity);
   to_meet.fill(infinity);
   reaches.fill(reach);
   least_gap.fill(-infinity);
-  seen.fill(0);
   std::array<int, lanes> near{}, meet{};
   for (std::size_t k = 0; k < TileFeatures::count; ++k) {
     // Where points see a layer, they keep it off before edges touch.
     for (std::size_t i = 0; k == TileFeatures::points && i < lanes; ++i) {
-      reaches[i] = seen[i] > 0 ? edge_reach : reach;
-      least_gap[i] = seen[i] > 0 ? infinity : -infinity;
+      reaches[i] = near[i] != 0 ? edge_reach : reach;
+      least_gap[i] = near[i] != 0 ? infinity : -infinity;
     }
     const int bit = 1 << k;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -60,7 +53,6 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
       const float gap = is_near ? (reach - 1) * may : distance - may;
       to_meet[i] = smaller(to_meet[i], distance);
       to_touch[i] = smaller(to_touch[i], larger(gap, least_gap[i]));
-      seen[i] = is_near ? 1.0F : seen[i];
       near[i] = is_near ? near[i] | bit : near[i];
       meet[i] = distance <= within ? meet[i] | bit : meet[i];
     }
@@ -70,86 +62,67 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
 
 }  // namespace
 
-std::uint64_t key_of(const SurfacePair& pair, int a, int b, std::size_t number) {
-  if (!pair.edges()) {
-    return static_cast<std::uint64_t>(pair.points[0]) << 32 |
-           static_cast<std::uint64_t>(pair.triangle);
-  }
-  // Numbers of their edges: three of each tile.
-  number -= TileFeatures::points;
-  const auto edge_a = 3 * static_cast<std::uint64_t>(a) + number / 3;
-  const auto edge_b = 3 * static_cast<std::uint64_t>(b) + number % 3;
-  return std::uint64_t{1} << 63 | edge_a << 31 | edge_b;
+std::pair<int, int> NearPairs::tiles(const PatchPair& pair, int number) const {
+  const auto tile = static_cast<std::size_t>(number);
+  return {(*patches_)[static_cast<std::size_t>(pair.p)].tiles[tile / lanes],
+          (*patches_)[static_cast<std::size_t>(pair.q)].tiles[tile % lanes]};
 }
 
 /// Finds what has no slot yet, which edges are near, and what is within a distance [m].
-void NearPairs::Impl::measure(PatchPair& pair, double within, Found& found) const {
+void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   pair.edges.clear();
-  const float rounding = shapes.rounding(pair.p, pair.q);
-  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest->most());
-  const auto& of_p = (*patches)[static_cast<std::size_t>(pair.p)].tiles;
-  const auto& of_q = (*patches)[static_cast<std::size_t>(pair.q)].tiles;
-  TileShapes::Near tiles;
-  shapes.look(pair.p, pair.q, nearest->of_patches(of_p[0], of_q[0]), gap,
-              static_cast<float>(std::max(within, 0.0)) + rounding, tiles);
-  pair.to_meet = std::min<double>(tiles.rest, paired) - rounding;
-  pair.to_touch = std::min<double>(tiles.rest_gap, paired) - rounding;
-  for (std::size_t first = 0; first < tiles.count; first += lanes) {
-    const std::size_t count = std::min(tiles.count - first, lanes);
-    measure_batch(pair, tiles.pairs.data() + first, count, within, found);
+  const float rounding = shapes_.rounding(pair.p, pair.q);
+  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most());
+  const auto& [first_of_p, first_of_q] = tiles(pair, 0);
+  TileShapes::Near near;
+  shapes_.look(pair.p, pair.q, nearest_->of_patches(first_of_p, first_of_q), gap,
+               static_cast<float>(std::max(within, 0.0)) + rounding, near);
+  pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
+  pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
+  for (std::size_t first = 0; first < near.count; first += lanes) {
+    const std::size_t count = std::min(near.count - first, lanes);
+    measure_batch(pair, near.pairs.data() + first, count, within, found);
   }
-}
-
-/// A slot, where none is that keeps these apart.
-void NearPairs::Impl::propose(const SurfacePair& pair, float distance, float may,
-                              Found& found) const {
-  const SurfaceSlots::Proposal proposal{pair.points[0], pair.triangle};
-  if (!slots.covers(proposal, distance, may)) found.proposals.push_back(proposal);
 }
 
 /// Of up to sixteen pairs of tiles.
-void NearPairs::Impl::measure_batch(PatchPair& pair, const int* pairs, std::size_t count,
-                                    double within, Found& found) const {
-  const auto& of_p = (*patches)[static_cast<std::size_t>(pair.p)].tiles;
-  const auto& of_q = (*patches)[static_cast<std::size_t>(pair.q)].tiles;
-  std::array<TilePair, lanes> tiles;
+void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t count, double within,
+                              Found& found) const {
   TileShapes::Features may;
   for (std::size_t i = 0; i < lanes; ++i) {
-    const auto number = static_cast<std::size_t>(pairs[std::min(i, count - 1)]);
-    const int a = of_p[number / lanes], b = of_q[number % lanes];
-    const bool border = nearest->at_border(a) || nearest->at_border(b);
-    tiles[i] = {a, b, border};
-    const auto& of_tiles = nearest->of_tiles(nearest->way(a, b), border);
+    const auto& [a, b] = tiles(pair, pairs[std::min(i, count - 1)]);
+    const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(a, b);
     for (std::size_t k = 0; k < TileFeatures::count; ++k) may[k][i] = of_tiles[k];
-    for (std::size_t k = 0; border && k < TileFeatures::count; ++k) {
-      if (nearest->lack(a, b, k)) may[k][i] = -1;
-    }
   }
   TileShapes::Distances distances;
-  shapes.measure(pair.p, pair.q, pairs, count, distances);
+  shapes_.measure(pair.p, pair.q, pairs, count, distances);
   Judged judged;
-  judge(distances.values, may, shapes.rounding(pair.p, pair.q), static_cast<float>(within), judged);
+  judge(distances.values, may, shapes_.rounding(pair.p, pair.q), static_cast<float>(within),
+        judged);
   for (std::size_t i = 0; i < count; ++i) {
     pair.to_meet = std::min<double>(pair.to_meet, judged.to_meet[i]);
     pair.to_touch = std::min<double>(pair.to_touch, judged.to_touch[i]);
-    const auto& [a, b, border] = tiles[i];
+    const auto& [a, b] = tiles(pair, pairs[i]);
     for (int left = judged.near[i] | judged.meet[i]; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(static_cast<unsigned>(left)));
       const bool is_near = (judged.near[i] >> k & 1) != 0,
                  may_meet = (judged.meet[i] >> k & 1) != 0;
-      const float distance = distances.values[k][i], nearest_of = may[k][i];
+      const float distance = distances.values[k][i], nearest = may[k][i];
+      SurfacePair both = features_.pair(a, b, k);
+      both.nearest = nearest_->of(a, b, k);
       if (is_near && k >= TileFeatures::points) {
-        pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest_of});
+        pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest});
       } else if (is_near) {
-        // Beyond the border no other triangle is nearer.
-        const bool is_its = distances.within[k][i] > -beside || distance < nearest_of || border;
-        if (is_its) propose(features.pair(a, b, k), distance, nearest_of, found);
+        // Beyond the border no other triangle is nearer. A slot may keep these apart already.
+        if ((distances.within[k][i] > -beside || distance < nearest || nearest_->at_border(a) ||
+             nearest_->at_border(b)) &&
+            !slots_.covers(both, distance)) {
+          found.slots.push_back(both);
+        }
       }
       if (may_meet) {
-        SurfacePair both = features.pair(a, b, k);
-        both.nearest = nearest->of(both);
-        const Separation s = separation(both, last);
-        if (s.distance <= within) found.meet.push_back({key_of(both, a, b, k), both, s});
+        const Separation s = separation(both, last_);
+        if (s.distance <= within) found.meet.push_back({TileFeatures::key(a, b, k), both, s});
       }
     }
   }

@@ -30,14 +30,10 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
   const Eigen::RowVector3d common = ways.colwise().mean();
   longest_ = (ways.rowwise() - common).rowwise().norm().maxCoeff();
   ways_.resize(patches.size());
-  workers.share(
-      static_cast<int>(patches.size()),
-      [&](int begin, int end) {
-        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
-          ways_[p] = around(ways, patches[p].points);
-        }
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(patches.size()), [&](int patch) {
+    const auto p = static_cast<std::size_t>(patch);
+    ways_[p] = around(ways, patches[p].points);
+  });
 }
 
 /// The farthest apart that two of their ways are.

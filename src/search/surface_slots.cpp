@@ -1,7 +1,7 @@
 #include "clothsim/search/surface_slots.h"
 
 #include <algorithm>
-#include <atomic>
+#include <tuple>
 #include <utility>
 
 namespace clothsim {
@@ -15,33 +15,26 @@ bool SurfaceSlots::has(int triangle, int point) const {
   return a == point || b == point || c == point;
 }
 
-SurfacePair SurfaceSlots::pair(const Slot& slot) const {
-  const auto& [a, b, c] = corners(slot.triangle);
-  return {slot.triangle, {slot.point, a, b, c}, slot.nearest};
+SurfacePair SurfaceSlots::pair(int point, int triangle) const {
+  const auto& [a, b, c] = corners(triangle);
+  return {
+      triangle, {point, a, b, c}, nearest_->of(point, a, static_cast<std::size_t>(triangle % 2))};
 }
 
 /// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.
 template <typename Visit>
 void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
-  const std::array<double, 4>& weights = slot.last.weights;  // of the corners behind the point's
-  const auto zeros = std::count(weights.begin() + 1, weights.end(), 0.0);
-  for (std::size_t k = 0; zeros > 0 && k < 3; ++k) {
-    if (zeros == 1 && weights[k + 1] == 0) {
-      const int t = mesh_->across[static_cast<std::size_t>(slot.triangle)][k];
-      if (t != SurfaceMesh::none && !has(t, slot.point)) visit(t);
-    } else if (zeros == 2 && weights[k + 1] != 0) {
-      const int corner = corners(slot.triangle)[k];
-      for (const int t : mesh_->around_point[static_cast<std::size_t>(corner)]) {
-        if (t != slot.triangle && !has(t, slot.point)) visit(t);
-      }
+  std::array<int, 3> holding;  // corners, those of the edge or the one
+  std::size_t count = 0;
+  for (std::size_t k = 1; k <= 3; ++k) {
+    if (slot.last.weights[k] != 0) holding[count++] = slot.pair.points[k];
+  }
+  if (count == 3) return;
+  for (const int t : mesh_->around_point[static_cast<std::size_t>(holding[0])]) {
+    if (t != slot.pair.triangle && has(t, holding[count - 1]) && !has(t, slot.pair.points[0])) {
+      visit(t);
     }
   }
-}
-
-void SurfaceSlots::go_to(int triangle, Slot& slot, const Points& positions) const {
-  slot.triangle = triangle;
-  slot.nearest = nearest_->of(pair(slot));
-  slot.last = separation(pair(slot), positions);
 }
 
 /// From triangle to triangle beside it, as long as these are nearer.
@@ -51,65 +44,64 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
     const Slot here = slot;
     for_each_beside(here, [&](int t) {
       Slot there = here;
-      go_to(t, there, positions);
+      there.pair = pair(there.pair.points[0], t);
+      there.last = separation(there.pair, positions);
       if (there.gap() >= slot.gap()) return;
       slot = there;
       goes = true;
     });
   }
-  slot.owner = slot.triangle;
+  slot.owner = slot.pair.triangle;
   for_each_beside(slot, [&](int t) { slot.owner = std::min(slot.owner, t); });
 }
 
 /// Is it not far, and none of these, of the same point, at the same place and as far off?
 bool SurfaceSlots::is_kept(const Slot& slot, const Slot* begin, const Slot* end) const {
-  return slot.last.distance <= reach * slot.nearest &&
+  return slot.last.distance <= reach * slot.pair.nearest &&
          std::none_of(begin, end, [&](const Slot& other) {
-           return other.owner == slot.owner && other.nearest >= slot.nearest;
+           return other.owner == slot.owner && other.pair.nearest >= slot.pair.nearest;
          });
 }
 
 std::int64_t SurfaceSlots::walk(const Points& positions, const Workers& workers) {
-  std::atomic<std::int64_t> left{0};
-  workers.share(
-      static_cast<int>(slots_.size()),
-      [&](int begin, int end) {
-        for (int point = begin; point < end; ++point) {
-          std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
-          std::size_t kept = 0;
-          for (Slot& slot : slots) {
-            slot.last = separation(pair(slot), positions);
-            go_to_nearest(slot, positions);
-            if (is_kept(slot, slots.data(), slots.data() + kept)) slots[kept++] = slot;
-          }
-          slots.resize(kept);
-          left += static_cast<std::int64_t>(kept);
-        }
-      },
-      Workers::dear);
+  workers.each(static_cast<int>(slots_.size()), [&](int point) {
+    std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
+    std::size_t kept = 0;
+    for (Slot& slot : slots) {
+      slot.last = separation(slot.pair, positions);
+      go_to_nearest(slot, positions);
+      if (is_kept(slot, slots.data(), slots.data() + kept)) slots[kept++] = slot;
+    }
+    slots.resize(kept);
+  });
+  std::int64_t left = 0;
+  for (const std::vector<Slot>& slots : slots_) left += static_cast<std::int64_t>(slots.size());
   return left;
 }
 
-bool SurfaceSlots::covers(const Proposal& proposal, float distance, float nearest) const {
-  const std::vector<Slot>& slots = of(proposal.point);
+bool SurfaceSlots::covers(const SurfacePair& pair, float distance) const {
+  const std::vector<Slot>& slots = of(pair.points[0]);
+  const auto nearest = static_cast<float>(pair.nearest);
   return std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
-    if (slot.triangle == proposal.triangle) return true;
+    if (slot.pair.triangle == pair.triangle) return true;
     // A neighbour on the cloth that may come nearer does not keep off what may not.
-    const auto of_slot = static_cast<float>(slot.nearest);
+    const auto of_slot = static_cast<float>(slot.pair.nearest);
     if (of_slot < nearest || slot.gap() > distance - nearest) return false;
-    const auto& of = corners(slot.triangle);
-    return std::any_of(of.begin(), of.end(),
-                       [&](int point) { return has(proposal.triangle, point); });
+    const auto& of = corners(slot.pair.triangle);
+    return std::any_of(of.begin(), of.end(), [&](int point) { return has(pair.triangle, point); });
   });
 }
 
-void SurfaceSlots::add(std::vector<Proposal> proposals, const Points& positions) {
-  std::sort(proposals.begin(), proposals.end());
-  for (const Proposal& proposal : proposals) {
-    Slot slot{proposal.point, 0, proposal.triangle, proposal.triangle};
-    go_to(proposal.triangle, slot, positions);
+void SurfaceSlots::add(std::vector<SurfacePair> pairs, const Points& positions) {
+  std::sort(pairs.begin(), pairs.end(), [](const SurfacePair& a, const SurfacePair& b) {
+    return std::tie(a.points[0], a.triangle) < std::tie(b.points[0], b.triangle);
+  });
+  for (const auto& [triangle, points, nearest] : pairs) {
+    // Its nearest to the last bit, from whichever side its tiles were looked at.
+    Slot slot{pair(points[0], triangle), 0, triangle};
+    slot.last = separation(slot.pair, positions);
     go_to_nearest(slot, positions);
-    std::vector<Slot>& others = slots_[static_cast<std::size_t>(slot.point)];
+    std::vector<Slot>& others = slots_[static_cast<std::size_t>(points[0])];
     if (!is_kept(slot, others.data(), others.data() + others.size())) continue;
     // The first number that is free.
     auto place = others.begin();
@@ -127,7 +119,7 @@ void SurfaceSlots::write(MemoryWriter& memory) const {
     memory.add(static_cast<double>(slots.size()));
     for (const Slot& slot : slots) {
       memory.add(slot.number);
-      memory.add(slot.triangle);
+      memory.add(slot.pair.triangle);
     }
   }
 }
@@ -137,10 +129,8 @@ void SurfaceSlots::read(MemoryReader& memory) {
     std::vector<Slot>& slots = slots_[static_cast<std::size_t>(point)];
     slots.clear();
     for (std::size_t left = memory.count(); left > 0; --left) {
-      Slot slot{point, memory.index(mesh_->triangles.size()), memory.index(mesh_->triangles.size()),
-                0};
-      slot.nearest = nearest_->of(pair(slot));
-      slots.push_back(slot);
+      const int number = memory.index(mesh_->triangles.size());
+      slots.push_back({pair(point, memory.index(mesh_->triangles.size())), number, 0});
     }
   }
 }

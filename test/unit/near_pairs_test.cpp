@@ -42,11 +42,12 @@ bool are_beside(const SurfaceMesh& mesh, int s, int t) {
 void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& found,
                              const Points& x, double share) {
   const SurfaceMesh mesh(cloth);
+  const NearestDistances nearest(cloth);
   std::vector<std::vector<const NearPair*>> of_point(static_cast<std::size_t>(cloth.num_points()));
   for (const NearPair& near : found) {
     const Separation s = separation(near.pair, x);
     EXPECT_EQ(near.separation.distance, s.distance);
-    EXPECT_EQ(near.pair.nearest, NearestDistances(cloth).of(near.pair));
+    EXPECT_EQ(near.pair.nearest, nearest_of(nearest, cloth.columns, near.pair));
     if (near.pair.edges()) continue;
     of_point[static_cast<std::size_t>(near.pair.points[0])].push_back(&near);
   }

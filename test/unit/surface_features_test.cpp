@@ -33,7 +33,7 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
       insides += inside;
       const double share = inside ? NearestDistances::edge_share : 1;
       const double expected = std::min(share * 2 * thickness, rest / 4);
-      EXPECT_NEAR(nearest.of(pair), expected, 1e-12);
+      EXPECT_NEAR(nearest_of(nearest, cloth.columns, pair), expected, 1e-12);
       least = std::min(least, expected);
       return false;
     });
@@ -50,12 +50,11 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
     std::vector<SurfacePair> found;
     for (int a = 0; a < cloth.num_points(); ++a) {
       for (int b = a + 1; b < cloth.num_points(); ++b) {
-        const bool border = nearest.at_border(a) || nearest.at_border(b);
-        const auto& of_tiles = nearest.of_tiles(nearest.way(a, b), border);
+        const NearestDistances::OfTiles of_tiles = nearest.of_tiles(a, b);
         for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-          if (of_tiles[k] < 0 || nearest.lack(a, b, k)) continue;
+          if (of_tiles[k] < 0) continue;
           found.push_back(features.pair(a, b, k));
-          EXPECT_GE(of_tiles[k], static_cast<float>(nearest.of(found.back())));
+          EXPECT_EQ(of_tiles[k], static_cast<float>(nearest_of(nearest, columns, found.back())));
         }
       }
     }
@@ -64,31 +63,17 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
   }
 }
 
-TEST(SurfaceMesh, KnowsWhatLiesBesideATriangle) {
+TEST(SurfaceMesh, KnowsTheTrianglesOfEachPoint) {
   const Cloth cloth = cloth_of(5, 4, 0.01);
   const SurfaceMesh mesh(cloth);
   EXPECT_EQ(mesh.triangles.size(), 2u * 4 * 3);
   EXPECT_EQ(mesh.edges.size(), 4u * 4 + 5 * 3 + 4 * 3);  // along rows, columns, diagonals
-  const auto has = [&](int t, int point) {
-    const auto& corners = mesh.triangles[static_cast<std::size_t>(t)];
-    return std::find(corners.begin(), corners.end(), point) != corners.end();
-  };
-  int borders = 0;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto& corners = mesh.triangles[static_cast<std::size_t>(t)];
-      const auto& around = mesh.around_point[static_cast<std::size_t>(corners[k])];
+    for (const int corner : mesh.triangles[static_cast<std::size_t>(t)]) {
+      const auto& around = mesh.around_point[static_cast<std::size_t>(corner)];
       EXPECT_EQ(std::count(around.begin(), around.end(), t), 1);
-      const int across = mesh.across[static_cast<std::size_t>(t)][k];
-      if (across == SurfaceMesh::none) {
-        ++borders;
-        continue;
-      }
-      EXPECT_FALSE(has(across, corners[k]));
-      EXPECT_TRUE(has(across, corners[(k + 1) % 3]) && has(across, corners[(k + 2) % 3]));
     }
   }
-  EXPECT_EQ(borders, 2 * (4 + 3));
 }
 
 }  // namespace

@@ -63,6 +63,17 @@ inline Cloth cloth_of(int columns, int rows, double thickness) {
   return make_grid(spec);
 }
 
+/// How near a pair may come [m], by the tiles that have it.
+inline double nearest_of(const NearestDistances& nearest, int columns, const SurfacePair& pair) {
+  const auto& [a, b, c, d] = pair.points;
+  // A triangle's first corner is that of its cell.
+  if (!pair.edges()) return nearest.of(a, b, static_cast<std::size_t>(pair.triangle % 2));
+  const auto direction = [&](int first, int second) -> std::size_t {
+    return second - first == 1 ? 0 : second - first == columns ? 1 : 2;
+  };
+  return nearest.of(a, c, TileFeatures::points + 3 * direction(a, b) + direction(c, d));
+}
+
 /// Every point and triangle, edge and edge that share no point and lie so that `chosen` holds.
 template <typename Chosen>
 std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
@@ -75,7 +86,7 @@ std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
         if (pair.points[i] == pair.points[j]) return;
       }
     }
-    pair.nearest = nearest.of(pair);
+    pair.nearest = nearest_of(nearest, cloth.columns, pair);
     if (chosen(pair)) pairs.push_back(pair);
   };
   for (int i = 0; i < cloth.num_points(); ++i) {

@@ -7,16 +7,14 @@
 
 namespace clothsim {
 
-/// Points, edges and triangles of a cloth, and which lie beside which. Needs two columns and two
-/// rows at least.
+/// Points, edges and triangles of a cloth, and which of these a point has. Needs two columns and
+/// two rows at least.
 struct SurfaceMesh {
   explicit SurfaceMesh(const Cloth&);
 
   std::vector<std::array<int, 3>> triangles;  // points
   std::vector<std::array<int, 2>> edges;      // points, ascending; each edge once
 
-  static constexpr int none = -1;
-  std::vector<std::array<int, 3>> across;      // triangle beyond the edge opposite a corner
   std::vector<std::vector<int>> around_point;  // triangles that have it, ascending
 };
 

@@ -49,6 +49,17 @@ class Workers {
     }
   }
 
+  /// Calls body(k) for each of so many parts that are dear.
+  template <typename Body>
+  void each(int count, const Body& body) const {
+    share(
+        count,
+        [&](int begin, int end) {
+          for (int k = begin; k < end; ++k) body(k);
+        },
+        dear);
+  }
+
   /// Bands of a loop over parts that are dear, where body(begin, end, result) gives a result for
   /// each: in their order.
   template <typename Result, typename Body>

@@ -2,13 +2,20 @@
 
 #include <cstdint>
 #include <memory>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "clothsim/geometry/surface_mesh.h"
 #include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
+#include "clothsim/search/nearest_distances.h"
+#include "clothsim/search/patches.h"
+#include "clothsim/search/surface_slots.h"
+#include "clothsim/search/tiles.h"
 
 namespace clothsim {
 
@@ -32,10 +39,6 @@ struct NearPair {
 class NearPairs {
  public:
   explicit NearPairs(const Cloth&);
-  ~NearPairs();
-  NearPairs(const NearPairs&);
-  NearPairs(NearPairs&&) noexcept;
-  NearPairs& operator=(NearPairs) noexcept;
 
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], or are nearer
   /// than they may come plus a margin, by ascending key. Edges are closest inside both, and of the
@@ -56,19 +59,78 @@ class NearPairs {
   void forget();
 
   /// How much nearer any two points come on the ways that may_meet() looked at last, at most [m].
-  double most_nearer() const;
-  double sees() const;
+  double most_nearer() const { return motions_.most(); }
+  double sees() const { return sees_; }
 
   /// Nearest that any pair may come [m].
-  double least_nearest() const;
+  double least_nearest() const { return nearest_->least(); }
 
   /// What the next look goes on with. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  /// Two edges that are near, by tiles and the number of the pair among their features.
+  struct Edges {
+    int a;
+    int b;
+    int number;
+    double gap;  // that is left of the one last measured [m]
+  };
+
+  /// Two patches, or one with itself.
+  struct PatchPair {
+    int p;
+    int q;
+    double step = 0;  // that they may come nearer on the way looked at last [m]
+    // How much nearer they may come before features touch that have no slot, or any meet [m].
+    double to_touch = 0;
+    double to_meet = 0;
+    std::vector<Edges> edges = {};  // that points may not keep apart
+
+    bool operator<(const PatchPair& other) const {
+      return std::tie(p, q) < std::tie(other.p, other.q);
+    }
+  };
+
+  /// What is found of a band of patch pairs.
+  struct Found {
+    std::vector<SurfacePair> slots;  // that may be missing
+    std::vector<NearPair> meet;
+  };
+
+  // near_pairs.cpp: patches, and when they are measured.
+  void pair_patches();
+  void foresee(const Points& ends, const Workers&);
+  void be_at(const Points& positions, const Workers&);
+  void shape(const std::vector<PatchPair*>& due, const Workers&);
+  std::vector<NearPair> measure_all(const std::vector<PatchPair*>& due, double floor,
+                                    const Workers&, WorkBudget*);
+  bool may_touch(const SurfacePair&, const Separation&, const Points& ahead) const;
+  void collect_points(const Points& ahead, const Workers&);
+  void collect_edges(const Points& ahead, const Workers&);
+
+  // near_pairs_measure.cpp: what two patches have near each other.
+  void measure(PatchPair&, double within, Found&) const;
+  void measure_batch(PatchPair&, const int* pairs, std::size_t count, double within, Found&) const;
+  std::pair<int, int> tiles(const PatchPair&, int number) const;
+
+  std::shared_ptr<const SurfaceMesh> mesh_;
+  std::shared_ptr<const NearestDistances> nearest_;
+  std::shared_ptr<const std::vector<Patch>> patches_;  // along rows
+  TileFeatures features_;
+  TileShapes shapes_;
+  SurfaceSlots slots_;
+  double sees_;    // how much nearer patches may come before they are paired anew [m]
+  double paired_;  // patches are from so far on [m]
+  double margin_;  // [m]
+
+  std::vector<PatchPair> patch_pairs_;  // ascending
+  double paired_nearer_ = 0;            // that any two may have come since they were paired [m]
+  int looks_ = 0;
+  Points last_;  // positions last given; none yet: no rows
+  PatchMotions motions_;
+  std::vector<NearPair> near_;
 };
 
 }  // namespace clothsim

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 #include <vector>
 
 #include "clothsim/geometry/surface_pair.h"
@@ -11,15 +11,14 @@
 
 namespace clothsim {
 
-/// What is told by the way from one place of a grid to another, along rows and columns.
+/// What is told by the way from one place of a grid to another, along columns and rows: farther on
+/// than `most` the same as there.
 template <typename Value>
 class ByWay {
  public:
   ByWay() = default;
-  /// make(way) up to the `most` along both, and `beyond`.
   template <typename Make>
-  ByWay(const Eigen::Vector2i& most, const Value& beyond, const Make& make)
-      : most_(most), values_{beyond} {
+  ByWay(const Eigen::Vector2i& most, const Make& make) : most_(most) {
     for (int row = -most.y(); row <= most.y(); ++row) {
       for (int column = -most.x(); column <= most.x(); ++column) {
         values_.push_back(make(Eigen::Vector2i(column, row)));
@@ -28,15 +27,13 @@ class ByWay {
   }
 
   const Value& at(const Eigen::Vector2i& way) const {
-    const bool is_beyond = std::abs(way.x()) > most_.x() || std::abs(way.y()) > most_.y();
-    const Eigen::Vector2i place = way + most_;
-    const int number = 1 + place.y() * (2 * most_.x() + 1) + place.x();
-    return values_[is_beyond ? 0 : static_cast<std::size_t>(number)];
+    const Eigen::Vector2i place = way.cwiseMax(-most_).cwiseMin(most_) + most_;
+    return values_[static_cast<std::size_t>(place.y() * (2 * most_.x() + 1) + place.x())];
   }
 
  private:
   Eigen::Vector2i most_;
-  std::vector<Value> values_;  // beyond, then along rows
+  std::vector<Value> values_;  // along rows
 };
 
 /// How near two features of a cloth may come: 2 * thickness, or where they are neighbours on the
@@ -60,47 +57,58 @@ class NearestDistances {
 
   explicit NearestDistances(const Cloth&);
 
-  /// Of a pair [m].
-  double of(const SurfacePair&) const;
-
-  /// Of the features that tiles have together on a way from one to the other [m]: below 0 where
-  /// they share a point. `border`: one tile is there, and so may edges be.
-  using OfTiles = std::array<float, TileFeatures::count>;
-  const OfTiles& of_tiles(const Eigen::Vector2i& way, bool border) const {
-    return of_tiles_[border ? 1 : 0].at(way);
+  /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
+  /// lie at the last row or column and lack what they need.
+  double of(int a, int b, std::size_t number) const {
+    return std::min(tiles_.at(way(a, b)).of[number], most_of(side(a, b, number), number));
   }
+  /// Of all of them.
+  using OfTiles = std::array<float, TileFeatures::count>;
+  OfTiles of_tiles(int a, int b) const;
+
   /// Of any features of the tiles of two patches, by their first tiles: the most of each pair [m].
   const TileShapes::PairValues& of_patches(int first, int second) const {
     return of_patches_.at(way(first, second) / Patch::side);
   }
-  /// From one point, or a tile by its point, to another.
+  bool at_border(int point) const { return sides_[static_cast<std::size_t>(point)][0] == border; }
+
+  /// The most and the least of any two, and the least distance at rest of any that share no point:
+  /// of a point and the long side of a triangle, as of two diagonals side by side [m].
+  double most() const { return 2 * thickness_; }
+  double least() const { return std::min(edge_share * most(), neighbour_share * least_at_rest()); }
+  double least_at_rest() const { return spacing_.prod() / spacing_.norm(); }
+
+  /// Of the points at rest, along rows and along columns [m].
+  const Eigen::Vector2d& spacing() const { return spacing_; }
+
+ private:
+  /// Where on the cloth lies what a tile has from its point to a corner.
+  enum Side : unsigned char { inside, border, beyond };
+  /// Of two tiles by the way between them, as if at the border, and inside.
+  struct Tiles {
+    std::array<double, TileFeatures::count> of;
+    OfTiles inside;
+  };
+
   Eigen::Vector2i way(int from, int to) const {
     return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
   }
-  bool at_border(int point) const {
-    const Eigen::Vector2i& place = places_[static_cast<std::size_t>(point)];
-    return place.x() == 0 || place.y() == 0 || place.x() == last_.x() || place.y() == last_.y();
+  Side side(int a, int b, std::size_t number) const {
+    return std::max(sides_[static_cast<std::size_t>(a)][TileFeatures::of_a[number]],
+                    sides_[static_cast<std::size_t>(b)][TileFeatures::of_b[number]]);
   }
-  /// Do tiles a and b at the last row or column lack what pair `number` of their features needs?
-  bool lack(int a, int b, std::size_t number) const;
+  double most_of(Side side, std::size_t number) const {
+    if (side == beyond) return -1;
+    return number >= TileFeatures::points && side == inside ? edge_share * most() : most();
+  }
+  Tiles make_tiles(const Eigen::Vector2i& way) const;
+  TileShapes::PairValues make_patches(const Eigen::Vector2i& way) const;
 
-  /// The most and the least of any two [m].
-  double most() const { return contact_; }
-  double least() const { return least_; }
-
- private:
-  using Features = std::array<double, TileFeatures::count>;
-
-  void fill_features(const Eigen::Vector2d& spacing, const Eigen::Vector2i& most_way);
-  void fill_tiles(const Eigen::Vector2i& most_way);
-  bool is_border(int first, int second) const;
-
-  Eigen::Vector2i last_;                 // column and row
-  std::vector<Eigen::Vector2i> places_;  // of points: column and row
-  double contact_;
-  double least_;
-  ByWay<Features> features_;                // as if at the border
-  std::array<ByWay<OfTiles>, 2> of_tiles_;  // inside, and there
+  double thickness_;
+  Eigen::Vector2d spacing_;
+  std::vector<Eigen::Vector2i> places_;                         // of points: column and row
+  std::vector<std::array<Side, TileFeatures::corners>> sides_;  // of tiles
+  ByWay<Tiles> tiles_;
   ByWay<TileShapes::PairValues> of_patches_;
 };
 

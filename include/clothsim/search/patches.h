@@ -9,9 +9,7 @@
 
 namespace clothsim {
 
-/// A rectangle of the grid of a cloth. Each point of the grid has a tile: itself, its edges to the
-/// next points along the row, along the column and across, and the two triangles between these. The
-/// last ones of a row or column lack some of that.
+/// A rectangle of the grid of a cloth: tiles as in TileFeatures.
 struct Patch {
   static constexpr int side = 4;  // tiles along it
   static constexpr int none = -1;

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <tuple>
 #include <vector>
 
 #include "clothsim/geometry/surface_mesh.h"
@@ -21,22 +20,12 @@ namespace clothsim {
 class SurfaceSlots {
  public:
   struct Slot {
-    int point;
-    int number;  // among those of its point: stays as it walks
-    int triangle;
+    SurfacePair pair;
+    int number;            // among those of its point: stays as it walks
     int owner;             // of the triangles that have the closest place, the first
-    double nearest = 0;    // that they may come [m]
     Separation last = {};  // when it was looked at
 
-    double gap() const { return last.distance - nearest; }
-  };
-  /// A point and a triangle that are near.
-  struct Proposal {
-    int point;
-    int triangle;
-    bool operator<(const Proposal& other) const {
-      return std::tie(point, triangle) < std::tie(other.point, other.triangle);
-    }
+    double gap() const { return last.distance - pair.nearest; }
   };
 
   /// A slot ends where its distance is more than this, of the nearest that its features may come.
@@ -48,16 +37,15 @@ class SurfaceSlots {
   /// Returns how many are left.
   std::int64_t walk(const Points& positions, const Workers& = {});
 
-  /// Makes a slot of each that none of its point has.
-  void add(std::vector<Proposal> proposals, const Points& positions);
+  /// Makes a slot of each point and triangle that none of the point has.
+  void add(std::vector<SurfacePair>, const Points& positions);
 
-  /// Does a slot of the point keep it off a triangle that is at a `distance` and may come as near
-  /// as `nearest` [m]? It is there, or beside it with no larger a gap.
-  bool covers(const Proposal&, float distance, float nearest) const;
+  /// Does a slot of the point keep it off a triangle that is at a `distance` [m]? It is there, or
+  /// beside it with no larger a gap.
+  bool covers(const SurfacePair&, float distance) const;
 
   /// Of a point, by number.
   const std::vector<Slot>& of(int point) const { return slots_[static_cast<std::size_t>(point)]; }
-  SurfacePair pair(const Slot&) const;
 
   void clear();
   void write(MemoryWriter&) const;
@@ -68,7 +56,7 @@ class SurfaceSlots {
     return mesh_->triangles[static_cast<std::size_t>(triangle)];
   }
   bool has(int triangle, int point) const;
-  void go_to(int triangle, Slot&, const Points&) const;
+  SurfacePair pair(int point, int triangle) const;
   template <typename Visit>
   void for_each_beside(const Slot&, const Visit&) const;
   void go_to_nearest(Slot&, const Points&) const;

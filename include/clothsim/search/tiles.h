@@ -6,50 +6,23 @@
 #include <memory>
 #include <vector>
 
-#include "clothsim/geometry/surface_pair.h"
+#include "clothsim/geometry/distance_rows.h"
+#include "clothsim/geometry/tile_features.h"
 #include "clothsim/search/patches.h"
 
 namespace clothsim {
 
-/// Pairs of features that two tiles have together, by number. A tile's corners are its own point
-/// and those to the right, across and above; see Patch.
-class TileFeatures {
- public:
-  enum : std::size_t { corners = 4 };
-  enum : std::size_t { across = 2 };  // its corner
-  enum : std::size_t { points = 4 };  // pairs of a point and a triangle come first, then of edges
-  enum : std::size_t { count = 13 };
-  /// Ways from a tile's point to its corners, along rows and along columns.
-  static constexpr std::array<std::array<int, 2>, corners> ways{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-  static constexpr std::array<std::array<std::size_t, 3>, 2> triangles{{{0, 1, 2}, {0, 2, 3}}};
-  static constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {0, 3}, {0, 2}}};
-
-  explicit TileFeatures(int columns) : columns_(columns) {}
-
-  /// Feature pair `number` of tiles a and b, but for how near they may come.
-  SurfacePair pair(int a, int b, std::size_t number) const;
-
- private:
-  int point(int tile, std::size_t corner) const {
-    return tile + ways[corner][0] + ways[corner][1] * columns_;
-  }
-  SurfacePair point_and_triangle(int of_point, int of_triangle, std::size_t number) const;
-
-  int columns_;
-};
-
 /// Where tiles are, side by side and in single precision, so that as many pairs as a patch has
-/// tiles are measured at once. Distances are never more than they are, but for rounding() of their
-/// places.
+/// tiles are measured at once; see DistanceRows. rounding() is that of their places.
 class TileShapes {
  public:
-  static constexpr std::size_t tiles = Patch::side * Patch::side;  // of a patch
+  static constexpr std::size_t tiles = DistanceRows::size;  // of a patch
+  static_assert(tiles == Patch::side * Patch::side);
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-  using Row = std::array<float, tiles>;
+  using Row = DistanceRows::Row;
   using Features = std::array<Row, TileFeatures::count>;
-  using Corner = std::array<Row, 3>;  // by axis
-  using Corners = std::array<Corner, TileFeatures::corners>;
+  using Corners = DistanceRows::Hulls;
   /// Of up to as many pairs of tiles.
   struct Distances {
     Features values;                               // [m]
