@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clothsim/geometry/box_tree.h"
+#include "clothsim/model/errors.h"
 
 namespace clothsim {
 namespace {
@@ -252,6 +253,9 @@ void NearPairs::read(MemoryReader& memory) {
     for (std::size_t edges = memory.count(); edges > 0; --edges) {
       const int a = memory.index(points), b = memory.index(points);
       const int number = memory.index(TileFeatures::count);
+      if (nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
+        throw InvalidValue({"memory"}, "edges that the cloth lacks", "what this cloth wrote");
+      }
       pair.edges.push_back({a, b, number, memory.number()});
     }
     patch_pairs_.push_back(pair);

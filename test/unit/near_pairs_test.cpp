@@ -166,6 +166,21 @@ TEST(NearPairs, ListEdgesThatCrossWhereNoPointSeesIt) {
   EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end()));
 }
 
+TEST(NearPairs, RefuseAMemoryOfEdgesThatTheClothLacks) {
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  MemoryWriter memory;
+  memory.add(1);
+  memory.add(cloth.rest_positions);
+  for (const int looks_and_nearer : {0, 0}) memory.add(looks_and_nearer);
+  for (int slots = 0; slots < cloth.num_points(); ++slots) memory.add(0);
+  memory.add(1);                                               // pair of patches
+  for (const int pair : {0, 1, 0, 0, 0, 1}) memory.add(pair);  // with two edges
+  const int last = cloth.num_points() - 1, diagonals = TileFeatures::count - 1;
+  for (const int edges : {last, 0, diagonals, 0}) memory.add(edges);
+  MemoryReader reader(memory.numbers());
+  EXPECT_THROW(NearPairs(cloth).read(reader), InvalidValue);
+}
+
 TEST(NearPairs, GoOnToTheSameWithTheirMemory) {
   const Cloth cloth = cloth_of(17, 6, 0.015);
   NearPairs finder(cloth), other(cloth);
