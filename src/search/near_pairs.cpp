@@ -137,15 +137,10 @@ bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Po
 
 /// Slots, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
-  const Eigen::RowVector3d common = ahead.colwise().mean() - last_.colwise().mean();
-  const Scalars ways = ((ahead - last_).rowwise() - common).rowwise().norm();
   const auto bands = workers.gather<std::vector<NearPair>>(
       static_cast<int>(last_.rows()), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
           for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
-            const auto& [a, b, c, d] = slot.pair.points;
-            const double way = ways[a] + std::max({ways[b], ways[c], ways[d]});
-            if (slot.gap() > std::max(way, margin_)) continue;
             if (!may_touch(slot.pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);

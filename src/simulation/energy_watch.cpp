@@ -123,7 +123,7 @@ void EnergyWatch::read(MemoryReader& memory) {
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
                           const std::vector<MovingCollider>& colliders, double push_out,
-                          double wind, bool is_implicit) {
+                          double wind) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
   const auto unseen = [&] {  // asked for in few frames
@@ -152,10 +152,8 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   const double fall = 2 * g * dt;
   if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
   const double elastic_before = elastic_energy(cloth, before.positions);
-  const double stretched = elastic_energy(cloth, after.positions) - elastic_before;
-  const double gain = kinetic_after - kinetic_before +
-                      (is_implicit ? std::min(stretched, 0.0) : stretched) +
-                      gravitational_energy(cloth, gravity, after.positions) -
+  const double gain = kinetic_after - kinetic_before + elastic_energy(cloth, after.positions) -
+                      elastic_before + gravitational_energy(cloth, gravity, after.positions) -
                       gravitational_energy(cloth, gravity, before.positions);
   const double small = kinetic_before + elastic_before;
   const double by_pins = work_on_springs(cloth, before, drive.pinned);

@@ -137,8 +137,7 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
       disturbed || (may_be_pulled && (yields || (is_overpulled(report) && report.pinched > 0)));
   if (!is_driven) {
     if (energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
-                             course.recovers ? recovery_speed : 0, course.wind.norm(),
-                             std::isinf(method->stability_limit()))) {
+                             course.recovers ? recovery_speed : 0, course.wind.norm())) {
       return true;
     }
     is_driven = may_be_pulled && (are_pulled_taut(cloth, before.positions) ||

@@ -27,12 +27,10 @@ class EnergyWatch {
   /// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
   /// `push_out`: speed at which these push out what is in them [m/s]; where it is not 0, springs
   /// are stretched by that, and the frame is judged by the wide margin alone. `wind`: speed of air
-  /// that blows on it [m/s]. `is_implicit`: the method solves springs before contact stretches
-  /// them, and takes that back in its next step without a motion of it, so that only what springs
-  /// give counts. False for energies that are not finite.
+  /// that blows on it [m/s]. False for energies that are not finite.
   bool accepts(const Cloth&, const Vector3& gravity, double dt, const State& before,
                const State& after, const std::vector<MovingCollider>& colliders,
-               double push_out = 0, double wind = 0, bool is_implicit = false);
+               double push_out = 0, double wind = 0);
 
  private:
   bool begun_ = false;
