@@ -81,30 +81,30 @@ class Zones {
     return point;
   }
   void join(int a, int b) { next(of(a)) = of(b); }
+  void join_all() { std::fill(next_.begin(), next_.end(), 0); }
 
   /// For each point, that of its zone.
   Points common_ways(const Cloth& cloth, const ContactStep& step, const Points& ways) {
     const auto count = static_cast<int>(ways.rows());
-    Points sums = Points::Zero(count, 3);
-    Scalars masses = Scalars::Zero(count);
-    std::vector<bool> is_held(next_.size(), false);
-    for (int i = 0; i < count; ++i) {
+    const auto holds = [&](int i) {
       const auto number = static_cast<std::size_t>(i);
       const bool is_pinched = step.held && number < step.held->size() && (*step.held)[number];
-      const bool holds = cloth.inv_mass[i] == 0 || is_pinched;
-      const int zone = of(i);
-      if (holds && !is_held[static_cast<std::size_t>(zone)]) {
-        is_held[static_cast<std::size_t>(zone)] = true;
-        sums.row(zone).setZero();
-        masses[zone] = 0;
-      }
-      if (holds != is_held[static_cast<std::size_t>(zone)]) continue;
-      const double mass = holds ? 1 : cloth.mass[i];
-      sums.row(zone) += mass * ways.row(i);
-      masses[zone] += mass;
+      return cloth.inv_mass[i] == 0 || is_pinched;
+    };
+    std::vector<bool> is_held(next_.size(), false);
+    for (int i = 0; i < count; ++i) {
+      if (holds(i)) is_held[static_cast<std::size_t>(of(i))] = true;
+    }
+    Points sums = Points::Zero(count, 3);
+    Scalars weights = Scalars::Zero(count);
+    for (int i = 0; i < count; ++i) {
+      const bool in_held = is_held[static_cast<std::size_t>(of(i))];
+      const double weight = !in_held ? cloth.mass[i] : holds(i) ? 1 : 0;
+      sums.row(of(i)) += weight * ways.row(i);
+      weights[of(i)] += weight;
     }
     Points common(count, 3);
-    for (int i = 0; i < count; ++i) common.row(i) = sums.row(of(i)) / masses[of(i)];
+    for (int i = 0; i < count; ++i) common.row(i) = sums.row(of(i)) / weights[of(i)];
     return common;
   }
 
@@ -114,47 +114,54 @@ class Zones {
   std::vector<int> next_;  // of the same zone; its first one: itself
 };
 
-/// How far points may go from `here` towards `positions`. Where a plane between two features does
-/// not stay, on the ways so shortened, both are bound to their room, beyond the way of their zone;
-/// without zones beyond none. What is not among the pairs has the room `unseen` [m].
-Leg go(const Cloth& cloth, const ContactStep& step, const std::vector<NearPair>& near_pairs,
-       const Room& room, const Points& here, const Points& positions, double unseen,
-       bool has_zones) {
-  const Points ways = positions - here;
+/// A leg from `here` towards `positions`, on which points go no farther than `bounds` [m] beyond
+/// the ways of their zones; without zones, than that.
+Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
+            const Points& positions, const Scalars& bounds, Zones* zones) {
   const auto count = static_cast<int>(here.rows());
-  Zones zones(count);
-  Scalars bounds = Scalars::Constant(count, unseen);
-  for (int i = 1; i < count && unseen < infinity; ++i) zones.join(i, 0);
+  Leg leg{positions, Scalars::Ones(count)};
+  if (bounds.minCoeff() == infinity) return leg;
+  const Points ways = positions - here;
+  Points common = Points::Zero(count, 3);
+  if (zones) common = zones->common_ways(cloth, step, ways);
+  for (int i = 0; i < count; ++i) {
+    const Eigen::RowVector3d beyond = ways.row(i) - common.row(i);
+    const double length = beyond.norm();
+    if (length <= bounds[i]) continue;
+    leg.shares[i] = bounds[i] / length;
+    leg.ends.row(i) = here.row(i) + common.row(i) + leg.shares[i] * beyond;
+  }
+  return leg;
+}
+
+/// A leg from `here` towards `positions`. Where a plane between two features does not stay, on the
+/// ways so shortened, both are bound to their room. What is not among the pairs has the room
+/// `unseen` [m].
+Leg leg_towards(const Cloth& cloth, const ContactStep& step,
+                const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
+                const Points& positions, double unseen, bool has_zones) {
+  Zones zones(static_cast<int>(here.rows()));
+  if (unseen < infinity) zones.join_all();
+  Scalars bounds = Scalars::Constant(here.rows(), unseen);
   std::vector<double> gaps;
   for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
-  Leg leg{positions, Scalars::Ones(count)};
-  for (bool bound = true; bound && !step.is_spent();) {
-    bound = false;
+  while (true) {
+    Leg leg = bounded(cloth, step, here, positions, bounds, has_zones ? &zones : nullptr);
     step.spend(static_cast<std::int64_t>(near_pairs.size()));
+    bool has_bound = false;
     for (std::size_t k = 0; k < near_pairs.size(); ++k) {
       const NearPair& near = near_pairs[k];
       if (binds[k] || leave(near, gaps[k], here, leg.ends)) continue;
-      binds[k] = bound = true;
+      binds[k] = has_bound = true;
       const double most = room.way(near.separation.distance);
       for (const int i : near.pair.points) {
         bounds[i] = std::min(bounds[i], most);
         zones.join(i, near.pair.points[0]);
       }
     }
-    Points common = Points::Zero(count, 3);
-    if (has_zones) common = zones.common_ways(cloth, step, ways);
-    const Points beyond = ways - common;
-    const Scalars lengths = beyond.rowwise().norm();
-    leg.shares = (lengths.array() > bounds.array()).select(bounds.array() / lengths.array(), 1.0);
-    for (int i = 0; i < count; ++i) {
-      leg.ends.row(i) =
-          leg.shares[i] < 1
-              ? Eigen::RowVector3d(here.row(i) + common.row(i) + leg.shares[i] * beyond.row(i))
-              : Eigen::RowVector3d(positions.row(i));
-    }
+    if (!has_bound || step.is_spent()) return leg;
   }
-  return leg;
 }
 
 /// Where ways are longer than the finder sees, binds them all to what it does [m]. Did it so?
@@ -215,7 +222,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
 
     Leg leg;
     do {  // what is held back may be in the way of others
-      leg = go(cloth, step, near_pairs, room, here, positions, unseen, has_zones);
+      leg = leg_towards(cloth, step, near_pairs, room, here, positions, unseen, has_zones);
       if (step.is_spent()) return 0;
     } while (
         adds(finder.may_meet(here, leg.ends, room.floor, step.workers, step.budget), near_pairs) ||

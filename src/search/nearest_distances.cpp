@@ -1,5 +1,6 @@
 #include "clothsim/search/nearest_distances.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace clothsim {
