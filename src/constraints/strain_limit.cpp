@@ -16,7 +16,8 @@ namespace clothsim {
 namespace {
 
 /// How much of a step's doubt one that can be met takes back once the limit yields. It settles
-/// where most can.
+/// where most can. Half as much each time it has yielded again and got no nearer: what shakes as it
+/// is tried, comes to rest.
 constexpr double relief = 0.1;
 
 /// Springs that a point may have: four of each of three families.
@@ -99,12 +100,19 @@ bool StrainLimit::outruns_steps() const {
 }
 
 void StrainLimit::learn(double violation) {
+  const bool yielded = yields();
   if (violation > 0) {
     // Where springs are twice their length, patience would fling the cloth about.
     const double haste = yields() ? 1 : std::max(violation / overpulled, 1.0);
     doubt_ = std::min(doubt_ + haste * step_.h, 2 * patience);
   } else {
-    doubt_ = std::max(doubt_ - (yields() ? relief : 1) * step_.h, 0.0);
+    doubt_ = std::max(doubt_ - (yielded ? trust_ * relief : 1) * step_.h, 0.0);
+    if (doubt_ == 0) try_anew();
+  }
+  if (!yielded && yields()) {
+    const bool gets_nearer = least_unmet_ == 0 || violation < least_unmet_;
+    trust_ = gets_nearer ? 1 : trust_ / 2;
+    if (gets_nearer) least_unmet_ = violation;
   }
 }
 
@@ -119,6 +127,7 @@ void StrainLimit::take_over(StrainLimit&& last) {
   last.inertia_ = std::move(inertia_);
   *this = std::move(last);
   longest_ = longest;
+  try_anew();
   for (std::size_t i = 0; i < ids_.size(); ++i) {
     if (ids_[i] >= 0) lengths_[i] = longest_ * constraint(ids_[i]).rest_length;
   }
@@ -131,12 +140,15 @@ void StrainLimit::reset() {
   inertia_.reset();
   step_ = {};
   doubt_ = 0;
+  try_anew();
   momentum_ = 1;
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
   memory.add(doubt_);
+  memory.add(trust_);
+  memory.add(least_unmet_);
   memory.add(momentum_);
   std::size_t pulling = 0;
   for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
@@ -156,6 +168,8 @@ void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
   doubt_ = std::clamp(memory.number(), 0.0, 2 * patience);
+  trust_ = std::clamp(memory.number(), 0.0, 1.0);
+  least_unmet_ = std::max(memory.number(), 0.0);
   momentum_ = std::max(1.0, memory.number());
   std::fill(flags_.begin(), flags_.end(), 0);
   struct Kept {

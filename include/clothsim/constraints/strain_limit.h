@@ -41,7 +41,8 @@ inline constexpr double overpulled = 0.05;
 /// Pins, fingers and colliders can ask for more than the limit grants. Passes run out then, step
 /// after step, and kept impulses grow without end. After some such steps the limit yields, until
 /// passes do again: it works off less and less of what springs are over it, repairs none, and gives
-/// impulses from which a step does not swing. Springs then stretch by their own stiffness.
+/// impulses from which a step does not swing. Springs then stretch by their own stiffness. Where it
+/// is held to that by what stands still, it tries again less and less often.
 ///
 /// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
@@ -108,6 +109,12 @@ class StrainLimit {
   /// Learns from a step what violation passes that ran out have left, 0 where they did not: to be
   /// called once after each.
   void learn(double violation);
+
+  /// Soon tries again what it could not grant: what asks for it has moved.
+  void try_anew() {
+    trust_ = 1;
+    least_unmet_ = 0;
+  }
 
   /// Yields from now on, until passes do again.
   void give_way() { doubt_ = 2 * patience; }
@@ -200,12 +207,14 @@ class StrainLimit {
   bool find_over_again(const Cloth&, double tolerance, const Points& positions);
   void list_springs_of_points(const Cloth&);
 
-  double longest_;        // 1 + limit
-  double shortest_;       // rest length [m]
-  LimitStep step_{};      // that the impulses belong to
-  double doubt_ = 0;      // time of steps that could not meet it, less others [s]
-  double momentum_ = 1;   // strength that solve() ended with
-  double most_kick_ = 0;  // of this step, see FourSprings [m/s]
+  double longest_;          // 1 + limit
+  double shortest_;         // rest length [m]
+  LimitStep step_{};        // that the impulses belong to
+  double trust_ = 1;        // share of the relief that it takes, see strain_limit.cpp
+  double least_unmet_ = 0;  // violation at which it began to yield since try_anew(); 0: it did not
+  double doubt_ = 0;        // time of steps that could not meet it, less others [s]
+  double momentum_ = 1;     // strength that solve() ended with
+  double most_kick_ = 0;    // of this step, see FourSprings [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;  // in the order of cloth.springs
   std::vector<int> order_;     // of pieces_: a neighbourhood's one after the other
