@@ -103,7 +103,7 @@ void StrainLimit::learn(double violation) {
   const bool yielded = yields();
   if (violation > 0) {
     // Where springs are twice their length, patience would fling the cloth about.
-    const double haste = yields() ? 1 : std::max(violation / overpulled, 1.0);
+    const double haste = yielded ? 1 : std::max(violation / overpulled, 1.0);
     doubt_ = std::min(doubt_ + haste * step_.h, 2 * patience);
   } else {
     doubt_ = std::max(doubt_ - (yielded ? trust_ * relief : 1) * step_.h, 0.0);

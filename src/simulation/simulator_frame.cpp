@@ -66,19 +66,18 @@ void Simulator::Impl::set_out() {
         (pin_targets[i].transpose() - state.positions.row(point)) / course.dt;
   }
   grips.set_out(course.dt, state);
-  // What colliders that stand still hold where it is, asks for what cannot be met for ever.
-  const bool is_held = touches() && collider_contacts.count() > 0 && !is_driven();
-  if (strain_limit && !is_held) strain_limit->try_anew();
+  if (strain_limit && !is_held_still()) strain_limit->try_anew();
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 }
 
-bool Simulator::Impl::is_driven() const {
+bool Simulator::Impl::is_held_still() const {
+  if (!touches() || collider_contacts.count() == 0) return false;
   for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] == 0 && !state.velocities.row(i).isZero(0)) return true;
+    if (cloth.inv_mass[i] == 0 && !state.velocities.row(i).isZero(0)) return false;
   }
-  return std::any_of(colliders.begin(), colliders.end(), [](const MovingCollider& c) {
-    return !c.velocity().isZero(0) || !c.angular_velocity().isZero(0);
+  return std::all_of(colliders.begin(), colliders.end(), [](const MovingCollider& c) {
+    return c.velocity().isZero(0) && c.angular_velocity().isZero(0);
   });
 }
 

@@ -274,8 +274,9 @@ struct Simulator::Impl {
   bool is_out_of_reach();
   /// The cloth with the inertia that tension adds in a step of h [s].
   const Cloth& weigh(double h);
-  /// Do pins, grips or colliders move in this frame?
-  bool is_driven() const;
+  /// Do colliders touch the cloth in a frame in which neither they move, nor pins or grips? What
+  /// the limit cannot grant then, it never can.
+  bool is_held_still() const;
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed() const;
 
