@@ -4,10 +4,12 @@
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utmp.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -359,21 +361,28 @@ TEST_F(Simulate, DivergedEndsWithTwoAndTheLastGoodFrame) {
 }
 
 TEST_F(Simulate, ShowsAProgressBarOnATerminal) {
-  int terminal = -1;
-  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  int terminal = -1, line = -1;
+  ASSERT_EQ(openpty(&terminal, &line, nullptr, nullptr, nullptr), 0);
+  const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    execl(CLOTHSIM_SIMULATE, CLOTHSIM_SIMULATE, scene_.c_str(), "--seconds", "1", nullptr);
+    login_tty(line);
+    execl("/bin/sh", "sh", "-c", "\"$0\" \"$1\" --seconds 1; status=$?; echo is-over; exit $status",
+          CLOTHSIM_SIMULATE, scene_.c_str(), nullptr);
     _exit(127);
   }
+  // A terminal whose other end has been closed may lose what was written last: `line` stays open.
   std::string shown;
   std::array<char, 4096> buffer;
-  for (ssize_t n; (n = ::read(terminal, buffer.data(), buffer.size())) > 0;) {
+  while (shown.find("is-over") == std::string::npos) {
+    const ssize_t n = ::read(terminal, buffer.data(), buffer.size());
+    ASSERT_GT(n, 0) << std::strerror(errno);
     shown.append(buffer.data(), static_cast<size_t>(n));
   }
   int status = 0;
   waitpid(child, &status, 0);
   close(terminal);
+  close(line);
   EXPECT_EQ(WEXITSTATUS(status), 0);
   EXPECT_NE(shown.find("0/90"), std::string::npos) << shown;
   EXPECT_NE(shown.find("frames: 90"), std::string::npos) << shown;
