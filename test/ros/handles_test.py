@@ -91,7 +91,7 @@ class OtherNode:
         return self
 
     def __exit__(self, *_):
-        self.process.terminate()
+        self.process.kill()  # rospy may wait for itself where a signal comes as it publishes
         self.process.wait()
 
 
