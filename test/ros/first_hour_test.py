@@ -178,7 +178,8 @@ class FirstHour(unittest.TestCase):
             return np.ptp(where) if where else 0
         wait_for(lambda: ways() > 0.05, "the sphere's motion")
         markers.close()
-        self.stop(mover)
+        mover.kill()  # rospy may wait for itself where a signal comes as it publishes
+        mover.wait()
 
         printed = self.run_lines(walk["Grasp"])
         wrench = printed["rostopic echo -n 1 /clothsim/wrench/hand"]
