@@ -76,6 +76,7 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
       throw;
     }
     if (outcome == Outcome::good) return report;
+    const bool is_met = !strain_limit || !strain_limit->is_in_doubt();
     take_back();
     if (outcome == Outcome::went_too_far) {
       may_be_apart = false;
@@ -85,7 +86,7 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
       forget();
       throw too_much_work(state.time, report);
     }
-    if (may_give_way && is_overpulled(report)) {
+    if (may_give_way && (!is_met || is_overpulled(report))) {
       may_give_way = false;
       strain_limit->give_way();
     } else if (!recover()) {

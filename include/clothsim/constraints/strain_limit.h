@@ -119,6 +119,9 @@ class StrainLimit {
   /// Yields from now on, until passes do again.
   void give_way() { doubt_ = 2 * patience; }
 
+  /// Was more asked of it of late than it could grant?
+  bool is_in_doubt() const { return doubt_ > 0; }
+
   /// Is more asked of it than it can grant?
   bool yields() const { return doubt_ > patience; }
 
