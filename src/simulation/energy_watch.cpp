@@ -8,6 +8,7 @@
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/model/surface.h"
 
 namespace clothsim {
 namespace {
@@ -64,7 +65,8 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   // Bounds of all points take time, which robots that stand still are not worth.
   if (std::none_of(colliders.begin(), colliders.end(), moves)) return drive;
   // A triangle that touches has corners that are not farther away than its edges are long.
-  const double edge = longest_rest_length(cloth);
+  const double edge =
+      std::max(longest_rest_length(cloth), longest_edge(after.positions, cloth.triangles));
   const Eigen::AlignedBox3d box = box_of(before, after);
   for (const MovingCollider& collider : colliders) {
     const double speed = moves(collider) ? collider.fastest_in(box) : 0;
@@ -141,13 +143,18 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   const Drive drive = drive_of(cloth, dt, before, after, colliders);
   const double speed = std::max(drive.fastest, wind) + push_out;
   const double work = mass * (2 * speed * speed + g * speed * dt);
-  given_ += work;
+  const double by_pins = work_on_springs(cloth, before, drive.pinned);
+  const double by_colliders = work_on_springs(cloth, before, drive.pushed);
+  given_ += work + by_pins + by_colliders;
   const double kinetic_before = kinetic_energy(cloth, before);
   const double kinetic_after = kinetic_energy(cloth, after);
   const double fallen = potential_ - gravitational_energy(cloth, gravity, after.positions);
   if (!(kinetic_after <= margin_in_all * (given_ + std::max(fallen, 0.0)))) return false;
 
-  if (push_out > 0) return true;
+  if (push_out > 0) {
+    restart();  // what led it out has stretched it
+    return true;
+  }
 
   const double fall = 2 * g * dt;
   if (kinetic_after <= usual_growth * kinetic_before + mass * fall * fall / 2) return true;
@@ -156,8 +163,6 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                       elastic_before + gravitational_energy(cloth, gravity, after.positions) -
                       gravitational_energy(cloth, gravity, before.positions);
   const double small = kinetic_before + elastic_before;
-  const double by_pins = work_on_springs(cloth, before, drive.pinned);
-  const double by_colliders = work_on_springs(cloth, before, drive.pushed);
   return gain <= work + by_pins + std::max(by_colliders, small) + unseen();
 }
 

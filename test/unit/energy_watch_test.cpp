@@ -1,7 +1,9 @@
 #include "clothsim/simulation/energy_watch.h"
 
+#include <cmath>
 #include <limits>
 
+#include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -121,6 +123,38 @@ TEST(EnergyWatch, GrowthByLittleIsSeenInTheEnd) {
 
   growing.restart();
   EXPECT_TRUE(growing.accepts(cloth, Vector3::Zero(), dt, before, before, {}));
+}
+
+TEST(EnergyWatch, WhatWasStoredInSpringsMayTurnIntoMotionLater) {
+  // A cloth whose springs take far more than its mass is stretched to twice its width, by the pins
+  // of one border or as it is pushed out of a shape, and then let go.
+  ClothSpec spec = square_spec(10, 1e5);
+  spec.material.density = 0.1;
+  for (int row = 0; row < 10; ++row) spec.pinned.push_back({9, row, ""});
+  const Cloth cloth = make_grid(spec);
+  const auto accepts_in_the_end = [&](bool by_pins, double push_out) {
+    EnergyWatch watch;
+    State before = resting(cloth);
+    constexpr int frames = 100;
+    for (int frame = 1; frame <= frames; ++frame) {
+      State after = before;
+      after.positions.col(0) = (1 + 1.0 / frames * frame) * cloth.rest_positions.col(0);
+      if (by_pins) {
+        for (int i = 9; i < 100; i += 10) after.velocities(i, 0) = 1 / (frames * dt);
+      }
+      EXPECT_TRUE(watch.accepts(cloth, Vector3::Zero(), dt, before, after, {}, push_out)) << frame;
+      before = after;
+    }
+    State after = resting(cloth);
+    const double energy = elastic_energy(cloth, before.positions) / 2;
+    const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
+    after.velocities.col(2) = (cloth.inv_mass.array() > 0)
+                                  .select(Scalars::Constant(100, std::sqrt(2 * energy / mass)), 0);
+    return watch.accepts(cloth, Vector3::Zero(), dt, before, after, {});
+  };
+  EXPECT_TRUE(accepts_in_the_end(true, 0));
+  EXPECT_TRUE(accepts_in_the_end(false, 2));
+  EXPECT_FALSE(accepts_in_the_end(false, 0)) << "by nothing";
 }
 
 TEST(EnergyWatch, RoundingsOfAClothWithoutWeightArePlausible) {
