@@ -2,7 +2,7 @@
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
-#include "near_surface.h"
+#include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim {
 namespace {
@@ -19,8 +19,8 @@ struct Run {
   MutablePointRun normals;
 };
 
-template <typename Solid>
-[[gnu::always_inline]] inline void distances_of(const Solid& solid, const Run& run) {
+template <class S>
+CLOTHSIM_TARGET_CLONES_OF_TEMPLATE void find(const S& shape, const Run& run) {
   const Eigen::Matrix3d turn = run.frame.turn;
   const Vector3 origin = run.frame.origin;
   const Vector3 side_axis = run.before.turn.col(2), side_origin = run.before.origin;
@@ -35,9 +35,9 @@ template <typename Solid>
                         side_axis[1] * (sides.y[i] - side_origin[1]) +
                         side_axis[2] * (sides.z[i] - side_origin[2]);
     const NearSurface near =
-        near_surface(solid, turn(0, 0) * dx + turn(1, 0) * dy + turn(2, 0) * dz,
-                     turn(0, 1) * dx + turn(1, 1) * dy + turn(2, 1) * dz,
-                     turn(0, 2) * dx + turn(1, 2) * dy + turn(2, 2) * dz, side);
+        shape.near_surface(turn(0, 0) * dx + turn(1, 0) * dy + turn(2, 0) * dz,
+                           turn(0, 1) * dx + turn(1, 1) * dy + turn(2, 1) * dz,
+                           turn(0, 2) * dx + turn(1, 2) * dy + turn(2, 2) * dz, side);
     distances[i] = near.value;
     normals.x[i] = turn(0, 0) * near.x + turn(0, 1) * near.y + turn(0, 2) * near.z;
     normals.y[i] = turn(1, 0) * near.x + turn(1, 1) * near.y + turn(1, 2) * near.z;
@@ -45,16 +45,7 @@ template <typename Solid>
   });
 }
 
-CLOTHSIM_TARGET_CLONES
-void find(const Sphere& sphere, const Run& run) { distances_of(sphere, run); }
-CLOTHSIM_TARGET_CLONES
-void find(const Plane& plane, const Run& run) { distances_of(plane, run); }
-CLOTHSIM_TARGET_CLONES
-void find(const Capsule& capsule, const Run& run) { distances_of(capsule, run); }
-CLOTHSIM_TARGET_CLONES
-void find(const Cuboid& box, const Run& run) { distances_of(box, run); }
-CLOTHSIM_TARGET_CLONES
-void find(const Cylinder& cylinder, const Run& run) { distances_of(cylinder, run); }
+/// Into a mesh one point after the other, each with its neighbourhood.
 void find(const MeshShape& mesh, const Run& run) {
   const Solid& solid = mesh.file->solid;
   for (int i = 0; i < run.count; ++i) {
@@ -77,7 +68,7 @@ void signed_distances(const Shape& shape, const Frame& frame, PointRun points, c
                       PointRun sides, int count, const Asked& asked, double* distances,
                       MutablePointRun normals) {
   const Run run{frame, points, before, sides, count, asked, distances, normals};
-  std::visit([&](const auto& solid) { find(solid, run); }, shape);
+  std::visit([&](const auto& s) { find(s, run); }, shape);
 }
 
 }  // namespace clothsim

@@ -9,3 +9,10 @@
 #else
 #define CLOTHSIM_TARGET_CLONES
 #endif
+
+/// The same for a function template, of which clang makes no clones.
+#ifdef __clang__
+#define CLOTHSIM_TARGET_CLONES_OF_TEMPLATE
+#else
+#define CLOTHSIM_TARGET_CLONES_OF_TEMPLATE CLOTHSIM_TARGET_CLONES
+#endif

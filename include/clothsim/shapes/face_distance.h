@@ -1,20 +1,8 @@
 #pragma once
 
-#include <Eigen/Geometry>
-#include <array>
-#include <optional>
-
-#include "clothsim/geometry/intersections.h"
 #include "clothsim/shapes/shape.h"
 
 namespace clothsim {
-
-/// Where a triangle comes closest to a shape, or how it gets out of it.
-struct FaceDistance {
-  double value;    // [m] between them; negative: the shortest way that takes the triangle out
-  Vector3 normal;  // unit, from the shape to the triangle, or that way's direction
-  std::array<double, 3> weights;  // of the corners, at the point of the triangle; sum 1
-};
 
 /// Distance between a solid and a triangle in the solid's own frame; empty where it is more than
 /// `reach` [m]. A plane bounds its corners alone: always empty.
@@ -35,6 +23,6 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape&, const Trian
 bool touches_between_corners(const Shape&, const Triangle&, double reach);
 
 /// False where that is so of all triangles in the box. Quicker.
-bool touches_between_corners(const Shape&, const Eigen::AlignedBox3d&, double reach);
+bool touches_between_corners(const Shape&, const Box&, double reach);
 
 }  // namespace clothsim

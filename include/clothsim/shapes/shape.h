@@ -1,78 +1,28 @@
 #pragma once
 
-#include <memory>
-#include <optional>
 #include <variant>
 
-#include "clothsim/model/types.h"
+#include "clothsim/shapes/capsule.h"
+#include "clothsim/shapes/cuboid.h"
+#include "clothsim/shapes/cylinder.h"
+#include "clothsim/shapes/mesh_shape.h"
+#include "clothsim/shapes/plane.h"
+#include "clothsim/shapes/sphere.h"
 
 namespace clothsim {
 
-/// Signed distance [m], negative inside, and its gradient, the unit normal into free space.
-struct Distance {
-  double value;
-  Vector3 normal;
-};
-
-/// Ball about the origin of its own frame.
-struct Sphere {
-  static constexpr const char* name = "sphere";
-  double radius = 0.2;  // [m]
-};
-
-/// Plane z = 0 of its own frame, normal +z. One-sided: all of z < 0 is solid. Two-sided: a sheet
-/// that holds whatever is on either side.
-struct Plane {
-  static constexpr const char* name = "plane";
-  bool two_sided = false;
-};
-
-/// All within `radius` of the z axis of its own frame from -length / 2 to length / 2.
-struct Capsule {
-  static constexpr const char* name = "capsule";
-  double length = 0.4;  // [m] between the centres of its round ends
-  double radius = 0.1;  // [m]
-};
-
-/// A box about the origin of its own frame, along its axes.
-struct Cuboid {
-  static constexpr const char* name = "box";
-  Vector3 size{0.4, 0.4, 0.4};  // [m]
-};
-
-/// All within `radius` of the z axis of its own frame, with flat ends at -length / 2 and length
-/// / 2.
-struct Cylinder {
-  static constexpr const char* name = "cylinder";
-  double length = 0.4;  // [m]
-  double radius = 0.1;  // [m]
-};
-
-inline bool operator==(const Sphere& a, const Sphere& b) { return a.radius == b.radius; }
-inline bool operator==(const Plane& a, const Plane& b) { return a.two_sided == b.two_sided; }
-inline bool operator==(const Capsule& a, const Capsule& b) {
-  return a.length == b.length && a.radius == b.radius;
-}
-inline bool operator==(const Cuboid& a, const Cuboid& b) { return a.size == b.size; }
-inline bool operator==(const Cylinder& a, const Cylinder& b) {
-  return a.length == b.length && a.radius == b.radius;
-}
-
-struct MeshFile;
-
-/// A solid of triangles in its own frame, grown by a padding with round edges.
-struct MeshShape {
-  static constexpr const char* name = "mesh";
-  std::shared_ptr<const MeshFile> file;  // never null where distances are asked for
-  double padding = 0;                    // [m]
-};
-inline bool operator==(const MeshShape& a, const MeshShape& b) {
-  return a.file == b.file && a.padding == b.padding;
-}
-
-/// The closed list of shapes. What differs between them is an overload for each, found by
-/// std::visit: the compiler asks for those that a new one lacks. Each has a name that scenes know
-/// it by.
+/// The closed list of shapes. Each has a name that scenes know it by, equality, whether it is
+/// convex (what moves away from it does not come back), and members that the functions over all
+/// shapes find by std::visit: the compiler asks for those that a new one lacks. Those of the same
+/// name do what the function does, and
+/// - near_surface() tells signed_distance() of (x, y, z), with the z of `side`, without branches
+/// for
+///   loops that it is inlined into;
+/// - entry() tells the share of `way` after which entry_point() is, beyond 1 where that is too
+/// short;
+/// - visit_lines() visits the lines of edges_along() that support it along `normal`;
+/// - may_touch() tells touches_between_corners() of a box, and of the triangle if it is that of
+/// one.
 using Shape = std::variant<Sphere, Plane, Capsule, Cuboid, Cylinder, MeshShape>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point

@@ -1,11 +1,8 @@
-// Distance between a triangle and a cylinder with flat ends.
+#include "clothsim/shapes/cylinder.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "clothsim/geometry/closest_points.h"
-#include "face_features.h"
-#include "near_surface.h"
+#include "shape_parts.h"
 
 namespace clothsim {
 namespace {
@@ -23,8 +20,7 @@ LeastOnEdge least_on_edge(const Cylinder& cylinder, const Vector3& a, const Vect
   const Vector3 way = b - a;
   const auto at = [&](double s) {
     const Vector3 p = a + s * way;
-    const NearSurface near = near_surface(cylinder, p.x(), p.y(), p.z(), 0);
-    return LeastOnEdge{s, {near.value, {near.x, near.y, near.z}}};
+    return LeastOnEdge{s, cylinder.near_surface(p.x(), p.y(), p.z(), 0)};
   };
   const auto slope = [&](const LeastOnEdge& x) { return x.distance.normal.dot(way); };
   LeastOnEdge low = at(0), high = at(1);
@@ -82,7 +78,7 @@ class CylinderWayOut {
     const std::size_t low = lowest(t_, out);
     Weights weights = corner(low);
     const Vector3 p = support(cylinder_, out);
-    if (on && (low == *on || low == (*on + 1) % 3)) {
+    if (on && is_end(low, *on)) {
       const Vector3 e = edge(t_, *on);
       const double s = e.isZero(0) ? 0 : (p - t_[*on]).dot(e) / e.squaredNorm();
       weights = on_edge(*on, std::clamp(s, 0.0, 1.0));
@@ -172,33 +168,78 @@ FaceDistance way_out(const Cylinder& cylinder, const Triangle& t, const Vector3&
 
 }  // namespace
 
-std::optional<FaceDistance> distance(const Cylinder& cylinder, const Triangle& t, double reach) {
-  const Vector3 half(cylinder.radius, cylinder.radius, cylinder.length / 2);
-  const Vector3 least = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
-  const Vector3 most = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-  if ((least - half).cwiseMax(-half - most).maxCoeff() > reach) return std::nullopt;
+std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& way,
+                                      double offset) const {
+  double in = 0, out = std::numeric_limits<double>::infinity();
+  const auto keep_within = [&](double first, double last) {
+    in = std::max(in, first);
+    out = std::min(out, last);
+  };
+  const double half = length / 2 + offset, kept = radius + offset;
+  if (way.z() != 0) {
+    const double a = (-half - from.z()) / way.z(), b = (half - from.z()) / way.z();
+    keep_within(std::min(a, b), std::max(a, b));
+  } else if (std::abs(from.z()) > half) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d from2 = from.head<2>(), way2 = way.head<2>();
+  const double a = way2.squaredNorm(), b = from2.dot(way2), c = from2.squaredNorm() - kept * kept;
+  const double discriminant = b * b - a * c;
+  if (a > 0 && discriminant >= 0) {
+    const double root = std::sqrt(discriminant);
+    keep_within((-b - root) / a, (-b + root) / a);
+  } else if (c > 0) {
+    return std::nullopt;
+  }
+  if (in > out) return std::nullopt;
+  return in;
+}
 
-  FaceDistance nearest{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+std::optional<FaceDistance> Cylinder::face_distance(const Triangle& t, double reach) const {
+  if (outside(box_of(t), {radius, radius, length / 2}) > reach) return std::nullopt;
+
+  FaceDistance nearest;
   for (std::size_t i = 0; i < 3; ++i) {
-    const LeastOnEdge on = least_on_edge(cylinder, t[i], t[(i + 1) % 3]);
+    const LeastOnEdge on = least_on_edge(*this, t[i], t[(i + 1) % 3]);
     if (on.distance.value >= nearest.value) continue;
     nearest = {on.distance.value, on.distance.normal, on_edge(i, on.s)};
   }
   const Vector3 n = unit_normal(t);
-  if (nearest.value < 0 || reaches_through(cylinder, t, n)) {
-    FaceDistance way = way_out(cylinder, t, n);
+  if (nearest.value < 0 || reaches_through(*this, t, n)) {
+    FaceDistance way = way_out(*this, t, n);
     way.value = std::min(-way.value, 0.0);
     return way;
   }
   // The solid's point nearest to the plane, where that is over the triangle's inside.
   if (!n.isZero(0)) {
-    const Vector3 p = support(cylinder, n.dot(t[0]) > 0 ? n : Vector3(-n));
+    const Vector3 p = support(*this, n.dot(t[0]) > 0 ? n : Vector3(-n));
     Closest inside;
     inside.add(p, t, closest_on_triangle(p, t[0], t[1], t[2]));
-    if (const auto found = inside.result(); found && found->value < nearest.value) nearest = *found;
+    if (inside.least() > 0 && inside.least() < nearest.value) nearest = inside.result();
   }
-  if (nearest.value > reach) return std::nullopt;
-  return nearest;
+  return within(reach, nearest);
+}
+
+void Cylinder::visit_lines(const Triangle&, const Vector3& normal, double,
+                           const VisitLine& visit) const {
+  const Vector3 up(0, 0, length / 2);
+  const Eigen::Vector2d across = normal.head<2>();
+  const double slope = across.norm();
+  if (slope > std::abs(normal.z())) {  // its side, along the axis
+    const Vector3 out = radius / slope * Vector3(across.x(), across.y(), 0);
+    visit(Vector3(out - up), Vector3(out + up), 0);
+    return;
+  }
+  // An end: two of its diameters.
+  const Vector3 end = normal.z() < 0 ? Vector3(-up) : up;
+  for (const int axis : {0, 1}) {
+    const Vector3 out = radius * Vector3::Unit(axis);
+    visit(Vector3(end - out), Vector3(end + out), 0);
+  }
+}
+
+bool Cylinder::may_touch(const Box& box, const Triangle*, double reach) const {
+  return outside(box, {radius, radius, length / 2}) <= reach;
 }
 
 }  // namespace clothsim

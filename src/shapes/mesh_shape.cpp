@@ -1,16 +1,12 @@
-// Distance between a triangle and a solid of triangles.
+#include "clothsim/shapes/mesh_shape.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "clothsim/geometry/closest_points.h"
-#include "face_features.h"
+#include "clothsim/shapes/mesh_file.h"
+#include "shape_parts.h"
 
 namespace clothsim {
 namespace {
-
-/// Box around a triangle.
-Box box_of(const Triangle& t) { return Box(t[0]).extend(t[1]).extend(t[2]); }
 
 /// Where two features are closest, and on which side of the solid's surface. Nearest pairs of a
 /// triangle and a solid are a corner of the one and a face of the other, or two edges.
@@ -95,18 +91,51 @@ class ClosestFeatures {
   }
 
   const Triangle& t_;
-  FaceDistance nearest_{std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  FaceDistance nearest_;
   FaceDistance inside_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
   bool is_inside_ = false;
 };
 
+bool is_near(const Solid& solid, const Box& box, double most) {
+  return squared_distance(solid.box(), box) <= most * std::abs(most);
+}
+
 }  // namespace
 
-std::optional<FaceDistance> distance(const MeshShape& mesh, const Triangle& t, double reach) {
-  const Solid& solid = mesh.file->solid;
-  const Box box = box_of(t);
-  const double most_value = reach + mesh.padding;
-  if (squared_distance(solid.box(), box) > most_value * std::abs(most_value)) return std::nullopt;
+double MeshShape::safe_depth() const { return file->solid.thickness() / 4; }
+
+double MeshShape::bounding_radius() const { return file->solid.radius() + padding; }
+
+double MeshShape::corner_distance(double edge, double offset) const {
+  return offset + file->solid.dip(edge);
+}
+
+NearSurface MeshShape::near_surface(double x, double y, double z, double) const {
+  const auto [value, normal] = file->solid.distance({x, y, z});
+  return {value - padding, normal.x(), normal.y(), normal.z()};
+}
+
+std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
+                                       double offset) const {
+  constexpr double near = 1.05;    // of the offset: there it has come in
+  constexpr int most_steps = 300;  // then it grazes, and is stopped where it is
+  const double length = way.norm();
+  double share = 0;
+  for (int step = 0; step < most_steps && share <= 1; ++step) {
+    const Vector3 p = from + share * way;
+    const NearSurface here = near_surface(p.x(), p.y(), p.z(), 0);
+    const bool nears = here.x * way.x() + here.y * way.y() + here.z * way.z() < 0;
+    if (here.value <= near * offset && nears) return share;
+    share += std::max(here.value - offset, near / 2 * offset) / length;
+  }
+  if (share > 1) return std::nullopt;
+  return share;
+}
+
+std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double reach) const {
+  const Solid& solid = file->solid;
+  const double most_value = reach + padding;
+  if (!is_near(solid, box_of(t), most_value)) return std::nullopt;
   ClosestFeatures closest(t);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto [value, normal] = solid.distance(t[i]);
@@ -122,19 +151,30 @@ std::optional<FaceDistance> distance(const MeshShape& mesh, const Triangle& t, d
       closest.add_hit(i, place, normal);
     });
   }
-  FaceDistance found = closest.result();
-  found.value -= mesh.padding;
-  if (found.value > reach) return std::nullopt;
-  return found;
+  return within(reach, closest.result(), padding);
 }
 
-bool may_touch_between(const MeshShape& mesh, const Triangle& t, double reach) {
-  const Box box = box_of(t);
+void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double reach,
+                            const VisitLine& visit) const {
+  constexpr double square = 0.1;  // sine of the angle by which a ridge may be off that
+  constexpr double sharp = 0.35;  // a triangle does not lie along ridges that bend less [rad]
+  double most = reach + padding;
+  file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+    if (ridge.angle < sharp) return;
+    const Vector3 along = ridge.ends[1] - ridge.ends[0];
+    if (std::abs(normal.dot(along)) > square * along.norm()) return;
+    if (normal.dot(ridge.normal) <= 0) return;
+    visit(ridge.ends[0], ridge.ends[1], padding);
+  });
+}
+
+bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach) const {
+  double most = reach + padding;
+  if (!t) return is_near(file->solid, box, most);
   bool found = false;
-  double most = reach + mesh.padding;
-  mesh.file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+  file->solid.visit_ridges(*t, most, [&](const Solid::Ridge& ridge) {
     const Box line = Box(ridge.ends[0]).extend(ridge.ends[1]);
-    found = found || overlap(line, box, reach + mesh.padding);
+    found = found || overlap(line, box, reach + padding);
     if (found) most = -1;
   });
   return found;

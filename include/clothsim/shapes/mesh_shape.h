@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "clothsim/shapes/shape_answers.h"
+
+namespace clothsim {
+
+struct MeshFile;
+
+/// A solid of triangles in its own frame, grown by a padding with round edges.
+struct MeshShape {
+  static constexpr const char* name = "mesh";
+  std::shared_ptr<const MeshFile> file;  // never null where distances are asked for
+  double padding = 0;                    // [m]
+
+  // What shape.h asks of each.
+  static constexpr bool is_convex = false;
+  bool operator==(const MeshShape& m) const { return file == m.file && padding == m.padding; }
+  double safe_depth() const;
+  double bounding_radius() const;
+  double corner_distance(double edge, double offset) const;
+  NearSurface near_surface(double x, double y, double z, double) const;
+  std::optional<double> entry(const Vector3& from, const Vector3& way, double offset) const;
+  std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
+  void visit_lines(const Triangle&, const Vector3& normal, double reach, const VisitLine&) const;
+  bool may_touch(const Box&, const Triangle*, double reach) const;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,77 @@
+#include "clothsim/shapes/capsule.h"
+
+#include "shape_parts.h"
+
+namespace clothsim {
+namespace {
+
+/// How a triangle that the axis passes through gets off it.
+FaceDistance way_off(const Vector3& low, const Vector3& high, const Triangle& t) {
+  WayOut way;
+  const Vector3 n = unit_normal(t);
+  for (const Vector3& out : {n, Vector3(-n)}) {
+    if (n.isZero(0)) break;
+    const Vector3& end = out.dot(high) > out.dot(low) ? high : low;
+    way.add(out.dot(end - t[0]), out, closest_on_triangle(end, t[0], t[1], t[2]));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3 across = (high - low).cross(edge(t, i));
+    const double length = across.norm();
+    if (length * length <= parallel * (high - low).squaredNorm() * edge(t, i).squaredNorm()) {
+      continue;
+    }
+    for (const double sign : {-1.0, 1.0}) {
+      const Vector3 out = sign / length * across;
+      way.add_across(out.dot(low - t[lowest(t, out)]), out, t, i, low, high);
+    }
+  }
+  if (std::isinf(way.shortest().value)) way.add(0, Vector3::UnitX(), corner(0));  // all on a line
+  return way.shortest();
+}
+
+}  // namespace
+
+std::optional<double> Capsule::entry(const Vector3& from, const Vector3& way, double offset) const {
+  std::optional<double> first;
+  const auto take = [&](std::optional<double> t) {
+    if (t && (!first || *t < *first)) first = t;
+  };
+  // Its round ends, and between them the cylinder.
+  for (const double end : {-length / 2, length / 2}) {
+    take(Sphere{radius}.entry(from - Vector3(0, 0, end), way, offset));
+  }
+  const double kept = radius + offset;
+  const Eigen::Vector2d from2 = from.head<2>(), way2 = way.head<2>();
+  const double c = from2.squaredNorm() - kept * kept;
+  if (c > 0) {
+    const auto t = first_root(way2.squaredNorm(), from2.dot(way2), c);
+    if (t && std::abs(from.z() + *t * way.z()) <= length / 2) take(t);
+  }
+  return first;
+}
+
+std::optional<FaceDistance> Capsule::face_distance(const Triangle& t, double reach) const {
+  const Vector3 high(0, 0, length / 2), low = -high;
+  // A box about the triangle tells most that are far.
+  if (outside(box_of(t), high) > reach + radius) return std::nullopt;
+  if (passes_through(low, high, t)) {
+    FaceDistance way = way_off(low, high, t);
+    way.value *= -1;
+    return within(reach, way, radius);
+  }
+  Closest closest;
+  for (const Vector3& end : {low, high}) {
+    closest.add(end, t, closest_on_triangle(end, t[0], t[1], t[2]));
+  }
+  closest.add_line(low, high, t);
+  if (closest.least() > 0) return within(reach, closest.result(), radius);
+  FaceDistance way = way_off(low, high, t);  // they just touch
+  way.value = 0;
+  return within(reach, way, radius);
+}
+
+bool Capsule::may_touch(const Box& box, const Triangle*, double reach) const {
+  return outside(box, {0, 0, length / 2}) <= radius + reach;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,149 @@
+#include "clothsim/shapes/cuboid.h"
+
+#include "shape_parts.h"
+
+namespace clothsim {
+namespace {
+
+/// The corner of a box that lies farthest along `direction`.
+Vector3 box_corner(const Vector3& half, const Vector3& direction) {
+  return {direction.x() < 0 ? -half.x() : half.x(), direction.y() < 0 ? -half.y() : half.y(),
+          direction.z() < 0 ? -half.z() : half.z()};
+}
+
+/// The shortest way out of a box; not into it, so that the way is negative for a triangle outside.
+FaceDistance way_out(const Vector3& half, const Triangle& t) {
+  WayOut way;
+  const auto try_along = [&](const Vector3& out, std::optional<std::size_t> on, int axis) {
+    const std::size_t low = lowest(t, out);
+    const double length = out.cwiseAbs().dot(half) - out.dot(t[low]);
+    if (length >= way.shortest().value) return;
+    const Vector3 support = box_corner(half, out);
+    if (on) {
+      Vector3 other = support;
+      other[axis] *= -1;
+      way.add_across(length, out, t, *on, support, other);
+    } else {
+      way.add(length, out, axis < 0 ? closest_on_triangle(support, t[0], t[1], t[2]) : corner(low));
+    }
+  };
+
+  for (int axis = 0; axis < 3; ++axis) {
+    try_along(Vector3::Unit(axis), {}, axis);
+    try_along(-Vector3::Unit(axis), {}, axis);
+  }
+  const Vector3 n = unit_normal(t);
+  if (!n.isZero(0)) {
+    try_along(n, {}, -1);
+    try_along(-n, {}, -1);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3 across = Vector3::Unit(axis).cross(edge(t, i));
+      const double length = across.norm();
+      if (length * length <= parallel * edge(t, i).squaredNorm()) continue;
+      try_along(across / length, i, axis);
+      try_along(-across / length, i, axis);
+    }
+  }
+  return way.shortest();
+}
+
+/// How near the edges and corners of a box come to a triangle; those farther than `reach` are left
+/// out.
+Closest to_edges_and_corners(const Vector3& half, const Triangle& t, double reach) {
+  const Box box = box_of(t);
+  bool near[3][2];  // faces of the box, by axis and side
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {0, 1}) {
+      const double at = side ? half[axis] : -half[axis];
+      near[axis][side] = at >= box.min()[axis] - reach && at <= box.max()[axis] + reach;
+    }
+  }
+  Closest closest;
+  for (int index = 0; index < 8; ++index) {
+    const std::array<int, 3> side{index & 1, (index >> 1) & 1, index >> 2};
+    const Vector3 low = Box(-half, half).corner(static_cast<Box::CornerType>(index));
+    if (near[0][side[0]] && near[1][side[1]] && near[2][side[2]]) {
+      closest.add(low, t, closest_on_triangle(low, t[0], t[1], t[2]));
+    }
+    // The edges that go up from it.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+      if (side[axis] == 1 || !near[u][side[u]] || !near[v][side[v]]) continue;
+      Vector3 high = low;
+      high[static_cast<Eigen::Index>(axis)] *= -1;
+      closest.add_line(low, high, t);
+    }
+  }
+  return closest;
+}
+
+}  // namespace
+
+std::optional<double> Cuboid::entry(const Vector3& from, const Vector3& way, double offset) const {
+  double in = 0, out = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = size[axis] / 2 + offset;
+    if (way[axis] == 0) {
+      if (std::abs(from[axis]) > half) return std::nullopt;
+      continue;
+    }
+    const double towards = way[axis] > 0 ? 1 : -1;
+    in = std::max(in, (-towards * half - from[axis]) / way[axis]);
+    out = std::min(out, (towards * half - from[axis]) / way[axis]);
+  }
+  if (in > out) return std::nullopt;
+  return in;
+}
+
+std::optional<FaceDistance> Cuboid::face_distance(const Triangle& t, double reach) const {
+  const Vector3 half = size / 2;
+  const double apart = outside(box_of(t), half);
+  if (apart > reach) return std::nullopt;
+
+  if (apart <= 0) {
+    FaceDistance way = way_out(half, t);
+    if (way.value >= 0) {
+      way.value *= -1;
+      return way;
+    }
+  }
+
+  // The faces of the box bound the corners of the triangle, its edges and corners the rest.
+  FaceDistance nearest;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Distance d = near_surface(t[i].x(), t[i].y(), t[i].z(), 0);
+    if (d.value < nearest.value) nearest = {d.value, d.normal, corner(i)};
+  }
+  const Closest features = to_edges_and_corners(half, t, reach);
+  if (features.least() > 0 && features.least() <= nearest.value) nearest = features.result();
+  return within(reach, nearest);
+}
+
+void Cuboid::visit_lines(const Triangle&, const Vector3& normal, double,
+                         const VisitLine& visit) const {
+  const Vector3 support = box_corner(size / 2, normal);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector3 other = support;
+    other[axis] *= -1;
+    visit(support, other, 0);
+  }
+}
+
+/// Does what is in `box` reach into this one, or an edge of this one within `reach` of it? There is
+/// none where it is between the faces along two axes.
+bool Cuboid::may_touch(const Box& box, const Triangle*, double reach) const {
+  const Vector3 half = size / 2;
+  if (outside(box, half) > reach) return false;
+  int between = 0;
+  bool apart = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double least = box.min()[axis], most = box.max()[axis];
+    if (least - reach > -half[axis] && most + reach < half[axis]) ++between;
+    apart = apart || least > half[axis] || most < -half[axis];
+  }
+  return between < 2 || !apart;
+}
+
+}  // namespace clothsim
