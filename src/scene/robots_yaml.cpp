@@ -8,7 +8,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/resource.h"
-#include "clothsim/scene/robots.h"
+#include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/urdf.h"
 #include "clothsim/scene/yaml_values.h"
 #include "clothsim/shapes/mesh_file.h"
@@ -86,26 +86,17 @@ void check_links(const Robot& robot) {
   }
 }
 
-// The shapes, with the padding all around.
-
-std::vector<Shape> padded(const Sphere& sphere, const Robot& robot) {
-  return {Sphere{sphere.radius + robot.padding}};
+/// Of a geometry; those of a file may be several.
+template <class S>
+std::vector<Shape> shapes_of(const S& shape, const Robot&) {
+  return {shape};
 }
-std::vector<Shape> padded(const Cuboid& box, const Robot& robot) {
-  return {Cuboid{box.size + Vector3::Constant(2 * robot.padding)}};
-}
-std::vector<Shape> padded(const Cylinder& cylinder, const Robot& robot) {
-  return {Cylinder{cylinder.length + 2 * robot.padding, cylinder.radius + robot.padding}};
-}
-std::vector<Shape> padded(const Capsule& capsule, const Robot& robot) {
-  return {Capsule{capsule.length, capsule.radius + robot.padding}};
-}
-std::vector<Shape> padded(const Urdf::Mesh& mesh, const Robot& robot) {
+std::vector<Shape> shapes_of(const Urdf::Mesh& mesh, const Robot& robot) {
   check_range("scale", mesh.scale.cwiseAbs(), mesh_scale_range);
   const std::filesystem::path path = find_resource(mesh.file, robot.folder);
   std::vector<Shape> shapes;
   for (const auto& file : read_mesh_files(path, uri_of(mesh.file, path), mesh.scale)) {
-    shapes.push_back(MeshShape{file, robot.padding});
+    shapes.push_back(MeshShape{file});
   }
   return shapes;
 }
@@ -116,7 +107,7 @@ std::vector<ColliderSpec> colliders_of(const Urdf::Link& link, const Urdf::Colli
   if (!collision.fault.empty()) throw InvalidValue({}, collision.fault, "a collision geometry");
   std::vector<ColliderSpec> colliders;
   const auto shapes =
-      std::visit([&](const auto& s) { return padded(s, robot); }, collision.geometry);
+      std::visit([&](const auto& s) { return shapes_of(s, robot); }, collision.geometry);
   for (const Shape& shape : shapes) {
     ColliderSpec collider;
     collider.frame = robot.prefix + link.name;
@@ -124,7 +115,7 @@ std::vector<ColliderSpec> colliders_of(const Urdf::Link& link, const Urdf::Colli
     collider.offset = collision.origin;
     collider.offset.orientation.normalize();
     collider.friction = robot.friction;
-    collider.shape = shape;
+    collider.shape = padded(shape, robot.padding);
     collider.name = link.name;
     validate(collider);
     colliders.push_back(collider);

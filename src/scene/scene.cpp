@@ -5,6 +5,7 @@
 #include <map>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/colliders_yaml.h"
 
 namespace clothsim {
 namespace {
@@ -15,44 +16,8 @@ constexpr Range gusts_range{0, 300, "m/s"};
 constexpr Range frames_per_second_range{1e-3, 1e6, "Hz"};
 constexpr Range strain_tolerance_range{1e-9, 1, ""};
 constexpr Range tolerance_range{1e-9, 1, ""};
-constexpr Range size_range{1e-6, 1e6, "m"};
-constexpr Range padding_range{0, 1e3, "m"};
-constexpr Range friction_range{0, 1e6, ""};
-constexpr Range position_range{-1e6, 1e6, "m"};
 constexpr Range linear_range{-1e6, 1e6, "m/s"};
 constexpr Range angular_range{-1e6, 1e6, "rad/s"};
-
-void validate(const Sphere& sphere, const Pose& pose) {
-  check_range("center", pose.position, position_range);
-  check_range("radius", sphere.radius, size_range);
-}
-
-void validate(const Plane&, const Pose& pose) {
-  check_range("point", pose.position, position_range);
-}
-
-void validate(const Capsule& capsule, const Pose& pose) {
-  check_range("center", pose.position, position_range);
-  check_range("length", capsule.length, size_range);
-  check_range("radius", capsule.radius, size_range);
-}
-
-void validate(const Cuboid& box, const Pose& pose) {
-  check_range("center", pose.position, position_range);
-  check_range("size", box.size, size_range);
-}
-
-void validate(const Cylinder& cylinder, const Pose& pose) {
-  check_range("center", pose.position, position_range);
-  check_range("length", cylinder.length, size_range);
-  check_range("radius", cylinder.radius, size_range);
-}
-
-void validate(const MeshShape& mesh, const Pose& pose) {
-  check_range("center", pose.position, position_range);
-  if (!mesh.file) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
-  check_range("padding", mesh.padding, padding_range);
-}
 
 void validate(const std::vector<ColliderSpec>& colliders) {
   if (colliders.size() > max_colliders) {
@@ -153,18 +118,6 @@ void validate_motions(const Scene& scene) {
 }
 
 }  // namespace
-
-void validate(const ColliderSpec& collider) {
-  if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
-  std::visit([&](const auto& shape) { validate(shape, collider.pose); }, collider.shape);
-  check_orientation(collider.pose.orientation);
-  inside("pose", [&] {
-    check_range("xyz", collider.offset.position, position_range);
-    check_orientation(collider.offset.orientation);
-  });
-  check_range("friction", collider.friction, friction_range);
-  check_frame(collider.frame);
-}
 
 LiveSpec live_values(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;

@@ -3,11 +3,9 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/model/resource.h"
+#include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/fabric_yaml.h"
-#include "clothsim/scene/robots.h"
 #include "clothsim/scene/yaml_values.h"
-#include "clothsim/shapes/mesh_file.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and where their values go.
 // Types are checked here, ranges in validate().
@@ -92,137 +90,6 @@ ClothSpec read_cloth(const YAML::Node& node) {
   return cloth;
 }
 
-/// Rotation that takes +z to the direction of `normal`.
-Eigen::Quaterniond read_normal(const YAML::Node& node) {
-  const Vector3 normal = read_vector(node);
-  if (!(normal.stableNorm() >= written_rounding)) {
-    throw InvalidValue({}, describe(node), "a direction, of a length of at least 1e-06");
-  }
-  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal.stableNormalized());
-}
-
-}  // namespace
-
-Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
-  const Vector3 angles = read_vector(node);
-  return Eigen::AngleAxisd(angles.z(), Vector3::UnitZ()) *
-         Eigen::AngleAxisd(angles.y(), Vector3::UnitY()) *
-         Eigen::AngleAxisd(angles.x(), Vector3::UnitX());
-}
-
-void read_pose(const YAML::Node& node, Pose& pose) {
-  const auto read_rpy = [&](const YAML::Node& angles) {
-    pose.orientation = read_roll_pitch_yaw(angles);
-  };
-  read_map(node, {{"xyz", into(pose.position)}, {"rpy", read_rpy}});
-}
-
-namespace {
-
-// The keys of each shape, beside those that all have.
-
-std::vector<Field> shape_fields(Sphere& sphere, Pose& pose) {
-  return {{"center", into(pose.position)}, {"radius", into(sphere.radius)}};
-}
-
-std::vector<Field> shape_fields(Plane& plane, Pose& pose) {
-  return {{"point", into(pose.position)},
-          {"normal", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
-          {"two_sided", into(plane.two_sided)}};
-}
-
-std::vector<Field> shape_fields(Capsule& capsule, Pose& pose) {
-  return {{"center", into(pose.position)},
-          {"axis", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
-          {"length", into(capsule.length)},
-          {"radius", into(capsule.radius)}};
-}
-
-std::vector<Field> shape_fields(Cuboid& box, Pose& pose) {
-  return {
-      {"center", into(pose.position)},
-      {"size", into(box.size)},
-      {"rpy", [&pose](const YAML::Node& node) { pose.orientation = read_roll_pitch_yaw(node); }}};
-}
-
-std::vector<Field> shape_fields(Cylinder& cylinder, Pose& pose) {
-  return {{"center", into(pose.position)},
-          {"axis", [&pose](const YAML::Node& node) { pose.orientation = read_normal(node); }},
-          {"length", into(cylinder.length)},
-          {"radius", into(cylinder.radius)}};
-}
-
-std::vector<Field> shape_fields(MeshShape& mesh, Pose& pose) {
-  return {
-      {"center", into(pose.position)},
-      {"padding", into(mesh.padding)},
-      {"rpy", [&pose](const YAML::Node& node) { pose.orientation = read_roll_pitch_yaw(node); }}};
-}
-
-/// A mesh that is yet to be loaded.
-struct MeshSource {
-  std::string file;
-  Vector3 scale{1, 1, 1};  // [m] a unit of the file
-
-  std::vector<Field> fields() {
-    const auto read_scale = [this](const YAML::Node& node) {
-      scale = node.IsSequence() ? read_vector(node)
-                                : Vector3::Constant(read_number(node, "a number or [x, y, z]"));
-    };
-    return {{"file", into(file)}, {"scale", read_scale}};
-  }
-
-  std::shared_ptr<const MeshFile> load(const std::filesystem::path& folder) const {
-    check_range("scale", scale.cwiseAbs(), mesh_scale_range);
-    if (file.empty()) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
-    std::shared_ptr<const MeshFile> mesh;
-    inside("file", [&] {
-      const std::filesystem::path path = find_resource(file, folder);
-      mesh = read_mesh_file(path, uri_of(file, path), scale);
-    });
-    return mesh;
-  }
-};
-
-/// One of each kind.
-template <std::size_t... index>
-std::vector<Shape> all_shapes(std::index_sequence<index...>) {
-  return {std::variant_alternative_t<index, Shape>()...};
-}
-
-ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) {
-  const std::vector<Shape> kinds =
-      all_shapes(std::make_index_sequence<std::variant_size_v<Shape>>());
-  std::vector<std::string> shapes;
-  for (const Shape& kind : kinds) {
-    shapes.push_back(std::visit([](const auto& s) { return s.name; }, kind));
-  }
-  if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
-
-  // The shape decides which keys there are.
-  int shape = 0;
-  inside("shape", [&] { shape = read_choice(node["shape"], shapes); });
-
-  ColliderSpec collider;
-  collider.name = shapes[static_cast<size_t>(shape)];
-  std::vector<Field> fields = {
-      {"name", into(collider.name)},
-      {"shape", [](const YAML::Node&) {}},
-      {"friction", into(collider.friction)},
-      {"frame", into(collider.frame)},
-      {"enabled", into(collider.enabled)},
-      {"pose", [&](const YAML::Node& pose) { read_pose(pose, collider.offset); }}};
-  collider.shape = kinds[static_cast<size_t>(shape)];
-  std::visit([&](auto& kind) { append(shape_fields(kind, collider.pose), fields); },
-             collider.shape);
-  MeshSource source;
-  auto* mesh = std::get_if<MeshShape>(&collider.shape);
-  if (mesh) append(source.fields(), fields);
-  read_map(node, fields);
-  if (mesh) mesh->file = source.load(sources.folder);
-  return collider;
-}
-
 /// A count, or auto.
 void read_substeps(const YAML::Node& node, std::optional<int>& substeps) {
   if (is_word(node, "auto")) {
@@ -294,6 +161,20 @@ void read_simulation(const YAML::Node& node, std::vector<Field> others, Simulati
 }
 
 }  // namespace
+
+Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
+  const Vector3 angles = read_vector(node);
+  return Eigen::AngleAxisd(angles.z(), Vector3::UnitZ()) *
+         Eigen::AngleAxisd(angles.y(), Vector3::UnitY()) *
+         Eigen::AngleAxisd(angles.x(), Vector3::UnitX());
+}
+
+void read_pose(const YAML::Node& node, Pose& pose) {
+  const auto read_rpy = [&](const YAML::Node& angles) {
+    pose.orientation = read_roll_pitch_yaw(angles);
+  };
+  read_map(node, {{"xyz", into(pose.position)}, {"rpy", read_rpy}});
+}
 
 void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
   std::vector<Field> fields;

@@ -6,6 +6,15 @@
 
 namespace clothsim {
 
+/// Range of a collider's friction.
+inline constexpr Range friction_range{0, 1e6, ""};
+
+/// Reads one item of a scene's list `colliders`. Throws InvalidValue.
+ColliderSpec read_collider(const YAML::Node&, const SceneSources&);
+
+/// The shape with `padding` [m] all around.
+Shape padded(const Shape&, double padding);
+
 /// Reads one item of a scene's list `robots`: adds a collider for each collision of the links it
 /// names, called ROBOT/LINK, that follows the link's frame. What cannot be used is left out, with a
 /// line in scene.left_out. Throws InvalidValue for keys, a URDF that is none, an unknown link.
