@@ -3,18 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clothsim/render/solid_mesh.h"
-#include "clothsim/shapes/mesh_file.h"
-
 namespace clothsim {
 namespace {
-
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
 
 /// A grid of (columns + 1) x (rows + 1) vertices, uv from 0 to 1, with its triangles and lines.
 /// Positions, normals and tangents are left to the caller.
@@ -162,17 +152,6 @@ Mesh box_mesh(const Vector3& half_sides, int segments) {
     for (const auto& [a, b] : face.lines) mesh.lines.push_back({first + a, first + b});
   }
   return mesh;
-}
-
-Mesh make_mesh(const Shape& shape, int segments, double extent) {
-  return std::visit(
-      Overloaded{[&](const Sphere& s) { return sphere_mesh(s.radius, segments, segments); },
-                 [&](const Plane&) { return plane_mesh(extent, segments); },
-                 [&](const Capsule& c) { return capsule_mesh(c, segments, segments); },
-                 [&](const Cylinder& c) { return cylinder_mesh(c, segments, segments); },
-                 [&](const MeshShape& m) { return solid_mesh(m.file->solid, m.padding); },
-                 [&](const Cuboid& b) { return box_mesh(b.size / 2, segments); }},
-      shape);
 }
 
 }  // namespace clothsim

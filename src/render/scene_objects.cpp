@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "clothsim/model/surface.h"
+#include "clothsim/render/shape_drawing.h"
 #include "clothsim/render/tube.h"
 
 namespace clothsim {
@@ -107,12 +109,10 @@ double ClothObject::dip_below_sphere(const Vector3& center, double radius) const
 }
 
 void ColliderObject::update(const ColliderView& view) {
-  const bool flat =
-      (std::holds_alternative<Plane>(view.shape) || std::holds_alternative<Cuboid>(view.shape)) &&
-      !std::holds_alternative<Displacement>(view.shading);
+  const ShapeDrawing drawing = drawing_of(view.shape);
+  const bool flat = drawing.is_flat && !std::holds_alternative<Displacement>(view.shading);
   const int segments = flat ? flat_segments : view.segments;
-  const auto* sphere = std::get_if<Sphere>(&view.shape);
-  sphere_radius_ = sphere ? std::optional<double>(sphere->radius) : std::nullopt;
+  sphere_radius_ = drawing.sphere_radius;
   before_ = std::exchange(
       placement_,
       Placement{view.pose.orientation.normalized().toRotationMatrix(), view.pose.position});
@@ -121,7 +121,7 @@ void ColliderObject::update(const ColliderView& view) {
       made_of_->extent == view.extent) {
     return;
   }
-  shape_mesh_ = make_mesh(view.shape, segments, view.extent);
+  shape_mesh_ = drawing.mesh(segments, view.extent);
   mesh_.upload_topology(shape_mesh_.uv, shape_mesh_.triangles, shape_mesh_.lines);
   mesh_.upload_surface(shape_mesh_.positions, shape_mesh_.normals, shape_mesh_.tangents);
   made_of_ = {view.shape, segments, view.extent};
@@ -139,7 +139,7 @@ DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& e
   item.translation = placement_->origin - eye;
   item.before = before_;
   item.sphere_radius = sphere_radius_;
-  item.is_plane = std::holds_alternative<Plane>(view.shape);
+  item.is_unbounded = std::isinf(bounding_radius(view.shape));
   return item;
 }
 

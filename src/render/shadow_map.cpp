@@ -21,7 +21,7 @@ constexpr double nearest_share = 1e-3;
 }  // namespace
 
 bool casts_shadow(const DrawItem& item) {
-  return !item.is_plane && !std::holds_alternative<Wireframe>(*item.shading);
+  return !item.is_unbounded && !std::holds_alternative<Wireframe>(*item.shading);
 }
 
 std::optional<Camera> light_camera(const Vector3& light, const std::vector<DrawItem>& items) {

@@ -6,8 +6,8 @@
 
 #include "clothsim/model/surface.h"
 #include "clothsim/render/shading.h"
+#include "clothsim/render/shape_drawing.h"
 #include "clothsim/ros/conversions.h"
-#include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim_ros {
 namespace {
@@ -18,10 +18,8 @@ using visualization_msgs::Marker;
 /// collider does not show through where the cloth spans its curve between two points.
 constexpr double skin = 0.0005;
 
-constexpr double line_width = 0.001;      // [m]
-constexpr double pin_diameter = 0.02;     // [m]
-constexpr double plane_size = 4;          // [m] an unbounded plane is shown as a square plate
-constexpr double plate_thickness = 0.01;  // [m] of that plate, on the solid side
+constexpr double line_width = 0.001;   // [m]
+constexpr double pin_diameter = 0.02;  // [m]
 
 std_msgs::ColorRGBA color(float r, float g, float b) {
   std_msgs::ColorRGBA msg;
@@ -102,45 +100,23 @@ std::vector<Marker> make_springs(const clothsim::Cloth& cloth, const clothsim::P
   return markers;
 }
 
-/// A solid that RViz can draw, about `center` of its collider's own frame.
-struct Part {
-  int type;
-  clothsim::Vector3 size;
-  clothsim::Vector3 center{0, 0, 0};
-  std::string file = "";  // of a mesh
-};
-
-std::vector<Part> parts_of(const clothsim::Sphere& sphere) {
-  return {{Marker::SPHERE, clothsim::Vector3::Constant(2 * sphere.radius)}};
+/// RViz loads files itself.
+int type_of(const clothsim::Primitive& primitive) {
+  switch (primitive.kind) {
+    case clothsim::Primitive::Kind::ball:
+      return Marker::SPHERE;
+    case clothsim::Primitive::Kind::cylinder:
+      return Marker::CYLINDER;
+    case clothsim::Primitive::Kind::box:
+      return Marker::CUBE;
+    case clothsim::Primitive::Kind::file:
+      break;
+  }
+  return Marker::MESH_RESOURCE;
 }
 
-std::vector<Part> parts_of(const clothsim::Plane& plane) {
-  const double middle = plane.two_sided ? 0 : -plate_thickness / 2;
-  return {{Marker::CUBE, {plane_size, plane_size, plate_thickness}, {0, 0, middle}}};
-}
-
-std::vector<Part> parts_of(const clothsim::Capsule& capsule) {
-  const double width = 2 * capsule.radius;
-  const clothsim::Vector3 end(0, 0, capsule.length / 2);
-  const clothsim::Vector3 ball = clothsim::Vector3::Constant(width);
-  return {{Marker::CYLINDER, {width, width, capsule.length}},
-          {Marker::SPHERE, ball, end},
-          {Marker::SPHERE, ball, -end}};
-}
-
-std::vector<Part> parts_of(const clothsim::Cylinder& cylinder) {
-  return {{Marker::CYLINDER, {2 * cylinder.radius, 2 * cylinder.radius, cylinder.length}}};
-}
-
-/// RViz loads the file itself.
-std::vector<Part> parts_of(const clothsim::MeshShape& mesh) {
-  return {{Marker::MESH_RESOURCE, mesh.file->scale, {0, 0, 0}, mesh.file->uri}};
-}
-
-std::vector<Part> parts_of(const clothsim::Cuboid& box) { return {{Marker::CUBE, box.size}}; }
-
-/// The first part of collider i has the id i, its next ones have i + the number of colliders and so
-/// on: no two are equal.
+/// The first primitive of collider i has the id i, its next ones have i + the number of colliders
+/// and so on: no two are equal.
 void add_collider(const clothsim::Simulator& simulator, int index, const std_msgs::Header& header,
                   std::vector<Marker>& markers) {
   const auto& colliders = simulator.scene().colliders;
@@ -148,10 +124,10 @@ void add_collider(const clothsim::Simulator& simulator, int index, const std_msg
   const clothsim::Shape& shape = colliders[static_cast<size_t>(index)].shape;
   int id = index;
   const bool shown = simulator.collider_enabled(index);
-  for (const Part& part : std::visit([](const auto& s) { return parts_of(s); }, shape)) {
-    Marker marker = make_marker(header, "colliders", id, part.type, color(0.60f, 0.67f, 0.74f));
+  for (const clothsim::Primitive& part : clothsim::drawing_of(shape).primitives) {
+    Marker marker = make_marker(header, "colliders", id, type_of(part), color(0.60f, 0.67f, 0.74f));
     set_scale(marker, part.size.x(), part.size.y(), part.size.z());
-    marker.mesh_resource = part.file;
+    marker.mesh_resource = part.uri;
     marker.pose = to_pose_msg({pose.position + pose.orientation * part.center, pose.orientation});
     if (!shown) marker.action = Marker::DELETE;
     markers.push_back(std::move(marker));

@@ -82,7 +82,7 @@ Mesh cloth_mesh(const Snapshot& snapshot) {
 }
 
 Mesh collider_mesh(const ColliderView& view) {
-  Mesh mesh = make_mesh(view.shape, view.segments, view.extent);
+  Mesh mesh = drawing_of(view.shape).mesh(view.segments, view.extent);
   const Eigen::Matrix3d rotation = view.pose.orientation.toRotationMatrix();
   mesh.positions =
       (mesh.positions * rotation.transpose()).rowwise() + view.pose.position.transpose();

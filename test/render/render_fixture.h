@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "clothsim/model/cloth.h"
-#include "clothsim/render/mesh.h"
 #include "clothsim/render/renderer.h"
+#include "clothsim/render/shape_drawing.h"
 
 namespace clothsim {
 

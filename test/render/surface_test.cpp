@@ -85,7 +85,7 @@ TEST(Surface, MeshesOfShapesHaveUnitNormalsOutwardAndTangentsAlongU) {
 TEST(Surface, MeshesOfShapesLieOnTheirSurface) {
   for (const Shape& shape :
        {Shape(Capsule{0.5, 0.1}), Shape(Cuboid{{0.2, 0.3, 0.4}}), Shape(Cylinder{0.4, 0.1})}) {
-    const Mesh mesh = make_mesh(shape, 16, 1);
+    const Mesh mesh = drawing_of(shape).mesh(16, 1);
     for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
       const Vector3 p = mesh.positions.row(i), n = mesh.normals.row(i), out = p + 1e-3 * n;
       EXPECT_NEAR(signed_distance(shape, p, p).value, 0, 1e-12);

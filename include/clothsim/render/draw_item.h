@@ -38,7 +38,7 @@ struct DrawItem {
   Vector3 translation;                  // [m] of the mesh's origin from the camera
   std::optional<Placement> before;      // at the last picture; empty: it was not there
   std::optional<double> sphere_radius;  // [m] of a sphere about the mesh's origin
-  bool is_plane = false;
+  bool is_unbounded = false;
   double dip = 0;  // [m] how far the cloth's triangles may lie below this object's surface
 };
 

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "clothsim/model/types.h"
-#include "clothsim/shapes/shape.h"
+#include "clothsim/shapes/capsule.h"
+#include "clothsim/shapes/cylinder.h"
 
 namespace clothsim {
 
@@ -17,14 +18,6 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from outside
   std::vector<std::array<int, 2>> lines;        // the grid the triangles come from
 };
-
-/// Mesh of `shape` in its own frame, `segments` around and along. A sphere's u goes around +z and
-/// its v from pole to pole, those of a capsule or a cylinder likewise, v in proportion to the way
-/// (from the middle of one flat end to that of the other); a box has u
-/// and v from 0 to 1 on each face; a plane is a square of side `extent` [m] about the origin, u and
-/// v in metres along x and y, so that textures repeat. A mesh keeps its triangles: see
-/// solid_mesh().
-Mesh make_mesh(const Shape& shape, int segments, double extent);
 
 /// Sphere of columns x rows faces. Vertices lie on the sphere.
 Mesh sphere_mesh(double radius, int columns, int rows);
