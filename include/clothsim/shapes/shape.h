@@ -14,15 +14,13 @@ namespace clothsim {
 /// The closed list of shapes. Each has a name that scenes know it by, equality, whether it is
 /// convex (what moves away from it does not come back), and members that the functions over all
 /// shapes find by std::visit: the compiler asks for those that a new one lacks. Those of the same
-/// name do what the function does, and
-/// - near_surface() tells signed_distance() of (x, y, z), with the z of `side`, without branches
-/// for
-///   loops that it is inlined into;
-/// - entry() tells the share of `way` after which entry_point() is, beyond 1 where that is too
-/// short;
-/// - visit_lines() visits the lines of edges_along() that support it along `normal`;
-/// - may_touch() tells touches_between_corners() of a box, and of the triangle if it is that of
-/// one.
+/// name do what the function does.
+/// - near_surface() is signed_distance() of (x, y, z), with the z of `side`: without branches, for
+///   the loops that it is inlined into.
+/// - entry() is the share of `way` after which entry_point() lies, over 1 where the way is too
+///   short.
+/// - visit_lines() visits the lines of edges_along() that support it along `normal`.
+/// - may_touch() is touches_between_corners() of a box, and of a triangle where it is one's.
 using Shape = std::variant<Sphere, Plane, Capsule, Cuboid, Cylinder, MeshShape>;
 
 /// Distance from `point` to the surface, both in the shape's own frame. `side`: where the point
