@@ -112,13 +112,11 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       both.nearest = nearest_->of(a, b, k);
       if (is_near && k >= TileFeatures::points) {
         pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest});
-      } else if (is_near) {
-        // Beyond the border no other triangle is nearer. A slot may keep these apart already.
-        if ((distances.within[k][i] > -beside || distance < nearest || nearest_->at_border(a) ||
-             nearest_->at_border(b)) &&
-            !slots_.covers(both, distance)) {
-          found.slots.push_back(both);
-        }
+      } else if (is_near &&
+                 (distances.within[k][i] > -beside || distance < nearest ||
+                  nearest_->at_border(a) || nearest_->at_border(b)) &&
+                 !slots_.covers(both, distance)) {  // a slot may keep these apart already
+        found.slots.push_back(both);                // beyond the border no triangle is nearer
       }
       if (may_meet) {
         const Separation s = separation(both, last_);

@@ -214,6 +214,16 @@ INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile,
                                            std::pair(100.0, 1), std::pair(100.0, 2),
                                            std::pair(100.0, 5), std::pair(100.0, 6)));
 
+std::vector<std::pair<double, std::uint64_t>> at_100_m_s(std::uint64_t seeds) {
+  std::vector<std::pair<double, std::uint64_t>> result;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) result.emplace_back(100, seed);
+  return result;
+}
+
+// Two minutes: run by hand.
+INSTANTIATE_TEST_SUITE_P(DISABLED_FiftySeeds, SphereThroughPile,
+                         ::testing::ValuesIn(at_100_m_s(50)));
+
 TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
   // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not
   // cross, and trembles no faster than this; 0.01 m/s rms were measured.
