@@ -9,7 +9,7 @@ import sys
 
 PACKAGE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = PACKAGE / "docs/constants.md"
-FLOORS = ("dynamics", "search", "constraints", "scene", "simulation", "run")
+FLOORS = ("geometry", "dynamics", "shapes", "search", "constraints", "scene", "simulation", "run")
 
 HEAD = """# Constants
 

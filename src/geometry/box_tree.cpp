@@ -4,13 +4,6 @@
 #include <tuple>
 
 namespace clothsim {
-namespace {
-
-/// Boxes a node may have without children: few enough to look at all pairs, enough to keep the
-/// tree small.
-constexpr int most_leaves = 4;
-
-}  // namespace
 
 BoxTree::BoxTree(const std::vector<Box>& boxes) {
   leaves_.reserve(boxes.size());

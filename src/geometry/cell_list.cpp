@@ -11,7 +11,7 @@ namespace {
 
 /// 21 bits a coordinate, x lowest, so that cells along x follow each other. Cells farther than a
 /// million from the first point's share the outermost one: slower, never wrong.
-constexpr int bits = 21;
+enum { bits = 21 };
 constexpr std::int64_t last_cell = (std::int64_t{1} << bits) - 2;  // leaves room for a neighbour
 
 std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {

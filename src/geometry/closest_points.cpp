@@ -5,10 +5,6 @@
 namespace clothsim {
 namespace {
 
-/// Sine squared below which two directions are parallel: beyond, rounding decides where they are
-/// closest.
-constexpr double parallel = 1e-14;
-
 /// From 0 to 1 on a -> b, where it is closest to p.
 double closest_on_segment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 d = b - a;

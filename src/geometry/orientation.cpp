@@ -110,7 +110,7 @@ class Expansion {
   /// The most parts a determinant has. A sum has as many as both, a product twice as many as one
   /// times the other. So a difference of coordinates has 2, a product of two 8, less another one
   /// 16, times a difference 64, and three of these:
-  static constexpr std::size_t capacity = 192;
+  enum : std::size_t { capacity = 192 };
 
   double last() const { return parts_[size_ - 1]; }
   void append(double part) {

@@ -15,7 +15,6 @@ struct LeastOnEdge {
 };
 
 LeastOnEdge least_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
-  constexpr int most_steps = 100;
   constexpr double precise = 1e-14;  // of the edge
   const Vector3 way = b - a;
   const auto at = [&](double s) {
@@ -27,7 +26,7 @@ LeastOnEdge least_on_edge(const Cylinder& cylinder, const Vector3& a, const Vect
   double down = slope(low), up = slope(high);
   if (down >= 0) return low;
   if (up <= 0) return high;
-  for (int step = 0; step < most_steps && high.s - low.s > precise; ++step) {
+  for (int step = 0; high.s - low.s > precise; ++step) {
     const double secant = low.s + (high.s - low.s) * down / (down - up);
     const LeastOnEdge middle = at(step % 2 ? secant : (low.s + high.s) / 2);
     const double now = slope(middle);
@@ -97,11 +96,11 @@ class CylinderWayOut {
       return Vector3(std::cos(angle) * u + std::sin(angle) * v);
     };
     double ways[tried];
-    constexpr double apart = 2 * M_PI / tried;
-    for (int k = 0; k < tried; ++k) ways[k] = length(out(k * apart));
+    const auto angle = [](int k) { return 2 * M_PI * k / tried; };
+    for (int k = 0; k < tried; ++k) ways[k] = length(out(angle(k)));
     for (int k = 0; k < tried; ++k) {
       if (ways[k] > ways[(k + 1) % tried] || ways[k] > ways[(k + tried - 1) % tried]) continue;
-      add(out(least_between((k - 1) * apart, (k + 1) * apart, out)), i);
+      add(out(least_between(angle(k - 1), angle(k + 1), out)), i);
     }
   }
 
@@ -115,14 +114,13 @@ class CylinderWayOut {
            out.dot(t_[lowest(t_, out)]);
   }
 
-  /// By golden sections.
+  /// By golden sections, to directions that count as one.
   template <class Direction>
   double least_between(double low, double high, const Direction& out) const {
-    constexpr double section = 0.6180339887498949;
-    constexpr int steps = 40;  // to 1e-8 of the interval
+    const double section = (std::sqrt(5.0) - 1) / 2;
     double a = high - section * (high - low), b = low + section * (high - low);
     double at_a = length(out(a)), at_b = length(out(b));
-    for (int step = 0; step < steps; ++step) {
+    while (high - low > std::sqrt(parallel)) {
       if (at_a < at_b) {
         high = b;
         b = a;

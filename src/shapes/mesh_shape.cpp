@@ -117,11 +117,10 @@ NearSurface MeshShape::near_surface(double x, double y, double z, double) const 
 
 std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
                                        double offset) const {
-  constexpr double near = 1.05;    // of the offset: there it has come in
-  constexpr int most_steps = 300;  // then it grazes, and is stopped where it is
+  constexpr double near = 1.05;  // of the offset: there it has come in
   const double length = way.norm();
   double share = 0;
-  for (int step = 0; step < most_steps && share <= 1; ++step) {
+  for (int step = 0; step < most_approaches && share <= 1; ++step) {
     const Vector3 p = from + share * way;
     const NearSurface here = near_surface(p.x(), p.y(), p.z(), 0);
     const bool nears = here.x * way.x() + here.y * way.y() + here.z * way.z() < 0;

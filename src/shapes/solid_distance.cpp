@@ -24,11 +24,9 @@ constexpr double most_cells = 4e6;
 constexpr double widest_band = 2e-3;
 constexpr double band_cells = 2;
 
-/// A distance so small has no direction but for rounding, of the solid's size.
-constexpr double smallest_gap = 1e-11;
-
-/// A corner's weight so small is but rounding.
-constexpr double on_border = 1e-9;
+/// A distance so small has no direction but for rounding, of the solid's size; likewise a corner's
+/// weight.
+constexpr double smallest = 1e-9;
 
 /// Triangles whose thickness is measured, spread over all.
 constexpr std::size_t most_measured = 2000;
@@ -111,11 +109,10 @@ Vector3 Solid::normal_at(const Nearest& nearest) const {
   const auto face = static_cast<std::size_t>(nearest.face);
   const std::array<double, 3>& w = nearest.weights;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (w[k] >= 1 - on_border)
-      return vertex_normals_[static_cast<std::size_t>(triangles_[face][k])];
+    if (w[k] >= 1 - smallest) return vertex_normals_[static_cast<std::size_t>(triangles_[face][k])];
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    if (w[(k + 2) % 3] <= on_border) return faces_[face].edge_normals[k];
+    if (w[(k + 2) % 3] <= smallest) return faces_[face].edge_normals[k];
   }
   return faces_[face].normal;
 }
@@ -140,7 +137,7 @@ std::pair<double, Vector3> Solid::signed_distance(const Nearest& nearest) const 
   const Vector3 normal = normal_at(nearest);
   const double value = std::sqrt(nearest.squared);
   const double sign = nearest.gap.dot(normal) < 0 ? -1 : 1;
-  if (value > smallest_gap * radius_) return {sign * value, sign / value * nearest.gap};
+  if (value > smallest * radius_) return {sign * value, sign / value * nearest.gap};
   const Vector3 unit = normal.stableNormalized();
   return {sign * value, unit.isZero(0) ? Vector3::UnitZ() : unit};
 }
@@ -157,7 +154,7 @@ std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& po
   }
   if (least >= near) return {least, Vector3::UnitZ()};
 
-  const double way = (point - neighbourhood.place).norm() + smallest_gap * radius_;
+  const double way = (point - neighbourhood.place).norm() + smallest * radius_;
   Nearest nearest;
   for (std::size_t i = 0; i < neighbourhood.count; ++i) {
     const double far = neighbourhood.distances[i] - way;
@@ -353,7 +350,7 @@ void Solid::find_candidates(const Vector3& center, double half) {
 double Solid::thickness_below(std::size_t face) const {
   const Corners& corners = corners_[face];
   const Vector3 in = -faces_[face].normal;
-  const Vector3 from = (corners[0] + corners[1] + corners[2]) / 3 + smallest_gap * radius_ * in;
+  const Vector3 from = (corners[0] + corners[1] + corners[2]) / 3 + smallest * radius_ * in;
   double least = std::numeric_limits<double>::max();  // boxes off the ray are farther
   face_tree_.search([&](const Box& box) { return hit_by_ray(from, in, box); }, least,
                     [&](int i) {

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
+#include "shape_parts.h"
+
 namespace clothsim {
 namespace {
-
-/// Each step comes nearer by half the offset at least: only a triangle that grazes the shape takes
-/// so many, and it is then stopped where it is.
-constexpr int max_steps = 200;
 
 Triangle local_at(const MovingCollider& collider, const Triangle& from, const Triangle& to,
                   double share) {
@@ -33,11 +31,11 @@ std::optional<FaceDistance> swept_face_distance(const MovingCollider& collider,
   way += collider.last_turn() * arm;
 
   double share = 0;
-  for (int step = 0; step < max_steps && share < 1; ++step) {
+  for (int step = 0; step < most_approaches && share < 1; ++step) {
     const Triangle t = local_at(collider, from, to, share);
     auto found = face_distance(collider.shape(), t, offset + (1 - share) * way);
     if (!found) return std::nullopt;
-    if (found->value > offset && step + 1 < max_steps) {
+    if (found->value > offset && step + 1 < most_approaches) {
       share += (found->value - offset / 2) / way;
       continue;
     }

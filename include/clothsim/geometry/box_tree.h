@@ -10,6 +10,10 @@ namespace clothsim {
 /// Axis-aligned box [m], its surface included.
 using Box = Eigen::AlignedBox3d;
 
+/// Boxes that a node of a tree may have without children: few enough to look at all pairs, enough
+/// to keep the tree small.
+inline constexpr int most_leaves = 4;
+
 /// Around some points of a list.
 template <typename List>
 Box around(const Points& positions, const List& points) {

@@ -6,6 +6,10 @@
 
 namespace clothsim {
 
+/// Square of the sine below which two directions are parallel: beyond, rounding decides where they
+/// are closest, and what is square to both.
+inline constexpr double parallel = 1e-14;
+
 /// Weights of a triangle's corners at its point closest to `p`: >= 0, their sum 1, exactly 0 for
 /// corners that the closest edge or corner does not have. A triangle without area is its longest
 /// edge, or a point. Ericson, Real-Time Collision Detection, 5.1.5.

@@ -8,7 +8,7 @@ namespace clothsim {
 /// Distances of sixteen pairs at once, side by side in single precision. They are never more than
 /// they are, but for rounding of the places given.
 struct DistanceRows {
-  static constexpr std::size_t size = 16;
+  enum : std::size_t { size = 16 };
   using Row = std::array<float, size>;
   using Points = std::array<Row, 3>;    // by axis [m]
   using Hulls = std::array<Points, 4>;  // of four points each

@@ -48,8 +48,7 @@ class NearestTree {
 
  private:
   /// Nodes are halved by number: 2^32 boxes are 32 deep.
-  static constexpr std::size_t deepest = 64;
-  static constexpr int leaf_size = 4;
+  enum : std::size_t { deepest = 64 };
 
   struct Waiting {
     std::size_t node;

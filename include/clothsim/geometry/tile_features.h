@@ -25,8 +25,8 @@ class TileFeatures {
   static constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {0, 3}, {0, 2}}};
 
   /// Corners that are farthest along what a pair takes of tile a and of tile b.
-  static constexpr std::array<std::size_t, count> of_a{0, 0, 2, 2, 1, 1, 1, 3, 3, 3, 2, 2, 2};
-  static constexpr std::array<std::size_t, count> of_b{2, 2, 0, 0, 1, 3, 2, 1, 3, 2, 1, 3, 2};
+  static constexpr std::array<std::size_t, count> of_a{{0, 0, 2, 2, 1, 1, 1, 3, 3, 3, 2, 2, 2}};
+  static constexpr std::array<std::size_t, count> of_b{{2, 2, 0, 0, 1, 3, 2, 1, 3, 2, 1, 3, 2}};
 
   explicit TileFeatures(int columns) : columns_(columns) {}
 
