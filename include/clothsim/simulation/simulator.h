@@ -47,11 +47,11 @@ class Simulator {
 
   /// Advances one frame, 1 / frames_per_second. A frame that ends in numbers that are not finite,
   /// or with more energy than was put in, is taken back. What the scene leaves to `auto` is then
-  /// tried again: with a strain limit that yields, if springs were far over it; with implicit
+  /// tried again: with a strain limit that yields, if it was not met; with implicit
   /// Euler, from here on until the next reset() or set(). If nothing is left to try, throws
   /// Diverged and keeps the last good frame; so it does after a budget of work that is counted, not
-  /// timed: of a state that was set, a second's at 50 x 50 points, until a frame has taken a tenth
-  /// of that at most, and a hundred times as much then.
+  /// timed: after set_state() a second's at 50 x 50 points, until a frame has succeeded; then that
+  /// of all passes of all substeps that there may be.
   StepReport step();
 
   /// Has step() ask between substeps, in its own thread, whether it is to break off. If so it
