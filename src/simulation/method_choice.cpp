@@ -23,14 +23,14 @@ namespace {
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
-/// CPU time of impulses a substep [s] per point of a cloth that lies or has folded: with a collider
-/// that points do for, and between points alone, as where they touch each other or the cloth's
-/// weight brings half of the springs to their limit. Measured by
+/// CPU time of impulses a substep [s] per point of a cloth that lies or has folded: where points
+/// alone touch a collider or each other, or the cloth's weight brings half of the springs to their
+/// limit, and where triangles and edges touch, too. Measured by
 /// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
 /// contact is next to nothing, in an impact several times that: it tells which method is cheaper,
 /// not what is in real time.
-constexpr double contact_cost = 8e-8;
-constexpr double between_points_cost = 1.6e-8;
+constexpr double point_cost = 1.6e-8;
+constexpr double surface_cost = 1.3e-7;
 
 /// What errors depend on.
 struct Motion {
@@ -189,13 +189,12 @@ bool has_impulses(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
 }
 
 double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
-  enum { corners = 3 };  // that each contact of a face gives impulses to
   double cost = 0;
   for (const ColliderSpec& collider : colliders) {
-    cost += clearance(collider.shape, cloth).faces ? corners * contact_cost : contact_cost;
+    cost += clearance(collider.shape, cloth).faces ? surface_cost : point_cost;
   }
-  if (cloth.self_collision == SelfCollision::points) cost += between_points_cost;
-  if (cloth.self_collision == SelfCollision::surface) cost += corners * contact_cost;
+  if (cloth.self_collision == SelfCollision::points) cost += point_cost;
+  if (cloth.self_collision == SelfCollision::surface) cost += surface_cost;
   return cost * cloth.num_points();
 }
 
@@ -244,7 +243,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
   const double step_cost =                                    // contact aside
       c.cost(links, cloth.num_points()) +
-      (cloth.strain_limit ? between_points_cost * cloth.num_points() : 0);
+      (cloth.strain_limit ? point_cost * cloth.num_points() : 0);
   const double affordable_steps = 1 / (spec.frames_per_second * step_cost);
 
   int n = needed;
