@@ -57,6 +57,33 @@ TEST_P(Incline, SlipsJustBeyondCoulombsThresholdAndNotBelow) {
   }
 }
 
+TEST_P(Incline, ThresholdIsExactToAMillionth) {
+  // On a plane, and on the face of a box: a millionth below it rests to rounding, a millionth above
+  // it gains what Coulomb's law says, some micrometres a second each second.
+  const double mu = GetParam();
+  ColliderSpec box = plane(mu);
+  box.shape = Cuboid{{4, 4, 1}};
+  box.pose.position.z() = -0.5;
+  for (const ColliderSpec& below : {plane(mu), box}) {
+    for (const double share : {1 - 1e-6, 1 + 1e-6}) {
+      SCOPED_TRACE(share);
+      const double angle = std::atan(mu * share);
+      Scene scene = lying(mu);
+      scene.colliders = {below};
+      scene.simulation.gravity = tilted_gravity(angle);
+      Simulator simulator(scene);
+      run(simulator, 1);
+      const State& state = simulator.state();
+      if (share < 1) {
+        EXPECT_LT(farthest(state.positions, simulator.cloth().rest_positions), 1e-12);
+        continue;
+      }
+      const double v = g * (std::sin(angle) - mu * std::cos(angle)) * state.time;
+      EXPECT_LT((state.velocities.col(0).array() - v).abs().maxCoeff(), 1e-3 * v);
+    }
+  }
+}
+
 TEST_P(Incline, SlidesWithCoulombsAcceleration) {
   // a = g (sin(angle) - mu cos(angle)) at twice the threshold; x = a t^2 / 2.
   const double mu = GetParam();
