@@ -16,17 +16,24 @@ const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = strip_thickness;
 
-/// One step: points move, contact answers till it holds, nothing crosses.
-void step(SelfContacts& contacts, const Cloth& cloth, State& state) {
-  const Points start = state.positions;
-  state.positions += h * state.velocities;
+/// Contact answers a step of `dt` [s] from `start` until it holds, and nothing crosses. Returns how
+/// many points the guard held back.
+int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, double dt,
+           State& state) {
   const Points before = state.velocities;
-  const ContactStep contact_step{h, reach, start, before, alone};
+  const ContactStep contact_step{dt, reach, start, before, alone};
   contacts.begin(cloth, contact_step, state);
   for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
   }
-  state.positions += reach * h * (state.velocities - before);
-  contacts.guard(cloth, contact_step, Points(state.positions), state);
+  state.positions += reach * dt * (state.velocities - before);
+  return contacts.guard(cloth, contact_step, Points(state.positions), state);
+}
+
+/// One step: points move, and contact answers.
+void step(SelfContacts& contacts, const Cloth& cloth, State& state) {
+  const Points start = state.positions;
+  state.positions += h * state.velocities;
+  answer(contacts, cloth, start, h, state);
 }
 
 Eigen::RowVector3d momentum(const Cloth& cloth, const State& state) {
@@ -51,6 +58,43 @@ TEST(SurfaceContacts, LayersStopWhereTheyTouchAndKeepTheirMomentum) {
   for (int i = 0; i < 60; ++i) step(contacts, cloth, state);
   EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12);
   EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
+  EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+}
+
+/// A strip whose last cell lies on its first one, which is held as if it lay on a table.
+State lying_double(Cloth& cloth) {
+  State state = folded(cloth, 2.1 * thickness, Eigen::RowVector3d(0, 0.007, 0));
+  const double way_round[4][2] = {{0.4, 0}, {0.5, 0}, {0.6, 0.1}, {0.5, 0.25}};
+  for (int row = 0; row < 2; ++row) {
+    for (int k = 0; k < 4; ++k) {
+      state.positions.row(row * 8 + 2 + k) << way_round[k][0], 0.1 * row, way_round[k][1];
+    }
+  }
+  for (const int i : {0, 1, 8, 9}) cloth.inv_mass[i] = 0;
+  return state;
+}
+
+TEST(SurfaceContacts, FourPointsOfALightClothCarryTheHundredNewtonsOfAFinger) {
+  // In steps as its springs ask for. The cloth weighs 0.14 N: nothing hangs on that.
+  constexpr double dt = 1e-4;
+  constexpr double force = 100.0 / 4;  // on each [N]
+  Cloth cloth = strip(8, 0.3);
+  cloth.mass *= 0.2 / 100;  // of 0.2 kg/m^2
+  cloth.inv_mass /= 0.2 / 100;
+  State state = lying_double(cloth);
+  SelfContacts contacts(cloth, SelfCollision::surface);
+  for (int i = 0; i < 1000; ++i) {
+    const Points start = state.positions;
+    state.positions += dt / 2 * state.velocities;
+    for (const int pressed : {6, 7, 14, 15}) {
+      state.velocities(pressed, 2) -= dt * force * cloth.inv_mass[pressed];
+    }
+    state.positions += dt / 2 * state.velocities;
+    ASSERT_EQ(answer(contacts, cloth, start, dt, state), 0) << "the guard has to hold it, " << i;
+    ASSERT_GT(least_distance(cloth, state.positions), 0.999 * 2 * thickness) << i;
+  }
+  EXPECT_LT(least_distance(cloth, state.positions), 1.001 * 2 * thickness) << "it is not pressed";
+  EXPECT_LT(fastest(state), 1e-6);
   EXPECT_EQ(count_intersections(cloth, state.positions), 0);
 }
 
