@@ -7,6 +7,7 @@
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/run/report.h"
+#include "five_layers.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -114,6 +115,21 @@ TEST(SelfCollision, HeavierFoldsMore) {
   }
   EXPECT_GT(folds[1000], 1.3 * folds[10]);
   EXPECT_GT(folds[10000], folds[1000]);
+}
+
+TEST(SelfCollision, LayersLieTwiceTheThicknessApart) {
+  // So soft and heavy that the folds are low and all layers touch.
+  Scene scene = strip_for_layers();
+  scene.cloth.material.ks = 500;
+  scene.cloth.material.density = 3000;
+  Simulator simulator(scene);
+  simulator.set_state(five_layers(simulator));
+  run(simulator, 4);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-4);
+  const std::vector<double> distances = distances_of_layers(simulator);
+  const double apart = 2 * scene.cloth.thickness;
+  EXPECT_GT(distances.front(), 0.998 * apart);
+  EXPECT_NEAR(distances[distances.size() / 2], apart, 1e-3 * apart) << "the median";
 }
 
 }  // namespace

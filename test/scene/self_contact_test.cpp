@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/run/report.h"
+#include "five_layers.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -149,29 +150,11 @@ INSTANTIATE_TEST_SUITE_P(Turns, Twist, ::testing::Values(0.5, 1.0));
 
 TEST(SelfContact, FiveLayersPressedByAPlane) {
   // A strip in five layers, pressed to the height that they have when all touch.
-  constexpr int cells_a_layer = 5;
-  Scene scene;
-  scene.cloth.width = 0.12;
-  scene.cloth.columns = 4;
-  scene.cloth.rows = 5 * cells_a_layer + 1;
-  scene.cloth.self_collision = SelfCollision::surface;
-  scene.colliders = {{"ground", Plane{}, Pose{}, 0.5, ""}, {"press", Plane{}, Pose{}, 0.5, ""}};
+  Scene scene = strip_for_layers();
   const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Vector3::UnitX()));
-  scene.colliders[1].pose = {Vector3(0, 0, 0.3), down};
+  scene.colliders.push_back({"press", Plane{}, Pose{Vector3(0, 0, 0.3), down}, 0.5, ""});
   Simulator simulator(scene);
-
-  State state = simulator.state();
-  for (int row = 0; row < scene.cloth.rows; ++row) {
-    const int layer = std::min(row / cells_a_layer, 4);
-    const int along = row - layer * cells_a_layer;
-    const double y = 0.04 * (layer % 2 == 0 ? along : cells_a_layer - along);
-    const double z = 0.005 + 0.04 * layer + 0.04 / cells_a_layer * along;
-    for (int column = 0; column < 4; ++column) {
-      state.positions.row(row * 4 + column) << 0.04 * column, y, z;
-    }
-  }
-  ASSERT_EQ(count_intersections(simulator.cloth(), state.positions), 0);
-  simulator.set_state(state);
+  simulator.set_state(five_layers(simulator));
   const double pressed = 4 * 2 * scene.cloth.thickness;
   judge(simulator, 4 * 90, [&](int frame) {
     const double share = std::min(1.0, frame / 180.0);
