@@ -3,6 +3,8 @@
 #include "clothsim/dynamics/energy.h"
 
 #include <cmath>
+#include <string>
+#include <tuple>
 
 #include "verification/testing.h"
 
@@ -79,6 +81,47 @@ TEST(Verlet, EnergyDoesNotDriftOverALongTime) {
   EXPECT_LT(worst, bound);
   EXPECT_LT(std::abs(last - first), 0.1 * bound);
 }
+
+/// Shape that a cloth falls on, points along its side and method.
+using Fall = std::tuple<const char*, int, const char*>;
+
+class StiffLightFall : public ::testing::TestWithParam<Fall> {};
+
+TEST_P(StiffLightFall, GainsNoEnergyWhereItLands) {
+  // 0.3 m deep, without drag: what it has at the start it may lose and never exceed.
+  const auto& [name, side, method] = GetParam();
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = side;
+  scene.cloth.material.ks = 50000;
+  scene.cloth.material.density = 1;
+  scene.cloth.material.damping = 0;
+  scene.simulation.method = method;
+  Shape shape = Sphere{0.2};
+  if (std::string(name) == "box") shape = Cuboid{{0.4, 0.4, 0.4}};
+  ColliderSpec below;
+  below.name = name;
+  below.shape = shape;
+  below.pose.position = Vector3(0.5, 0.5, 0.5);
+  scene.colliders = {below};
+  Simulator simulator(scene);
+  const Loads loads{scene.simulation.gravity};
+  const auto energy = [&] { return total_energy(simulator.cloth(), loads, simulator.state()); };
+  const double before = energy();
+  const double of_impact = simulator.cloth().mass.sum() * loads.gravity.norm() * 0.3;
+  double gained = -before;
+  for (int frame = 0; frame < 90; ++frame) {
+    simulator.step();
+    gained = std::max(gained, energy() - before);
+  }
+  EXPECT_LT(gained, 0.01 * of_impact);
+  EXPECT_LT(energy(), before - 0.1 * of_impact) << "it has not landed";
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, StiffLightFall,
+                         ::testing::Values(Fall{"sphere", 13, "auto"}, Fall{"box", 13, "auto"},
+                                           Fall{"sphere", 25, "auto"}, Fall{"box", 25, "auto"},
+                                           Fall{"sphere", 31, "verlet"},
+                                           Fall{"box", 21, "verlet"}));
 
 TEST(Scaling, TwiceTheDensityIsHalfTheStiffness) {
   // m x'' = F - c m x': only k / m counts, so (2 rho, k) moves, and rests, as (rho, k / 2). Powers
