@@ -172,6 +172,32 @@ TEST(Overpulled, ABoxAboutAPinDoesNotFlingTheClothAbout) {
   EXPECT_LT(rms_velocity(simulator.state()), 0.05);
 }
 
+/// A box's tilt [rad].
+class TiltedBox : public ::testing::TestWithParam<double> {};
+
+TEST_P(TiltedBox, UnderASoftHeavyClothStretchesItLittleMoreThanItsLimit) {
+  // Without friction it hangs over the corners by its limit alone: springs carry next to nothing.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 13;
+  scene.cloth.material.ks = 50;
+  scene.cloth.material.density = 42000;
+  ColliderSpec box;
+  box.name = "box";
+  box.shape = Cuboid{{0.5, 0.5, 0.3}};
+  box.pose.position = Vector3(0.5, 0.5, 0.5);
+  box.pose.orientation = Eigen::AngleAxisd(GetParam(), Vector3(0.7, 0.5, 0).normalized());
+  box.friction = 0;
+  scene.colliders = {box};
+  Simulator simulator(scene);
+  for (int frame = 0; frame < 10 * 90; ++frame) {
+    ASSERT_LT(simulator.step().worst_stretch, 0.12) << frame;
+  }
+  EXPECT_GT(simulator.step().contacts, 0) << "it has slid off";
+  EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tilts, TiltedBox, ::testing::Values(0.2, 0.5, 0.9));
+
 TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
   // Cells four times as long as at rest, of which a rod a quarter as thick comes in the middle.
   Scene scene = hanging(10);
