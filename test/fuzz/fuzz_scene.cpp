@@ -90,6 +90,8 @@ class SceneRun {
     report_ = simulator_.step();
     time_ += dt;
     recoveries_ += report_.recoveries;
+    visits_ +=
+        1.0 * cloth().num_points() * (report_.substeps + report_.sweeps + report_.corrections);
     worst_ = std::max(worst_, report_.worst_stretch);
     fastest_ = std::max(fastest_, testing::fastest(state()));
     ASSERT_TRUE(state().positions.allFinite() && state().velocities.allFinite());
@@ -112,9 +114,10 @@ class SceneRun {
 
   /// What it cost and has come to.
   void print(double cpu) const {
-    std::cout << "; " << cpu / time_ << " CPU seconds a second, stretch " << worst_ << ", fastest "
-              << fastest_ << " m/s, deepest " << deepest_ << " m, " << recoveries_
-              << " recoveries, made " << made_ << " of the energy";
+    std::cout << "; " << cpu / time_ << " CPU seconds and " << visits_ / time_
+              << " visits of points a second, stretch " << worst_ << ", fastest " << fastest_
+              << " m/s, in the end " << rms_velocity(state()) << " m/s rms, deepest " << deepest_
+              << " m, " << recoveries_ << " recoveries, made " << made_ << " of the energy";
   }
 
  private:
@@ -233,6 +236,7 @@ class SceneRun {
   StepReport report_;
   double time_ = 0;
   int recoveries_ = 0;
+  double visits_ = 0;   // of points, in substeps and passes
   double worst_ = 0;    // stretch
   double fastest_ = 0;  // [m/s]
   double deepest_ = 0;  // in a collider, since all was out [m]
