@@ -45,15 +45,16 @@ class Colouring {
   std::vector<std::vector<Constraint>> colours_;
 };
 
-/// Calls visit(c) for each constraint, those of a colour after those of the one before.
+/// Calls visit(c) for each constraint, colour after colour; `back`: from the last one on.
 template <typename Visitor>
-void share_by_colour(const std::vector<int>& ends, const Workers& workers, Visitor&& visit) {
-  int first = 0;
-  for (const int end : ends) {
-    workers.share(end - first, [&](int from, int to) {
+void share_by_colour(const std::vector<int>& ends, bool back, const Workers& workers,
+                     Visitor&& visit) {
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const std::size_t colour = back ? ends.size() - 1 - k : k;
+    const int first = colour > 0 ? ends[colour - 1] : 0;
+    workers.share(ends[colour] - first, [&](int from, int to) {
       for (int c = first + from; c < first + to; ++c) visit(static_cast<std::size_t>(c));
     });
-    first = end;
   }
 }
 
@@ -109,7 +110,7 @@ void Xpbd::aim(const Cloth& cloth, double h, const Points& positions) {
   }
 }
 
-void Xpbd::sweep(const Cloth& cloth, Points& positions, const Workers& workers) {
+void Xpbd::sweep(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
   const auto sweep_one = [&](std::size_t c) {
     const Constraint& spring = constraints_[c];
     const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
@@ -123,11 +124,11 @@ void Xpbd::sweep(const Cloth& cloth, Points& positions, const Workers& workers) 
     react(cloth, spring.a, -push);
     react(cloth, spring.b, push);
   };
-  share_by_colour(colour_ends_, workers, sweep_one);
+  share_by_colour(colour_ends_, back, workers, sweep_one);
 }
 
-void Xpbd::sweep_bends(const Cloth& cloth, Points& positions, const Workers& workers) {
-  share_by_colour(bend_colour_ends_, workers, [&](std::size_t id) {
+void Xpbd::sweep_bends(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  share_by_colour(bend_colour_ends_, back, workers, [&](std::size_t id) {
     BendConstraint& c = bends_[id];
     const Vector3 change = c.share * (c.aim - c.bend.of(positions) - c.compliance * c.lambda);
     c.lambda += change;
@@ -189,8 +190,10 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (BendConstraint& c : bends_) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
-    sweep(cloth, state.positions, workers);
-    sweep_bends(cloth, state.positions, workers);
+    sweep(cloth, false, state.positions, workers);
+    sweep_bends(cloth, false, state.positions, workers);
+    sweep_bends(cloth, true, state.positions, workers);
+    sweep(cloth, true, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;
 }

@@ -167,7 +167,7 @@ double bdf2_error(const Motion& m, double h) {
 /// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted, and there to
 /// stay however late it lands. A fall is half a step ahead.
 double xpbd_error(const Motion& m, double h) {
-  const double held = 0.047 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
+  const double held = 0.035 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
   return (m.held ? held : 0) + h / 2 * m.velocity;
 }
 
@@ -176,7 +176,7 @@ const std::vector<Candidate>& candidates() {
       {VelocityVerlet::name, true, false, verlet_error,
        [](double s, double) { return 0.9e-9 * s; }},
       {RungeKutta4::name, false, false, rk4_error, [](double s, double) { return 3.8e-9 * s; }},
-      {Xpbd::name, true, true, xpbd_error, [](double s, double) { return 7.5e-9 * s; }},
+      {Xpbd::name, true, true, xpbd_error, [](double s, double) { return 1.4e-8 * s; }},
       // Two factorisations of the grid's matrix a step.
       {Bdf2::name, false, true, bdf2_error,
        [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},

@@ -236,7 +236,7 @@ TEST(Simulator, ChangesMethodAndItsParametersBetweenFrames) {
   simulator.set_simulation(simulation);
   simulator.step();
   twin.step();
-  EXPECT_GT((simulator.state().positions - twin.state().positions).norm(), 1e-6) << "not taken";
+  EXPECT_GT((simulator.state().positions - twin.state().positions).norm(), 1e-8) << "not taken";
 
   simulation.method = "bdf2";
   EXPECT_THROW(simulator.set_simulation(simulation), InvalidValue) << "parameters of another";
