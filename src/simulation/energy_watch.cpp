@@ -60,7 +60,7 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
     if (cloth.inv_mass[i] > 0) continue;
     const Vector3 velocity = row(after.velocities, i);
     drive.fastest = std::max(drive.fastest, velocity.norm());
-    if (!velocity.isZero(0)) take(i, dt * velocity, count, drive.pinned);
+    if (!velocity.isZero()) take(i, dt * velocity, count, drive.pinned);  // but for roundings
   }
   // Bounds of all points take time, which robots that stand still are not worth.
   if (std::none_of(colliders.begin(), colliders.end(), moves)) return drive;
