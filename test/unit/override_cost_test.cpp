@@ -16,9 +16,12 @@ std::atomic<long long> allocations{0};
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++allocations;
-  if (void* place = std::malloc(size)) return place;
+  return std::malloc(size);
+}
+void* operator new(std::size_t size) {
+  if (void* place = operator new(size, std::nothrow)) return place;
   throw std::bad_alloc();
 }
 void operator delete(void* place) noexcept { std::free(place); }
