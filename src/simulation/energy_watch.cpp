@@ -81,12 +81,12 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   return drive;
 }
 
-/// Work of what takes points along against bends [J], as below.
-double work_on_bends(const Cloth& cloth, const State& before, const Points& ways) {
+/// Work of what takes points along by these lengths [m] against bends [J], as below.
+double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const Bend& bend) {
     double way = 0;  // of the stencil
-    for (const int i : bend.points) way += ways.row(i).norm();
+    for (const int i : bend.points) way += lengths[i];
     if (way == 0) return;
     work += bend.stiffness * (bend.of(before.positions).norm() * way + way * way / 2);
   });
@@ -97,15 +97,15 @@ double work_on_bends(const Cloth& cloth, const State& before, const Points& ways
 /// where both ends go their ways, or one of them.
 double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
   if (ways.size() == 0) return 0;
+  const Scalars lengths = ways.rowwise().norm();
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const double way =
-        std::max({ways.row(a).norm(), ways.row(b).norm(), (ways.row(b) - ways.row(a)).norm()});
-    if (way == 0) return;
+    if (lengths[a] == 0 && lengths[b] == 0) return;  // as nearly all where a pin is moved
+    const double way = std::max({lengths[a], lengths[b], (ways.row(b) - ways.row(a)).norm()});
     const double length = (before.positions.row(b) - before.positions.row(a)).norm();
     work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
   });
-  return work + work_on_bends(cloth, before, ways);
+  return work + work_on_bends(cloth, before, lengths);
 }
 
 }  // namespace
