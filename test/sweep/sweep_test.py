@@ -24,7 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SCRIPTS = HERE.parent.parent / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 from sweeping.plan import BadSweep, Plan  # noqa: E402
-from cluster import Cluster  # noqa: E402
+from cluster import Cluster, read_environment  # noqa: E402
 
 SIMULATE = HERE.parent.parent / "build" / "devel" / "lib" / "clothsim" / "simulate"
 SCENE = "cloth: {columns: 6, rows: 6, pinned: [[0, 0], [5, 0]]}\n"
@@ -300,7 +300,8 @@ class OnSlurm(Sweeps):
             [str(SCRIPTS / "sweep"), str(self.folder / "sweep.yaml"), "--output", str(self.out), "--on",
              "slurm", "--cases-per-task", "10", "--partition", "test", "--poll", "0.5"],
             env=cluster.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        cluster.wait(lambda: 10 <= len(list((self.out / "cases").glob("[0-9]*"))) < self.CASES, "some cases")
+        cluster.wait(lambda: len(list((self.out / "cases").glob("[0-9]*"))) >= 10, "some cases")
+        cluster.wait(lambda: self.stops_in_a_case(b"SLURMD_NODENAME=node1"), "a case on node1")
         cluster.kill_node("node1")
         out, err = run.communicate(timeout=PATIENCE)
         self.assertEqual(run.returncode, 0, out + err + cluster.logs())
@@ -310,6 +311,17 @@ class OnSlurm(Sweeps):
         for number in range(self.CASES):
             self.assertEqual(self.final(number), self.final(number, here), number)
         self.assertEqual(len(list((self.out / "cases").iterdir())), self.CASES)
+
+    def stops_in_a_case(self, of_node):
+        """Stops a worker amid a case, by the name of its folder: one that is killed then loses it."""
+        for part in (self.out / "cases").glob(".[0-9]*.part"):
+            pid = int(part.name.split(".")[-2])
+            if of_node in read_environment(pid):
+                os.kill(pid, signal.SIGSTOP)
+                if part.exists():
+                    return True
+                os.kill(pid, signal.SIGCONT)
+        return False
 
     def test_mistakes(self):
         self.write({"axes": {"cloth.ks": [500]}})
