@@ -30,10 +30,7 @@ void PointFinder::find_candidates(const Cloth& cloth, const Points& positions, d
                                   WorkBudget* budget) {
   // A common motion brings nobody closer: only what goes beyond it counts.
   if (found_at_.rows() == positions.rows()) {
-    const Points moved = positions - found_at_;
-    const Eigen::RowVector3d common = moved.colwise().mean();
-    const double farthest2 = (moved.rowwise() - common).rowwise().squaredNorm().maxCoeff();
-    if (farthest2 <= skin_ * skin_ / 4) return;
+    if (longest_beyond_mean(found_at_, positions) <= skin_ / 2) return;
   }
   seek(cloth, positions, distance, budget);
 }

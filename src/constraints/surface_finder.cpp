@@ -7,6 +7,14 @@
 #include "clothsim/constraints/pinches.h"
 
 namespace clothsim {
+namespace {
+
+/// Way that points may go from one look to the next, of the nearest that any features may come:
+/// what comes together meanwhile was seen ahead by its velocities then. With half of it towels take
+/// as long, with a tenth an eighth longer.
+constexpr double unseen_way = 0.25;
+
+}  // namespace
 
 /// What a step has that its contacts are made of.
 struct SurfaceFinder::Sought {
@@ -57,14 +65,24 @@ std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const Nea
   return contact;
 }
 
-void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
-                         ContactList& list) {
-  const Points middle = state.positions - step.reach * step.h * step.drifted;
+/// Looks as far ahead as points may go until it looks again.
+void SurfaceFinder::look(const ContactStep& step) {
   // By velocities that have met contact: by those that forces gave since, all of a pile at rest
   // would be about to touch.
-  const Points ahead = step.start + step.h * (step.velocities ? *step.velocities : step.drifted);
-  const std::vector<NearPair>& near_pairs =
-      near_.approaching(step.start, ahead, step.workers, step.budget);
+  const Points& velocities = step.velocities ? *step.velocities : step.drifted;
+  const double most = unseen_way * near_.least_nearest() / longest_beyond_mean(velocities);
+  const double time = std::max(step.h, std::min(step.left, most));
+  near_.approaching(step.start, step.start + time * velocities, step.workers, step.budget);
+  looked_at_ = step.start;
+  time_ = way_ = 0;
+}
+
+void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
+                         ContactList& list) {
+  if (looked_at_.rows() == 0) look(step);
+  time_ += step.h;
+  const Points middle = state.positions - step.reach * step.h * step.drifted;
+  const std::vector<NearPair>& near_pairs = near_.approaching();
   const Sought sought{cloth, step.h, middle, state.velocities,
                       cloth.mass.sum() * step.gravity * step.h};
   const auto found = step.workers.gather<std::vector<Contact>>(
@@ -83,7 +101,17 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
 
 int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                          State& state) {
-  return keep_from_crossing(cloth, step, by_impulses, near_, state);
+  const double last = way_;
+  way_ = longest_beyond_mean(looked_at_, state.positions);
+  const double next = way_ + (way_ - last);
+  if (step.left > step.h && next <= unseen_way * near_.least_nearest()) return 0;
+
+  ContactStep whole{time_, step.reach, looked_at_, step.drifted, step.workers};
+  whole.budget = step.budget;
+  whole.held = step.held;
+  const int held_back = keep_from_crossing(cloth, whole, by_impulses, near_, state);
+  looked_at_.resize(0, 3);
+  return held_back;
 }
 
 }  // namespace clothsim

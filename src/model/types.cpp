@@ -8,15 +8,16 @@
 namespace clothsim {
 namespace {
 
-/// Square of the longest vector from a point of `from` to that of `to`, of `count` in columns so
-/// far apart; null: from the origin.
+/// Square of the longest vector from a point of `from` to that of `to`, beyond `common`, of `count`
+/// in columns so far apart; null: from the origin.
 CLOTHSIM_TARGET_CLONES
-double longest_way2(int count, const double* from, const double* to) {
+double longest_way2(int count, const double* from, const double* to, const double* common) {
   Lanes lanes = {};
   int i = 0;
   const double *const y = to + count, *const z = y + count;
   for (; i + num_lanes <= count; i += num_lanes) {
-    Lanes dx = lanes_at(to + i), dy = lanes_at(y + i), dz = lanes_at(z + i);
+    Lanes dx = lanes_at(to + i) - common[0], dy = lanes_at(y + i) - common[1];
+    Lanes dz = lanes_at(z + i) - common[2];
     if (from) {
       dx -= lanes_at(from + i);
       dy -= lanes_at(from + count + i);
@@ -28,22 +29,38 @@ double longest_way2(int count, const double* from, const double* to) {
   double longest = 0;
   for (int lane = 0; lane < num_lanes; ++lane) longest = std::max(longest, lanes[lane]);
   for (; i < count; ++i) {
-    const double dx = to[i] - (from ? from[i] : 0);
-    const double dy = y[i] - (from ? from[count + i] : 0);
-    const double dz = z[i] - (from ? from[2 * count + i] : 0);
+    const double dx = to[i] - common[0] - (from ? from[i] : 0);
+    const double dy = y[i] - common[1] - (from ? from[count + i] : 0);
+    const double dz = z[i] - common[2] - (from ? from[2 * count + i] : 0);
     longest = std::max(longest, dx * dx + dy * dy + dz * dz);
   }
   return longest;
 }
 
-}  // namespace
-
-double longest_row(const Points& vectors) {
-  return std::sqrt(longest_way2(static_cast<int>(vectors.rows()), nullptr, vectors.data()));
+double longest(const double* from, const Points& to, const Vector3& common) {
+  return std::sqrt(longest_way2(static_cast<int>(to.rows()), from, to.data(), common.data()));
 }
 
+/// The mean, or none of no vectors.
+Vector3 mean(const Points& vectors) {
+  if (vectors.rows() == 0) return Vector3::Zero();
+  return vectors.colwise().mean().transpose();
+}
+
+}  // namespace
+
+double longest_row(const Points& vectors) { return longest(nullptr, vectors, Vector3::Zero()); }
+
 double longest_way(const Points& from, const Points& to) {
-  return std::sqrt(longest_way2(static_cast<int>(to.rows()), from.data(), to.data()));
+  return longest(from.data(), to, Vector3::Zero());
+}
+
+double longest_beyond_mean(const Points& vectors) {
+  return longest(nullptr, vectors, mean(vectors));
+}
+
+double longest_beyond_mean(const Points& from, const Points& to) {
+  return longest(from.data(), to, mean(to) - mean(from));
 }
 
 }  // namespace clothsim

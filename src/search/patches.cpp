@@ -27,8 +27,7 @@ std::vector<Patch> cut_into_patches(const Cloth& cloth) {
 void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
                           const Workers& workers) {
   const Points ways = to - from;
-  const Eigen::RowVector3d common = ways.colwise().mean();
-  longest_ = (ways.rowwise() - common).rowwise().norm().maxCoeff();
+  longest_ = longest_beyond_mean(ways);
   ways_.resize(patches.size());
   workers.each(static_cast<int>(patches.size()), [&](int patch) {
     const auto p = static_cast<std::size_t>(patch);

@@ -106,6 +106,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  start,
                                  predicted,
                                  workers,
+                                 course.left,
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
                                  colliders.empty() ? 0 : stretch_after(h),
                                  &budget,

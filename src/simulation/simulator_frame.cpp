@@ -115,6 +115,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
+    course.left = h * steps;
     if (!substep(h, report)) return false;
   }
   return true;

@@ -72,6 +72,7 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
 /// What one try of a frame goes by.
 struct FrameCourse {
   double dt = 0;                 // [s]
+  double left = 0;               // of it, with the substep at hand [s]
   bool is_apart = false;         // nothing is looked for at colliders
   double allowed_way = 0;        // of points, where it is [m]
   double approach_speed = 0;     // of what it may touch against the cloth [m/s]

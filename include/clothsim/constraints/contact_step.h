@@ -36,6 +36,7 @@ struct ContactStep {
   const Points& start;    // positions at its start [m]
   const Points& drifted;  // the velocities that brought the points where they are [m/s]
   const Workers& workers;
+  double left = 0;                       // until the frame's end, with this step [s]
   double gravity = least_gravity;        // [m/s^2], no less
   double stretch = 0;                    // l / L0 - 1 that springs may have at its end
   WorkBudget* budget = nullptr;          // of the frame; none: all is done

@@ -22,6 +22,10 @@ double longest_row(const Points& vectors);
 /// Longest way of a point.
 double longest_way(const Points& from, const Points& to);
 
+/// Length of the longest of some vectors, or way of a point, beyond the mean of all. None: 0.
+double longest_beyond_mean(const Points& vectors);
+double longest_beyond_mean(const Points& from, const Points& to);
+
 /// One number per point.
 using Scalars = Eigen::VectorXd;
 

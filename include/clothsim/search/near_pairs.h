@@ -45,6 +45,8 @@ class NearPairs {
   /// triangles that a point is as near to there is one. Some are missing where the budget is spent.
   const std::vector<NearPair>& approaching(const Points& positions, const Points& ahead,
                                            const Workers& = {}, WorkBudget* = nullptr);
+  /// Those that it found last.
+  const std::vector<NearPair>& approaching() const { return near_; }
 
   /// All pairs that may come within `floor` [m] of each other while points go straight from `here`
   /// to `ends`, in no order to rely on: as long as no distance between patches falls by more than
