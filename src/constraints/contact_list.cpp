@@ -125,9 +125,9 @@ double ContactList::sweep_group(Group group, double least, Points& velocities) {
     if (c.mass == 0) continue;
     const Vector3 change = c.impulse.update(v, c.mass);
     c.give(change, velocities);
-    const double change2 = change.squaredNorm() / (c.mass * c.mass);
-    if (change2 > least * least) changed_.mark(c.points);
-    residual2 = std::max(residual2, change2);
+    const double change2 = change.squaredNorm(), mass2 = c.mass * c.mass;
+    if (change2 > least * least * mass2) changed_.mark(c.points);
+    if (change2 > residual2 * mass2) residual2 = change2 / mass2;
   }
   return std::sqrt(residual2);
 }
