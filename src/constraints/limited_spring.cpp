@@ -9,11 +9,9 @@
 namespace clothsim {
 namespace {
 
-/// Rate [1/s] at which the impulses work off a length violation, and the most of it in a step. Kept
-/// impulses integrate the violation, so a large share overshoots where sweeps stop early, and worst
-/// where most springs are at their limit: there it is a third of this, and this would ring for
-/// ever.
-constexpr double violation_rate = 5;
+/// Most of a violation that a step works off. Kept impulses integrate it, so a large share
+/// overshoots where sweeps stop early, and worst where most springs are at their limit: there it is
+/// a third of this, and this would ring for ever.
 constexpr double most_of_violation = 0.008;
 
 /// Largest share of its length that a spring is shortened in a step for turning: that of a turn by
@@ -168,8 +166,8 @@ void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSpring
   const auto [positions, velocities, before, longest, kicks, masses] = turn;
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
-  const double share = step.insistence * std::min(violation_rate * step.h, most_of_violation) /
-                       (1 + 3 * step.active);
+  const double share =
+      step.insistence * std::min(step.rate * step.h, most_of_violation) / (1 + 3 * step.active);
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.

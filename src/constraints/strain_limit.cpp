@@ -20,6 +20,12 @@ namespace {
 /// is tried, comes to rest.
 constexpr double relief = 0.1;
 
+/// Rate [1/s] at which impulses work off a violation, and what it is of drag's where that is less.
+/// Kept impulses integrate: a slow wave x of tension, of which the passes of a step find a share a,
+/// has x'' = -c x' - p and p' = (a / h) (x' + rate x), and grows where rate > c.
+constexpr double violation_rate = 5;
+constexpr double drag_share = 0.95;
+
 /// Springs that a point may have: four of each of three families.
 enum { springs_of_a_point = 12 };
 
@@ -217,7 +223,7 @@ void StrainLimit::predict(double h, double reach, State& state) {
   // would fly from side to side: with no bound on a step's own, collider and limit outdo each
   // other.
   const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
-  step_ = {h, reach, 0, insistence(), speed / springs_of_a_point};
+  step_ = {h, reach, 0, 0, insistence(), speed / springs_of_a_point};
   most_kick_ = 4 * step_.most_kept;
   std::fill(given_.begin(), given_.end(), Quad{});
   resume_springs(step_, scale, fours(), active_.data(), kicks_.data(), masses_.data(),
@@ -267,6 +273,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
   }
   for (std::size_t i = 0; i < touched_.size(); ++i) positions_[i].w = cloth.inv_mass[touched_[i]];
   step_.active = static_cast<double>(num_active_) / num_springs_;
+  step_.rate = std::min(violation_rate, drag_share * cloth.damping);
   if (before) {
     before_.resize(velocities_.size());
     for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);

@@ -31,8 +31,9 @@ constexpr double touching_limit = 0.5;
 /// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
 constexpr double most_added = 0.015;
 
-/// Of what a straight line of springs can reach; a way with corners reaches further.
-constexpr double taut = 0.99;
+/// Of what a straight line of springs can reach; a way with corners reaches further. From there on
+/// tension is over six times the weight.
+constexpr double taut = 0.999;
 
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.

@@ -199,6 +199,41 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
   }
 }
 
+TEST(TautCloth, HasLittleInertiaAdded) {
+  // Between pins as far apart as it is wide, its tension is twice its weight at a hundredth of
+  // strain: that has an end, and is followed.
+  Scene scene = shipped_scene("pinned4");
+  scene.cloth.material.strain_limit = 0.01;
+  Simulator simulator(scene);
+  run(simulator, 3);
+  double added = 0;
+  for (int frame = 0; frame < 45; ++frame) added = std::max(added, simulator.step().added_mass);
+  EXPECT_LE(added, 0.02);
+  EXPECT_LT(rms_velocity(simulator.state()), 0.1);
+}
+
+TEST(TautCloth, RestsWithLittleDrag) {
+  // Less than the rate at which violations are worked off otherwise.
+  Scene scene;
+  scene.cloth.columns = 25;
+  scene.cloth.rows = 7;
+  scene.cloth.width = 1.86;
+  scene.cloth.height = 0.564;
+  scene.cloth.orientation = Orientation::vertical;
+  scene.cloth.material.ks = 3.19e4;
+  scene.cloth.material.density = 15.8;
+  scene.cloth.material.damping = 3;
+  scene.cloth.material.strain_limit = 0.0143;
+  scene.cloth.pinned = {{0, 6, ""}, {24, 6, ""}};
+  scene.cloth.self_collision = SelfCollision::points;
+  for (const int substeps : {15, 30}) {
+    scene.simulation.substeps = substeps;
+    Simulator simulator(scene);
+    run(simulator, 12);
+    EXPECT_LT(rms_velocity(simulator.state()), 1e-3) << substeps;
+  }
+}
+
 /// Chains that hang from their ends, whose weight every link carries, and one from one end alone.
 struct Hung {
   const char* name;

@@ -36,6 +36,7 @@ struct LimitStep {
   double h;
   double reach;
   double active;      // share of all springs that are at their limit
+  double rate;        // at which a violation is worked off [1/s]
   double insistence;  // share of what is worked off a violation where the limit can be met
   double most_kept;   // of a kick that the step begins with [m/s]
 };
