@@ -18,10 +18,10 @@ constexpr double thickness = strip_thickness;
 
 /// Contact answers a step of `dt` [s] from `start` until it holds, and nothing crosses. Returns how
 /// many points the guard held back.
-int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, double dt,
-           State& state) {
+int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, double dt, State& state,
+           double left = 0) {
   const Points before = state.velocities;
-  const ContactStep contact_step{dt, reach, start, before, alone};
+  const ContactStep contact_step{dt, reach, start, before, alone, left};
   contacts.begin(cloth, contact_step, state);
   for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
   }
@@ -219,6 +219,44 @@ TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
   // A pass more changes what the last one did, and what was left out: an eightieth of the precision
   // at each of four points, of which one may be due and one have come since.
   EXPECT_LT(contacts.sweep(none_left_out, state.velocities), (1 + 4 * 2 / 80.0) * precision);
+}
+
+constexpr int steps_of_a_frame = 10;
+
+TEST(SurfaceContacts, TheWayOfSeveralStepsIsJudgedAtTheFramesEnd) {
+  // A layer is moved through another, 20 um below, by 5 um a step.
+  const Cloth cloth = strip(8);
+  State state = folded(cloth, 2e-5, Eigen::RowVector3d(0.031, 0.007, 0));
+  SelfContacts contacts(cloth, SelfCollision::surface);
+  const Points none = Points::Zero(cloth.num_points(), 3);
+  for (int left = steps_of_a_frame; left > 0; --left) {
+    const Points start = state.positions;
+    const ContactStep contact_step{h, reach, start, none, alone, left * h};
+    contacts.begin(cloth, contact_step, state);
+    state.velocities.setZero();
+    for (const int i : {6, 7, 14, 15}) state.positions(i, 2) -= 5e-6;
+    const int held_back = contacts.guard(cloth, contact_step, Points(state.positions), state);
+    EXPECT_EQ(held_back > 0, left == 1) << left;
+  }
+  EXPECT_EQ(count_intersections(cloth, state.positions), 0);
+}
+
+TEST(SurfaceContacts, WhatTouchesUntilTheFramesEndIsSeenAhead) {
+  // By 0.2 mm in a frame, of which the layers may come nearer by half: as where each step looks.
+  const Cloth cloth = strip(8);
+  const auto after_a_frame = [&](bool looks_once) {
+    State state = folded(cloth, 2 * thickness + 1e-4, Eigen::RowVector3d(0.031, 0.007, 0));
+    for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -2e-4 / (steps_of_a_frame * h);
+    SelfContacts contacts(cloth, SelfCollision::surface);
+    for (int left = steps_of_a_frame; left > 0; --left) {
+      const Points start = state.positions;
+      state.positions += h * state.velocities;
+      answer(contacts, cloth, start, h, state, looks_once ? left * h : 0);
+    }
+    EXPECT_GT(contacts.count(), 0);
+    return state.positions;
+  };
+  EXPECT_LT((after_a_frame(true) - after_a_frame(false)).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) {
