@@ -20,10 +20,12 @@ namespace {
 /// is tried, comes to rest.
 constexpr double relief = 0.1;
 
-/// Rate [1/s] at which impulses work off a violation, and what it is of drag's where that is less.
-/// Kept impulses integrate: a slow wave x of tension, of which the passes of a step find a share a,
-/// has x'' = -c x' - p and p' = (a / h) (x' + rate x), and grows where rate > c.
+/// Rate [1/s] at which impulses work off a violation, where drag is faster.
 constexpr double violation_rate = 5;
+
+/// That rate, of drag's, where drag is slower. Kept impulses integrate: a slow wave x of tension,
+/// of which the passes of a step find a share a, has x'' = -c x' - p and p' = (a / h) (x' + rate
+/// x), and grows where rate > c.
 constexpr double drag_share = 0.95;
 
 /// Springs that a point may have: four of each of three families.

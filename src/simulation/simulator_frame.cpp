@@ -103,19 +103,18 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
   int held_back = 0;
   for (double h = course.dt / steps; steps > 0; --steps, ++report.substeps) {
     // More and shorter ones where tension has come, or layers went too far for their contacts.
-    const double left = h * steps;
+    course.left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
-    int needed = looks_again ? substeps_under_tension(left, steps) : steps;
+    int needed = looks_again ? substeps_under_tension(course.left, steps) : steps;
     if (report.held_back > held_back && outruns_contacts(h, report)) {
       needed = std::max(needed, std::min(2 * steps, max_substeps));
     }
     held_back = report.held_back;
-    if (needed > steps) h = left / (steps = needed);
+    if (needed > steps) h = course.left / (steps = needed);
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
-    course.left = h * steps;
     if (!substep(h, report)) return false;
   }
   return true;
