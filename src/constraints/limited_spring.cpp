@@ -224,8 +224,8 @@ void add_tensions(const FourSprings* springs, const double* longest, std::size_t
 }
 
 CLOTHSIM_TARGET_CLONES
-PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, double most,
-                         Quad* velocities) {
+PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
+                         double most, Quad* velocities) {
   const Vector highest = {most, most, most, most};
   Vector largest = {}, descent = {};
   for (std::size_t i = 0; i < fours; ++i) {
@@ -235,19 +235,20 @@ PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentu
     gather_differences(ends, difference);
     Vector rate;
     set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
-    const Vector kick = vector(s.kick);
-    const Vector from = kick + momentum * (kick - vector(s.before));
+    const Vector kick = vector(s.kick), before = vector(s.before);
+    const Vector from = kick + momentum * (kick - before);
     const Vector least = -from;
     const Vector room = highest - from;
     const Vector wanted = rate - vector(s.fastest);
     const Vector free = least < wanted ? wanted : least;
     const Vector change = free < room ? free : room;
     const Vector now = from + change;
-    vector(s.before) = kick;
+    const Vector start = goes_back ? before : kick;
+    vector(s.before) = start;
     vector(s.kick) = now;
     const Vector size = change < 0 ? -change : change;
     largest = largest < size ? size : largest;
-    descent += change * (now - kick);
+    descent += change * (now - start);
     give(s, change, ends);
   }
   return {std::max({largest[0], largest[1], largest[2], largest[3]}),

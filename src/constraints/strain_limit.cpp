@@ -291,40 +291,47 @@ void StrainLimit::store(Points& velocities) const {
     set_row(velocities, touched_[i], velocities_[i]);
 }
 
-/// One pass over active_, colour by colour: within one, springs share no point. Sums are of
-/// segments, whoever has taken them.
-PassChange StrainLimit::sweep_active(double momentum, const Workers& workers) {
-  if (budget_) budget_->spend(static_cast<std::int64_t>(num_active_));
+/// Springs of one colour, which share no point. Sums are of segments, whoever has taken them.
+PassChange StrainLimit::sweep_colour(int colour, double momentum, bool goes_back,
+                                     const Workers& workers) {
+  const int first = colour > 0 ? colour_ends_[index(colour - 1)] : 0;
+  const int end = colour_ends_[index(colour)];
+  const auto sweep_segments = [&](int from, int to) {
+    for (int k = first + from; k < first + to; ++k) {
+      const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
+      changes_[index(k)] =
+          sweep_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
+                        goes_back, most_kick_, velocities_.data());
+    }
+  };
+  workers.share(end - first, sweep_segments, 1);
+  PassChange change;
+  for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
+  return change;
+}
+
+/// One pass over active_, forth or forth and back, colour by colour.
+PassChange StrainLimit::sweep_active(double momentum, bool comes_back, const Workers& workers) {
+  if (budget_) budget_->spend(static_cast<std::int64_t>((comes_back ? 2 : 1) * num_active_));
   changes_.resize(segment_ends_.size());
-  int first = 0;
-  for (const int end : colour_ends_) {
-    const auto sweep_segments = [&](int from, int to) {
-      for (int k = first + from; k < first + to; ++k) {
-        const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
-        changes_[index(k)] =
-            sweep_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
-                          most_kick_, velocities_.data());
-      }
-    };
-    workers.share(end - first, sweep_segments, 1);
-    first = end;
-  }
-  PassChange all;
-  for (const PassChange& change : changes_) {
-    all.largest = std::max(all.largest, change.largest);
-    all.descent += change.descent;
-  }
-  return all;
+  const int colours = static_cast<int>(colour_ends_.size());
+  PassChange change;
+  for (int c = 0; c < colours; ++c) change.add(sweep_colour(c, momentum, false, workers));
+  if (!comes_back) return change;
+  for (int c = colours - 2; c >= 0; --c) change.add(sweep_colour(c, 0, true, workers));
+  return change;
 }
 
 /// Passes with momentum over velocities_ until one changes no rate by more than `enough` [m] as a
-/// displacement, at least `least` and at most `most`.
+/// displacement, at least `least` and at most `most`. Those after the least come back, too: what
+/// passes in one order leave behind, much momentum amplifies.
 StrainLimit::Passes StrainLimit::pass(double enough, int least, int most, Momentum& momentum,
                                       const Workers& workers) {
   Passes passes{0, 0};
   do {
+    if (passes.count == least) momentum = Momentum();
     extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
-    const PassChange change = sweep_active(momentum.share(), workers);
+    const PassChange change = sweep_active(momentum.share(), passes.count >= least, workers);
     if (!yields()) momentum.next(change.descent);  // towards what cannot be met it overshoots
     passes = {passes.count + 1, step_.h * change.largest};
   } while (passes.count < most && (passes.count < least || passes.change > enough));
@@ -340,12 +347,13 @@ StrainLimit::Passes StrainLimit::sweep(double enough, int most, Points& velociti
   return passes;
 }
 
-int StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least, int most,
-                       State& state, const Workers& workers) {
+StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least,
+                                       int most, State& state, const Workers& workers) {
   turn_impulses(cloth, reach, state, workers, nullptr);
   Momentum momentum(std::min(momentum_, static_cast<double>(least)));
-  const int passes = pass(enough, least, most, momentum, workers).count;
-  momentum_ = passes == least ? momentum.strength() : 1;  // what asks for more, is another problem
+  const Passes passes = pass(enough, least, most, momentum, workers);
+  // What asks for more passes, is another problem.
+  momentum_ = passes.count == least ? momentum.strength() : 1;
 
   const double way = step_.reach * step_.h;
   double moved2 = 0;

@@ -83,6 +83,12 @@ double least_spacing(const Cloth& cloth) {
   return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
 }
 
+/// Change in a last pass by which it has met the limit, where passes go on to `enough` [m]: a close
+/// tolerance makes them run out where nothing is asked that cannot be.
+double met_by(double enough, const Cloth& cloth) {
+  return std::max(enough, least_violation / precision * least_spacing(cloth));
+}
+
 }  // namespace
 
 void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
@@ -137,12 +143,13 @@ int Simulator::Impl::most_limit_sweeps() const {
 
 void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, double length,
                                   StepReport& report) {
-  const int passes = strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
-                                         most_limit_sweeps(), state, workers);
-  report.sweeps += passes;
+  const StrainLimit::Passes passes =
+      strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
+                          most_limit_sweeps(), state, workers);
+  report.sweeps += passes.count;
   strain_limit->inertia().give_back(cloth, h, reach, state);
   strain_limit->learn_tension();
-  repair(inert, passes < most_limit_sweeps(), report);
+  repair(inert, passes.change <= met_by(length / precision_alone, cloth), report);
 }
 
 void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report) {
@@ -205,7 +212,7 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
   }
   report.sweeps += sweeps;
   report.slipping = pinches.slipping();
-  return stretching <= small;
+  return stretching <= met_by(small, cloth);
 }
 
 void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {
@@ -215,15 +222,22 @@ void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report
   report.corrections += passes;
   const bool ran_out = passes == max_corrections;
   course.repairs_ran_out = course.repairs_ran_out || ran_out;
-  double unmet = 0;
-  if (ran_out || !solved) {
-    const double least = std::max(tolerance, least_violation);
-    unmet = strain_limit->violation(inert, least, state.positions, workers);
-    // A scene that names few substeps may have them.
-    const bool outruns = !scene.simulation.substeps && strain_limit->outruns_steps();
-    if (outruns) unmet = std::max(unmet, least);
-  }
+  const double least = std::max(tolerance, least_violation);
+  double unmet =
+      ran_out || !solved ? strain_limit->violation(inert, least, state.positions, workers) : 0;
+  // A scene that names few substeps may have them.
+  if (!scene.simulation.substeps && is_unmet(solved, passes > 0, report))
+    unmet = std::max(unmet, least);
   strain_limit->learn(unmet);
+}
+
+/// Repairs hide what velocities have not met, and a tension by which points fly from side to side.
+/// Where it yields, or fingers pull, either is borne with.
+bool Simulator::Impl::is_unmet(bool solved, bool repaired, const StepReport& report) const {
+  if (strain_limit->yields() || report.pinched > 0) {
+    return !solved && strain_limit->outruns_steps();
+  }
+  return !solved || (repaired && touches() && strain_limit->outruns_steps());
 }
 
 }  // namespace clothsim

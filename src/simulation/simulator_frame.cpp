@@ -66,17 +66,22 @@ void Simulator::Impl::set_out() {
         (pin_targets[i].transpose() - state.positions.row(point)) / course.dt;
   }
   grips.set_out(course.dt, state);
-  if (strain_limit && !is_held_still()) strain_limit->try_anew();
+  const bool still = is_still();
+  if (strain_limit && !(still && is_held())) strain_limit->try_anew();
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 }
 
-bool Simulator::Impl::is_held_still() const {
-  if (!touches() || collider_contacts.count() == 0) return false;
+bool Simulator::Impl::is_held() const {
+  return (touches() && collider_contacts.count() > 0) ||
+         (strain_limit->yields() && are_pulled_taut(cloth, state.positions));
+}
+
+bool Simulator::Impl::is_still() const {
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (cloth.inv_mass[i] == 0 && !state.velocities.row(i).isZero(0)) return false;
   }
-  return std::all_of(colliders.begin(), colliders.end(), [](const MovingCollider& c) {
+  return !disturbed && std::all_of(colliders.begin(), colliders.end(), [](const MovingCollider& c) {
     return c.velocity().isZero(0) && c.angular_velocity().isZero(0);
   });
 }

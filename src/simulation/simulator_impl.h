@@ -249,6 +249,8 @@ struct Simulator::Impl {
   /// Shortens the springs that are left over their limit; `solved`: whether its impulses could be
   /// found.
   void repair(const Cloth&, bool solved, StepReport&);
+  /// Has a step asked of the limit what it cannot grant, whatever springs look like?
+  bool is_unmet(bool solved, bool repaired, const StepReport&) const;
   /// Sets the budget of a frame of dt [s], with all that is tried but Newton's steps, of which the
   /// method has a most of its own.
   void allow_work(double dt);
@@ -275,9 +277,11 @@ struct Simulator::Impl {
   bool is_out_of_reach();
   /// The cloth with the inertia that tension adds in a step of h [s].
   const Cloth& weigh(double h);
-  /// Do colliders touch the cloth in a frame in which neither they move, nor pins or grips? What
-  /// the limit cannot grant then, it never can.
-  bool is_held_still() const;
+  /// A frame in which neither colliders move, nor pins or grips?
+  bool is_still() const;
+  /// Do colliders touch the cloth, or pins pull it taut? What the limit cannot grant while they are
+  /// still, it never can.
+  bool is_held() const;
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed() const;
 

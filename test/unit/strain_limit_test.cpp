@@ -151,7 +151,7 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
     alone.predict(h, reach, a);
     const State predicted = a;
     StrainLimit by_passes = alone;
-    const int passes = alone.solve(cloth, reach, enough, 4, 2000, a);
+    const int passes = alone.solve(cloth, reach, enough, 4, 2000, a).count;
     EXPECT_GE(passes, 4);
     EXPECT_LT(passes, 2000) << step;
     const Points moved = predicted.positions + reach * h * (a.velocities - predicted.velocities);
@@ -185,7 +185,7 @@ TEST(StrainLimit, PassesAreAsManyAsAChainIsLong) {
     VelocityVerlet().step(cloth, Loads{}, h, state);
     strain_limit.predict(h, reach, state);
     constexpr double enough = 1e-9;
-    if (!plain) return strain_limit.solve(cloth, reach, enough, 1, 100000, state);
+    if (!plain) return strain_limit.solve(cloth, reach, enough, 1, 100000, state).count;
     strain_limit.begin(cloth, reach, state);
     int count = 1;
     while (strain_limit.sweep(state.velocities) > enough && count < 100000) ++count;

@@ -198,7 +198,7 @@ TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
       limit.begin(cloth, 1, state, workers);
       for (int pass = 0; pass < 5; ++pass) limit.sweep(state.velocities, workers);
     } else {
-      EXPECT_EQ(limit.solve(cloth, 1, 1e-12, 4, 20, state, workers), 20);
+      EXPECT_EQ(limit.solve(cloth, 1, 1e-12, 4, 20, state, workers).count, 20);
     }
     EXPECT_EQ(limit.correct(cloth, 1e-3, 10, state.positions, workers), 10);
     return state;

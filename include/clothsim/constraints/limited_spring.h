@@ -72,12 +72,18 @@ struct PassChange {
   double largest = 0;  // of a rate of elongation [m/s]
   double descent = 0;  // sum of changes times ways since the pass before: where it falls below
                        // zero, momentum has led uphill
+
+  void add(const PassChange& other) {
+    largest = largest < other.largest ? other.largest : largest;
+    descent += other.descent;
+  }
 };
 
-/// One pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s], from
-/// kicks that are by `momentum` times the last pass's way further on, as the velocities must be.
-PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, double most,
-                         Quad* velocities);
+/// Half a pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s],
+/// from kicks that are by `momentum` times the last pass's way further on, as the velocities must
+/// be. The way back goes on with what the way forth began with.
+PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
+                         double most, Quad* velocities);
 
 /// Moves velocities on by `momentum` times their way since `last`, and sets that to where they
 /// were.

@@ -30,10 +30,11 @@ inline constexpr double overpulled = 0.05;
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
 /// mass, take its rate of elongation out of the velocities, and points follow (Moreau's time
 /// stepping; Jean 1999, "The non-smooth contact dynamics method"). Impulses are found by projected
-/// Gauss-Seidel with Nesterov's momentum, kept from step to step and free to shrink again, so a
-/// hanging cloth starts each step almost solved and its rest shape does not depend on the order of
-/// the springs. Every impulse is equal and opposite, so momentum is conserved; impulses act along
-/// the springs as they lie in the middle of the step, so angular momentum is too.
+/// Gauss-Seidel with Nesterov's momentum, forth and back where it takes many passes, kept from step
+/// to step and free to shrink again, so a hanging cloth starts each step almost solved and its rest
+/// shape does not depend on the order of the springs. Every impulse is equal and opposite, so
+/// momentum is conserved; impulses act along the springs as they lie in the middle of the step, so
+/// angular momentum is too.
 ///
 /// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
 /// velocities have been solved already, and following this too would shake a soft cloth for ever.
@@ -85,9 +86,9 @@ class StrainLimit {
   /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
   /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. From
   /// steps of `least` passes momentum goes on, up to a strength of `least`: at rest each solves
-  /// what the last one did. Returns the passes taken.
-  int solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
-            const Workers& = {});
+  /// what the last one did.
+  Passes solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
+               const Workers& = {});
 
   /// Has inertia() learn of the tension that the last step's impulses have.
   void learn_tension();
@@ -200,7 +201,8 @@ class StrainLimit {
   void close_active();
   std::size_t fours() const { return ids_.size() / FourSprings::count; }
   int touch(int point);
-  PassChange sweep_active(double momentum, const Workers&);
+  PassChange sweep_colour(int colour, double momentum, bool goes_back, const Workers&);
+  PassChange sweep_active(double momentum, bool comes_back, const Workers&);
   Passes pass(double enough, int least, int most, Momentum&, const Workers&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
