@@ -25,6 +25,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   is_restored_pinched_ = false;
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
+  pace_ = recovery_pace(leaving_);
   if (colliders.empty()) return;
 
   std::vector<Caught> caught = find(colliders, cloth, step, state);
@@ -36,6 +37,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
       escape(c, collider, cloth, step, state.positions);
     }
   }
+  leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
 
   for (Side& s : sides_) {
     s.slots.close();
@@ -207,7 +209,7 @@ double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, 
   }
   local_.place(collider, start, positions);
   std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-  faces_.correct(collider, cloth, h_, held, local_, moved);
+  faces_.correct(collider, cloth, pace_ * h_, held, local_, moved);
   double longest = 0;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!moved[static_cast<std::size_t>(i)]) continue;
@@ -240,6 +242,7 @@ void ColliderContacts::reset() {
   pinches_.start_over(0);
   is_restored_pinched_ = false;
   recovers_ = false;
+  leaving_ = 0;
   h_ = 0;
 }
 
@@ -258,6 +261,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
   faces_.write(memory);
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
+  memory.add(leaving_);
 }
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
@@ -275,6 +279,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
   faces_.read(memory);
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
+  leaving_ = std::max(0.0, memory.number());
 }
 
 }  // namespace clothsim

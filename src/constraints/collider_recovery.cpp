@@ -40,8 +40,10 @@ double depth_before(const Shape& shape, const Vector3& from) {
 }
 
 /// Direction in which a piece of cloth, of which `held` are the points, leaves a solid about the
-/// origin: square to the piece, away from the middle.
-Vector3 direction_out(const Cloth& cloth, const Points& points, const std::vector<char>& held) {
+/// origin: square to the piece, away from the middle as it will soon be. On its way out it does not
+/// turn back where the middle is in between. `ways`: of points in a step of h [s].
+Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& ways, double h,
+                      const std::vector<char>& held) {
   Vector3 normal(0, 0, 0), middle(0, 0, 0);
   for (const auto& [a, b, c] : cloth.triangles) {
     if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
@@ -51,7 +53,8 @@ Vector3 direction_out(const Cloth& cloth, const Points& points, const std::vecto
     normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
   }
   for (int i = 0; i < cloth.num_points(); ++i) {
-    if (held[static_cast<std::size_t>(i)]) middle += row(points, i);
+    if (!held[static_cast<std::size_t>(i)]) continue;
+    middle += row(points, i) + recovery_time / h * row(ways, i);
   }
   if (normal.norm() == 0) normal = middle;
   if (normal.norm() == 0) normal = Vector3::UnitZ();
@@ -97,7 +100,7 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
     return;
   }
   if (depth > 0) caught.points.emplace_back(i, depth);
-  s.slots.put(i, normal, surface_velocity, slowest + way_out_speed(depth));
+  s.slots.put(i, normal, surface_velocity, slowest + step.pace * way_out_speed(depth));
 }
 
 ColliderContacts::Touched ColliderContacts::touched_by(int number, const Cloth& cloth,
@@ -191,16 +194,17 @@ void ColliderContacts::escape(const Caught& caught, const MovingCollider& collid
     }
   }
   local_.place(collider, step.start, positions);
-  s.way_out = direction_out(cloth, local_.from, s.leaves);
+  s.way_out = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   s.is_close = true;
 
   // All its points go that way, those outside too.
   const Vector3 direction = collider.pose().orientation * *s.way_out;
+  const double speed = step.pace * recovery_speed;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
-    s.slots.put(i, direction, collider.velocity_at(row(positions, i)), recovery_speed);
+    s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);
   }
-  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction);
+  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction, speed);
 }
 
 double ColliderContacts::correct_closely(Side& s, const Span& span,
@@ -231,11 +235,11 @@ std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
     const double way = s.way_out->dot(to - from);
-    to += std::max(0.0, recovery_speed * h_ - way) * *s.way_out;
+    to += std::max(0.0, pace_ * recovery_speed * h_ - way) * *s.way_out;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;
-    to += std::max(0.0, required_distance(before, seeker.offset, h_) - d.value) * d.normal;
+    to += std::max(0.0, required_distance(before, seeker.offset, pace_ * h_) - d.value) * d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= may_sink;

@@ -114,7 +114,7 @@ void FaceContacts::add(std::uint64_t key, const Contact* last, const MovingColli
   contact.weights = {weights[0], weights[1], weights[2], 0};
   contact.weigh(cloth);
   contact.nearest = cloth.offset;
-  contact.impulse = {normal, surface_velocity, slowest + lever * way_out_speed(depth),
+  contact.impulse = {normal, surface_velocity, slowest + lever * step.pace * way_out_speed(depth),
                      collider.friction()};
   if (last) contact.impulse.keep(last->impulse);
   list_.add(contact);

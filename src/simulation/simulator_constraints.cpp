@@ -114,6 +114,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  workers,
                                  course.left,
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
+                                 recovery_pace(collider_contacts.leaving()),
                                  colliders.empty() ? 0 : stretch_after(h),
                                  &budget,
                                  &touches_of_itself,

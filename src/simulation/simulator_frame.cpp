@@ -67,6 +67,7 @@ void Simulator::Impl::set_out() {
   }
   grips.set_out(course.dt, state);
   const bool still = is_still();
+  if (!still) collider_contacts.try_anew();
   if (strain_limit && !(still && is_held())) strain_limit->try_anew();
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});

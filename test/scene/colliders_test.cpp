@@ -311,6 +311,25 @@ TEST(RodPutInto, HardlyEverFlingsATautClothWhereverItIs) {
   EXPECT_LE(flung, 3) << "of 60";
 }
 
+TEST(CapsulePutInto, DoesNotSendAStripToAndFro) {
+  // Below the row that is pinned the other lies about its middle: either side is as near.
+  Scene scene = with_colliders({{"it", Capsule{0.082, 0.061}, pose_at({0.18, 0.003, 1.0}), 0, ""}});
+  scene.cloth.columns = 14;
+  scene.cloth.rows = 2;
+  scene.cloth.width = 0.359;
+  scene.cloth.height = 0.0142;
+  scene.cloth.orientation = Orientation::vertical;
+  scene.cloth.thickness = 1e-3;
+  scene.cloth.material.ks = 385;
+  scene.cloth.material.density = 4.25;
+  scene.cloth.material.damping = 8.4;
+  scene.cloth.material.strain_limit.reset();
+  for (int column = 0; column < 14; ++column) scene.cloth.pinned.push_back({column, 1, ""});
+  Simulator simulator(scene);
+  run(simulator, 8);
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
+}
+
 TEST_P(PutInto, ASceneMayStartWithTheShapeInTheCloth) {
   Simulator simulator(hanging_with(
       {{"it", GetParam().shape, pose_at({0.5, 0.5, 0.97}, GetParam().turn), 0.3, ""}}));

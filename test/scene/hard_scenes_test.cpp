@@ -41,6 +41,9 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
     ASSERT_LT(fastest(simulator.state()), 5 * GetParam() + 5) << frame;
     ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
   }
+  if (GetParam() > 10) {  // it may hold cloth that has wound itself about it
+    simulator.place_collider(0, {Vector3(0.5, 100, 0.5), Eigen::Quaterniond::Identity()});
+  }
   simulator.step();  // in which the sphere stands still
   run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
@@ -56,7 +59,7 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
 }
 
 // From 10 to 12 m/s the cloth may come to rest in another of its shapes, with a fold elsewhere.
-INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 9.0, 100.0));
+INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 9.0, 60.0, 100.0, 140.0));
 
 TEST(HardScene, CornersPushedTogetherByHalf) {
   Simulator simulator(hanging());

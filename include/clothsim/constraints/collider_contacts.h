@@ -28,7 +28,8 @@ namespace clothsim {
 /// do not keep a shape off the triangles between them, edges and faces have contacts too.
 ///
 /// What a shape was put upon, rather than moved against, comes out at recovery_speed at most: by
-/// the nearest way if it is not deep, else all of it in one direction. What two leave no room is
+/// the nearest way if it is not deep, else all of it in one direction; where pins hold it in, less
+/// and less fast. What two leave no room is
 /// held between them.
 class ColliderContacts {
  public:
@@ -61,6 +62,11 @@ class ColliderContacts {
 
   /// Was any of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }
+
+  /// Time that it did of late [s].
+  double leaving() const { return leaving_; }
+  /// Has it come out as fast as at first: what holds it in has moved.
+  void try_anew() { leaving_ = 0; }
 
   /// Forgets the impulses.
   void reset();
@@ -160,7 +166,9 @@ class ColliderContacts {
   bool has_pinched_ = false;          // in the step before
   bool is_restored_pinched_ = false;  // likewise, as it was written
   bool recovers_ = false;
-  LocalCloth local_;  // about a collider whose faces count
+  double leaving_ = 0;  // time of steps in which it did, less others [s]
+  double pace_ = 1;     // of the step, see ContactStep
+  LocalCloth local_;    // about a collider whose faces count
 };
 
 }  // namespace clothsim

@@ -38,6 +38,7 @@ struct ContactStep {
   const Workers& workers;
   double left = 0;                       // until the frame's end, with this step [s]
   double gravity = least_gravity;        // [m/s^2], no less
+  double pace = 1;                       // of what comes out of a collider, see recovery_pace()
   double stretch = 0;                    // l / L0 - 1 that springs may have at its end
   WorkBudget* budget = nullptr;          // of the frame; none: all is done
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself

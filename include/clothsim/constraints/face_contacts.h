@@ -67,10 +67,10 @@ class FaceContacts {
   void correct(const MovingCollider&, const Cloth&, double h, const std::vector<char>& held,
                LocalCloth&, std::vector<char>& moved);
 
-  /// Turns a contact to another direction out of the solid.
-  void redirect(std::size_t contact, const Vector3& normal) {
+  /// Turns a contact to another direction out of the solid, at that speed [m/s].
+  void redirect(std::size_t contact, const Vector3& normal, double speed) {
     list_.contacts()[contact].impulse.normal = normal;
-    list_.contacts()[contact].impulse.slowest = places_[contact].lever * recovery_speed;
+    list_.contacts()[contact].impulse.slowest = places_[contact].lever * speed;
   }
 
   /// As of ContactSlots, to each collider's sum, about its frame's origin.

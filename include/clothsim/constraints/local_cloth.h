@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/model/cloth.h"
@@ -43,11 +44,22 @@ double longest_edge_within_limit(const Cloth&, double stretch);
 /// Speed at which what a collider was put upon comes out of it [m/s].
 inline constexpr double recovery_speed = 2;
 
+/// Time [s] in which it comes out where that takes less than this speed.
+inline constexpr double recovery_time = 0.05;
+
+/// Time [s] in which it does, where nothing but the cloth's weight holds it. Where pins hold it, it
+/// would be pushed for ever: so half as fast for each such time more.
+inline constexpr double recovery_patience = 0.5;
+
+/// How much of that speed is left after a `time` [s] of it.
+inline double recovery_pace(double time) {
+  return std::min(1.0, std::exp2(1 - time / recovery_patience));
+}
+
 /// Speed [m/s] that contact gives to what is so deep in a solid [m]: none where it is out, and that
 /// little to what others have pushed in by a fraction of a millimetre that it does not leap.
 inline double way_out_speed(double depth) {
-  constexpr double time = 0.05;  // [s]
-  return std::min(recovery_speed, depth / time);
+  return std::min(recovery_speed, depth / recovery_time);
 }
 
 /// What is pressed on may sink in that far from where contact keeps it [m].
