@@ -25,7 +25,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   is_restored_pinched_ = false;
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
-  pace_ = recovery_pace(leaving_);
+  pace_ = step.pace;
   if (colliders.empty()) return;
 
   std::vector<Caught> caught = find(colliders, cloth, step, state);

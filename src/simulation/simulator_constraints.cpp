@@ -114,7 +114,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
                                  workers,
                                  course.left,
                                  std::max(scene.simulation.gravity.norm(), least_gravity),
-                                 recovery_pace(collider_contacts.leaving()),
+                                 collider_contacts.pace(),
                                  colliders.empty() ? 0 : stretch_after(h),
                                  &budget,
                                  &touches_of_itself,
@@ -224,11 +224,14 @@ void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report
   const bool ran_out = passes == max_corrections;
   course.repairs_ran_out = course.repairs_ran_out || ran_out;
   const double least = std::max(tolerance, least_violation);
-  double unmet =
-      ran_out || !solved ? strain_limit->violation(inert, least, state.positions, workers) : 0;
+  double unmet = 0;
+  if (ran_out || !solved) {
+    unmet = strain_limit->violation(inert, least, state.positions, workers);
+  }
   // A scene that names few substeps may have them.
-  if (!scene.simulation.substeps && is_unmet(solved, passes > 0, report))
+  if (!scene.simulation.substeps && is_unmet(solved, passes > 0, report)) {
     unmet = std::max(unmet, least);
+  }
   strain_limit->learn(unmet);
 }
 

@@ -66,9 +66,10 @@ void Simulator::Impl::set_out() {
         (pin_targets[i].transpose() - state.positions.row(point)) / course.dt;
   }
   grips.set_out(course.dt, state);
-  const bool still = is_still();
-  if (!still) collider_contacts.try_anew();
-  if (strain_limit && !(still && is_held())) strain_limit->try_anew();
+  if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
+  if (strain_limit && strain_limit->is_in_doubt() && !(is_still() && is_held())) {
+    strain_limit->try_anew();
+  }
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 }

@@ -29,8 +29,7 @@ namespace clothsim {
 ///
 /// What a shape was put upon, rather than moved against, comes out at recovery_speed at most: by
 /// the nearest way if it is not deep, else all of it in one direction; where pins hold it in, less
-/// and less fast. What two leave no room is
-/// held between them.
+/// and less fast. What two leave no room is held between them.
 class ColliderContacts {
  public:
   /// Finds contacts after a step from step.start to state, and gives them their last impulses.
@@ -63,8 +62,10 @@ class ColliderContacts {
   /// Was any of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }
 
-  /// Time that it did of late [s].
-  double leaving() const { return leaving_; }
+  /// Did so of late any of it?
+  bool is_leaving() const { return leaving_ > 0; }
+  /// How much of its speed is left to what leaves one, see ContactStep.
+  double pace() const { return recovery_pace(leaving_); }
   /// Has it come out as fast as at first: what holds it in has moved.
   void try_anew() { leaving_ = 0; }
 
@@ -167,7 +168,7 @@ class ColliderContacts {
   bool is_restored_pinched_ = false;  // likewise, as it was written
   bool recovers_ = false;
   double leaving_ = 0;  // time of steps in which it did, less others [s]
-  double pace_ = 1;     // of the step, see ContactStep
+  double pace_ = 1;     // of the step
   LocalCloth local_;    // about a collider whose faces count
 };
 
