@@ -10,6 +10,7 @@
 
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/stretch.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim {
@@ -150,6 +151,7 @@ void StrainLimit::reset() {
   doubt_ = 0;
   try_anew();
   momentum_ = 1;
+  wake();
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
@@ -227,6 +229,7 @@ void StrainLimit::predict(double h, double reach, State& state) {
   const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
   step_ = {h, reach, 0, 0, insistence(), speed / springs_of_a_point};
   most_kick_ = 4 * step_.most_kept;
+  slack_ -= h;
   std::fill(given_.begin(), given_.end(), Quad{});
   resume_springs(step_, scale, fours(), active_.data(), kicks_.data(), masses_.data(),
                  given_.data());
@@ -243,6 +246,15 @@ void StrainLimit::predict(double h, double reach, State& state) {
   }
 }
 
+/// Time until a spring may reach its limit, while its ends go no faster against each other than any
+/// point does against the cloth [s].
+double StrainLimit::slack(const Cloth& cloth, const State& state) const {
+  const double speed = 2 * (longest_beyond_mean(state.velocities) + others_);
+  const double limit = longest_ - 1;
+  if (limit * shortest_ <= speed * step_.h) return 0;  // by far the cheaper look
+  return (limit - worst_stretch(cloth, state.positions)) * shortest_ / speed;
+}
+
 void StrainLimit::begin(const Cloth& cloth, double reach, State& state, const Workers& workers,
                         const Points* before) {
   turn_impulses(cloth, reach, state, workers, before);
@@ -254,6 +266,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
                                 const Workers& workers, const Points* before) {
   step_.reach = reach;
   solved_alone_ = false;
+  if (is_slack()) return;
   if (find_active(state.positions, workers)) {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
       positions_[i] = quad(state.positions, touched_[i]);
@@ -284,6 +297,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
               {positions_.data(), predicted_.data(), before ? before_.data() : nullptr,
                lengths_.data(), kicks_.data(), masses_.data()},
               fours(), active_.data(), velocities_.data());
+  if (num_active_ == 0) slack_ = slack(cloth, state);
 }
 
 void StrainLimit::store(Points& velocities) const {

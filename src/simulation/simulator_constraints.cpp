@@ -98,7 +98,11 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const double tolerance =
       std::max(scene.simulation.strain_tolerance, yields ? least_violation : 0.0);
   const double length = tolerance * least_spacing(cloth);  // [m]
-  if (strain_limit) strain_limit->predict(h, reach, state);
+  if (strain_limit) {
+    // A frame ends within the limit, and nobody knows how fast colliders push out what is in them.
+    if (course.left <= h || course.recovers) strain_limit->wake();
+    strain_limit->predict(h, reach, state);
+  }
   if (!touches()) return limit_alone(inert, h, reach, length, report);
 
   // Impulses that keep springs within their limit, points off colliders and the cloth off itself.

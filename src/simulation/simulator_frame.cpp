@@ -70,8 +70,14 @@ void Simulator::Impl::set_out() {
   if (strain_limit && strain_limit->is_in_doubt() && !(is_still() && is_held())) {
     strain_limit->try_anew();
   }
+  if (strain_limit) strain_limit->set_out(speed_given());
   if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
+}
+
+double Simulator::Impl::speed_given() const {
+  const double by_air = has_air() ? air_speed() : 0;
+  return scene.simulation.gravity.norm() * course.dt + course.approach_speed + by_air;
 }
 
 bool Simulator::Impl::is_held() const {

@@ -279,6 +279,8 @@ struct Simulator::Impl {
   const Cloth& weigh(double h);
   /// A frame in which neither colliders move, nor pins or grips?
   bool is_still() const;
+  /// What gravity, colliders and air may give a point in this frame, at most [m/s].
+  double speed_given() const;
   /// Do colliders touch the cloth, or pins pull it taut? What the limit cannot grant while they are
   /// still, it never can.
   bool is_held() const;

@@ -69,6 +69,32 @@ TEST(StrainLimit, LeavesSlackClothAlone) {
   EXPECT_EQ(state.velocities, before.velocities);
 }
 
+TEST(StrainLimit, LooksAtSlackSpringsAgainBeforeTheyReachIt) {
+  // Points that fly apart: a limit that is told how fast others may move them acts from the same
+  // step on, to the last bit, as one that looks at all springs in each.
+  const Cloth cloth = make_grid(limited(square_spec(6)));
+  const auto end_of = [&](bool is_told) {
+    StrainLimit strain_limit(cloth);
+    State state{cloth.rest_positions, random_points(36, 1, 3), 0};
+    const Points thrown = state.velocities;
+    if (is_told) strain_limit.set_out(0);
+    int free_steps = 0;
+    for (int step = 0; step < 1000; ++step) {
+      state.positions += h / 10 * state.velocities;
+      strain_limit.predict(h / 10, 0, state);
+      strain_limit.begin(cloth, 0, state);
+      while (strain_limit.sweep(state.velocities) > 1e-12) continue;
+      free_steps += state.velocities == thrown;
+    }
+    EXPECT_GT(free_steps, 100);
+    EXPECT_LT(free_steps, 900);
+    return state;
+  };
+  const State looked = end_of(false), told = end_of(true);
+  EXPECT_EQ(told.positions, looked.positions);
+  EXPECT_EQ(told.velocities, looked.velocities);
+}
+
 TEST(StrainLimit, AKickThatContactIsYetToAnswerIsNoTurn) {
   // A spring at its limit, at rest when the step began, one end now thrown across it: it must not
   // be shortened. A spring that does turn is, at h v^2 / 2 l.

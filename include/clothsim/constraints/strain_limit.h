@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "clothsim/constraints/limited_spring.h"
@@ -52,6 +53,15 @@ class StrainLimit {
   /// Needs cloth.strain_limit; every other call must be given the same cloth, of whatever masses.
   /// `budget`: what passes take their visits from, if any.
   explicit StrainLimit(const Cloth& cloth, WorkBudget* budget = nullptr);
+
+  /// Begins a frame in which others give the points no more than `speed` [m/s]. Springs that cannot
+  /// reach their limit at such speeds are not looked at until they may.
+  void set_out(double speed) {
+    others_ = speed;
+    wake();
+  }
+  /// Has the next step look at all springs, whatever speeds say.
+  void wake() { slack_ = 0; }
 
   /// What its tension asks of the points' inertia, so that steps can follow.
   TensionInertia& inertia() { return inertia_; }
@@ -193,6 +203,8 @@ class StrainLimit {
   void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
                      const Points* before);
   double insistence() const;
+  bool is_slack() const { return slack_ > step_.h; }
+  double slack(const Cloth&, const State&) const;
   bool find_active(const Points& positions, const Workers&);
   void clear_active();
   void list_active();
@@ -220,6 +232,8 @@ class StrainLimit {
   double doubt_ = 0;        // time of steps that could not meet it, less others [s]
   double momentum_ = 1;     // strength that solve() ended with
   double most_kick_ = 0;    // of this step, see FourSprings [m/s]
+  double slack_ = 0;        // time until a spring may reach its limit [s]
+  double others_ = std::numeric_limits<double>::infinity();  // see set_out() [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;  // in the order of cloth.springs
   std::vector<int> order_;     // of pieces_: a neighbourhood's one after the other
