@@ -211,7 +211,7 @@ std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends
 void NearPairs::forget() {
   last_.resize(0, 3);
   patch_pairs_.clear();
-  slots_.clear();
+  slots_ = {mesh_, nearest_};
   looks_ = 0;
 }
 

@@ -10,11 +10,6 @@ SurfaceSlots::SurfaceSlots(std::shared_ptr<const SurfaceMesh> mesh,
                            std::shared_ptr<const NearestDistances> nearest)
     : mesh_(std::move(mesh)), nearest_(std::move(nearest)), slots_(mesh_->around_point.size()) {}
 
-bool SurfaceSlots::has(int triangle, int point) const {
-  const auto& [a, b, c] = corners(triangle);
-  return a == point || b == point || c == point;
-}
-
 SurfacePair SurfaceSlots::pair(int point, int triangle) const {
   const auto& [a, b, c] = corners(triangle);
   return {
@@ -24,16 +19,15 @@ SurfacePair SurfaceSlots::pair(int point, int triangle) const {
 /// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.
 template <typename Visit>
 void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
-  std::array<int, 3> holding;  // corners, those of the edge or the one
-  std::size_t count = 0;
-  for (std::size_t k = 1; k <= 3; ++k) {
-    if (slot.last.weights[k] != 0) holding[count++] = slot.pair.points[k];
-  }
-  if (count == 3) return;
-  for (const int t : mesh_->around_point[static_cast<std::size_t>(holding[0])]) {
-    if (t != slot.pair.triangle && has(t, holding[count - 1]) && !has(t, slot.pair.points[0])) {
-      visit(t);
-    }
+  const auto& points = slot.pair.points;
+  const auto& weights = slot.last.weights;
+  if (std::count(weights.begin(), weights.end(), 0.0) == 0) return;
+  const std::size_t k = weights[1] != 0 ? 1 : weights[2] != 0 ? 2 : 3;
+  for (const int t : mesh_->around_point[static_cast<std::size_t>(points[k])]) {
+    bool holds = t != slot.pair.triangle && !has(t, points[0]);
+    for (std::size_t l = k + 1; l <= 3; ++l)
+      holds = holds && (weights[l] == 0 || has(t, points[l]));
+    if (holds) visit(t);
   }
 }
 
@@ -42,17 +36,24 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
   for (bool goes = true; goes;) {
     goes = false;
     const Slot here = slot;
+    const auto along = [&](int point) { return here.last.normal.dot(row(positions, point)); };
+    const double place = along(here.pair.points[0]) - here.last.distance;
+    slot.owner = here.pair.triangle;
     for_each_beside(here, [&](int t) {
-      Slot there = here;
-      there.pair = pair(there.pair.points[0], t);
-      there.last = separation(there.pair, positions);
-      if (there.gap() >= slot.gap()) return;
-      slot = there;
+      slot.owner = std::min(slot.owner, t);
+      // Nearer places lie towards a corner on the point's side of the closest one.
+      const bool leads_nearer = std::any_of(corners(t).begin(), corners(t).end(), [&](int corner) {
+        return !has(here.pair.triangle, corner) && along(corner) > place;
+      });
+      const SurfacePair beside = pair(here.pair.points[0], t);
+      if (!leads_nearer && beside.nearest <= here.pair.nearest) return;
+      const Separation s = separation(beside, positions);
+      if (s.distance - beside.nearest >= slot.gap()) return;
+      slot.pair = beside;
+      slot.last = s;
       goes = true;
     });
   }
-  slot.owner = slot.pair.triangle;
-  for_each_beside(slot, [&](int t) { slot.owner = std::min(slot.owner, t); });
 }
 
 /// Is it not far, and none of these, of the same point, at the same place and as far off?
@@ -108,10 +109,6 @@ void SurfaceSlots::add(std::vector<SurfacePair> pairs, const Points& positions) 
     for (; place != others.end() && place->number == slot.number; ++place) ++slot.number;
     others.insert(place, slot);
   }
-}
-
-void SurfaceSlots::clear() {
-  for (std::vector<Slot>& slots : slots_) slots.clear();
 }
 
 void SurfaceSlots::write(MemoryWriter& memory) const {

@@ -47,7 +47,6 @@ class SurfaceSlots {
   /// Of a point, by number.
   const std::vector<Slot>& of(int point) const { return slots_[static_cast<std::size_t>(point)]; }
 
-  void clear();
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
@@ -55,7 +54,10 @@ class SurfaceSlots {
   const std::array<int, 3>& corners(int triangle) const {
     return mesh_->triangles[static_cast<std::size_t>(triangle)];
   }
-  bool has(int triangle, int point) const;
+  bool has(int triangle, int point) const {
+    const auto& [a, b, c] = corners(triangle);
+    return a == point || b == point || c == point;
+  }
   SurfacePair pair(int point, int triangle) const;
   template <typename Visit>
   void for_each_beside(const Slot&, const Visit&) const;
