@@ -155,6 +155,17 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
                                const Points& start, Points& positions) {
   pinches_.correct(start, positions);
   travel_.go_on(start, positions);
+  correct_all(colliders, cloth, start, positions);
+}
+
+void ColliderContacts::correct_again(const std::vector<MovingCollider>& colliders,
+                                     const Cloth& cloth, const Points& start, Points& positions) {
+  travel_.begin(start, positions);
+  correct_all(colliders, cloth, start, positions);
+}
+
+void ColliderContacts::correct_all(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                                   const Points& start, Points& positions) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (!colliders[k].enabled()) continue;
     const double way = correct_at(sides_[k], colliders[k], cloth, start, positions);

@@ -101,6 +101,11 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
 
 int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                          State& state) {
+  if (looked_at_.rows() == 0) {  // it has judged the way until now
+    looked_at_ = step.start;
+    time_ = step.h;
+    way_ = 0;
+  }
   const double last = way_;
   way_ = longest_beyond_mean(looked_at_, state.positions);
   const double next = way_ + (way_ - last);

@@ -116,14 +116,15 @@ TEST_P(ThinCloth, TearsAtNothing) {
     stretch = std::max(stretch, worst_stretch(simulator.cloth(), simulator.state().positions));
     lowest = std::min(lowest, simulator.state().positions.col(2).minCoeff());
   }
-  EXPECT_LT(stretch, 0.12);
-  // The guard holds back points that are on their way out: 0.01 mm with seed 3.
+  EXPECT_LT(stretch, 0.105);
+  // The guard holds back points that are on their way out: 0.07 mm in one of 40 seeds.
   EXPECT_GT(lowest, -surface_offset) << "in the ground";
 }
 
 INSTANTIATE_TEST_SUITE_P(Falls, ThinCloth,
                          ::testing::Values(std::tuple(30, 1e-3, 1), std::tuple(30, 1e-3, 2),
                                            std::tuple(30, 1e-3, 3), std::tuple(30, 1e-3, 5),
+                                           std::tuple(30, 1e-3, 19), std::tuple(30, 1e-3, 33),
                                            std::tuple(50, 5e-4, 1), std::tuple(50, 5e-4, 2)));
 
 class Twist : public ::testing::TestWithParam<double> {};

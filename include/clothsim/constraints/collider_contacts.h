@@ -42,6 +42,11 @@ class ColliderContacts {
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                Points& positions);
 
+  /// The same once more in a step that does not pinch it, after others have moved it on from
+  /// `start`.
+  void correct_again(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+                     Points& positions);
+
   /// Adds what the cloth, at `positions`, gave each collider in the step, times `scale`: impulse
   /// [N s] and its moment about the origin of the collider's frame [N m s], in the world. All that
   /// changed velocities counts, also where it led out what a collider was put upon. What correct()
@@ -138,6 +143,9 @@ class ColliderContacts {
   void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
+  /// Moves what is in any collider out.
+  void correct_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+                   Points& positions);
   /// Moves what is in one collider out. Returns the longest way of a point [m].
   double correct_at(Side&, const MovingCollider&, const Cloth&, const Points& start,
                     Points& positions);

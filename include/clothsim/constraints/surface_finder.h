@@ -30,7 +30,8 @@ class SurfaceFinder {
   /// Impulses alone part what is closer than it may be: moving it at once would shake piles.
   void correct(const Cloth&, Points&) const {}
 
-  /// As keep_from_crossing(), from where it last looked on; 0 where that can wait.
+  /// As keep_from_crossing(), from where it last looked on, or where it has judged the way from
+  /// there, from the step's start on; 0 where that can wait.
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
   void seek_anew() {
