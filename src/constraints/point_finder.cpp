@@ -39,16 +39,13 @@ void PointFinder::seek(const Cloth& cloth, const Points& positions, double dista
                        WorkBudget* budget) {
   skin_ = skin_share * distance;
   found_at_ = positions;
-  finder_.find(positions, distance + skin_, candidates_, budget);
-
   const double nearest = rest_exclusion * contact_distance(cloth);
   const auto neighbours_at_rest = [&](const PointPair& p) {
     const double rest2 =
-        (cloth.rest_positions.row(p.a) - cloth.rest_positions.row(p.b)).squaredNorm();
+        (row(cloth.rest_positions, p.a) - row(cloth.rest_positions, p.b)).squaredNorm();
     return rest2 < nearest * nearest || cloth.inv_mass[p.a] + cloth.inv_mass[p.b] == 0;
   };
-  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), neighbours_at_rest),
-                    candidates_.end());
+  finder_.find(positions, distance + skin_, candidates_, budget, neighbours_at_rest);
 }
 
 void PointFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,

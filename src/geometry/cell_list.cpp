@@ -30,15 +30,18 @@ constexpr std::array<std::array<int, 2>, 4> rows_after = {{{1, 0}, {-1, 1}, {0, 
 }  // namespace
 
 void PairFinder::sort_into_cells(const Points& positions, double distance) {
-  const int n = static_cast<int>(positions.rows());
-  entries_.resize(static_cast<std::size_t>(n));
-  for (int i = 0; i < n; ++i) {
-    std::array<std::int64_t, 3> cell;
-    for (int axis = 0; axis < 3; ++axis) {
-      cell[static_cast<std::size_t>(axis)] =
-          cell_coordinate(positions(i, axis), positions(0, axis), distance);
-    }
-    entries_[static_cast<std::size_t>(i)] = {key(cell[0], cell[1], cell[2]), i};
+  const auto count = static_cast<std::size_t>(positions.rows());
+  if (entries_.size() != count) {
+    entries_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) entries_[i].point = static_cast<int>(i);
+  }
+  const Vector3 origin = row(positions, 0);
+  for (Entry& entry : entries_) {
+    const Vector3 at = row(positions, entry.point);
+    entry = {key(cell_coordinate(at.x(), origin.x(), distance),
+                 cell_coordinate(at.y(), origin.y(), distance),
+                 cell_coordinate(at.z(), origin.z(), distance)),
+             entry.point, at.x(), at.y(), at.z()};
   }
   std::sort(entries_.begin(), entries_.end(), [](const Entry& p, const Entry& q) {
     return std::tie(p.cell, p.point) < std::tie(q.cell, q.point);
@@ -46,20 +49,21 @@ void PairFinder::sort_into_cells(const Points& positions, double distance) {
 }
 
 void PairFinder::find(const Points& positions, double distance, std::vector<PointPair>& pairs,
-                      WorkBudget* budget) {
+                      WorkBudget* budget, const std::function<bool(const PointPair&)>& leaves_out) {
   assert(positions.allFinite() && distance > 0);
   pairs.clear();
+  if (positions.rows() == 0) return;
 
   sort_into_cells(positions, distance);
   const double distance2 = distance * distance;
   std::int64_t visits = 0;  // of an entry
-  const auto try_pair = [&](int i, int j) {
+  const auto try_pair = [&](const Entry& p, const Entry& q) {
     ++visits;
-    const double dx = positions(i, 0) - positions(j, 0);
-    const double dy = positions(i, 1) - positions(j, 1);
-    const double dz = positions(i, 2) - positions(j, 2);
+    const double dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
     if (!(dx * dx + dy * dy + dz * dz < distance2)) return;
-    pairs.push_back({std::min(i, j), std::max(i, j)});
+    const PointPair pair{std::min(p.point, q.point), std::max(p.point, q.point)};
+    if (leaves_out && leaves_out(pair)) return;
+    pairs.push_back(pair);
     visits += WorkBudget::pair_found;
   };
 
@@ -73,7 +77,7 @@ void PairFinder::find(const Points& positions, double distance, std::vector<Poin
 
     // The rest of the own cell, and the next one along x.
     for (std::size_t f = e + 1; f < entries_.size() && entries_[f].cell <= entry.cell + 1; ++f) {
-      try_pair(entry.point, entries_[f].point);
+      try_pair(entry, entries_[f]);
     }
     for (std::size_t r = 0; r < rows_after.size(); ++r) {
       const std::uint64_t middle = entry.cell + key(0, 0, rows_after[r][1]) +
@@ -81,7 +85,7 @@ void PairFinder::find(const Points& positions, double distance, std::vector<Poin
       std::size_t& finger = fingers[r];
       while (finger < entries_.size() && entries_[finger].cell < middle - 1) ++finger;
       for (std::size_t f = finger; f < entries_.size() && entries_[f].cell <= middle + 1; ++f) {
-        try_pair(entry.point, entries_[f].point);
+        try_pair(entry, entries_[f]);
       }
     }
   }

@@ -1,5 +1,6 @@
 #include "clothsim/geometry/cell_list.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "verification/testing.h"
@@ -41,6 +42,17 @@ TEST(PairFinder, EqualsAllPairsOnRandomPoints) {
     found += expect_same(x.array().rowwise() + Eigen::RowVector3d(-5, 3, -0.1).array(), 0.2);
   }
   EXPECT_GT(found, 1000u);
+}
+
+TEST(PairFinder, LeavesOutWhatItIsTold) {
+  const Points x = random_points(300, 1, 11);
+  const auto leaves_out = [](const PointPair& pair) { return (pair.a + pair.b) % 3 == 0; };
+  std::vector<PointPair> expected = all_pairs(x, 0.2), pairs;
+  const auto kept = std::remove_if(expected.begin(), expected.end(), leaves_out);
+  EXPECT_GT(expected.end() - kept, 10);
+  expected.erase(kept, expected.end());
+  PairFinder().find(x, 0.2, pairs, nullptr, leaves_out);
+  EXPECT_TRUE(pairs == expected) << pairs.size() << " for " << expected.size() << " pairs";
 }
 
 TEST(PairFinder, EqualsAllPairsOnFlatAndLinedUpPoints) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <tuple>
 #include <vector>
 
@@ -25,20 +26,22 @@ inline bool operator==(const PointPair& p, const PointPair& q) { return p.a == q
 /// Hockney & Eastwood, Computer Simulation Using Particles, 8.4.
 class PairFinder {
  public:
-  /// All pairs closer than `distance` [m], sorted. `positions` must be finite. Some are missing
-  /// where the budget is spent.
+  /// All pairs closer than `distance` [m], sorted, but those that are left out. `positions` must be
+  /// finite. Some are missing where the budget is spent.
   void find(const Points& positions, double distance, std::vector<PointPair>& pairs,
-            WorkBudget* = nullptr);
+            WorkBudget* = nullptr,
+            const std::function<bool(const PointPair&)>& leaves_out = nullptr);
 
  private:
   struct Entry {
     std::uint64_t cell;
     int point;
+    double x, y, z;  // [m]
   };
 
   void sort_into_cells(const Points& positions, double distance);
 
-  std::vector<Entry> entries_;  // sorted by cell, then point
+  std::vector<Entry> entries_;  // sorted by cell, then point: next time, they almost are
 };
 
 }  // namespace clothsim
