@@ -137,18 +137,23 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
   // Whatever has moved the points, the cloth does not pass through itself.
-  if (!self_contacts) return;
-  const int held_back = self_contacts->guard(cloth, contact_step, by_impulses, state);
+  if (self_contacts) guard(contact_step, report);
+}
+
+void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
+  const int held_back = self_contacts->guard(cloth, step, by_impulses, state);
   report.held_back += held_back;
-  if (held_back > 0 && strain_limit) repair_beside_held(contact_step, report);
+  // Not where more is asked of the limit than it can grant, nor where fingers hold on.
+  const bool may_repair =
+      strain_limit && !strain_limit->is_in_doubt() && collider_contacts.pinches().count() == 0;
+  if (held_back > 0 && may_repair) repair_beside_held(step, report);
 }
 
 /// Springs beside points that were held back hang on them. They are shortened, and this way is
 /// guarded like any other. It is no velocity.
 void Simulator::Impl::repair_beside_held(const ContactStep& step, StepReport& report) {
-  if (collider_contacts.pinches().count() > 0) return;  // fingers hold on to what they lead
   const State held = state;
-  shorten(cloth, report);
+  shorten(cloth, passes_in_vain, report);
   if (!colliders.empty()) {
     collider_contacts.correct_again(colliders, cloth, held.positions, state.positions);
   }
@@ -236,19 +241,20 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
   return stretching <= met_by(small, cloth);
 }
 
-int Simulator::Impl::shorten(const Cloth& inert, StepReport& report) {
-  const int passes = strain_limit->correct(inert, scene.simulation.strain_tolerance,
-                                           max_corrections, state.positions, workers);
+int Simulator::Impl::shorten(const Cloth& inert, int most, StepReport& report) {
+  const int passes = strain_limit->correct(inert, scene.simulation.strain_tolerance, most,
+                                           state.positions, workers);
   report.corrections += passes;
-  course.repairs_ran_out = course.repairs_ran_out || passes == max_corrections;
   return passes;
 }
 
 void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {
-  const int passes = shorten(inert, report);
+  const int passes = shorten(inert, max_corrections, report);
+  const bool ran_out = passes == max_corrections;
+  course.repairs_ran_out = course.repairs_ran_out || ran_out;
   const double least = std::max(scene.simulation.strain_tolerance, least_violation);
   double unmet = 0;
-  if (passes == max_corrections || !solved) {
+  if (ran_out || !solved) {
     unmet = strain_limit->violation(inert, least, state.positions, workers);
   }
   // A scene that names few substeps may have them.

@@ -246,12 +246,14 @@ struct Simulator::Impl {
   bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
   /// Fastest that the wind of this frame and the cloth move against each other [m/s].
   double air_speed() const { return course.wind.norm() + longest_row(state.velocities); }
-  /// Shortens the springs that are over their limit. Returns the passes taken.
-  int shorten(const Cloth&, StepReport&);
-  void repair_beside_held(const ContactStep&, StepReport&);
+  /// Shortens the springs that are over their limit. Returns the passes taken, at most `most`.
+  int shorten(const Cloth&, int most, StepReport&);
   /// Shortens what is left over its limit, of which the limit learns; `solved`: whether its
   /// impulses could be found.
   void repair(const Cloth&, bool solved, StepReport&);
+  /// Holds back what would cross itself, and repairs what hangs on that.
+  void guard(const ContactStep&, StepReport&);
+  void repair_beside_held(const ContactStep&, StepReport&);
   /// Has a step asked of the limit what it cannot grant, whatever springs look like?
   bool is_unmet(bool solved, bool repaired, const StepReport&) const;
   /// Sets the budget of a frame of dt [s], with all that is tried but Newton's steps, of which the
