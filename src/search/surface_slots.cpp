@@ -25,8 +25,9 @@ void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
   const std::size_t k = weights[1] != 0 ? 1 : weights[2] != 0 ? 2 : 3;
   for (const int t : mesh_->around_point[static_cast<std::size_t>(points[k])]) {
     bool holds = t != slot.pair.triangle && !has(t, points[0]);
-    for (std::size_t l = k + 1; l <= 3; ++l)
+    for (std::size_t l = k + 1; l <= 3; ++l) {
       holds = holds && (weights[l] == 0 || has(t, points[l]));
+    }
     if (holds) visit(t);
   }
 }

@@ -159,7 +159,8 @@ void Simulator::Impl::repair_beside_held(const ContactStep& step, StepReport& re
   }
   ContactStep way{step.h, step.reach, held.positions, step.drifted, step.workers};
   way.budget = step.budget;
-  self_contacts->guard(cloth, way, state.positions, state);
+  const Points repaired = state.positions;  // none of this is left out, as other repairs may be
+  self_contacts->guard(cloth, way, repaired, state);
   state.velocities = held.velocities;
 }
 
