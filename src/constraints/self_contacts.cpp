@@ -1,23 +1,11 @@
 #include "clothsim/constraints/self_contacts.h"
 
 namespace clothsim {
-namespace {
-
-std::variant<PointFinder, SurfaceFinder> finder_of(const Cloth& cloth, SelfCollision kind) {
-  if (kind == SelfCollision::surface) return SurfaceFinder(cloth);
-  return PointFinder();
-}
-
-}  // namespace
-
-SelfContacts::SelfContacts(const Cloth& cloth, SelfCollision kind)
-    : finder_(finder_of(cloth, kind)) {}
-
 void SelfContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
   h_ = step.h;
   weight_ = cloth.mass.sum() * step.gravity * h_;
   contacts_.start_over(h_);
-  std::visit([&](auto& finder) { finder.find(cloth, step, state, contacts_); }, finder_);
+  finder_.find(cloth, step, state, contacts_);
   contacts_.resume(state.positions, state.velocities);
 }
 
@@ -29,16 +17,6 @@ void SelfContacts::leave_to(const Pinches& pinches, Points& velocities) {
 
 double SelfContacts::sweep(double precision, Points& velocities, const Workers& workers) {
   return h_ * contacts_.sweep(precision / h_, velocities, workers);
-}
-
-void SelfContacts::correct(const Cloth& cloth, Points& positions) const {
-  std::visit([&](const auto& finder) { finder.correct(cloth, positions); }, finder_);
-}
-
-int SelfContacts::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
-                        State& state) {
-  return std::visit([&](auto& finder) { return finder.guard(cloth, step, by_impulses, state); },
-                    finder_);
 }
 
 void SelfContacts::add_impulses(double scale, Points& sum) const {
@@ -56,22 +34,18 @@ void SelfContacts::for_each_touch(const std::function<void(const SelfTouch&)>& v
   }
 }
 
-void SelfContacts::seek_anew() {
-  std::visit([](auto& finder) { finder.seek_anew(); }, finder_);
-}
-
 void SelfContacts::reset() {
   contacts_.reset();
   seek_anew();
 }
 
 void SelfContacts::write(MemoryWriter& memory) const {
-  std::visit([&](const auto& finder) { finder.write(memory); }, finder_);
+  finder_.write(memory);
   contacts_.write(memory);
 }
 
-void SelfContacts::read(MemoryReader& memory, const Cloth& cloth) {
-  std::visit([&](auto& finder) { finder.read(memory, cloth); }, finder_);
+void SelfContacts::read(MemoryReader& memory) {
+  finder_.read(memory);
   contacts_.read(memory);
 }
 

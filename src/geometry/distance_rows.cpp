@@ -67,6 +67,17 @@ void DistanceRows::point_triangle(const Points& a, const Points& b, const Points
   }
 }
 
+CLOTHSIM_TARGET_CLONES
+void DistanceRows::point_point(const Points& a, std::size_t number, const Points& b,
+                               Row& distances) {
+  const Vector of_a = at(a, number);
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < size; ++k) {
+    const Vector way = at(b, k) - of_a;
+    distances[k] = root((1 - rounding) * dot(way, way));
+  }
+}
+
 /// Parallel ones are taken to be as near as a slight turn makes them.
 CLOTHSIM_TARGET_CLONES
 void DistanceRows::edge_edge(const Points& a, const Points& b, const Points& c, const Points& d,

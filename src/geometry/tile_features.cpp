@@ -5,6 +5,7 @@
 namespace clothsim {
 
 SurfacePair TileFeatures::pair(int a, int b, std::size_t number) const {
+  if (number == own_points) return {SurfacePair::no_triangle, {a, a, b, b}, 0};
   if (number >= points) {
     const auto& [i, j] = edges[(number - points) / 3];
     const auto& [k, l] = edges[(number - points) % 3];

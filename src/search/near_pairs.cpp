@@ -20,9 +20,10 @@ constexpr int longest_sleep = 256;
 
 }  // namespace
 
-NearPairs::NearPairs(const Cloth& cloth)
-    : mesh_(std::make_shared<SurfaceMesh>(cloth)),
-      nearest_(std::make_shared<NearestDistances>(cloth)),
+NearPairs::NearPairs(const Cloth& cloth, const TileFeatures::Range& stencils)
+    : of_points_(stencils.begin == TileFeatures::own_points),
+      mesh_(of_points_ ? std::make_shared<SurfaceMesh>() : std::make_shared<SurfaceMesh>(cloth)),
+      nearest_(std::make_shared<NearestDistances>(cloth, stencils)),
       patches_(std::make_shared<std::vector<Patch>>(cut_into_patches(cloth))),
       features_(cloth.columns),
       shapes_(cloth, patches_),
@@ -76,7 +77,7 @@ void NearPairs::go(const Points& ends, const Workers& workers) {
     PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
     pair.to_touch -= pair.step;
     pair.to_meet -= pair.step;
-    for (Edges& of : pair.edges) of.gap -= pair.step;
+    for (Listed& of : pair.listed) of.gap -= pair.step;
   });
   paired_nearer_ += motions_.most();
   last_ = ends;
@@ -115,7 +116,11 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
         for (int k = begin; k < end; ++k) {
           if (budget && budget->is_spent()) break;  // what was begun is taken back
           PatchPair& pair = *due[static_cast<std::size_t>(k)];
-          measure(pair, pair.step + floor, found);
+          if (of_points_) {
+            measure_points(pair);
+          } else {
+            measure(pair, pair.step + floor, found);
+          }
           if (budget) budget->spend(WorkBudget::patches_measured);
         }
       },
@@ -138,7 +143,7 @@ bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Po
 /// Slots, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
-      static_cast<int>(last_.rows()), [&](int begin, int end, std::vector<NearPair>& found) {
+      slots_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
           for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
             if (!may_touch(slot.pair, slot.last, ahead)) continue;
@@ -151,21 +156,22 @@ void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   for (const auto& found : bands) near_.insert(near_.end(), found.begin(), found.end());
 }
 
-/// Edges on lists, by their keys.
-void NearPairs::collect_edges(const Points& ahead, const Workers& workers) {
+/// Edges and points on lists, by their keys.
+void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
       static_cast<int>(patch_pairs_.size()),
       [&](int begin, int end, std::vector<NearPair>& found) {
         for (int k = begin; k < end; ++k) {
           PatchPair& of = patch_pairs_[static_cast<std::size_t>(k)];
-          for (Edges& listed : of.edges) {
+          for (Listed& listed : of.listed) {
             if (listed.gap > of.step + margin_) continue;
             const auto number = static_cast<std::size_t>(listed.number);
             SurfacePair pair = features_.pair(listed.a, listed.b, number);
             const Separation s = separation(pair, last_);
             pair.nearest = nearest_->of(listed.a, listed.b, number);
             listed.gap = s.distance - pair.nearest;
-            if (std::count(s.weights.begin(), s.weights.end(), 0.0) > 0) continue;
+            const bool inside = std::count(s.weights.begin(), s.weights.end(), 0.0) == 0;
+            if (!inside && !of_points_) continue;
             if (!may_touch(pair, s, ahead)) continue;
             found.push_back({TileFeatures::key(listed.a, listed.b, number), pair, s});
           }
@@ -183,7 +189,9 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   be_at(positions, workers);
   const std::int64_t walked = slots_.walk(positions, workers);
   if (budget) budget->spend(walked);
-  // Those are due that may touch in a step like the last one, and some of what is near.
+  // Those are due that may touch in a step like the last one, and some of what is near. Of points
+  // ways are told apart: they are seen by nothing else.
+  if (of_points_) foresee(ahead, workers);
   std::vector<PatchPair*> due;
   int to_turn = looks_++ % longest_sleep;
   for (PatchPair& pair : patch_pairs_) {
@@ -193,7 +201,7 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   measure_all(due, -TileShapes::infinity, workers, budget);
   near_.clear();
   collect_points(ahead, workers);
-  collect_edges(ahead, workers);
+  collect_listed(ahead, workers);
   return near_;
 }
 
@@ -226,10 +234,10 @@ void NearPairs::write(MemoryWriter& memory) const {
   for (const PatchPair& pair : patch_pairs_) {
     for (const int number : {pair.p, pair.q}) memory.add(number);
     for (const double number : {pair.step, pair.to_touch, pair.to_meet}) memory.add(number);
-    memory.add(static_cast<double>(pair.edges.size()));
-    for (const Edges& edges : pair.edges) {
-      for (const int number : {edges.a, edges.b, edges.number}) memory.add(number);
-      memory.add(edges.gap);
+    memory.add(static_cast<double>(pair.listed.size()));
+    for (const Listed& listed : pair.listed) {
+      for (const int number : {listed.a, listed.b, listed.number}) memory.add(number);
+      memory.add(listed.gap);
     }
   }
 }
@@ -237,7 +245,7 @@ void NearPairs::write(MemoryWriter& memory) const {
 void NearPairs::read(MemoryReader& memory) {
   forget();
   if (memory.index(2) == 0) return;
-  const std::size_t points = mesh_->around_point.size(), patches = patches_->size();
+  const std::size_t points = nearest_->points(), patches = patches_->size();
   last_ = memory.points(static_cast<Eigen::Index>(points));
   looks_ = memory.index(std::numeric_limits<int>::max());
   paired_nearer_ = memory.number();
@@ -245,13 +253,13 @@ void NearPairs::read(MemoryReader& memory) {
   for (std::size_t left = memory.count(); left > 0; --left) {
     PatchPair pair{memory.index(patches), memory.index(patches)};
     for (double* number : {&pair.step, &pair.to_touch, &pair.to_meet}) *number = memory.number();
-    for (std::size_t edges = memory.count(); edges > 0; --edges) {
+    for (std::size_t listed = memory.count(); listed > 0; --listed) {
       const int a = memory.index(points), b = memory.index(points);
       const int number = memory.index(TileFeatures::count);
       if (nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
-        throw InvalidValue({"memory"}, "edges that the cloth lacks", "what this cloth wrote");
+        throw InvalidValue({"memory"}, "features that the cloth lacks", "what this cloth wrote");
       }
-      pair.edges.push_back({a, b, number, memory.number()});
+      pair.listed.push_back({a, b, number, memory.number()});
     }
     patch_pairs_.push_back(pair);
   }

@@ -39,7 +39,7 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
   reaches.fill(reach);
   least_gap.fill(-infinity);
   std::array<int, lanes> near{}, meet{};
-  for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+  for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
     // Where points see a layer, they keep it off before edges touch.
     for (std::size_t i = 0; k == TileFeatures::points && i < lanes; ++i) {
       reaches[i] = near[i] != 0 ? edge_reach : reach;
@@ -70,7 +70,7 @@ std::pair<int, int> NearPairs::tiles(const PatchPair& pair, int number) const {
 
 /// Finds what has no slot yet, which edges are near, and what is within a distance [m].
 void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
-  pair.edges.clear();
+  pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
   const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most());
   const auto& [first_of_p, first_of_q] = tiles(pair, 0);
@@ -85,6 +85,23 @@ void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   }
 }
 
+/// Lists the points that are near, or may be on the way looked at last.
+void NearPairs::measure_points(PatchPair& pair) const {
+  pair.listed.clear();
+  const float rounding = shapes_.rounding(pair.p, pair.q);
+  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most() + pair.step);
+  const auto& [first_of_p, first_of_q] = tiles(pair, 0);
+  TileShapes::Near near;
+  shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(first_of_p, first_of_q),
+                         gap + rounding, near);
+  pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
+  pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const auto& [a, b] = tiles(pair, near.pairs[k]);
+    pair.listed.push_back({a, b, static_cast<int>(TileFeatures::own_points), 0});
+  }
+}
+
 /// Of up to sixteen pairs of tiles.
 void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t count, double within,
                               Found& found) const {
@@ -92,7 +109,7 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
   for (std::size_t i = 0; i < lanes; ++i) {
     const auto& [a, b] = tiles(pair, pairs[std::min(i, count - 1)]);
     const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(a, b);
-    for (std::size_t k = 0; k < TileFeatures::count; ++k) may[k][i] = of_tiles[k];
+    for (std::size_t k = 0; k < TileFeatures::own_points; ++k) may[k][i] = of_tiles[k];
   }
   TileShapes::Distances distances;
   shapes_.measure(pair.p, pair.q, pairs, count, distances);
@@ -111,7 +128,7 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       SurfacePair both = features_.pair(a, b, k);
       both.nearest = nearest_->of(a, b, k);
       if (is_near && k >= TileFeatures::points) {
-        pair.edges.push_back({a, b, static_cast<int>(k), distance - nearest});
+        pair.listed.push_back({a, b, static_cast<int>(k), distance - nearest});
       } else if (is_near &&
                  (distances.within[k][i] > -beside || distance < nearest ||
                   nearest_->at_border(a) || nearest_->at_border(b)) &&

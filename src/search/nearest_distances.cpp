@@ -5,10 +5,21 @@
 
 namespace clothsim {
 
-NearestDistances::NearestDistances(const Cloth& cloth)
-    : thickness_(cloth.thickness),
-      spacing_((row(cloth.rest_positions, 1) - row(cloth.rest_positions, 0)).norm(),
-               (row(cloth.rest_positions, cloth.columns) - row(cloth.rest_positions, 0)).norm()) {
+namespace {
+
+/// Along rows and along columns; where there is but one of them, as of the other.
+Eigen::Vector2d spacing_of(const Cloth& cloth) {
+  const auto to = [&](int point) -> double {
+    return (row(cloth.rest_positions, point) - row(cloth.rest_positions, 0)).norm();
+  };
+  const int along = cloth.columns > 1 ? 1 : 0, up = cloth.rows > 1 ? cloth.columns : 0;
+  return {to(along > 0 ? along : up), to(up > 0 ? up : along)};
+}
+
+}  // namespace
+
+NearestDistances::NearestDistances(const Cloth& cloth, const TileFeatures::Range& stencils)
+    : stencils_(stencils), thickness_(cloth.thickness), spacing_(spacing_of(cloth)) {
   const Eigen::Array2i last(cloth.columns - 1, cloth.rows - 1);
   for (int i = 0; i < cloth.num_points(); ++i) {
     const Eigen::Array2i from(i % cloth.columns, i / cloth.columns);
@@ -44,6 +55,7 @@ NearestDistances::Tiles NearestDistances::make_tiles(const Eigen::Vector2i& way)
     const double at_rest = separation(TileFeatures(2).pair(0, other, k), corners).distance;
     const bool share_a_point = at_rest < least_at_rest() / 2;
     tiles.of[k] = share_a_point ? -1 : std::min(most(), neighbour_share * at_rest);
+    if (k == TileFeatures::own_points) tiles.of[k] = at_rest < apart_at_rest * most() ? -1 : most();
     tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], most_of(inside, k)));
   }
   return tiles;
@@ -56,8 +68,8 @@ TileShapes::PairValues NearestDistances::make_patches(const Eigen::Vector2i& way
     const int i = k / tiles, j = k % tiles;
     const Eigen::Vector2i tile(j % side - i % side, j / side - i / side);
     const auto& of = tiles_.at(side * way + tile).of;
-    values[static_cast<std::size_t>(k)] =
-        static_cast<float>(*std::max_element(of.begin(), of.end()));
+    values[static_cast<std::size_t>(k)] = static_cast<float>(
+        *std::max_element(of.data() + stencils_.begin, of.data() + stencils_.end));
   }
   return values;
 }

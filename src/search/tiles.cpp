@@ -69,10 +69,10 @@ float TileShapes::rounding(int patch, int other) const {
                   roundings_[static_cast<std::size_t>(other)]);
 }
 
-void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float least,
-                      Near& near) const {
-  const Corners &a = corners_[static_cast<std::size_t>(patch)],
-                &b = corners_[static_cast<std::size_t>(other)];
+/// `measure`: takes the distances from a tile to all of the other patch.
+template <typename Measure>
+void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, float gap,
+                               float least, const Measure& measure, Near& near) const {
   std::array<int, n> is_near;
   Row distances, rest, rest_gap;
   rest.fill(infinity);
@@ -80,7 +80,7 @@ void TileShapes::look(int patch, int other, const PairValues& nearest, float gap
   near.count = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (!exists(patch, i)) continue;
-    DistanceRows::hull_hull(a, i, b, distances);
+    measure(i, distances);
     if (!sort_out(distances, nearest.data() + i * n, gap, least, is_near, rest, rest_gap)) continue;
     for (std::size_t j = patch == other ? i + 1 : 0; j < n; ++j) {
       near.pairs[near.count] = static_cast<int>(i * n + j);
@@ -89,6 +89,25 @@ void TileShapes::look(int patch, int other, const PairValues& nearest, float gap
   }
   near.rest = *std::min_element(rest.begin(), rest.end());
   near.rest_gap = *std::min_element(rest_gap.begin(), rest_gap.end());
+}
+
+void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float least,
+                      Near& near) const {
+  const Corners &a = corners_[static_cast<std::size_t>(patch)],
+                &b = corners_[static_cast<std::size_t>(other)];
+  sort_out_near(
+      patch, other, nearest, gap, least,
+      [&](std::size_t i, Row& distances) { DistanceRows::hull_hull(a, i, b, distances); }, near);
+}
+
+void TileShapes::look_at_points(int patch, int other, const PairValues& nearest, float gap,
+                                Near& near) const {
+  const Corners &a = corners_[static_cast<std::size_t>(patch)],
+                &b = corners_[static_cast<std::size_t>(other)];
+  sort_out_near(
+      patch, other, nearest, gap, -1,
+      [&](std::size_t i, Row& distances) { DistanceRows::point_point(a[0], i, b[0], distances); },
+      near);
 }
 
 void TileShapes::measure(int patch, int other, const int* pairs, std::size_t count,
@@ -109,7 +128,7 @@ void TileShapes::measure(int patch, int other, const int* pairs, std::size_t cou
     DistanceRows::point_triangle(point[0], other_tile[a], other_tile[b], other_tile[c],
                                  found.values[k], found.within[k]);
   }
-  for (std::size_t k = TileFeatures::points; k < TileFeatures::count; ++k) {
+  for (std::size_t k = TileFeatures::points; k < TileFeatures::own_points; ++k) {
     const auto& [a, b] = TileFeatures::edges[(k - TileFeatures::points) / 3];
     const auto& [c, d] = TileFeatures::edges[(k - TileFeatures::points) % 3];
     DistanceRows::edge_edge(of[0][a], of[0][b], of[1][c], of[1][d], found.values[k]);

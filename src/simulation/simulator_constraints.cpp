@@ -133,7 +133,6 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
 
   // What curvature and early stops have left in the positions.
   if (strain_limit) repair(cloth, solved, report);
-  if (self_contacts) self_contacts->correct(cloth, state.positions);
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
   // Whatever has moved the points, the cloth does not pass through itself.

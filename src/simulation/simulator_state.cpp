@@ -13,7 +13,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-enum { memory_version = 13 };
+enum { memory_version = 14 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -124,7 +124,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   ColliderContacts read_contacts;
   read_contacts.read(memory, colliders.size(), cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
-  if (read_self_contacts) read_self_contacts->read(memory, cloth);
+  if (read_self_contacts) read_self_contacts->read(memory);
   memory.finish();
 
   method = std::move(read_method);

@@ -166,6 +166,66 @@ TEST(NearPairs, ListEdgesThatCrossWhereNoPointSeesIt) {
   EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end()));
 }
 
+/// All points that are no neighbours at rest and come within some distance [m]: as they lie, or
+/// along the line between them on the way to `ahead`.
+std::vector<std::array<int, 2>> near_points(const Cloth& cloth, const Points& x,
+                                            const Points& ahead, double within) {
+  std::vector<std::array<int, 2>> found;
+  for (int a = 0; a < cloth.num_points(); ++a) {
+    for (int b = a + 1; b < cloth.num_points(); ++b) {
+      const double at_rest = (row(cloth.rest_positions, a) - row(cloth.rest_positions, b)).norm();
+      if (at_rest < 4 * cloth.thickness * (1 - 1e-9)) continue;
+      const Vector3 way = row(x, a) - row(x, b);
+      const double then = way.normalized().dot(row(ahead, a) - row(ahead, b));
+      if (std::min(way.norm(), then) <= within) found.push_back({a, b});
+    }
+  }
+  return found;
+}
+
+std::vector<std::array<int, 2>> points_of(const std::vector<NearPair>& pairs) {
+  std::vector<std::array<int, 2>> points;
+  for (const NearPair& near : pairs) points.push_back({near.pair.points[0], near.pair.points[2]});
+  for (auto& [a, b] : points) {
+    if (a > b) std::swap(a, b);
+  }
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+TEST(NearPairs, OfPointsAreAllThatAreNearWhileTheClothMoves) {
+  // Sheets and chains that roll up with all points trembling, flung and turned.
+  for (const auto& [columns, rows] : {std::pair(17, 6), std::pair(1, 90), std::pair(90, 1)}) {
+    const Cloth cloth = cloth_of(columns, rows, 0.012);
+    NearPairs finder(cloth, TileFeatures::of_points);
+    std::size_t most = 0;
+    for (int step = 0; step < 200; ++step) {
+      const double share = std::min(step, 150) / 150.0;
+      const Points x = (1 - share) * cloth.rest_positions +
+                       share * random_points(cloth.num_points(), 0.12, 7) +
+                       random_points(cloth.num_points(), 2e-3, static_cast<std::uint64_t>(step));
+      const Points ahead =
+          x + random_points(cloth.num_points(), 0.02, static_cast<std::uint64_t>(1000 + step));
+      const auto found = points_of(finder.approaching(x, ahead));
+      const auto must = near_points(cloth, x, ahead, 2 * cloth.thickness),
+                 may = near_points(cloth, x, ahead, 3 * cloth.thickness);
+      ASSERT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end())) << step;
+      ASSERT_TRUE(std::includes(may.begin(), may.end(), found.begin(), found.end())) << step;
+      most = std::max(most, must.size());
+      if (step == 100) finder.forget();
+    }
+    EXPECT_GT(most, 40u) << columns << " x " << rows;
+  }
+}
+
+TEST(NearPairs, OfPointsAreNoneOnFewPointsThatAreFar) {
+  for (const auto& [columns, rows] : {std::pair(2, 1), std::pair(1, 2), std::pair(2, 2)}) {
+    const Cloth cloth = cloth_of(columns, rows, 0.01);
+    NearPairs finder(cloth, TileFeatures::of_points);
+    EXPECT_TRUE(finder.approaching(cloth.rest_positions, cloth.rest_positions).empty());
+  }
+}
+
 TEST(NearPairs, RefuseAMemoryOfEdgesThatTheClothLacks) {
   const Cloth cloth = cloth_of(17, 6, 0.015);
   MemoryWriter memory;
@@ -175,7 +235,7 @@ TEST(NearPairs, RefuseAMemoryOfEdgesThatTheClothLacks) {
   for (int slots = 0; slots < cloth.num_points(); ++slots) memory.add(0);
   memory.add(1);                                               // pair of patches
   for (const int pair : {0, 1, 0, 0, 0, 1}) memory.add(pair);  // with two edges
-  const int last = cloth.num_points() - 1, diagonals = TileFeatures::count - 1;
+  const int last = cloth.num_points() - 1, diagonals = TileFeatures::own_points - 1;
   for (const int edges : {last, 0, diagonals, 0}) memory.add(edges);
   MemoryReader reader(memory.numbers());
   EXPECT_THROW(NearPairs(cloth).read(reader), InvalidValue);

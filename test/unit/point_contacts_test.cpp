@@ -58,10 +58,6 @@ TEST(PointContacts, AClumpKeepsItsMomentumAndLosesEnergy) {
   EXPECT_GT(contacts.count(), 10);
   EXPECT_LT((state.velocities.colwise().sum() - momentum).norm(), 1e-12);
   EXPECT_LT(state.velocities.squaredNorm(), energy);
-
-  const Eigen::RowVector3d centre = state.positions.colwise().mean();
-  contacts.correct(cloth, state.positions);
-  EXPECT_LT((state.positions.colwise().mean() - centre).norm(), 1e-15);
 }
 
 TEST(PointContacts, NoTouchingPairComesCloser) {
@@ -105,41 +101,45 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
   }
 }
 
-TEST(PointContacts, LeavesRestNeighboursOut) {
+/// Two points that overlap by half of the contact distance, after some seconds of contact alone:
+/// they come apart at no more than a hundredth a step, and drift on a little.
+Points after_an_overlap(const Cloth& cloth) {
+  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+  state.positions(1, 0) = thickness;
+  SelfContacts contacts(cloth, SelfCollision::points);
+  double last = thickness;
+  for (int step = 0; step < 3000; ++step) {
+    state.positions += h * state.velocities;
+    state.velocities *= 0.99;
+    resolve(contacts, cloth, state);
+    const double overlap = 2 * thickness - (state.positions.row(1) - state.positions.row(0)).norm();
+    EXPECT_GT(overlap, 0.98 * last - 1e-4) << "moved at once";
+    last = std::max(overlap, 0.0);
+  }
+  return state.positions;
+}
+
+TEST(PointContacts, LeaveRestNeighboursOut) {
   // Neighbours 3.9 cm apart at rest may come closer than 2 cm; at 4.1 cm they may not.
   for (const double spacing : {0.039, 0.041}) {
     ClothSpec spec = chain_spec(2, spacing, 0);
     spec.thickness = thickness;
-    const Cloth cloth = make_grid(spec);
-    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
-    state.positions(1, 0) = 0.01;
-    SelfContacts contacts(cloth, SelfCollision::points);
-    contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
-    for (int step = 0; step < 100; ++step) contacts.correct(cloth, state.positions);
-    const double distance = (state.positions.row(1) - state.positions.row(0)).norm();
-    EXPECT_NEAR(distance, spacing < 0.04 ? 0.01 : 2 * thickness, 1e-12);
+    const Points x = after_an_overlap(make_grid(spec));
+    const double distance = (x.row(1) - x.row(0)).norm();
+    EXPECT_NEAR(distance, spacing < 0.04 ? thickness : 2 * thickness, 1e-4);
   }
 }
 
-TEST(PointContacts, CorrectMovesByInverseMassShareByShare) {
+TEST(PointContacts, WorkOffOverlapsByInverseMass) {
   ClothSpec spec = chain_spec(2, 1, 0);
   spec.thickness = thickness;
+  const Points of_free = after_an_overlap(make_grid(spec));
+  EXPECT_NEAR(of_free(0, 0), -thickness / 2, 1e-4);
+  EXPECT_NEAR(of_free(1, 0), 1.5 * thickness, 1e-4);
   spec.pinned = {{0, 0, ""}};
-  const Cloth cloth = make_grid(spec);
-  State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
-  state.positions(1, 2) = 0.005;
-  SelfContacts contacts(cloth, SelfCollision::points);
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
-  double last = 2 * thickness - 0.005;
-  for (int step = 0; step < 100; ++step) {
-    contacts.correct(cloth, state.positions);
-    const double overlap = 2 * thickness - state.positions(1, 2);
-    EXPECT_LE(overlap, 0.8 * last + 1e-15);
-    EXPECT_GE(overlap, -1e-15);
-    last = overlap;
-  }
-  EXPECT_EQ(state.positions.row(0).norm(), 0);
-  EXPECT_NEAR(state.positions(1, 2), 2 * thickness, 1e-12);
+  const Points of_pinned = after_an_overlap(make_grid(spec));
+  EXPECT_EQ(of_pinned.row(0).norm(), 0);
+  EXPECT_NEAR(of_pinned(1, 0), 2 * thickness, 1e-4);
 }
 
 TEST(PointContacts, CoincidentPointsGiveNoNan) {
@@ -148,33 +148,8 @@ TEST(PointContacts, CoincidentPointsGiveNoNan) {
   SelfContacts contacts(cloth, SelfCollision::points);
   for (int step = 0; step < 5; ++step) {
     resolve(contacts, cloth, state);
-    contacts.correct(cloth, state.positions);
     EXPECT_TRUE(state.positions.allFinite());
     EXPECT_TRUE(state.velocities.allFinite());
-  }
-}
-
-TEST(PointContacts, CandidatesKeptOverStepsMissNothing) {
-  // Two clouds that fly through each other, with a common motion: the pairs corrected must be those
-  // that a fresh object finds.
-  const Cloth cloth = apart(60);
-  State state{random_points(60, 0.15, 5), Points::Zero(60, 3), 0};
-  Points motion = random_points(60, 0.004, 6);
-  motion.col(0).array() += 0.05;
-  SelfContacts kept(cloth, SelfCollision::points);
-  for (int step = 0; step < 60; ++step) {
-    state.positions += motion;
-    if (step == 30) motion.leftCols(2) *= -1;
-    State copy = state;
-    kept.begin(cloth, {h, reach, copy.positions, copy.velocities, alone}, copy);
-    Points a = state.positions;
-    kept.correct(cloth, a);
-    copy = state;
-    SelfContacts fresh(cloth, SelfCollision::points);
-    fresh.begin(cloth, {h, reach, copy.positions, copy.velocities, alone}, copy);
-    Points b = state.positions;
-    fresh.correct(cloth, b);
-    ASSERT_EQ(a, b) << "step " << step;
   }
 }
 

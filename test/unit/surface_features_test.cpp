@@ -51,7 +51,7 @@ TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
     for (int a = 0; a < cloth.num_points(); ++a) {
       for (int b = a + 1; b < cloth.num_points(); ++b) {
         const NearestDistances::OfTiles of_tiles = nearest.of_tiles(a, b);
-        for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+        for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
           if (of_tiles[k] < 0) continue;
           found.push_back(features.pair(a, b, k));
           EXPECT_EQ(of_tiles[k], static_cast<float>(nearest_of(nearest, columns, found.back())));

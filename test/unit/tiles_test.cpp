@@ -62,7 +62,7 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
             const auto pair = static_cast<std::size_t>(near.pairs[first + i]);
             const int a = of.tile(p, pair / TileShapes::tiles),
                       b = of.tile(q, pair % TileShapes::tiles);
-            for (std::size_t k = 0; k < TileFeatures::count; ++k) {
+            for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
               if (lacks(a, TileFeatures::of_a[k]) || lacks(b, TileFeatures::of_b[k])) continue;
               const double exact = separation(of.features.pair(a, b, k), x).distance;
               const double told = found.values[k][i] - of.shapes.rounding(p, q);

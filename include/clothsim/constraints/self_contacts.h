@@ -3,13 +3,11 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
-#include <variant>
 
 #include "clothsim/constraints/contact_list.h"
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/constraints/pinches.h"
-#include "clothsim/constraints/point_finder.h"
-#include "clothsim/constraints/surface_finder.h"
+#include "clothsim/constraints/touch_finder.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -17,11 +15,11 @@
 namespace clothsim {
 
 /// A cloth kept off itself: no restitution, Coulomb friction, impulses kept from step to step,
-/// equal and opposite, weighted by inverse mass. Finders tell what touches.
+/// equal and opposite, weighted by inverse mass.
 class SelfContacts {
  public:
   /// Of points or of surfaces, not off nor automatic.
-  SelfContacts(const Cloth&, SelfCollision);
+  SelfContacts(const Cloth& cloth, SelfCollision kind) : finder_(cloth, kind) {}
 
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
@@ -33,12 +31,11 @@ class SelfContacts {
   /// `precision` [m]. Returns the largest change as a displacement in h [m].
   double sweep(double precision, Points& velocities, const Workers& = {});
 
-  /// Moves at once what the finder says.
-  void correct(const Cloth&, Points& positions) const;
-
   /// Holds back what would cross itself, from a step on: see keep_from_crossing(). Returns how many
   /// points.
-  int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
+  int guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses, State& state) {
+    return finder_.guard(cloth, step, by_impulses, state);
+  }
 
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
@@ -47,7 +44,7 @@ class SelfContacts {
   void for_each_touch(const std::function<void(const SelfTouch&)>& visit) const;
 
   /// To be called when other points than before are held.
-  void seek_anew();
+  void seek_anew() { finder_.seek_anew(); }
 
   /// Contacts that a pass looks at.
   std::size_t size() const { return contacts_.contacts().size(); }
@@ -60,10 +57,10 @@ class SelfContacts {
 
   /// What the next step goes on with. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;
-  void read(MemoryReader&, const Cloth&);
+  void read(MemoryReader&);
 
  private:
-  std::variant<PointFinder, SurfaceFinder> finder_;
+  TouchFinder finder_;
   ContactList contacts_;
   double h_ = 0;       // of the last step [s]
   double weight_ = 0;  // of the cloth in it [N s]

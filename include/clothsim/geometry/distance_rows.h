@@ -21,6 +21,9 @@ struct DistanceRows {
   static void edge_edge(const Points& a, const Points& b, const Points& c, const Points& d,
                         Row& distances);
 
+  /// Of point `number` of a to those of b [m].
+  static void point_point(const Points& a, std::size_t number, const Points& b, Row& distances);
+
   /// Of hull `number` of a to those of b [m], by planes square to the line between their centres.
   static void hull_hull(const Hulls& a, std::size_t number, const Hulls& b, Row& distances);
 };

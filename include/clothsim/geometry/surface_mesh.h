@@ -10,6 +10,7 @@ namespace clothsim {
 /// Points, edges and triangles of a cloth, and which of these a point has. Needs two columns and
 /// two rows at least.
 struct SurfaceMesh {
+  SurfaceMesh() = default;
   explicit SurfaceMesh(const Cloth&);
 
   std::vector<std::array<int, 3>> triangles;  // points

@@ -6,7 +6,8 @@
 
 namespace clothsim {
 
-/// A point and a triangle of a cloth, or two of its edges, that share no point.
+/// A point and a triangle of a cloth, or two of its edges, that share no point. Two points count as
+/// edges without length.
 struct SurfacePair {
   int triangle;               // b; no_triangle: two edges
   std::array<int, 4> points;  // point a and corners of b, or ends of a and ends of b

@@ -29,7 +29,8 @@ struct NearPair {
 /// Finds the pairs of a cloth's features that are near each other while it moves, in two ways.
 ///
 /// What may touch: points have slots that walk over the surface, and edges that cross where no
-/// point does are listed. These may be found a little late, and are few.
+/// point does are listed. These may be found a little late, and are few. Of points alone, all that
+/// are near each other are listed.
 ///
 /// What may meet: all features that come as near as a floor on the way. None is missed.
 ///
@@ -38,7 +39,8 @@ struct NearPair {
 /// write().
 class NearPairs {
  public:
-  explicit NearPairs(const Cloth&);
+  /// `stencils`: of surfaces or of points.
+  explicit NearPairs(const Cloth&, const TileFeatures::Range& stencils = TileFeatures::of_surfaces);
 
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], or are nearer
   /// than they may come plus a margin, by ascending key. Edges are closest inside both, and of the
@@ -48,9 +50,9 @@ class NearPairs {
   /// Those that it found last.
   const std::vector<NearPair>& approaching() const { return near_; }
 
-  /// All pairs that may come within `floor` [m] of each other while points go straight from `here`
-  /// to `ends`, in no order to rely on: as long as no distance between patches falls by more than
-  /// sees(). Some are missing where the budget is spent.
+  /// All pairs of surfaces that may come within `floor` [m] of each other while points go straight
+  /// from `here` to `ends`, in no order to rely on: as long as no distance between patches falls by
+  /// more than sees(). Some are missing where the budget is spent.
   std::vector<NearPair> may_meet(const Points& here, const Points& ends, double floor,
                                  const Workers& = {}, WorkBudget* = nullptr);
 
@@ -72,8 +74,8 @@ class NearPairs {
   void read(MemoryReader&);
 
  private:
-  /// Two edges that are near, by tiles and the number of the pair among their features.
-  struct Edges {
+  /// Two edges or points that are near, by tiles and the number of the pair among their features.
+  struct Listed {
     int a;
     int b;
     int number;
@@ -88,7 +90,7 @@ class NearPairs {
     // How much nearer they may come before features touch that have no slot, or any meet [m].
     double to_touch = 0;
     double to_meet = 0;
-    std::vector<Edges> edges = {};  // that points may not keep apart
+    std::vector<Listed> listed = {};  // where no point sees a triangle
 
     bool operator<(const PatchPair& other) const {
       return std::tie(p, q) < std::tie(other.p, other.q);
@@ -110,14 +112,16 @@ class NearPairs {
                                     const Workers&, WorkBudget*);
   bool may_touch(const SurfacePair&, const Separation&, const Points& ahead) const;
   void collect_points(const Points& ahead, const Workers&);
-  void collect_edges(const Points& ahead, const Workers&);
+  void collect_listed(const Points& ahead, const Workers&);
 
   // near_pairs_measure.cpp: what two patches have near each other.
   void measure(PatchPair&, double within, Found&) const;
+  void measure_points(PatchPair&) const;
   void measure_batch(PatchPair&, const int* pairs, std::size_t count, double within, Found&) const;
   std::pair<int, int> tiles(const PatchPair&, int number) const;
 
-  std::shared_ptr<const SurfaceMesh> mesh_;
+  bool of_points_;
+  std::shared_ptr<const SurfaceMesh> mesh_;  // none of points
   std::shared_ptr<const NearestDistances> nearest_;
   std::shared_ptr<const std::vector<Patch>> patches_;  // along rows
   TileFeatures features_;

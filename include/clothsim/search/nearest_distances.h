@@ -45,6 +45,9 @@ class ByWay {
 /// left to them where folds cross whose points miss each other. An edge of the border has no cloth
 /// beside it that points could meet: it keeps the whole distance.
 ///
+/// Points have no surface: those that are neighbours, with a rest distance below twice that of
+/// contact, are left out. A fold between them has no room for a layer.
+///
 /// A grid looks the same from every cell, so the distances are kept by the way from one tile to the
 /// other.
 class NearestDistances {
@@ -54,8 +57,12 @@ class NearestDistances {
   /// How near edges inside the cloth may come, of 2 * thickness: with all of it two thirds of the
   /// contacts of a pile are of edges, with this a tenth, and it comes to rest sooner.
   static constexpr double edge_share = 0.8;
+  /// From where on points are no neighbours at rest, of the contact distance.
+  static constexpr double apart_at_rest = 2;
 
-  explicit NearestDistances(const Cloth&);
+  /// `stencils`: the pairs of features that count.
+  explicit NearestDistances(const Cloth&,
+                            const TileFeatures::Range& stencils = TileFeatures::of_surfaces);
 
   /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
   /// lie at the last row or column and lack what they need.
@@ -66,10 +73,12 @@ class NearestDistances {
   using OfTiles = std::array<float, TileFeatures::count>;
   OfTiles of_tiles(int a, int b) const;
 
-  /// Of any features of the tiles of two patches, by their first tiles: the most of each pair [m].
+  /// Of those that count of the tiles of two patches, by their first tiles: the most of each pair
+  /// of tiles [m].
   const TileShapes::PairValues& of_patches(int first, int second) const {
     return of_patches_.at(way(first, second) / Patch::side);
   }
+  std::size_t points() const { return places_.size(); }
   bool at_border(int point) const { return sides_[static_cast<std::size_t>(point)][0] == border; }
 
   /// The most and the least of any two, and the least distance at rest of any that share no point:
@@ -99,11 +108,13 @@ class NearestDistances {
   }
   double most_of(Side side, std::size_t number) const {
     if (side == beyond) return -1;
-    return number >= TileFeatures::points && side == inside ? edge_share * most() : most();
+    const bool edges = number >= TileFeatures::points && number < TileFeatures::own_points;
+    return edges && side == inside ? edge_share * most() : most();
   }
   Tiles make_tiles(const Eigen::Vector2i& way) const;
   TileShapes::PairValues make_patches(const Eigen::Vector2i& way) const;
 
+  TileFeatures::Range stencils_;
   double thickness_;
   Eigen::Vector2d spacing_;
   std::vector<Eigen::Vector2i> places_;                         // of points: column and row

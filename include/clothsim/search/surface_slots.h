@@ -44,6 +44,8 @@ class SurfaceSlots {
   /// beside it with no larger a gap.
   bool covers(const SurfacePair&, float distance) const;
 
+  /// Points that may have slots.
+  int size() const { return static_cast<int>(slots_.size()); }
   /// Of a point, by number.
   const std::vector<Slot>& of(int point) const { return slots_[static_cast<std::size_t>(point)]; }
 

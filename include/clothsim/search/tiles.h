@@ -21,7 +21,7 @@ class TileShapes {
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
   using Row = DistanceRows::Row;
-  using Features = std::array<Row, TileFeatures::count>;
+  using Features = std::array<Row, TileFeatures::own_points>;
   using Corners = DistanceRows::Hulls;
   /// Of up to as many pairs of tiles.
   struct Distances {
@@ -51,10 +51,17 @@ class TileShapes {
   };
   void look(int patch, int other, const PairValues& nearest, float gap, float least, Near&) const;
 
-  /// Distances of the features of `count` of these pairs, up to `tiles`; the last one fills up.
+  /// As look(), by the tiles' own points alone.
+  void look_at_points(int patch, int other, const PairValues& nearest, float gap, Near&) const;
+
+  /// Distances of the surfaces' features of `count` of these pairs, up to `tiles`; the last one
+  /// fills up.
   void measure(int patch, int other, const int* pairs, std::size_t count, Distances&) const;
 
  private:
+  template <typename Measure>
+  void sort_out_near(int patch, int other, const PairValues& nearest, float gap, float least,
+                     const Measure&, Near&) const;
   bool exists(int patch, std::size_t tile) const {
     return (*patches_)[static_cast<std::size_t>(patch)].tiles[tile] != Patch::none;
   }

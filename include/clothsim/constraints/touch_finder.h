@@ -12,26 +12,31 @@
 
 namespace clothsim {
 
-/// A cloth's own surface that touches itself, 2 * thickness apart: points and triangles, edges and
-/// edges.
+/// Of points or of surfaces, not off nor automatic.
+inline TileFeatures::Range stencils_of(SelfCollision kind) {
+  return kind == SelfCollision::surface ? TileFeatures::of_surfaces : TileFeatures::of_points;
+}
+
+/// Finds where a cloth touches itself, 2 * thickness apart: points and triangles, edges and edges,
+/// or points alone.
 ///
-/// Impulses keep layers apart; what they leave over cannot cross either, see keep_from_crossing().
-/// So a cloth that does not cross itself never does.
+/// Impulses alone keep them apart: moving at once what is too close would shake piles. Of surfaces
+/// what they leave over cannot cross either, see keep_from_crossing(): a cloth that does not cross
+/// itself never does. Points cannot see an edge or a face pass between them; this is the cheap
+/// method.
 ///
 /// What is near is sought, and ways are judged, as often as points move: in steps that are short
 /// for the springs' sake, not in each. A frame's last step has its way judged in any case.
-class SurfaceFinder {
+class TouchFinder {
  public:
-  explicit SurfaceFinder(const Cloth& cloth) : near_(cloth) {}
+  TouchFinder(const Cloth& cloth, SelfCollision kind)
+      : kind_(kind), near_(cloth, stencils_of(kind)) {}
 
   /// Adds what touches after a step to `state`.
   void find(const Cloth&, const ContactStep&, const State&, ContactList&);
 
-  /// Impulses alone part what is closer than it may be: moving it at once would shake piles.
-  void correct(const Cloth&, Points&) const {}
-
   /// As keep_from_crossing(), from where it last looked on, or where it has judged the way from
-  /// there, from the step's start on; 0 where that can wait.
+  /// there, from the step's start on; 0 where that can wait. Nothing holds points alone back.
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
   void seek_anew() {
@@ -39,7 +44,7 @@ class SurfaceFinder {
     looked_at_.resize(0, 3);
   }
   void write(MemoryWriter& memory) const { near_.write(memory); }
-  void read(MemoryReader& memory, const Cloth&) {
+  void read(MemoryReader& memory) {
     seek_anew();
     near_.read(memory);
   }
@@ -48,8 +53,10 @@ class SurfaceFinder {
   struct Sought;
 
   void look(const ContactStep&);
+  int judge(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
   static std::optional<Contact> contact_of(const Sought&, const NearPair&, const Contact* last);
 
+  SelfCollision kind_;
   NearPairs near_;
   Points looked_at_;  // positions, until the guard has judged the way from there [m]; then no rows
   double time_ = 0;   // since then [s]

@@ -1,4 +1,4 @@
-#include "clothsim/constraints/surface_finder.h"
+#include "clothsim/constraints/touch_finder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double unseen_way = 0.25;
 }  // namespace
 
 /// What a step has that its contacts are made of.
-struct SurfaceFinder::Sought {
+struct TouchFinder::Sought {
   const Cloth& cloth;
   double h;                  // of the step [s]
   const Points& middle;      // where impulses act [m]
@@ -26,8 +26,8 @@ struct SurfaceFinder::Sought {
 };
 
 /// Of a pair that may touch within the step, or had an impulse in the last one.
-std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const NearPair& near,
-                                                 const Contact* last) {
+std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearPair& near,
+                                               const Contact* last) {
   const SurfacePair& pair = near.pair;
   if (near.separation.distance == 0) return {};
 
@@ -66,19 +66,20 @@ std::optional<Contact> SurfaceFinder::contact_of(const Sought& sought, const Nea
 }
 
 /// Looks as far ahead as points may go until it looks again.
-void SurfaceFinder::look(const ContactStep& step) {
+void TouchFinder::look(const ContactStep& step) {
   // By velocities that have met contact: by those that forces gave since, all of a pile at rest
   // would be about to touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
   const double most = unseen_way * near_.least_nearest() / longest_beyond_mean(velocities);
-  const double time = std::max(step.h, std::min(step.left, most));
+  // An impulse moves points from the middle of its step on: what touches soon after counts, too.
+  const double time = std::max(step.h, std::min(step.left, most)) + step.reach * step.h;
   near_.approaching(step.start, step.start + time * velocities, step.workers, step.budget);
   looked_at_ = step.start;
   time_ = way_ = 0;
 }
 
-void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
-                         ContactList& list) {
+void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
+                       ContactList& list) {
   if (looked_at_.rows() == 0) look(step);
   time_ += step.h;
   const Points middle = state.positions - step.reach * step.h * step.drifted;
@@ -99,8 +100,8 @@ void SurfaceFinder::find(const Cloth& cloth, const ContactStep& step, const Stat
   for (const std::vector<Contact>& contacts : found) list.add(contacts);
 }
 
-int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
-                         State& state) {
+int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                       State& state) {
   if (looked_at_.rows() == 0) {  // it has judged the way until now
     looked_at_ = step.start;
     time_ = step.h;
@@ -111,12 +112,19 @@ int SurfaceFinder::guard(const Cloth& cloth, const ContactStep& step, const Poin
   const double next = way_ + (way_ - last);
   if (step.left > step.h && next <= unseen_way * near_.least_nearest()) return 0;
 
+  int held_back = 0;
+  if (kind_ == SelfCollision::surface) held_back = judge(cloth, step, by_impulses, state);
+  looked_at_.resize(0, 3);
+  return held_back;
+}
+
+/// Of the way since it looked.
+int TouchFinder::judge(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                       State& state) {
   ContactStep whole{time_, step.reach, looked_at_, step.drifted, step.workers};
   whole.budget = step.budget;
   whole.held = step.held;
-  const int held_back = keep_from_crossing(cloth, whole, by_impulses, near_, state);
-  looked_at_.resize(0, 3);
-  return held_back;
+  return keep_from_crossing(cloth, whole, by_impulses, near_, state);
 }
 
 }  // namespace clothsim
