@@ -71,8 +71,10 @@ void TouchFinder::look(const ContactStep& step) {
   // would be about to touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
   const double most = unseen_way * near_.least_nearest() / longest_beyond_mean(velocities);
-  // An impulse moves points from the middle of its step on: what touches soon after counts, too.
-  const double time = std::max(step.h, std::min(step.left, most)) + step.reach * step.h;
+  double time = std::max(step.h, std::min(step.left, most));
+  // An impulse moves points from the middle of its step on: they would overlap by half of their
+  // way.
+  if (kind_ == SelfCollision::points) time += step.reach * step.h;
   near_.approaching(step.start, step.start + time * velocities, step.workers, step.budget);
   looked_at_ = step.start;
   time_ = way_ = 0;

@@ -1,14 +1,12 @@
 #include "clothsim/geometry/surface_mesh.h"
 
-#include <cassert>
 #include <set>
 #include <utility>
 
 namespace clothsim {
 
-SurfaceMesh::SurfaceMesh(const Cloth& cloth)
-    : triangles(cloth.triangles), around_point(static_cast<std::size_t>(cloth.num_points())) {
-  assert(cloth.columns > 1 && cloth.rows > 1);
+SurfaceMesh::SurfaceMesh(int points, std::vector<std::array<int, 3>> of)
+    : triangles(std::move(of)), around_point(static_cast<std::size_t>(points)) {
   std::set<std::array<int, 2>> seen;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {

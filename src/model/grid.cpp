@@ -64,8 +64,8 @@ void add_classic(const ClothSpec& spec, const Eigen::Vector2d& spacing, Cloth& c
 /// Points of a cloth that touch at less than this many edge lengths leave room for others to pass.
 constexpr double least_touch = 0.9;
 
-/// Points that touch at more than this many are left out so far along the cloth, see NearestDistances,
-/// that it folds where they do not see it.
+/// Points that touch at more than this many are left out so far along the cloth, see
+/// NearestDistances, that it folds where they do not see it.
 constexpr double most_touch = 2;
 
 /// How far the lowest edge of a hanging column may be pressed together by the column's weight:

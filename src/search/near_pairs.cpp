@@ -20,15 +20,31 @@ constexpr int longest_sleep = 256;
 
 }  // namespace
 
-NearPairs::NearPairs(const Cloth& cloth, const TileFeatures::Range& stencils)
-    : of_points_(stencils.begin == TileFeatures::own_points),
-      mesh_(of_points_ ? std::make_shared<SurfaceMesh>() : std::make_shared<SurfaceMesh>(cloth)),
-      nearest_(std::make_shared<NearestDistances>(cloth, stencils)),
-      patches_(std::make_shared<std::vector<Patch>>(cut_into_patches(cloth))),
-      features_(cloth.columns),
-      shapes_(cloth, patches_),
-      slots_(mesh_, nearest_) {
-  sees_ = Patch::side * nearest_->spacing().minCoeff();
+NearPairs::NearPairs(const SurfaceMesh& mesh, const Tiling& tiling, std::vector<Patch> patches,
+                     const Tiling::Range& stencils)
+    : of_points_(stencils.begin == Tiling::own_points),
+      mesh_(std::make_shared<SurfaceMesh>(of_points_ ? SurfaceMesh(0, {}) : mesh)),
+      tiling_(std::make_shared<Tiling>(tiling)),
+      patches_(std::make_shared<std::vector<Patch>>(std::move(patches))),
+      shapes_(tiling_, patches_) {}
+
+NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickness,
+                     const Tiling::Range& stencils)
+    : NearPairs(mesh, Tiling(mesh), cut_into_patches(Tiling(mesh), rest), stencils) {
+  set_distances({mesh, rest, thickness, tiling_, *patches_, stencils});
+}
+
+NearPairs::NearPairs(const Cloth& cloth, const Tiling::Range& stencils)
+    : NearPairs(SurfaceMesh(cloth), Tiling(cloth.columns, cloth.rows),
+                cut_into_patches(Tiling(cloth.columns, cloth.rows), cloth.columns, cloth.rows),
+                stencils) {
+  set_distances({cloth, tiling_, *patches_, stencils});
+}
+
+void NearPairs::set_distances(NearestDistances distances) {
+  nearest_ = std::make_shared<NearestDistances>(std::move(distances));
+  slots_.emplace(mesh_, nearest_);
+  sees_ = Patch::side * nearest_->spacing();
   paired_ = SurfaceSlots::reach * nearest_->most() + sees_;
   margin_ = margin_share * nearest_->least_at_rest();
 }
@@ -131,7 +147,7 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
     slots.insert(slots.end(), found.slots.begin(), found.slots.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots_.add(std::move(slots), last_);
+  slots_->add(std::move(slots), last_);
   return meet;
 }
 
@@ -143,9 +159,9 @@ bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Po
 /// Slots, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
-      slots_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
+      slots_->size(), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
-          for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
+          for (const SurfaceSlots::Slot& slot : slots_->of(point)) {
             if (!may_touch(slot.pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
@@ -166,14 +182,14 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
           for (Listed& listed : of.listed) {
             if (listed.gap > of.step + margin_) continue;
             const auto number = static_cast<std::size_t>(listed.number);
-            SurfacePair pair = features_.pair(listed.a, listed.b, number);
+            SurfacePair pair = tiling_->pair(listed.a, listed.b, number);
             const Separation s = separation(pair, last_);
             pair.nearest = nearest_->of(listed.a, listed.b, number);
             listed.gap = s.distance - pair.nearest;
             const bool inside = std::count(s.weights.begin(), s.weights.end(), 0.0) == 0;
             if (!inside && !of_points_) continue;
             if (!may_touch(pair, s, ahead)) continue;
-            found.push_back({TileFeatures::key(listed.a, listed.b, number), pair, s});
+            found.push_back({Tiling::key(listed.a, listed.b, number), pair, s});
           }
         }
       },
@@ -187,7 +203,7 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
 const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
                                                     const Workers& workers, WorkBudget* budget) {
   be_at(positions, workers);
-  const std::int64_t walked = slots_.walk(positions, workers);
+  const std::int64_t walked = slots_->walk(positions, workers);
   if (budget) budget->spend(walked);
   // Those are due that may touch in a step like the last one, and some of what is near. Of points
   // ways are told apart: they are seen by nothing else.
@@ -219,7 +235,7 @@ std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends
 void NearPairs::forget() {
   last_.resize(0, 3);
   patch_pairs_.clear();
-  slots_ = {mesh_, nearest_};
+  slots_.emplace(mesh_, nearest_);
   looks_ = 0;
 }
 
@@ -229,7 +245,7 @@ void NearPairs::write(MemoryWriter& memory) const {
   memory.add(last_);
   memory.add(looks_);
   memory.add(paired_nearer_);
-  slots_.write(memory);
+  slots_->write(memory);
   memory.add(static_cast<double>(patch_pairs_.size()));
   for (const PatchPair& pair : patch_pairs_) {
     for (const int number : {pair.p, pair.q}) memory.add(number);
@@ -245,17 +261,18 @@ void NearPairs::write(MemoryWriter& memory) const {
 void NearPairs::read(MemoryReader& memory) {
   forget();
   if (memory.index(2) == 0) return;
-  const std::size_t points = nearest_->points(), patches = patches_->size();
+  const std::size_t points = tiling_->num_points(), tiles = tiling_->tiles().size(),
+                    patches = patches_->size();
   last_ = memory.points(static_cast<Eigen::Index>(points));
   looks_ = memory.index(std::numeric_limits<int>::max());
   paired_nearer_ = memory.number();
-  slots_.read(memory);
+  slots_->read(memory);
   for (std::size_t left = memory.count(); left > 0; --left) {
     PatchPair pair{memory.index(patches), memory.index(patches)};
     for (double* number : {&pair.step, &pair.to_touch, &pair.to_meet}) *number = memory.number();
     for (std::size_t listed = memory.count(); listed > 0; --listed) {
-      const int a = memory.index(points), b = memory.index(points);
-      const int number = memory.index(TileFeatures::count);
+      const int a = memory.index(tiles), b = memory.index(tiles);
+      const int number = memory.index(Tiling::count);
       if (nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
         throw InvalidValue({"memory"}, "features that the cloth lacks", "what this cloth wrote");
       }

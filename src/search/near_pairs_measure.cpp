@@ -39,9 +39,9 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
   reaches.fill(reach);
   least_gap.fill(-infinity);
   std::array<int, lanes> near{}, meet{};
-  for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
+  for (std::size_t k = 0; k < Tiling::own_points; ++k) {
     // Where points see a layer, they keep it off before edges touch.
-    for (std::size_t i = 0; k == TileFeatures::points && i < lanes; ++i) {
+    for (std::size_t i = 0; k == Tiling::points && i < lanes; ++i) {
       reaches[i] = near[i] != 0 ? edge_reach : reach;
       least_gap[i] = near[i] != 0 ? infinity : -infinity;
     }
@@ -73,9 +73,8 @@ void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
   const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most());
-  const auto& [first_of_p, first_of_q] = tiles(pair, 0);
   TileShapes::Near near;
-  shapes_.look(pair.p, pair.q, nearest_->of_patches(first_of_p, first_of_q), gap,
+  shapes_.look(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap,
                static_cast<float>(std::max(within, 0.0)) + rounding, near);
   pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
@@ -90,15 +89,14 @@ void NearPairs::measure_points(PatchPair& pair) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
   const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most() + pair.step);
-  const auto& [first_of_p, first_of_q] = tiles(pair, 0);
   TileShapes::Near near;
-  shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(first_of_p, first_of_q),
-                         gap + rounding, near);
+  shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap + rounding,
+                         near);
   pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
   for (std::size_t k = 0; k < near.count; ++k) {
     const auto& [a, b] = tiles(pair, near.pairs[k]);
-    pair.listed.push_back({a, b, static_cast<int>(TileFeatures::own_points), 0});
+    pair.listed.push_back({a, b, static_cast<int>(Tiling::own_points), 0});
   }
 }
 
@@ -109,7 +107,7 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
   for (std::size_t i = 0; i < lanes; ++i) {
     const auto& [a, b] = tiles(pair, pairs[std::min(i, count - 1)]);
     const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(a, b);
-    for (std::size_t k = 0; k < TileFeatures::own_points; ++k) may[k][i] = of_tiles[k];
+    for (std::size_t k = 0; k < Tiling::own_points; ++k) may[k][i] = of_tiles[k];
   }
   TileShapes::Distances distances;
   shapes_.measure(pair.p, pair.q, pairs, count, distances);
@@ -125,19 +123,19 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       const bool is_near = (judged.near[i] >> k & 1) != 0,
                  may_meet = (judged.meet[i] >> k & 1) != 0;
       const float distance = distances.values[k][i], nearest = may[k][i];
-      SurfacePair both = features_.pair(a, b, k);
+      SurfacePair both = tiling_->pair(a, b, k);
       both.nearest = nearest_->of(a, b, k);
-      if (is_near && k >= TileFeatures::points) {
+      if (is_near && k >= Tiling::points) {
         pair.listed.push_back({a, b, static_cast<int>(k), distance - nearest});
       } else if (is_near &&
                  (distances.within[k][i] > -beside || distance < nearest ||
                   nearest_->at_border(a) || nearest_->at_border(b)) &&
-                 !slots_.covers(both, distance)) {  // a slot may keep these apart already
-        found.slots.push_back(both);                // beyond the border no triangle is nearer
+                 !slots_->covers(both, distance)) {  // a slot may keep these apart already
+        found.slots.push_back(both);                 // beyond the border no triangle is nearer
       }
       if (may_meet) {
         const Separation s = separation(both, last_);
-        if (s.distance <= within) found.meet.push_back({TileFeatures::key(a, b, k), both, s});
+        if (s.distance <= within) found.meet.push_back({Tiling::key(a, b, k), both, s});
       }
     }
   }

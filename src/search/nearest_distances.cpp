@@ -2,10 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "clothsim/geometry/box_tree.h"
 
 namespace clothsim {
 
+void NearWays::add(int from, int to, int number) {
+  auto& near = near_[static_cast<std::size_t>(from)];
+  const std::pair<int, int> entry(to, number);
+  near.insert(std::lower_bound(near.begin(), near.end(), entry), entry);
+}
+
+int NearWays::number(int from, int to) const {
+  const auto& near = near_[static_cast<std::size_t>(from)];
+  const auto found = std::lower_bound(near.begin(), near.end(), std::pair(to, 0));
+  return found != near.end() && found->first == to ? found->second : far;
+}
+
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double shared = -1;
 
 /// Along rows and along columns; where there is but one of them, as of the other.
 Eigen::Vector2d spacing_of(const Cloth& cloth) {
@@ -16,70 +34,162 @@ Eigen::Vector2d spacing_of(const Cloth& cloth) {
   return {to(along > 0 ? along : up), to(up > 0 ? up : along)};
 }
 
-}  // namespace
-
-NearestDistances::NearestDistances(const Cloth& cloth, const TileFeatures::Range& stencils)
-    : stencils_(stencils), thickness_(cloth.thickness), spacing_(spacing_of(cloth)) {
-  const Eigen::Array2i last(cloth.columns - 1, cloth.rows - 1);
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    const Eigen::Array2i from(i % cloth.columns, i / cloth.columns);
-    places_.emplace_back(from);
-    sides_.emplace_back();
-    for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
-      const Eigen::Array2i to =
-          from + Eigen::Map<const Eigen::Array2i>(TileFeatures::ways[corner].data());
-      const bool along = (from == to && (from == 0 || from == last)).any();
-      sides_.back()[corner] = (to > last).any() ? beyond : along ? border : inside;
-    }
+/// Calls visit(p, q), p <= q, for patches that may be within a distance of each other at rest.
+template <typename Visit>
+void visit_near_patches(const std::vector<Patch>& patches, const Points& rest, double within,
+                        const Visit& visit) {
+  std::vector<Box> wider;
+  for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
+    Box box = around(rest, patches[static_cast<std::size_t>(p)].points);
+    box.min().array() -= within / 2;
+    box.max().array() += within / 2;
+    wider.push_back(box);
+    visit(p, p);
   }
-  // Farther on both are as far apart as they ever need to be, or not on the cloth.
-  const double far = std::ceil(most() / (neighbour_share * spacing_.minCoeff())) + 2;
-  const Eigen::Vector2i most_way = last.cast<double>().min(far).cast<int>();
-  tiles_ = {most_way, [this](const Eigen::Vector2i& way) { return make_tiles(way); }};
-  // Farther on none of their tiles are within that.
-  of_patches_ = {most_way / Patch::side + Eigen::Vector2i::Constant(2),
-                 [this](const Eigen::Vector2i& way) { return make_patches(way); }};
+  BoxTree(wider).visit_overlaps(visit);
 }
 
-NearestDistances::Tiles NearestDistances::make_tiles(const Eigen::Vector2i& way) const {
-  // Both in rows of two points.
-  const int other = TileFeatures::corners;
-  Points corners = Points::Zero(2 * other, 3);
-  for (int i = 0; i < corners.rows(); ++i) {
-    Eigen::Vector2i place(i % 2, i / 2 % 2);
-    if (i >= other) place += way;
-    corners.block<1, 2>(i, 0) = place.cast<double>().cwiseProduct(spacing_).transpose();
-  }
+/// Of two features at rest; below 0 where they share a point.
+double distance_at_rest(const SurfacePair& pair, const Points& rest) {
+  const auto& [a, b, c, d] = pair.points;
+  const bool share = a == c || a == d || b == d || (pair.edges() ? b == c : a == b);
+  return share ? shared : separation(pair, rest).distance;
+}
+
+}  // namespace
+
+/// `at_rest`: the distance of each pair of features; below 0 where they share a point.
+template <typename AtRest>
+NearestDistances::Tiles NearestDistances::make_tiles(const AtRest& at_rest) const {
   Tiles tiles;
-  for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-    const double at_rest = separation(TileFeatures(2).pair(0, other, k), corners).distance;
-    const bool share_a_point = at_rest < least_at_rest() / 2;
-    tiles.of[k] = share_a_point ? -1 : std::min(most(), neighbour_share * at_rest);
-    if (k == TileFeatures::own_points) tiles.of[k] = at_rest < apart_at_rest * most() ? -1 : most();
-    tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], most_of(inside, k)));
+  for (std::size_t k = 0; k < Tiling::count; ++k) {
+    const double distance = at_rest(k);
+    tiles.of[k] = distance < 0 ? -1 : std::min(most(), neighbour_share * distance);
+    if (k == Tiling::own_points) {
+      tiles.of[k] = distance < apart_at_rest * most() ? -1 : most();
+    }
+    tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], most_of(Tiling::inside, k)));
   }
   return tiles;
 }
 
-TileShapes::PairValues NearestDistances::make_patches(const Eigen::Vector2i& way) const {
-  constexpr int side = Patch::side, tiles = TileShapes::tiles;
-  TileShapes::PairValues values;
-  for (int k = 0; k < tiles * tiles; ++k) {
-    const int i = k / tiles, j = k % tiles;
-    const Eigen::Vector2i tile(j % side - i % side, j / side - i / side);
-    const auto& of = tiles_.at(side * way + tile).of;
-    values[static_cast<std::size_t>(k)] = static_cast<float>(
-        *std::max_element(of.data() + stencils_.begin, of.data() + stencils_.end));
+/// Of those that count.
+float NearestDistances::most_of(const Tiles& tiles) const {
+  return static_cast<float>(
+      *std::max_element(tiles.of.data() + stencils_.begin, tiles.of.data() + stencils_.end));
+}
+
+NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Tiling> tiling,
+                                   const std::vector<Patch>& patches, const Tiling::Range& stencils)
+    : tiling_(std::move(tiling)), stencils_(stencils), thickness_(cloth.thickness) {
+  const Eigen::Vector2d spacing = spacing_of(cloth);
+  spacing_ = spacing.minCoeff();
+  least_at_rest_ = spacing.prod() / spacing.norm();
+  std::vector<Eigen::Vector2i> places, of_patches;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    places.emplace_back(i % cloth.columns, i / cloth.columns);
   }
-  return values;
+  for (const Patch& patch : patches) {
+    of_patches.push_back(places[static_cast<std::size_t>(patch.tiles[0])] / Patch::side);
+  }
+  // Farther on both are as far apart as they ever need to be, or not on the cloth.
+  const Eigen::Vector2d last(cloth.columns - 1, cloth.rows - 1);
+  const double far = std::ceil(most() / (neighbour_share * spacing_)) + 2;
+  const Eigen::Vector2i most_way = last.cwiseMin(far).cast<int>();
+  const GridWays ways(std::move(places), most_way);
+  for (const Eigen::Vector2i& way : ways.ways()) {
+    tiles_.push_back(make_tiles_of_grid(way, spacing));
+  }
+  // Farther on none of their tiles are within that.
+  const GridWays patch_ways(std::move(of_patches),
+                            most_way / Patch::side + Eigen::Vector2i::Constant(2));
+  for (const Eigen::Vector2i& way : patch_ways.ways()) {
+    TileShapes::PairValues& values = of_patches_.emplace_back();
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const auto i = static_cast<int>(k / TileShapes::tiles),
+                 j = static_cast<int>(k % TileShapes::tiles);
+      const Eigen::Vector2i from(i % Patch::side, i / Patch::side),
+          to(j % Patch::side, j / Patch::side);
+      const int number = ways.number_of(Patch::side * way + to - from);
+      values[k] = most_of(tiles_[static_cast<std::size_t>(number)]);
+    }
+  }
+  tile_ways_ = ways;
+  patch_ways_ = patch_ways;
+}
+
+/// Both in rows of two points.
+NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector2i& way,
+                                                             const Eigen::Vector2d& spacing) const {
+  const Tiling cells(2, 4);
+  Points corners = Points::Zero(8, 3);
+  for (int i = 0; i < corners.rows(); ++i) {
+    Eigen::Vector2i place(i % 2, i / 2 % 2);
+    if (i >= 4) place += way;
+    corners.block<1, 2>(i, 0) = place.cast<double>().cwiseProduct(spacing).transpose();
+  }
+  return make_tiles([&](std::size_t k) {
+    const double distance = separation(cells.pair(0, 4, k), corners).distance;
+    return distance < least_at_rest_ / 2 ? shared : distance;
+  });
+}
+
+NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, double thickness,
+                                   std::shared_ptr<const Tiling> tiling,
+                                   const std::vector<Patch>& patches, const Tiling::Range& stencils)
+    : tiling_(std::move(tiling)), stencils_(stencils), thickness_(thickness) {
+  spacing_ = least_at_rest_ = infinity;
+  for (const auto& [a, b] : mesh.edges) {
+    spacing_ = std::min(spacing_, (row(rest, a) - row(rest, b)).norm());
+  }
+  // Number 0: far from each other.
+  tiles_.push_back(make_tiles([](std::size_t) { return infinity; }));
+  of_patches_.emplace_back().fill(static_cast<float>(most()));
+  NearWays tile_ways(tiling_->tiles().size()), patch_ways(patches.size());
+  const auto add = [&](int a, int b) {
+    const Tiles both = make_tiles_of_mesh(a, b, rest);
+    if (both.of == tiles_[NearWays::far].of) return;
+    tile_ways.add(a, b, static_cast<int>(tiles_.size()));
+    tiles_.push_back(both);
+  };
+  visit_near_patches(patches, rest, most() / neighbour_share, [&](int p, int q) {
+    const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,
+               &of_q = patches[static_cast<std::size_t>(q)].tiles;
+    patch_ways.add(p, q, static_cast<int>(of_patches_.size()));
+    TileShapes::PairValues& values = of_patches_.emplace_back();
+    values.fill(static_cast<float>(most()));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const int a = of_p[k / TileShapes::tiles], b = of_q[k % TileShapes::tiles];
+      if (a == Patch::none || b == Patch::none) continue;
+      add(a, b);
+      if (p != q) add(b, a);
+      values[k] = most_of(tiles_[static_cast<std::size_t>(tile_ways.number(a, b))]);
+    }
+  });
+  tile_ways_ = std::move(tile_ways);
+  patch_ways_ = std::move(patch_ways);
+}
+
+NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(int a, int b, const Points& rest) {
+  return make_tiles([&](std::size_t k) {
+    if (side(a, b, k) == Tiling::lacking) return infinity;
+    const double distance = distance_at_rest(tiling_->pair(a, b, k), rest);
+    if (distance > 0) least_at_rest_ = std::min(least_at_rest_, distance);
+    return distance;
+  });
+}
+
+double NearestDistances::of_slot(int point, int triangle) const {
+  const int a = tiling_->of_point(point), b = tiling_->of_triangle(triangle);
+  return of(a, b, triangle == tiling_->at(b).triangles[0] ? 0 : 1);
 }
 
 NearestDistances::OfTiles NearestDistances::of_tiles(int a, int b) const {
-  const Tiles& tiles = tiles_.at(way(a, b));
-  if (!at_border(a) && !at_border(b)) return tiles.inside;
+  const Tiles& both = tiles(a, b);
+  if (tiling_->at(a).is_inside && tiling_->at(b).is_inside) return both.inside;
   OfTiles of;
-  for (std::size_t k = 0; k < TileFeatures::count; ++k) {
-    of[k] = static_cast<float>(std::min(tiles.of[k], most_of(side(a, b, k), k)));
+  for (std::size_t k = 0; k < Tiling::count; ++k) {
+    of[k] = static_cast<float>(std::min(both.of[k], most_of(side(a, b, k), k)));
   }
   return of;
 }

@@ -12,8 +12,7 @@ SurfaceSlots::SurfaceSlots(std::shared_ptr<const SurfaceMesh> mesh,
 
 SurfacePair SurfaceSlots::pair(int point, int triangle) const {
   const auto& [a, b, c] = corners(triangle);
-  return {
-      triangle, {point, a, b, c}, nearest_->of(point, a, static_cast<std::size_t>(triangle % 2))};
+  return {triangle, {point, a, b, c}, nearest_->of_slot(point, triangle)};
 }
 
 /// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.

@@ -34,9 +34,9 @@ bool sort_out(const Row& distances, const float* __restrict nearest, float gap, 
 
 }  // namespace
 
-TileShapes::TileShapes(const Cloth& cloth, std::shared_ptr<const std::vector<Patch>> patches)
-    : columns_(cloth.columns),
-      rows_(cloth.rows),
+TileShapes::TileShapes(std::shared_ptr<const Tiling> tiling,
+                       std::shared_ptr<const std::vector<Patch>> patches)
+    : tiling_(std::move(tiling)),
       patches_(std::move(patches)),
       corners_(patches_->size()),
       roundings_(patches_->size()) {}
@@ -45,13 +45,9 @@ void TileShapes::update(int patch, const Points& positions) {
   const auto& tiles_of = (*patches_)[static_cast<std::size_t>(patch)].tiles;
   float farthest = 0;
   for (std::size_t k = 0; k < n; ++k) {
-    const int tile = exists(patch, k) ? tiles_of[k] : tiles_of[0];
-    const bool last_column = tile % columns_ == columns_ - 1,
-               last_row = tile / columns_ == rows_ - 1;
-    for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
-      const auto& [along_row, along_column] = TileFeatures::ways[corner];
-      const int point =
-          tile + (last_column ? 0 : along_row) + (last_row ? 0 : along_column * columns_);
+    const auto& points = tiling_->at(tiles_of[exists(patch, k) ? k : 0]).points;
+    for (std::size_t corner = 0; corner < Tiling::corners; ++corner) {
+      const int point = points[corner];
       const Vector3 seen = row(positions, point) - row(positions, 0);  // fewer digits are lost
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<float>(seen[static_cast<Eigen::Index>(axis)]);
@@ -115,22 +111,22 @@ void TileShapes::measure(int patch, int other, const int* pairs, std::size_t cou
   std::array<Corners, 2> of;
   for (std::size_t k = 0; k < n; ++k) {
     const auto pair = static_cast<std::size_t>(pairs[std::min(k, count - 1)]);
-    for (std::size_t corner = 0; corner < TileFeatures::corners; ++corner) {
+    for (std::size_t corner = 0; corner < Tiling::corners; ++corner) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         of[0][corner][axis][k] = corners_[static_cast<std::size_t>(patch)][corner][axis][pair / n];
         of[1][corner][axis][k] = corners_[static_cast<std::size_t>(other)][corner][axis][pair % n];
       }
     }
   }
-  for (std::size_t k = 0; k < TileFeatures::points; ++k) {
+  for (std::size_t k = 0; k < Tiling::points; ++k) {
     const Corners &point = of[k / 2], &other_tile = of[1 - k / 2];
-    const auto& [a, b, c] = TileFeatures::triangles[k % 2];
+    const auto& [a, b, c] = Tiling::triangles[k % 2];
     DistanceRows::point_triangle(point[0], other_tile[a], other_tile[b], other_tile[c],
                                  found.values[k], found.within[k]);
   }
-  for (std::size_t k = TileFeatures::points; k < TileFeatures::own_points; ++k) {
-    const auto& [a, b] = TileFeatures::edges[(k - TileFeatures::points) / 3];
-    const auto& [c, d] = TileFeatures::edges[(k - TileFeatures::points) % 3];
+  for (std::size_t k = Tiling::points; k < Tiling::own_points; ++k) {
+    const auto& [a, b] = Tiling::edges[(k - Tiling::points) / 3];
+    const auto& [c, d] = Tiling::edges[(k - Tiling::points) % 3];
     DistanceRows::edge_edge(of[0][a], of[0][b], of[1][c], of[1][d], found.values[k]);
   }
 }

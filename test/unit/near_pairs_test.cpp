@@ -39,19 +39,18 @@ bool are_beside(const SurfaceMesh& mesh, int s, int t) {
 
 /// Of each point and triangle that are closer than a share of what they may come, that triangle was
 /// found or one close by that is nearly as near.
-void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& found,
+void expect_all_that_touches(const Surface& surface, const std::vector<NearPair>& found,
                              const Points& x, double share) {
-  const SurfaceMesh mesh(cloth);
-  const NearestDistances nearest(cloth);
-  std::vector<std::vector<const NearPair*>> of_point(static_cast<std::size_t>(cloth.num_points()));
+  const SurfaceMesh& mesh = surface.mesh;
+  std::vector<std::vector<const NearPair*>> of_point(mesh.around_point.size());
   for (const NearPair& near : found) {
     const Separation s = separation(near.pair, x);
     EXPECT_EQ(near.separation.distance, s.distance);
-    EXPECT_EQ(near.pair.nearest, nearest_of(nearest, cloth.columns, near.pair));
+    EXPECT_EQ(near.pair.nearest, surface.nearest_of(near.pair));
     if (near.pair.edges()) continue;
     of_point[static_cast<std::size_t>(near.pair.points[0])].push_back(&near);
   }
-  brute_force(cloth, [&](const SurfacePair& pair) {
+  brute_force(surface, [&](const SurfacePair& pair) {
     if (pair.edges()) return false;
     const double distance = separation(pair, x).distance, slack = 0.1 * pair.nearest;
     if (distance > share * pair.nearest) return false;
@@ -70,18 +69,18 @@ void expect_all_that_touches(const Cloth& cloth, const std::vector<NearPair>& fo
 }
 
 /// All that come as near as the floor on the way are found.
-void expect_all_that_meet(const Cloth& cloth, NearPairs& finder, const Points& here,
+void expect_all_that_meet(const Surface& surface, NearPairs& finder, const Points& here,
                           const Points& ends, double floor) {
   const auto found = sorted_features(finder.may_meet(here, ends, floor));
   ASSERT_LE(finder.most_nearer(), finder.sees());
   for (const double time : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
     const Points at = here + time * (ends - here);
     const auto must = sorted_features(brute_force(
-        cloth, [&](const SurfacePair& pair) { return separation(pair, at).distance <= floor; }));
+        surface, [&](const SurfacePair& pair) { return separation(pair, at).distance <= floor; }));
     EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end())) << time;
   }
   const double way = 2 * longest_row(ends - here);
-  const auto may = sorted_features(brute_force(cloth, [&](const SurfacePair& pair) {
+  const auto may = sorted_features(brute_force(surface, [&](const SurfacePair& pair) {
     return separation(pair, here).distance <= way + floor;
   }));
   EXPECT_TRUE(std::includes(may.begin(), may.end(), found.begin(), found.end()));
@@ -197,7 +196,7 @@ TEST(NearPairs, OfPointsAreAllThatAreNearWhileTheClothMoves) {
   // Sheets and chains that roll up with all points trembling, flung and turned.
   for (const auto& [columns, rows] : {std::pair(17, 6), std::pair(1, 90), std::pair(90, 1)}) {
     const Cloth cloth = cloth_of(columns, rows, 0.012);
-    NearPairs finder(cloth, TileFeatures::of_points);
+    NearPairs finder(cloth, Tiling::of_points);
     std::size_t most = 0;
     for (int step = 0; step < 200; ++step) {
       const double share = std::min(step, 150) / 150.0;
@@ -221,7 +220,7 @@ TEST(NearPairs, OfPointsAreAllThatAreNearWhileTheClothMoves) {
 TEST(NearPairs, OfPointsAreNoneOnFewPointsThatAreFar) {
   for (const auto& [columns, rows] : {std::pair(2, 1), std::pair(1, 2), std::pair(2, 2)}) {
     const Cloth cloth = cloth_of(columns, rows, 0.01);
-    NearPairs finder(cloth, TileFeatures::of_points);
+    NearPairs finder(cloth, Tiling::of_points);
     EXPECT_TRUE(finder.approaching(cloth.rest_positions, cloth.rest_positions).empty());
   }
 }
@@ -235,7 +234,7 @@ TEST(NearPairs, RefuseAMemoryOfEdgesThatTheClothLacks) {
   for (int slots = 0; slots < cloth.num_points(); ++slots) memory.add(0);
   memory.add(1);                                               // pair of patches
   for (const int pair : {0, 1, 0, 0, 0, 1}) memory.add(pair);  // with two edges
-  const int last = cloth.num_points() - 1, diagonals = TileFeatures::own_points - 1;
+  const int last = cloth.num_points() - 1, diagonals = Tiling::own_points - 1;
   for (const int edges : {last, 0, diagonals, 0}) memory.add(edges);
   MemoryReader reader(memory.numbers());
   EXPECT_THROW(NearPairs(cloth).read(reader), InvalidValue);

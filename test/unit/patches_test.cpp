@@ -37,7 +37,7 @@ void expect_bound(const std::vector<Patch>& patches, const Points& from, const P
 TEST(Patches, HaveEachTileOnceAndAllOfItsCorners) {
   const Cloth cloth = cloth_of(11, 10, 0.01);
   std::vector<int> tiles(static_cast<std::size_t>(cloth.num_points()), 0);
-  for (const Patch& patch : cut_into_patches(cloth)) {
+  for (const Patch& patch : Surface(cloth).patches) {
     for (const int tile : patch.tiles) {
       if (tile == Patch::none) continue;
       ++tiles[static_cast<std::size_t>(tile)];
@@ -54,7 +54,7 @@ TEST(Patches, HaveEachTileOnceAndAllOfItsCorners) {
 
 TEST(PatchMotions, BoundHowMuchNearerPointsComeAtAnyTime) {
   const Cloth cloth = cloth_of(11, 10, 0.01);
-  const std::vector<Patch> patches = cut_into_patches(cloth);
+  const std::vector<Patch> patches = Surface(cloth).patches;
   ASSERT_EQ(patches.size(), 9u);
   const Points from = shaken(cloth, 0.02, 1);
   // What all do alike brings nothing nearer.
@@ -68,7 +68,7 @@ TEST(PatchMotions, BoundHowMuchNearerPointsComeAtAnyTime) {
 
 TEST(PatchMotions, BoundItWhereAPatchIsSqueezedToALineAndToAPoint) {
   const Cloth cloth = cloth_of(5, 9, 0.01);
-  const std::vector<Patch> patches = cut_into_patches(cloth);
+  const std::vector<Patch> patches = Surface(cloth).patches;
   Points line = cloth.rest_positions;
   line.rightCols(2).setZero();
   const Points spot = Points::Zero(cloth.num_points(), 3);

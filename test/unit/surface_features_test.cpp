@@ -6,6 +6,24 @@ namespace {
 
 using namespace testing;
 
+/// Tiles have all pairs of features that share no point, each once.
+void expect_all_once(const Surface& surface) {
+  std::vector<SurfacePair> found;
+  const auto count = static_cast<int>(surface.tiling->tiles().size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a; b < count; ++b) {
+      const NearestDistances::OfTiles of_tiles = surface.nearest.of_tiles(a, b);
+      for (std::size_t k = 0; k < Tiling::own_points; ++k) {
+        if (of_tiles[k] < 0) continue;
+        found.push_back(surface.tiling->pair(a, b, k));
+        EXPECT_EQ(of_tiles[k], static_cast<float>(surface.nearest_of(found.back())));
+      }
+    }
+  }
+  const auto all = brute_force(surface, [](const SurfacePair&) { return true; });
+  EXPECT_TRUE(sorted_features(found) == sorted_features(all));
+}
+
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
   // Of edges inside the cloth: up to a share of it.
   for (const double thickness : {0.004, 0.02, 0.1, 1000.0}) {
@@ -15,7 +33,7 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
     spec.height = 0.5;
     spec.thickness = thickness;
     const Cloth cloth = make_grid(spec);
-    const NearestDistances nearest(cloth);
+    const Surface surface(cloth);
     const auto is_border = [&](int a, int b) {
       const Points& x = cloth.rest_positions;
       const auto ends = [&](int axis) {
@@ -26,40 +44,26 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
     };
     double least = 2 * thickness;
     int insides = 0;
-    brute_force(cloth, [&](const SurfacePair& pair) {
+    brute_force(surface, [&](const SurfacePair& pair) {
       const double rest = separation(pair, cloth.rest_positions).distance;
       const auto& [a, b, c, d] = pair.points;
       const bool inside = pair.edges() && !is_border(a, b) && !is_border(c, d);
       insides += inside;
       const double share = inside ? NearestDistances::edge_share : 1;
       const double expected = std::min(share * 2 * thickness, rest / 4);
-      EXPECT_NEAR(nearest_of(nearest, cloth.columns, pair), expected, 1e-12);
+      EXPECT_NEAR(pair.nearest, expected, 1e-12);
       least = std::min(least, expected);
       return false;
     });
-    EXPECT_NEAR(nearest.least(), least, 1e-12);
+    EXPECT_NEAR(surface.nearest.least(), least, 1e-12);
     EXPECT_GT(insides, 100);
   }
 }
 
-TEST(TileFeatures, AreAllThatShareNoPointEachOnce) {
+TEST(Tiling, OfAGridHasAllThatShareNoPointEachOnce) {
   for (const auto& [columns, rows] : {std::pair(6, 5), std::pair(2, 2), std::pair(2, 6)}) {
-    const Cloth cloth = cloth_of(columns, rows, 0.01);
-    const NearestDistances nearest(cloth);
-    const TileFeatures features(columns);
-    std::vector<SurfacePair> found;
-    for (int a = 0; a < cloth.num_points(); ++a) {
-      for (int b = a + 1; b < cloth.num_points(); ++b) {
-        const NearestDistances::OfTiles of_tiles = nearest.of_tiles(a, b);
-        for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
-          if (of_tiles[k] < 0) continue;
-          found.push_back(features.pair(a, b, k));
-          EXPECT_EQ(of_tiles[k], static_cast<float>(nearest_of(nearest, columns, found.back())));
-        }
-      }
-    }
-    const auto all = brute_force(cloth, [](const SurfacePair&) { return true; });
-    EXPECT_TRUE(sorted_features(found) == sorted_features(all)) << columns << " x " << rows;
+    const Surface surface(cloth_of(columns, rows, 0.01));
+    expect_all_once(surface);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -63,22 +64,59 @@ inline Cloth cloth_of(int columns, int rows, double thickness) {
   return make_grid(spec);
 }
 
-/// How near a pair may come [m], by the tiles that have it.
-inline double nearest_of(const NearestDistances& nearest, int columns, const SurfacePair& pair) {
-  const auto& [a, b, c, d] = pair.points;
-  // A triangle's first corner is that of its cell.
-  if (!pair.edges()) return nearest.of(a, b, static_cast<std::size_t>(pair.triangle % 2));
-  const auto direction = [&](int first, int second) -> std::size_t {
-    return second - first == 1 ? 0 : second - first == columns ? 1 : 2;
-  };
-  return nearest.of(a, c, TileFeatures::points + 3 * direction(a, b) + direction(c, d));
-}
+/// A surface as the search sees it.
+struct Surface {
+  Surface(const Cloth& cloth)  // NOLINT: a cloth is one
+      : rest(cloth.rest_positions),
+        thickness(cloth.thickness),
+        mesh(cloth),
+        tiling(std::make_shared<Tiling>(cloth.columns, cloth.rows)),
+        patches(cut_into_patches(*tiling, cloth.columns, cloth.rows)),
+        nearest(cloth, tiling, patches, Tiling::of_surfaces) {}
+  Surface(const Points& at_rest, const SurfaceMesh& of, double half_distance)
+      : rest(at_rest),
+        thickness(half_distance),
+        mesh(of),
+        tiling(std::make_shared<Tiling>(mesh)),
+        patches(cut_into_patches(*tiling, rest)),
+        nearest(mesh, rest, thickness, tiling, patches, Tiling::of_surfaces) {}
+
+  int num_points() const { return static_cast<int>(rest.rows()); }
+
+  /// How near a pair may come [m], by the tiles that have it.
+  double nearest_of(const SurfacePair& pair) const {
+    const auto& [a, b, c, d] = pair.points;
+    if (!pair.edges()) return nearest.of_slot(a, pair.triangle);
+    const auto [first, k] = tile_of(a, b);
+    const auto [second, l] = tile_of(c, d);
+    return nearest.of(first, second, Tiling::points + 3 * k + l);
+  }
+
+  /// The tile of an edge, and its number there.
+  std::pair<int, std::size_t> tile_of(int from, int to) const {
+    for (int tile = 0; tile < static_cast<int>(tiling->tiles().size()); ++tile) {
+      for (std::size_t k = 0; k < Tiling::edges.size(); ++k) {
+        const int a = tiling->at(tile).points[0], b = tiling->at(tile).points[Tiling::edges[k][1]];
+        if (tiling->at(tile).own[Tiling::first_edge + k] == Tiling::lacking) continue;
+        if ((a == from && b == to) || (a == to && b == from)) return {tile, k};
+      }
+    }
+    ADD_FAILURE() << "no tile has the edge of " << from << " and " << to;
+    return {0, 0};
+  }
+
+  Points rest;
+  double thickness;
+  SurfaceMesh mesh;
+  std::shared_ptr<const Tiling> tiling;
+  std::vector<Patch> patches;
+  NearestDistances nearest;
+};
 
 /// Every point and triangle, edge and edge that share no point and lie so that `chosen` holds.
 template <typename Chosen>
-std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
-  const SurfaceMesh mesh(cloth);
-  const NearestDistances nearest(cloth);
+std::vector<SurfacePair> brute_force(const Surface& surface, const Chosen& chosen) {
+  const SurfaceMesh& mesh = surface.mesh;
   std::vector<SurfacePair> pairs;
   const auto consider = [&](SurfacePair pair) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -86,20 +124,24 @@ std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
         if (pair.points[i] == pair.points[j]) return;
       }
     }
-    pair.nearest = nearest_of(nearest, cloth.columns, pair);
     if (chosen(pair)) pairs.push_back(pair);
   };
-  for (int i = 0; i < cloth.num_points(); ++i) {
+  for (int i = 0; i < surface.num_points(); ++i) {
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
       const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
-      consider({t, {i, a, b, c}, 0});
+      consider({t, {i, a, b, c}, surface.nearest.of_slot(i, t)});
     }
   }
-  for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
-    for (int f = 0; f < e; ++f) {
-      const auto& [a, b] = mesh.edges[static_cast<std::size_t>(e)];
-      const auto& [c, d] = mesh.edges[static_cast<std::size_t>(f)];
-      consider({SurfacePair::no_triangle, {a, b, c, d}, 0});
+  std::vector<std::pair<int, std::size_t>> tiles;
+  for (const auto& [a, b] : mesh.edges) tiles.push_back(surface.tile_of(a, b));
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    for (std::size_t f = 0; f < e; ++f) {
+      const auto& [a, b] = mesh.edges[e];
+      const auto& [c, d] = mesh.edges[f];
+      const std::size_t number = Tiling::points + 3 * tiles[e].second + tiles[f].second;
+      consider({SurfacePair::no_triangle,
+                {a, b, c, d},
+                surface.nearest.of(tiles[e].first, tiles[f].first, number)});
     }
   }
   return pairs;
@@ -107,10 +149,17 @@ std::vector<SurfacePair> brute_force(const Cloth& cloth, const Chosen& chosen) {
 
 using Features = std::pair<int, std::array<int, 4>>;
 
-/// Of two edges, in the order of their points.
+/// In the order of their points: tiles may have any.
 inline Features features(const SurfacePair& pair) {
   auto [a, b, c, d] = pair.points;
-  if (pair.edges() && std::pair(c, d) < std::pair(a, b)) {
+  if (!pair.edges()) {
+    std::array<int, 3> corners{b, c, d};
+    std::sort(corners.begin(), corners.end());
+    return {pair.triangle, {a, corners[0], corners[1], corners[2]}};
+  }
+  if (a > b) std::swap(a, b);
+  if (c > d) std::swap(c, d);
+  if (std::pair(c, d) < std::pair(a, b)) {
     std::swap(a, c);
     std::swap(b, d);
   }

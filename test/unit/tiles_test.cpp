@@ -11,10 +11,10 @@ using namespace testing;
 
 /// Tiles of patches as they are at some positions.
 struct Shapes {
-  Shapes(const Cloth& cloth, const Points& x)
-      : patches(cut_into_patches(cloth)),
-        shapes(cloth, std::make_shared<std::vector<Patch>>(patches)),
-        features(cloth.columns) {
+  Shapes(const Surface& surface, const Points& x)
+      : patches(surface.patches),
+        tiling(surface.tiling),
+        shapes(tiling, std::make_shared<std::vector<Patch>>(patches)) {
     for (int p = 0; p < static_cast<int>(patches.size()); ++p) shapes.update(p, x);
   }
   int tile(int patch, std::size_t k) const {
@@ -22,15 +22,15 @@ struct Shapes {
   }
 
   std::vector<Patch> patches;
+  std::shared_ptr<const Tiling> tiling;
   TileShapes shapes;
-  TileFeatures features;
 };
 
 TEST(TileShapes, AreNeverFartherThanTheyAre) {
   const Cloth cloth = cloth_of(10, 9, 0.01);
-  const auto lacks = [](int tile, std::size_t corner) {
-    const auto& [along, up] = TileFeatures::ways[corner];
-    return tile % 10 + along > 9 || tile / 10 + up > 8;
+  const Surface surface(cloth);
+  const auto lacks = [&](int tile, std::size_t own) {
+    return surface.tiling->at(tile).own[own] == Tiling::lacking;
   };
   Points needles = random_points(cloth.num_points(), 0.1, 5);
   needles.col(1) *= 1e-4;
@@ -62,9 +62,9 @@ TEST(TileShapes, AreNeverFartherThanTheyAre) {
             const auto pair = static_cast<std::size_t>(near.pairs[first + i]);
             const int a = of.tile(p, pair / TileShapes::tiles),
                       b = of.tile(q, pair % TileShapes::tiles);
-            for (std::size_t k = 0; k < TileFeatures::own_points; ++k) {
-              if (lacks(a, TileFeatures::of_a[k]) || lacks(b, TileFeatures::of_b[k])) continue;
-              const double exact = separation(of.features.pair(a, b, k), x).distance;
+            for (std::size_t k = 0; k < Tiling::own_points; ++k) {
+              if (lacks(a, Tiling::of_a[k]) || lacks(b, Tiling::of_b[k])) continue;
+              const double exact = separation(of.tiling->pair(a, b, k), x).distance;
               const double told = found.values[k][i] - of.shapes.rounding(p, q);
               ASSERT_LE(told, exact) << shape << ' ' << k;
               closest = std::max(closest, exact - told);
@@ -107,9 +107,7 @@ TEST(TileShapes, LookPastNoTileThatIsNear) {
           if (is_near[k]) continue;
           for (const std::size_t c : {0u, 1u, 2u, 3u}) {
             const auto corner = [&](int tile, std::size_t number) {
-              const auto& [along, up] = TileFeatures::ways[number];
-              const bool last = tile % 10 == 9, top = tile / 10 == 8;
-              return tile + (last ? 0 : along) + (top ? 0 : 10 * up);
+              return of.tiling->at(tile).points[number];
             };
             for (const std::size_t d : {0u, 1u, 2u, 3u}) {
               rest = std::min(rest, (x.row(corner(a, c)) - x.row(corner(b, d))).norm());

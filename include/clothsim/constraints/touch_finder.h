@@ -13,8 +13,8 @@
 namespace clothsim {
 
 /// Of points or of surfaces, not off nor automatic.
-inline TileFeatures::Range stencils_of(SelfCollision kind) {
-  return kind == SelfCollision::surface ? TileFeatures::of_surfaces : TileFeatures::of_points;
+inline Tiling::Range stencils_of(SelfCollision kind) {
+  return kind == SelfCollision::surface ? Tiling::of_surfaces : Tiling::of_points;
 }
 
 /// Finds where a cloth touches itself, 2 * thickness apart: points and triangles, edges and edges,

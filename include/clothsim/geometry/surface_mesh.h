@@ -7,11 +7,11 @@
 
 namespace clothsim {
 
-/// Points, edges and triangles of a cloth, and which of these a point has. Needs two columns and
-/// two rows at least.
+/// Triangles of some points, their edges, and which triangles a point has.
 struct SurfaceMesh {
-  SurfaceMesh() = default;
-  explicit SurfaceMesh(const Cloth&);
+  /// `triangles`: three of the points each.
+  SurfaceMesh(int points, std::vector<std::array<int, 3>> triangles);
+  explicit SurfaceMesh(const Cloth& cloth) : SurfaceMesh(cloth.num_points(), cloth.triangles) {}
 
   std::vector<std::array<int, 3>> triangles;  // points
   std::vector<std::array<int, 2>> edges;      // points, ascending; each edge once

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -34,13 +35,18 @@ struct NearPair {
 ///
 /// What may meet: all features that come as near as a floor on the way. None is missed.
 ///
-/// The cloth is cut into patches. Two of them are measured against each other, and then sleep until
+/// The surface is any of triangles: a cloth's grid, or several sheets, with holes and seams. It is
+/// cut into patches. Two of them are measured against each other, and then sleep until
 /// they have used up what was between them. So what is found depends on what came before: see
 /// write().
 class NearPairs {
  public:
-  /// `stencils`: of surfaces or of points.
-  explicit NearPairs(const Cloth&, const TileFeatures::Range& stencils = TileFeatures::of_surfaces);
+  /// Of a mesh whose points are at `rest` [m, N x 3], of surfaces or of points. It takes
+  /// some 17 kB a point, and three to four times the time of a grid.
+  NearPairs(const SurfaceMesh&, const Points& rest, double thickness,
+            const Tiling::Range& stencils = Tiling::of_surfaces);
+  /// Of a cloth's grid, also of one row or column.
+  explicit NearPairs(const Cloth&, const Tiling::Range& stencils = Tiling::of_surfaces);
 
   /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], or are nearer
   /// than they may come plus a margin, by ascending key. Edges are closest inside both, and of the
@@ -74,6 +80,9 @@ class NearPairs {
   void read(MemoryReader&);
 
  private:
+  NearPairs(const SurfaceMesh&, const Tiling&, std::vector<Patch>, const Tiling::Range& stencils);
+  void set_distances(NearestDistances);
+
   /// Two edges or points that are near, by tiles and the number of the pair among their features.
   struct Listed {
     int a;
@@ -121,12 +130,12 @@ class NearPairs {
   std::pair<int, int> tiles(const PatchPair&, int number) const;
 
   bool of_points_;
-  std::shared_ptr<const SurfaceMesh> mesh_;  // none of points
+  std::shared_ptr<const SurfaceMesh> mesh_;  // nothing of points
+  std::shared_ptr<const Tiling> tiling_;
+  std::shared_ptr<const std::vector<Patch>> patches_;
   std::shared_ptr<const NearestDistances> nearest_;
-  std::shared_ptr<const std::vector<Patch>> patches_;  // along rows
-  TileFeatures features_;
   TileShapes shapes_;
-  SurfaceSlots slots_;
+  std::optional<SurfaceSlots> slots_;
   double sees_;    // how much nearer patches may come before they are paired anew [m]
   double paired_;  // patches are from so far on [m]
   double margin_;  // [m]

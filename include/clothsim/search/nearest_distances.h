@@ -3,38 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
+#include <variant>
 #include <vector>
 
 #include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/search/patches.h"
+#include "clothsim/search/rest_ways.h"
 #include "clothsim/search/tiles.h"
 
 namespace clothsim {
-
-/// What is told by the way from one place of a grid to another, along columns and rows: farther on
-/// than `most` the same as there.
-template <typename Value>
-class ByWay {
- public:
-  ByWay() = default;
-  template <typename Make>
-  ByWay(const Eigen::Vector2i& most, const Make& make) : most_(most) {
-    for (int row = -most.y(); row <= most.y(); ++row) {
-      for (int column = -most.x(); column <= most.x(); ++column) {
-        values_.push_back(make(Eigen::Vector2i(column, row)));
-      }
-    }
-  }
-
-  const Value& at(const Eigen::Vector2i& way) const {
-    const Eigen::Vector2i place = way.cwiseMax(-most_).cwiseMin(most_) + most_;
-    return values_[static_cast<std::size_t>(place.y() * (2 * most_.x() + 1) + place.x())];
-  }
-
- private:
-  Eigen::Vector2i most_;
-  std::vector<Value> values_;  // along rows
-};
 
 /// How near two features of a cloth may come: 2 * thickness, or where they are neighbours on the
 /// cloth, a quarter of their distance at rest, so that it can fold sharply and yet not pass through
@@ -49,7 +28,7 @@ class ByWay {
 /// contact, are left out. A fold between them has no room for a layer.
 ///
 /// A grid looks the same from every cell, so the distances are kept by the way from one tile to the
-/// other.
+/// other. On any other surface those of tiles that are near each other at rest are kept one by one.
 class NearestDistances {
  public:
   /// How near neighbours on the cloth may come, of their distance at rest.
@@ -60,67 +39,79 @@ class NearestDistances {
   /// From where on points are no neighbours at rest, of the contact distance.
   static constexpr double apart_at_rest = 2;
 
-  /// `stencils`: the pairs of features that count.
-  explicit NearestDistances(const Cloth&,
-                            const TileFeatures::Range& stencils = TileFeatures::of_surfaces);
+  /// Of a surface in tiles and patches at `rest` [m, N x 3]. `stencils`: the pairs of features that
+  /// count.
+  NearestDistances(const SurfaceMesh&, const Points& rest, double thickness,
+                   std::shared_ptr<const Tiling>, const std::vector<Patch>&,
+                   const Tiling::Range& stencils);
+  /// Of a grid.
+  NearestDistances(const Cloth&, std::shared_ptr<const Tiling>, const std::vector<Patch>&,
+                   const Tiling::Range& stencils);
 
   /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
-  /// lie at the last row or column and lack what they need.
+  /// lack what they need.
   double of(int a, int b, std::size_t number) const {
-    return std::min(tiles_.at(way(a, b)).of[number], most_of(side(a, b, number), number));
+    return std::min(tiles(a, b).of[number], most_of(side(a, b, number), number));
   }
+  /// Of a point and a triangle [m].
+  double of_slot(int point, int triangle) const;
   /// Of all of them.
-  using OfTiles = std::array<float, TileFeatures::count>;
+  using OfTiles = std::array<float, Tiling::count>;
   OfTiles of_tiles(int a, int b) const;
 
-  /// Of those that count of the tiles of two patches, by their first tiles: the most of each pair
-  /// of tiles [m].
-  const TileShapes::PairValues& of_patches(int first, int second) const {
-    return of_patches_.at(way(first, second) / Patch::side);
+  /// Of those that count of the tiles of patches p <= q: the most of each pair of tiles [m].
+  const TileShapes::PairValues& of_patches(int p, int q) const {
+    return of_patches_[number(patch_ways_, p, q)];
   }
-  std::size_t points() const { return places_.size(); }
-  bool at_border(int point) const { return sides_[static_cast<std::size_t>(point)][0] == border; }
+  bool at_border(int tile) const {
+    return tiling_->at(tile).own[Tiling::own_point] == Tiling::border;
+  }
 
   /// The most and the least of any two, and the least distance at rest of any that share no point:
-  /// of a point and the long side of a triangle, as of two diagonals side by side [m].
+  /// on a grid of a point and the long side of a triangle, as of two diagonals side by side [m].
   double most() const { return 2 * thickness_; }
-  double least() const { return std::min(edge_share * most(), neighbour_share * least_at_rest()); }
-  double least_at_rest() const { return spacing_.prod() / spacing_.norm(); }
+  double least() const { return std::min(edge_share * most(), neighbour_share * least_at_rest_); }
+  double least_at_rest() const { return least_at_rest_; }
 
-  /// Of the points at rest, along rows and along columns [m].
-  const Eigen::Vector2d& spacing() const { return spacing_; }
+  /// Of the nearest points that have an edge [m].
+  double spacing() const { return spacing_; }
 
  private:
-  /// Where on the cloth lies what a tile has from its point to a corner.
-  enum Side : unsigned char { inside, border, beyond };
-  /// Of two tiles by the way between them, as if at the border, and inside.
+  using Ways = std::variant<NearWays, GridWays>;
+  /// Of two tiles, as if at the border, and inside.
   struct Tiles {
-    std::array<double, TileFeatures::count> of;
+    std::array<double, Tiling::count> of;
     OfTiles inside;
   };
 
-  Eigen::Vector2i way(int from, int to) const {
-    return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
+  static std::size_t number(const Ways& ways, int from, int to) {
+    return static_cast<std::size_t>(
+        std::visit([&](const auto& of) { return of.number(from, to); }, ways));
   }
-  Side side(int a, int b, std::size_t number) const {
-    return std::max(sides_[static_cast<std::size_t>(a)][TileFeatures::of_a[number]],
-                    sides_[static_cast<std::size_t>(b)][TileFeatures::of_b[number]]);
+  const Tiles& tiles(int a, int b) const { return tiles_[number(tile_ways_, a, b)]; }
+  Tiling::Side side(int a, int b, std::size_t number) const {
+    return std::max(tiling_->at(a).own[Tiling::of_a[number]],
+                    tiling_->at(b).own[Tiling::of_b[number]]);
   }
-  double most_of(Side side, std::size_t number) const {
-    if (side == beyond) return -1;
-    const bool edges = number >= TileFeatures::points && number < TileFeatures::own_points;
-    return edges && side == inside ? edge_share * most() : most();
+  double most_of(Tiling::Side side, std::size_t number) const {
+    if (side == Tiling::lacking) return -1;
+    const bool edges = number >= Tiling::points && number < Tiling::own_points;
+    return edges && side == Tiling::inside ? edge_share * most() : most();
   }
-  Tiles make_tiles(const Eigen::Vector2i& way) const;
-  TileShapes::PairValues make_patches(const Eigen::Vector2i& way) const;
+  template <typename AtRest>
+  Tiles make_tiles(const AtRest&) const;
+  Tiles make_tiles_of_mesh(int a, int b, const Points& rest);
+  Tiles make_tiles_of_grid(const Eigen::Vector2i& way, const Eigen::Vector2d& spacing) const;
+  float most_of(const Tiles&) const;
 
-  TileFeatures::Range stencils_;
+  std::shared_ptr<const Tiling> tiling_;
+  Tiling::Range stencils_;
   double thickness_;
-  Eigen::Vector2d spacing_;
-  std::vector<Eigen::Vector2i> places_;                         // of points: column and row
-  std::vector<std::array<Side, TileFeatures::corners>> sides_;  // of tiles
-  ByWay<Tiles> tiles_;
-  ByWay<TileShapes::PairValues> of_patches_;
+  double spacing_;
+  double least_at_rest_;
+  Ways tile_ways_, patch_ways_;
+  std::vector<Tiles> tiles_;
+  std::vector<TileShapes::PairValues> of_patches_;
 };
 
 }  // namespace clothsim

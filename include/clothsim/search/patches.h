@@ -4,22 +4,26 @@
 #include <vector>
 
 #include "clothsim/geometry/box_tree.h"
-#include "clothsim/model/cloth.h"
+#include "clothsim/geometry/tiling.h"
+#include "clothsim/model/types.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
 
-/// A rectangle of the grid of a cloth: tiles as in TileFeatures.
+/// Some tiles of a surface that lie together, on a grid by their places in a square along rows.
 struct Patch {
-  static constexpr int side = 4;  // tiles along it
+  static constexpr int side = 4;  // tiles along it, on a grid
   static constexpr int none = -1;
 
-  std::array<int, side * side> tiles;  // along rows, by their points; none beyond the cloth
-  std::vector<int> points;             // of the tiles, those on the far borders too
+  std::array<int, side * side> tiles;  // none where there are fewer
+  std::vector<int> points;             // all corners of the tiles, each once
 };
 
-/// Cuts the tiles of a cloth into patches, smaller ones at the last row and column.
-std::vector<Patch> cut_into_patches(const Cloth&);
+/// Of a grid: its rectangles along rows, smaller ones at the last row and column.
+std::vector<Patch> cut_into_patches(const Tiling&, int columns, int rows);
+
+/// Of any surface at `rest` [m, N x 3]: halves of halves, across where they are longest.
+std::vector<Patch> cut_into_patches(const Tiling&, const Points& rest);
 
 /// How patches move against each other while points go on straight ways.
 class PatchMotions {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "clothsim/geometry/distance_rows.h"
-#include "clothsim/geometry/tile_features.h"
+#include "clothsim/geometry/tiling.h"
 #include "clothsim/search/patches.h"
 
 namespace clothsim {
@@ -21,18 +21,18 @@ class TileShapes {
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
   using Row = DistanceRows::Row;
-  using Features = std::array<Row, TileFeatures::own_points>;
+  using Features = std::array<Row, Tiling::own_points>;
   using Corners = DistanceRows::Hulls;
   /// Of up to as many pairs of tiles.
   struct Distances {
-    Features values;                               // [m]
-    std::array<Row, TileFeatures::points> within;  // least barycentric coordinate of the point
+    Features values;                         // [m]
+    std::array<Row, Tiling::points> within;  // least barycentric coordinate of the point
   };
 
-  TileShapes(const Cloth&, std::shared_ptr<const std::vector<Patch>>);
+  TileShapes(std::shared_ptr<const Tiling>, std::shared_ptr<const std::vector<Patch>>);
 
   /// Takes the tiles of a patch as they are at `positions` [m, N x 3]: the same for all that are
-  /// compared. What a tile at the last row or column lacks lies along that.
+  /// compared.
   void update(int patch, const Points& positions);
 
   /// What rounding of places does to a distance between two patches [m].
@@ -66,8 +66,7 @@ class TileShapes {
     return (*patches_)[static_cast<std::size_t>(patch)].tiles[tile] != Patch::none;
   }
 
-  int columns_;
-  int rows_;
+  std::shared_ptr<const Tiling> tiling_;
   std::shared_ptr<const std::vector<Patch>> patches_;
   std::vector<Corners> corners_;  // by patch [m]
   std::vector<float> roundings_;  // by patch [m]

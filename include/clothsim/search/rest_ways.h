@@ -1,0 +1,57 @@
+#pragma once
+
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// Numbers for how two of some things lie to each other at rest, of a grid: by the way from one to
+/// the other, along columns and rows. Farther on than `most` it is as there.
+class GridWays {
+ public:
+  /// `places`: column and row of each.
+  GridWays(std::vector<Eigen::Vector2i> places, const Eigen::Vector2i& most)
+      : places_(std::move(places)), most_(most) {}
+
+  int number(int from, int to) const { return number_of(way(from, to)); }
+  int number_of(const Eigen::Vector2i& way) const {
+    const Eigen::Vector2i place = way.cwiseMax(-most_).cwiseMin(most_) + most_;
+    return place.y() * (2 * most_.x() + 1) + place.x();
+  }
+  Eigen::Vector2i way(int from, int to) const {
+    return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
+  }
+
+  /// All ways that have a number, by that.
+  std::vector<Eigen::Vector2i> ways() const {
+    std::vector<Eigen::Vector2i> all;
+    for (int row = -most_.y(); row <= most_.y(); ++row) {
+      for (int column = -most_.x(); column <= most_.x(); ++column) all.emplace_back(column, row);
+    }
+    return all;
+  }
+
+ private:
+  std::vector<Eigen::Vector2i> places_;
+  Eigen::Vector2i most_;
+};
+
+/// The same of anything: those that are near have numbers of their own, all others `far`.
+class NearWays {
+ public:
+  static constexpr int far = 0;
+
+  explicit NearWays(std::size_t things = 0) : near_(things) {}
+
+  /// Numbers ascend from far + 1 on.
+  void add(int from, int to, int number);
+  int number(int from, int to) const;
+
+ private:
+  std::vector<std::vector<std::pair<int, int>>> near_;  // by `from`: `to` and number, ascending
+};
+
+}  // namespace clothsim

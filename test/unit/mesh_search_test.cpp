@@ -1,0 +1,265 @@
+// The search on surfaces that are no grid: sheets with holes, tubes, balls, fans, all with their
+// triangles in any order.
+
+#include <cmath>
+#include <random>
+
+#include "surface_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+constexpr double pi = 3.14159265358979323846;
+
+struct Mesh {
+  Points rest;
+  std::vector<std::array<int, 3>> triangles;
+
+  SurfaceMesh surface() const { return {static_cast<int>(rest.rows()), triangles}; }
+};
+
+/// Triangles in another order, each with its corners turned.
+Mesh shuffled(Mesh mesh, unsigned seed) {
+  std::mt19937 random(seed);
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+  for (auto& corners : mesh.triangles) {
+    std::rotate(corners.begin(), corners.begin() + random() % 3, corners.end());
+  }
+  return mesh;
+}
+
+/// Two sheets 0.1 m apart, the first with a hole, both with points moved within them.
+Mesh sheets(int side) {
+  const Cloth cloth = cloth_of(side, side, 0.01);
+  const int n = cloth.num_points();
+  Mesh mesh{Points::Zero(2 * n, 3), {}};
+  mesh.rest << cloth.rest_positions, cloth.rest_positions;
+  mesh.rest.leftCols(2) += random_points(2 * n, 0.2 / side, 4).leftCols(2);
+  mesh.rest.bottomRows(n).col(2).array() += 0.1;
+  for (const auto& [a, b, c] : cloth.triangles) {
+    const Vector3 middle = (row(cloth.rest_positions, a) + row(cloth.rest_positions, b) +
+                            row(cloth.rest_positions, c)) /
+                           3;
+    if ((middle - Vector3(0.5, 0.5, 0)).norm() > 0.25) mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({n + a, n + b, n + c});
+  }
+  return mesh;
+}
+
+/// A tube about x, closed around, open at its ends.
+Mesh tube(int along, int around) {
+  Mesh mesh{Points::Zero(along * around, 3), {}};
+  for (int i = 0; i < along * around; ++i) {
+    const double angle = 2 * pi * (i % around) / around;
+    mesh.rest.row(i) << 0.05 * (i / around), 0.12 * std::cos(angle), 0.12 * std::sin(angle);
+  }
+  for (int i = 0; i + 1 < along; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const int a = i * around + j, b = i * around + (j + 1) % around;
+      mesh.triangles.push_back({a, b, b + around});
+      mesh.triangles.push_back({a, b + around, a + around});
+    }
+  }
+  return mesh;
+}
+
+/// A point with triangles all around it, a triangle apart, and a point that has none.
+Mesh fan(int spokes) {
+  Mesh mesh{Points::Zero(spokes + 5, 3), {}};
+  for (int k = 0; k < spokes; ++k) {
+    const double angle = 2 * pi * k / spokes;
+    mesh.rest.row(k + 1) << 0.2 * std::cos(angle), 0.2 * std::sin(angle), 0;
+    mesh.triangles.push_back({0, k + 1, (k + 1) % spokes + 1});
+  }
+  for (int k = 0; k < 4; ++k) mesh.rest.row(spokes + 1 + k) << 0.5 + 0.1 * k, 0.1 * (k % 2), 0;
+  mesh.triangles.push_back({spokes + 1, spokes + 2, spokes + 3});
+  return mesh;
+}
+
+std::vector<Mesh> meshes() {
+  return {shuffled(sheets(7), 1), shuffled(tube(7, 9), 2), shuffled(fan(11), 3),
+          shuffled(tube(3, 3), 4)};
+}
+
+TEST(Tiling, OfAMeshHasEachPointEdgeAndTriangleOnce) {
+  for (const Mesh& mesh : meshes()) {
+    const SurfaceMesh surface = mesh.surface();
+    const Tiling tiling(surface);
+    std::vector<int> points, triangles;
+    std::vector<std::array<int, 2>> edges;
+    for (const Tiling::Tile& tile : tiling.tiles()) {
+      if (tile.own[Tiling::own_point] != Tiling::lacking) points.push_back(tile.points[0]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (tile.own[Tiling::first_edge + k] == Tiling::lacking) continue;
+        const int a = tile.points[0], b = tile.points[Tiling::edges[k][1]];
+        edges.push_back({std::min(a, b), std::max(a, b)});
+        const auto beside = std::count_if(
+            surface.triangles.begin(), surface.triangles.end(), [&](const auto& corners) {
+              return std::count(corners.begin(), corners.end(), a) == 1 &&
+                     std::count(corners.begin(), corners.end(), b) == 1;
+            });
+        EXPECT_EQ(tile.own[Tiling::first_edge + k] == Tiling::border, beside == 1);
+      }
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (tile.own[Tiling::first_triangle + k] == Tiling::lacking) continue;
+        triangles.push_back(tile.triangles[k]);
+        std::array<int, 3> corners,
+            of = surface.triangles[static_cast<std::size_t>(triangles.back())];
+        for (std::size_t l = 0; l < 3; ++l) corners[l] = tile.points[Tiling::triangles[k][l]];
+        std::sort(corners.begin(), corners.end());
+        std::sort(of.begin(), of.end());
+        EXPECT_EQ(corners, of);
+      }
+    }
+    std::sort(points.begin(), points.end());
+    std::sort(edges.begin(), edges.end());
+    std::sort(triangles.begin(), triangles.end());
+    auto all_edges = surface.edges;
+    std::sort(all_edges.begin(), all_edges.end());
+    std::vector<int> all_points(static_cast<std::size_t>(mesh.rest.rows())),
+        all_triangles(mesh.triangles.size());
+    std::iota(all_points.begin(), all_points.end(), 0);
+    std::iota(all_triangles.begin(), all_triangles.end(), 0);
+    EXPECT_EQ(points, all_points);
+    EXPECT_EQ(edges, all_edges);
+    EXPECT_EQ(triangles, all_triangles);
+    // A regular mesh takes little more than a tile a point.
+    EXPECT_LT(tiling.tiles().size(), 2 * all_points.size() + 4);
+  }
+}
+
+TEST(Patches, OfAMeshHaveEachTileOnceAndAllOfItsCorners) {
+  for (const Mesh& mesh : meshes()) {
+    const Tiling tiling(mesh.surface());
+    std::vector<int> tiles(tiling.tiles().size(), 0);
+    for (const Patch& patch : cut_into_patches(tiling, mesh.rest)) {
+      for (const int tile : patch.tiles) {
+        if (tile == Patch::none) continue;
+        ++tiles[static_cast<std::size_t>(tile)];
+        for (const int corner : tiling.at(tile).points) {
+          EXPECT_EQ(std::count(patch.points.begin(), patch.points.end(), corner), 1);
+        }
+      }
+    }
+    EXPECT_EQ(tiles, std::vector<int>(tiles.size(), 1));
+  }
+}
+
+TEST(NearestDistances, OfAMeshAreAQuarterOfThoseAtRestUpToTheContactDistance) {
+  for (const double thickness : {0.002, 0.01, 0.1}) {
+    for (const Mesh& mesh : meshes()) {
+      const Surface surface(mesh.rest, mesh.surface(), thickness);
+      brute_force(surface, [&](const SurfacePair& pair) {
+        const double rest = separation(pair, mesh.rest).distance;
+        double most = 2 * thickness;
+        if (pair.edges()) {
+          const auto side = [&](int a, int b) {
+            const auto [tile, k] = surface.tile_of(a, b);
+            return surface.tiling->at(tile).own[Tiling::first_edge + k];
+          };
+          const auto& [a, b, c, d] = pair.points;
+          const bool inside = side(a, b) == Tiling::inside && side(c, d) == Tiling::inside;
+          if (inside) most *= NearestDistances::edge_share;
+        }
+        EXPECT_NEAR(pair.nearest, std::min(most, rest / 4), 1e-12);
+        return false;
+      });
+    }
+  }
+}
+
+TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
+  unsigned seed = 10;
+  for (const Mesh& mesh : meshes()) {
+    const Surface surface(mesh.rest, mesh.surface(), 0.015);
+    NearPairs finder(surface.mesh, surface.rest, surface.thickness);
+    const int n = surface.num_points();
+    const Points crumpled = random_points(n, 0.15, ++seed);
+    const auto at = [&](int step) -> Points {
+      const double share = std::min(step, 40) / 60.0;
+      return (1 - share) * mesh.rest + share * crumpled +
+             random_points(n, 1e-3, static_cast<std::uint64_t>(step));
+    };
+    for (int step = 0; step < 50; ++step) {
+      const Points here = at(step), ends = at(step + 1);
+      finder.approaching(here, ends);
+      const auto found = sorted_features(finder.may_meet(here, ends, 0.002));
+      for (const double time : {0.0, 0.5, 1.0}) {
+        const Points then = here + time * (ends - here);
+        const auto must = sorted_features(brute_force(surface, [&](const SurfacePair& pair) {
+          return separation(pair, then).distance <= 0.002;
+        }));
+        ASSERT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end())) << step;
+      }
+      finder.go(ends);
+    }
+  }
+}
+
+TEST(NearPairs, OfAMeshFindTheTrianglesThatPointsTouch) {
+  unsigned seed = 20;
+  for (const Mesh& mesh : meshes()) {
+    const Surface surface(mesh.rest, mesh.surface(), 0.015);
+    const int n = surface.num_points();
+    NearPairs finder(surface.mesh, surface.rest, surface.thickness);
+    const Points x = random_points(n, 0.12, ++seed);
+    const std::vector<NearPair> found = finder.approaching(x, x);
+    int touching = 0;
+    for (int i = 0; i < n; ++i) {
+      // The nearest of those that keep their whole distance.
+      const double most = 2 * surface.thickness;
+      const auto of_point = brute_force(surface, [&](const SurfacePair& pair) {
+        return pair.points[0] == i && !pair.edges() && pair.nearest == most;
+      });
+      double nearest = most, told = 1;
+      for (const SurfacePair& pair : of_point) {
+        nearest = std::min(nearest, separation(pair, x).distance);
+      }
+      if (nearest == most) continue;
+      ++touching;
+      for (const NearPair& near : found) {
+        if (near.pair.edges() || near.pair.points[0] != i) continue;
+        EXPECT_EQ(near.separation.distance, separation(near.pair, x).distance);
+        EXPECT_EQ(near.pair.nearest, surface.nearest_of(near.pair));
+        told = std::min(told, near.separation.distance - near.pair.nearest);
+      }
+      EXPECT_LE(told, nearest - most + 1e-9) << i;
+    }
+    EXPECT_GT(touching, 1);
+  }
+}
+
+TEST(NearPairs, OfTheSameGridFindTheSameAsAMesh) {
+  const Cloth cloth = cloth_of(13, 11, 0.015);
+  const SurfaceMesh mesh(cloth);
+  for (const Tiling::Range& stencils : {Tiling::of_surfaces, Tiling::of_points}) {
+    NearPairs of_grid(cloth, stencils), of_mesh(mesh, cloth.rest_positions, 0.015, stencils);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Points x = random_points(cloth.num_points(), 0.12, seed);
+      const auto by_points = [](const std::vector<NearPair>& pairs) {
+        auto all = sorted_features(pairs);
+        for (auto& [triangle, points] : all) {
+          if (triangle == SurfacePair::no_triangle) std::sort(points.begin(), points.end());
+        }
+        std::sort(all.begin(), all.end());
+        return all;
+      };
+      of_grid.forget();
+      of_mesh.forget();
+      const auto grid = by_points(of_grid.approaching(x, x)),
+                 other = by_points(of_mesh.approaching(x, x));
+      if (stencils.begin == Tiling::own_points) {
+        EXPECT_EQ(grid, other);
+      } else {  // slots of a point that are equally near may be on either side of an edge
+        EXPECT_NEAR(static_cast<double>(grid.size()), static_cast<double>(other.size()),
+                    0.03 * static_cast<double>(grid.size()));
+      }
+      EXPECT_GT(grid.size(), 50u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace clothsim
