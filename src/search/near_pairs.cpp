@@ -58,22 +58,25 @@ void NearPairs::pair_patches() {
     wider.back().min().array() -= paired_ / 2;
     wider.back().max().array() += paired_ / 2;
   }
+  std::vector<std::array<int, 2>> near;
+  for (int p = 0; p < static_cast<int>(patches_->size()); ++p) near.push_back({p, p});
+  BoxTree(wider).visit_overlaps([&](int p, int q) { near.push_back({p, q}); });
+  std::sort(near.begin(), near.end());
   std::vector<PatchPair> pairs;
-  const auto add = [&](int p, int q) {
-    PatchPair pair{p, q};
-    const auto old = std::lower_bound(patch_pairs_.begin(), patch_pairs_.end(), pair);
-    if (old != patch_pairs_.end() && !(pair < *old)) {
+  pairs.reserve(near.size());
+  auto old = patch_pairs_.begin();
+  for (const auto& [p, q] : near) {
+    while (old != patch_pairs_.end() && std::pair(old->p, old->q) < std::pair(p, q)) ++old;
+    if (old != patch_pairs_.end() && old->p == p && old->q == q) {
       pairs.push_back(std::move(*old));
-      return;
+      continue;
     }
+    PatchPair pair{p, q};
     pair.to_meet = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
         boxes[static_cast<std::size_t>(q)]));
     pair.to_touch = pair.to_meet - nearest_->most();
     pairs.push_back(pair);
-  };
-  for (int p = 0; p < static_cast<int>(patches_->size()); ++p) add(p, p);
-  BoxTree(wider).visit_overlaps(add);
-  std::sort(pairs.begin(), pairs.end());
+  }
   patch_pairs_ = std::move(pairs);
   paired_nearer_ = 0;
 }
@@ -147,7 +150,7 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
     slots.insert(slots.end(), found.slots.begin(), found.slots.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots_->add(std::move(slots), last_);
+  slots_->add(std::move(slots), last_, workers);
   return meet;
 }
 

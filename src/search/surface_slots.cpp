@@ -93,22 +93,36 @@ bool SurfaceSlots::covers(const SurfacePair& pair, float distance) const {
   });
 }
 
-void SurfaceSlots::add(std::vector<SurfacePair> pairs, const Points& positions) {
+void SurfaceSlots::add(std::vector<SurfacePair> pairs, const Points& positions,
+                       const Workers& workers) {
   std::sort(pairs.begin(), pairs.end(), [](const SurfacePair& a, const SurfacePair& b) {
     return std::tie(a.points[0], a.triangle) < std::tie(b.points[0], b.triangle);
   });
-  for (const auto& [triangle, points, nearest] : pairs) {
-    // Its nearest to the last bit, from whichever side its tiles were looked at.
-    Slot slot{pair(points[0], triangle), 0, triangle};
-    slot.last = separation(slot.pair, positions);
-    go_to_nearest(slot, positions);
-    std::vector<Slot>& others = slots_[static_cast<std::size_t>(points[0])];
-    if (!is_kept(slot, others.data(), others.data() + others.size())) continue;
-    // The first number that is free.
-    auto place = others.begin();
-    for (; place != others.end() && place->number == slot.number; ++place) ++slot.number;
-    others.insert(place, slot);
+  std::vector<std::size_t> first;  // of each point
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (k == 0 || pairs[k].points[0] != pairs[k - 1].points[0]) first.push_back(k);
   }
+  const auto points = static_cast<int>(first.size());
+  first.push_back(pairs.size());
+  workers.each(points, [&](int number) {
+    const auto of = static_cast<std::size_t>(number);
+    for (std::size_t k = first[of]; k < first[of + 1]; ++k) {
+      add(pairs[k].points[0], pairs[k].triangle, positions);
+    }
+  });
+}
+
+/// Its nearest to the last bit, from whichever side its tiles were looked at.
+void SurfaceSlots::add(int point, int triangle, const Points& positions) {
+  Slot slot{pair(point, triangle), 0, triangle};
+  slot.last = separation(slot.pair, positions);
+  go_to_nearest(slot, positions);
+  std::vector<Slot>& others = slots_[static_cast<std::size_t>(point)];
+  if (!is_kept(slot, others.data(), others.data() + others.size())) return;
+  // The first number that is free.
+  auto place = others.begin();
+  for (; place != others.end() && place->number == slot.number; ++place) ++slot.number;
+  others.insert(place, slot);
 }
 
 void SurfaceSlots::write(MemoryWriter& memory) const {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -100,10 +99,6 @@ class NearPairs {
     double to_touch = 0;
     double to_meet = 0;
     std::vector<Listed> listed = {};  // where no point sees a triangle
-
-    bool operator<(const PatchPair& other) const {
-      return std::tie(p, q) < std::tie(other.p, other.q);
-    }
   };
 
   /// What is found of a band of patch pairs.

@@ -38,7 +38,7 @@ class SurfaceSlots {
   std::int64_t walk(const Points& positions, const Workers& = {});
 
   /// Makes a slot of each point and triangle that none of the point has.
-  void add(std::vector<SurfacePair>, const Points& positions);
+  void add(std::vector<SurfacePair>, const Points& positions, const Workers& = {});
 
   /// Does a slot of the point keep it off a triangle that is at a `distance` [m]? It is there, or
   /// beside it with no larger a gap.
@@ -64,6 +64,7 @@ class SurfaceSlots {
   template <typename Visit>
   void for_each_beside(const Slot&, const Visit&) const;
   void go_to_nearest(Slot&, const Points&) const;
+  void add(int point, int triangle, const Points& positions);
   bool is_kept(const Slot&, const Slot* begin, const Slot* end) const;
 
   std::shared_ptr<const SurfaceMesh> mesh_;
