@@ -123,16 +123,17 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       const bool is_near = (judged.near[i] >> k & 1) != 0,
                  may_meet = (judged.meet[i] >> k & 1) != 0;
       const float distance = distances.values[k][i], nearest = may[k][i];
-      SurfacePair both = tiling_->pair(a, b, k);
-      both.nearest = nearest_->of(a, b, k);
       if (is_near && k >= Tiling::points) {
         pair.listed.push_back({a, b, static_cast<int>(k), distance - nearest});
-      } else if (is_near &&
-                 (distances.within[k][i] > -beside || distance < nearest ||
-                  nearest_->at_border(a) || nearest_->at_border(b)) &&
-                 !slots_->covers(both, distance)) {  // a slot may keep these apart already
-        found.slots.push_back(both);                 // beyond the border no triangle is nearer
       }
+      // Beside a triangle another one is nearer, but for what is beyond the border.
+      const bool may_have_slot = is_near && k < Tiling::points &&
+                                 (distances.within[k][i] > -beside || distance < nearest ||
+                                  nearest_->at_border(a) || nearest_->at_border(b));
+      if (!may_have_slot && !may_meet) continue;
+      SurfacePair both = tiling_->pair(a, b, k);
+      both.nearest = nearest_->of(a, b, k);
+      if (may_have_slot && !slots_->covers(both, distance)) found.slots.push_back(both);
       if (may_meet) {
         const Separation s = separation(both, last_);
         if (s.distance <= within) found.meet.push_back({Tiling::key(a, b, k), both, s});
