@@ -23,7 +23,6 @@ int NearWays::number(int from, int to) const {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double shared = -1;
 
 /// Along rows and along columns; where there is but one of them, as of the other.
 Eigen::Vector2d spacing_of(const Cloth& cloth) {
@@ -53,7 +52,7 @@ void visit_near_patches(const std::vector<Patch>& patches, const Points& rest, d
 double distance_at_rest(const SurfacePair& pair, const Points& rest) {
   const auto& [a, b, c, d] = pair.points;
   const bool share = a == c || a == d || b == d || (pair.edges() ? b == c : a == b);
-  return share ? shared : separation(pair, rest).distance;
+  return share ? -1 : separation(pair, rest).distance;
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector
   }
   return make_tiles([&](std::size_t k) {
     const double distance = separation(cells.pair(0, 4, k), corners).distance;
-    return distance < least_at_rest_ / 2 ? shared : distance;
+    return distance < least_at_rest_ / 2 ? -1 : distance;  // they share a point
   });
 }
 

@@ -42,7 +42,7 @@ class GridWays {
 /// The same of anything: those that are near have numbers of their own, all others `far`.
 class NearWays {
  public:
-  static constexpr int far = 0;
+  enum { far = 0 };
 
   explicit NearWays(std::size_t things = 0) : near_(things) {}
 
