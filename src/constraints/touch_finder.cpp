@@ -77,7 +77,7 @@ void TouchFinder::look(const ContactStep& step) {
   if (kind_ == SelfCollision::points) time += step.reach * step.h;
   near_.approaching(step.start, step.start + time * velocities, step.workers, step.budget);
   looked_at_ = step.start;
-  time_ = look_back_at_ = 0;
+  time_ = way_ = 0;
 }
 
 void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
@@ -107,16 +107,12 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   if (looked_at_.rows() == 0) {  // it has judged the way until now
     looked_at_ = step.start;
     time_ = step.h;
-    look_back_at_ = 0;
+    way_ = 0;
   }
-  const bool may_wait = step.left > step.h;
-  if (may_wait && time_ < look_back_at_) return 0;
-  const double way = longest_beyond_mean(looked_at_, state.positions);
-  const double left = unseen_way * near_.least_nearest() - way, speed = way / time_;
-  if (may_wait && speed * step.h <= left) {
-    look_back_at_ = time_ + left / (2 * speed);  // half of the way on
-    return 0;
-  }
+  const double last = way_;
+  way_ = longest_beyond_mean(looked_at_, state.positions);
+  const double next = way_ + (way_ - last);
+  if (step.left > step.h && next <= unseen_way * near_.least_nearest()) return 0;
 
   int held_back = 0;
   if (kind_ == SelfCollision::surface) held_back = judge(cloth, step, by_impulses, state);

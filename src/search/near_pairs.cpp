@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/geometry/box_tree.h"
 #include "clothsim/model/errors.h"
@@ -51,12 +50,14 @@ void NearPairs::set_distances(NearestDistances distances) {
 
 /// Pairs the patches that are near enough; those that were paired before go on.
 void NearPairs::pair_patches() {
+  // Points see all that touches on a way, however long; ways of surfaces are cut to what is seen.
+  const double within = paired_ + (of_points_ ? motions_.most() : 0);
   std::vector<Box> boxes, wider;
   for (const Patch& patch : *patches_) {
     boxes.push_back(around(last_, patch.points));
     wider.push_back(boxes.back());
-    wider.back().min().array() -= paired_ / 2;
-    wider.back().max().array() += paired_ / 2;
+    wider.back().min().array() -= within / 2;
+    wider.back().max().array() += within / 2;
   }
   std::vector<std::array<int, 2>> near;
   for (int p = 0; p < static_cast<int>(patches_->size()); ++p) near.push_back({p, p});
@@ -237,6 +238,7 @@ std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends
 
 void NearPairs::forget() {
   last_.resize(0, 3);
+  near_.clear();
   patch_pairs_.clear();
   slots_.emplace(mesh_, nearest_);
   looks_ = 0;
@@ -246,7 +248,7 @@ void NearPairs::write(MemoryWriter& memory) const {
   memory.add(last_.rows() > 0);
   if (last_.rows() == 0) return;
   memory.add(last_);
-  memory.add(looks_);
+  memory.add(looks_ % longest_sleep);
   memory.add(paired_nearer_);
   slots_->write(memory);
   memory.add(static_cast<double>(patch_pairs_.size()));
@@ -267,16 +269,23 @@ void NearPairs::read(MemoryReader& memory) {
   const std::size_t points = tiling_->num_points(), tiles = tiling_->tiles().size(),
                     patches = patches_->size();
   last_ = memory.points(static_cast<Eigen::Index>(points));
-  looks_ = memory.index(std::numeric_limits<int>::max());
-  paired_nearer_ = memory.number();
+  looks_ = memory.index(longest_sleep);
+  paired_nearer_ = std::max(0.0, memory.number());
   slots_->read(memory);
   for (std::size_t left = memory.count(); left > 0; --left) {
     PatchPair pair{memory.index(patches), memory.index(patches)};
+    const bool ascends =
+        patch_pairs_.empty() ||
+        std::pair(patch_pairs_.back().p, patch_pairs_.back().q) < std::pair(pair.p, pair.q);
+    if (pair.p > pair.q || !ascends) {
+      throw InvalidValue({"memory"}, "patches in another order", "what this cloth wrote");
+    }
     for (double* number : {&pair.step, &pair.to_touch, &pair.to_meet}) *number = memory.number();
     for (std::size_t listed = memory.count(); listed > 0; --listed) {
       const int a = memory.index(tiles), b = memory.index(tiles);
       const int number = memory.index(Tiling::count);
-      if (nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
+      const bool of_points = number == static_cast<int>(Tiling::own_points);
+      if (of_points != of_points_ || nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
         throw InvalidValue({"memory"}, "features that the cloth lacks", "what this cloth wrote");
       }
       pair.listed.push_back({a, b, number, memory.number()});

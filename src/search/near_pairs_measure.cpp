@@ -96,6 +96,7 @@ void NearPairs::measure_points(PatchPair& pair) const {
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
   for (std::size_t k = 0; k < near.count; ++k) {
     const auto& [a, b] = tiles(pair, near.pairs[k]);
+    if (nearest_->of(a, b, Tiling::own_points) < 0) continue;  // neighbours, or none of their own
     pair.listed.push_back({a, b, static_cast<int>(Tiling::own_points), 0});
   }
 }

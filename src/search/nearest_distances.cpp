@@ -24,6 +24,16 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// Features of a mesh that are nearer than this at rest, of its edges, are one: a seam.
+constexpr double seam = 1e-3;
+
+/// [m]; 0 where there is none.
+double mean_edge(const SurfaceMesh& mesh, const Points& rest) {
+  double sum = 0;
+  for (const auto& [a, b] : mesh.edges) sum += (row(rest, a) - row(rest, b)).norm();
+  return mesh.edges.empty() ? 0 : sum / static_cast<double>(mesh.edges.size());
+}
+
 /// Along rows and along columns; where there is but one of them, as of the other.
 Eigen::Vector2d spacing_of(const Cloth& cloth) {
   const auto to = [&](int point) -> double {
@@ -137,10 +147,9 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
                                    std::shared_ptr<const Tiling> tiling,
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
     : tiling_(std::move(tiling)), stencils_(stencils), thickness_(thickness) {
-  spacing_ = least_at_rest_ = infinity;
-  for (const auto& [a, b] : mesh.edges) {
-    spacing_ = std::min(spacing_, (row(rest, a) - row(rest, b)).norm());
-  }
+  spacing_ = mean_edge(mesh, rest);
+  if (spacing_ == 0) spacing_ = most();
+  least_at_rest_ = spacing_;
   // Number 0: far from each other.
   tiles_.push_back(make_tiles([](std::size_t) { return infinity; }));
   of_patches_.emplace_back().fill(static_cast<float>(most()));
@@ -173,7 +182,8 @@ NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(int a, int b, const
   return make_tiles([&](std::size_t k) {
     if (side(a, b, k) == Tiling::lacking) return infinity;
     const double distance = distance_at_rest(tiling_->pair(a, b, k), rest);
-    if (distance > 0) least_at_rest_ = std::min(least_at_rest_, distance);
+    if (distance < seam * spacing_) return -1.0;
+    least_at_rest_ = std::min(least_at_rest_, distance);
     return distance;
   });
 }

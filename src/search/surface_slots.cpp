@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "clothsim/model/errors.h"
+
 namespace clothsim {
 
 SurfaceSlots::SurfaceSlots(std::shared_ptr<const SurfaceMesh> mesh,
@@ -141,6 +143,9 @@ void SurfaceSlots::read(MemoryReader& memory) {
     slots.clear();
     for (std::size_t left = memory.count(); left > 0; --left) {
       const int number = memory.index(mesh_->triangles.size());
+      if (!slots.empty() && slots.back().number >= number) {
+        throw InvalidValue({"memory"}, "slots in another order", "what this cloth wrote");
+      }
       slots.push_back({pair(point, memory.index(mesh_->triangles.size())), number, 0});
     }
   }

@@ -347,5 +347,74 @@ TEST(SelfContact, TumbledInARoomThatTurns) {
   });
 }
 
+/// Layers without springs that fall side by side at 1.5 m/s, and land in the midst of a frame.
+class LandingLayers : public ::testing::TestWithParam<std::tuple<double, int>> {
+ protected:
+  static Simulator land(const ClothSpec& cloth, const Points& from) {
+    Scene scene;
+    scene.cloth = cloth;
+    scene.cloth.thickness = 0.005;
+    scene.cloth.material.springs = {false, false, false};
+    scene.cloth.material.strain_limit.reset();
+    scene.cloth.material.damping = 0;
+    scene.simulation.frames_per_second = std::get<0>(GetParam());
+    scene.simulation.substeps = std::get<1>(GetParam());
+    scene.colliders = {ColliderSpec{"ground", Plane{}, {}, 0.5, ""}};
+    Simulator simulator(scene);
+    State state = simulator.state();
+    state.positions = from;
+    state.velocities.col(2).setConstant(-1.5);
+    simulator.set_state(state);
+    return simulator;
+  }
+};
+
+TEST_P(LandingLayers, PointsStopOneAfterAnother) {
+  for (int height = 0; height < 10; ++height) {
+    ClothSpec cloth;
+    cloth.columns = 2;
+    cloth.rows = 1;
+    cloth.self_collision = SelfCollision::points;
+    Points x = Points::Zero(2, 3);
+    x.col(2) << 0.1 + 0.01 * height, 0.12 + 0.01 * height;
+    Simulator simulator = land(cloth, x);
+    for (int frame = 0; frame < 20; ++frame) {
+      simulator.step();
+      const Points& now = simulator.state().positions;
+      EXPECT_GT(now(1, 2) - now(0, 2), 0.008) << height << ' ' << frame;
+    }
+  }
+}
+
+TEST_P(LandingLayers, SurfacesStopOneAfterAnother) {
+  constexpr int columns = 12, rows = 4;
+  for (int height = 0; height < 5; ++height) {
+    ClothSpec cloth;
+    cloth.columns = columns;
+    cloth.rows = rows;
+    cloth.width = 1.1;
+    cloth.height = 0.3;
+    cloth.self_collision = SelfCollision::surface;
+    Points x = Points::Zero(columns * rows, 3);
+    for (int i = 0; i < columns * rows; ++i) {
+      const int row = i / columns, column = i % columns;
+      const double z = 0.1 + 0.007 * height;
+      if (2 * column < columns) {
+        x.row(i) << 0.1 * column, 0.1 * row, z;
+      } else {  // the other half, turned back over it
+        x.row(i) << 0.1 * (columns - 1 - column) + 0.03, 0.1 * row + 0.02, z + 0.02;
+      }
+    }
+    Simulator simulator = land(cloth, x);
+    for (int frame = 0; frame < 20; ++frame) {
+      EXPECT_EQ(simulator.step().held_back, 0) << height << ' ' << frame;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(FramesAndSubsteps, LandingLayers,
+                         ::testing::Combine(::testing::Values(30.0, 120.0),
+                                            ::testing::Values(20, 40)));
+
 }  // namespace
 }  // namespace clothsim

@@ -60,7 +60,7 @@ class TouchFinder {
   NearPairs near_;
   Points looked_at_;  // positions, until the guard has judged the way from there [m]; then no rows
   double time_ = 0;   // since then [s]
-  double look_back_at_ = 0;  // when, of this, points may have gone far [s]
+  double way_ = 0;    // of a point since then, beyond the mean of all, at most [m]
 };
 
 }  // namespace clothsim

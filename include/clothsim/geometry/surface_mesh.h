@@ -9,7 +9,7 @@ namespace clothsim {
 
 /// Triangles of some points, their edges, and which triangles a point has.
 struct SurfaceMesh {
-  /// `triangles`: three of the points each.
+  /// `triangles`: three of the points each. Throws InvalidValue for others.
   SurfaceMesh(int points, std::vector<std::array<int, 3>> triangles);
   explicit SurfaceMesh(const Cloth& cloth) : SurfaceMesh(cloth.num_points(), cloth.triangles) {}
 

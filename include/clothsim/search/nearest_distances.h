@@ -67,13 +67,17 @@ class NearestDistances {
     return tiling_->at(tile).own[Tiling::own_point] == Tiling::border;
   }
 
-  /// The most and the least of any two, and the least distance at rest of any that share no point:
-  /// on a grid of a point and the long side of a triangle, as of two diagonals side by side [m].
+  /// The most and the least of any two that count, and the least distance at rest of any that share
+  /// no point: on a grid of a point and the long side of a triangle, as of two diagonals side by
+  /// side [m].
   double most() const { return 2 * thickness_; }
-  double least() const { return std::min(edge_share * most(), neighbour_share * least_at_rest_); }
+  double least() const {
+    if (stencils_.begin == Tiling::own_points) return most();
+    return std::min(edge_share * most(), neighbour_share * least_at_rest_);
+  }
   double least_at_rest() const { return least_at_rest_; }
 
-  /// Of the nearest points that have an edge [m].
+  /// Of points that have an edge: the least on a grid, else the mean [m].
   double spacing() const { return spacing_; }
 
  private:

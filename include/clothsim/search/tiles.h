@@ -51,7 +51,7 @@ class TileShapes {
   };
   void look(int patch, int other, const PairValues& nearest, float gap, float least, Near&) const;
 
-  /// As look(), by the tiles' own points alone.
+  /// As look(), by the tiles' first corners alone.
   void look_at_points(int patch, int other, const PairValues& nearest, float gap, Near&) const;
 
   /// Distances of the surfaces' features of `count` of these pairs, up to `tiles`; the last one
