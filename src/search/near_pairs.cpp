@@ -19,34 +19,42 @@ constexpr int longest_sleep = 256;
 
 }  // namespace
 
-NearPairs::NearPairs(const SurfaceMesh& mesh, const Tiling& tiling, std::vector<Patch> patches,
-                     const Tiling::Range& stencils)
-    : of_points_(stencils.begin == Tiling::own_points),
-      mesh_(std::make_shared<SurfaceMesh>(of_points_ ? SurfaceMesh(0, {}) : mesh)),
-      tiling_(std::make_shared<Tiling>(tiling)),
-      patches_(std::make_shared<std::vector<Patch>>(std::move(patches))),
-      shapes_(tiling_, patches_) {}
+NearPairs::Surface NearPairs::of_grid(const Cloth& cloth, const Tiling::Range& stencils) {
+  const bool of_points = stencils.begin == Tiling::own_points;
+  const auto tiling = std::make_shared<Tiling>(cloth.columns, cloth.rows);
+  const auto patches =
+      std::make_shared<std::vector<Patch>>(cut_into_patches(*tiling, cloth.columns, cloth.rows));
+  return {std::make_shared<SurfaceMesh>(of_points ? SurfaceMesh(0, {}) : SurfaceMesh(cloth)),
+          tiling, patches, std::make_shared<NearestDistances>(cloth, tiling, *patches, stencils)};
+}
 
-NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickness,
-                     const Tiling::Range& stencils)
-    : NearPairs(mesh, Tiling(mesh), cut_into_patches(Tiling(mesh), rest), stencils) {
-  set_distances({mesh, rest, thickness, tiling_, *patches_, stencils});
+NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& rest, double thickness,
+                                      const Tiling::Range& stencils) {
+  const bool of_points = stencils.begin == Tiling::own_points;
+  const auto tiling = std::make_shared<Tiling>(mesh);
+  const auto patches = std::make_shared<std::vector<Patch>>(cut_into_patches(*tiling, rest));
+  return {std::make_shared<SurfaceMesh>(of_points ? SurfaceMesh(0, {}) : mesh), tiling, patches,
+          std::make_shared<NearestDistances>(mesh, rest, thickness, tiling, *patches, stencils)};
 }
 
 NearPairs::NearPairs(const Cloth& cloth, const Tiling::Range& stencils)
-    : NearPairs(SurfaceMesh(cloth), Tiling(cloth.columns, cloth.rows),
-                cut_into_patches(Tiling(cloth.columns, cloth.rows), cloth.columns, cloth.rows),
-                stencils) {
-  set_distances({cloth, tiling_, *patches_, stencils});
-}
+    : NearPairs(of_grid(cloth, stencils), stencils) {}
 
-void NearPairs::set_distances(NearestDistances distances) {
-  nearest_ = std::make_shared<NearestDistances>(std::move(distances));
-  slots_.emplace(mesh_, nearest_);
-  sees_ = Patch::side * nearest_->spacing();
-  paired_ = SurfaceSlots::reach * nearest_->most() + sees_;
-  margin_ = margin_share * nearest_->least_at_rest();
-}
+NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickness,
+                     const Tiling::Range& stencils)
+    : NearPairs(of_mesh(mesh, rest, thickness, stencils), stencils) {}
+
+NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)
+    : of_points_(stencils.begin == Tiling::own_points),
+      mesh_(surface.mesh),
+      tiling_(surface.tiling),
+      patches_(surface.patches),
+      nearest_(surface.nearest),
+      shapes_(tiling_, patches_),
+      slots_(mesh_, nearest_),
+      sees_(Patch::side * nearest_->spacing()),
+      paired_(SurfaceSlots::reach * nearest_->most() + sees_),
+      margin_(margin_share * nearest_->least_at_rest()) {}
 
 /// Pairs the patches that are near enough; those that were paired before go on.
 void NearPairs::pair_patches() {
@@ -151,7 +159,7 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
     slots.insert(slots.end(), found.slots.begin(), found.slots.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots_->add(std::move(slots), last_, workers);
+  slots_.add(std::move(slots), last_, workers);
   return meet;
 }
 
@@ -163,9 +171,9 @@ bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Po
 /// Slots, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
-      slots_->size(), [&](int begin, int end, std::vector<NearPair>& found) {
+      slots_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
-          for (const SurfaceSlots::Slot& slot : slots_->of(point)) {
+          for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
             if (!may_touch(slot.pair, slot.last, ahead)) continue;
             const auto key =
                 static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
@@ -207,7 +215,7 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
 const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
                                                     const Workers& workers, WorkBudget* budget) {
   be_at(positions, workers);
-  const std::int64_t walked = slots_->walk(positions, workers);
+  const std::int64_t walked = slots_.walk(positions, workers);
   if (budget) budget->spend(walked);
   // Those are due that may touch in a step like the last one, and some of what is near. Of points
   // ways are told apart: they are seen by nothing else.
@@ -240,7 +248,7 @@ void NearPairs::forget() {
   last_.resize(0, 3);
   near_.clear();
   patch_pairs_.clear();
-  slots_.emplace(mesh_, nearest_);
+  slots_ = {mesh_, nearest_};
   looks_ = 0;
 }
 
@@ -250,7 +258,7 @@ void NearPairs::write(MemoryWriter& memory) const {
   memory.add(last_);
   memory.add(looks_ % longest_sleep);
   memory.add(paired_nearer_);
-  slots_->write(memory);
+  slots_.write(memory);
   memory.add(static_cast<double>(patch_pairs_.size()));
   for (const PatchPair& pair : patch_pairs_) {
     for (const int number : {pair.p, pair.q}) memory.add(number);
@@ -271,7 +279,7 @@ void NearPairs::read(MemoryReader& memory) {
   last_ = memory.points(static_cast<Eigen::Index>(points));
   looks_ = memory.index(longest_sleep);
   paired_nearer_ = std::max(0.0, memory.number());
-  slots_->read(memory);
+  slots_.read(memory);
   for (std::size_t left = memory.count(); left > 0; --left) {
     PatchPair pair{memory.index(patches), memory.index(patches)};
     const bool ascends =

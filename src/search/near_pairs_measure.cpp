@@ -134,7 +134,7 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       if (!may_have_slot && !may_meet) continue;
       SurfacePair both = tiling_->pair(a, b, k);
       both.nearest = nearest_->of(a, b, k);
-      if (may_have_slot && !slots_->covers(both, distance)) found.slots.push_back(both);
+      if (may_have_slot && !slots_.covers(both, distance)) found.slots.push_back(both);
       if (may_meet) {
         const Separation s = separation(both, last_);
         if (s.distance <= within) found.meet.push_back({Tiling::key(a, b, k), both, s});

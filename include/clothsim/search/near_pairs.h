@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -79,8 +78,17 @@ class NearPairs {
   void read(MemoryReader&);
 
  private:
-  NearPairs(const SurfaceMesh&, const Tiling&, std::vector<Patch>, const Tiling::Range& stencils);
-  void set_distances(NearestDistances);
+  /// What does not change as points move.
+  struct Surface {
+    std::shared_ptr<const SurfaceMesh> mesh;  // nothing of points
+    std::shared_ptr<const Tiling> tiling;
+    std::shared_ptr<const std::vector<Patch>> patches;
+    std::shared_ptr<const NearestDistances> nearest;
+  };
+  static Surface of_grid(const Cloth&, const Tiling::Range& stencils);
+  static Surface of_mesh(const SurfaceMesh&, const Points& rest, double thickness,
+                         const Tiling::Range& stencils);
+  NearPairs(const Surface&, const Tiling::Range& stencils);
 
   /// Two edges or points that are near, by tiles and the number of the pair among their features.
   struct Listed {
@@ -125,12 +133,12 @@ class NearPairs {
   std::pair<int, int> tiles(const PatchPair&, int number) const;
 
   bool of_points_;
-  std::shared_ptr<const SurfaceMesh> mesh_;  // nothing of points
+  std::shared_ptr<const SurfaceMesh> mesh_;
   std::shared_ptr<const Tiling> tiling_;
   std::shared_ptr<const std::vector<Patch>> patches_;
   std::shared_ptr<const NearestDistances> nearest_;
   TileShapes shapes_;
-  std::optional<SurfaceSlots> slots_;
+  SurfaceSlots slots_;
   double sees_;    // how much nearer patches may come before they are paired anew [m]
   double paired_;  // patches are from so far on [m]
   double margin_;  // [m]
