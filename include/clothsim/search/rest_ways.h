@@ -1,7 +1,6 @@
 #pragma once
 
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clothsim/model/types.h"
