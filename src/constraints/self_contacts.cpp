@@ -1,6 +1,7 @@
 #include "clothsim/constraints/self_contacts.h"
 
 namespace clothsim {
+
 void SelfContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
   h_ = step.h;
   weight_ = cloth.mass.sum() * step.gravity * h_;

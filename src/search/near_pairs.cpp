@@ -20,20 +20,20 @@ constexpr int longest_sleep = 256;
 }  // namespace
 
 NearPairs::Surface NearPairs::of_grid(const Cloth& cloth, const Tiling::Range& stencils) {
-  const bool of_points = stencils.begin == Tiling::own_points;
   const auto tiling = std::make_shared<Tiling>(cloth.columns, cloth.rows);
   const auto patches =
       std::make_shared<std::vector<Patch>>(cut_into_patches(*tiling, cloth.columns, cloth.rows));
-  return {std::make_shared<SurfaceMesh>(of_points ? SurfaceMesh(0, {}) : SurfaceMesh(cloth)),
+  return {std::make_shared<SurfaceMesh>(stencils.are_points() ? SurfaceMesh(0, {})
+                                                              : SurfaceMesh(cloth)),
           tiling, patches, std::make_shared<NearestDistances>(cloth, tiling, *patches, stencils)};
 }
 
 NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& rest, double thickness,
                                       const Tiling::Range& stencils) {
-  const bool of_points = stencils.begin == Tiling::own_points;
   const auto tiling = std::make_shared<Tiling>(mesh);
   const auto patches = std::make_shared<std::vector<Patch>>(cut_into_patches(*tiling, rest));
-  return {std::make_shared<SurfaceMesh>(of_points ? SurfaceMesh(0, {}) : mesh), tiling, patches,
+  return {std::make_shared<SurfaceMesh>(stencils.are_points() ? SurfaceMesh(0, {}) : mesh), tiling,
+          patches,
           std::make_shared<NearestDistances>(mesh, rest, thickness, tiling, *patches, stencils)};
 }
 
@@ -45,7 +45,7 @@ NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickne
     : NearPairs(of_mesh(mesh, rest, thickness, stencils), stencils) {}
 
 NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)
-    : of_points_(stencils.begin == Tiling::own_points),
+    : of_points_(stencils.are_points()),
       mesh_(surface.mesh),
       tiling_(surface.tiling),
       patches_(surface.patches),

@@ -240,6 +240,34 @@ TEST(NearPairs, RefuseAMemoryOfEdgesThatTheClothLacks) {
   EXPECT_THROW(NearPairs(cloth).read(reader), InvalidValue);
 }
 
+TEST(NearPairs, RefuseAMemoryOutOfOrder) {
+  const Cloth cloth = cloth_of(17, 6, 0.015);
+  const auto read = [&](const std::vector<int>& slots_of_first, const std::vector<int>& patches) {
+    MemoryWriter memory;
+    memory.add(1);
+    memory.add(cloth.rest_positions);
+    for (const int looks_and_nearer : {0, 0}) memory.add(looks_and_nearer);
+    memory.add(static_cast<double>(slots_of_first.size()));
+    for (const int number : slots_of_first) {
+      for (const int slot : {number, 60}) memory.add(slot);
+    }
+    for (int point = 1; point < cloth.num_points(); ++point) memory.add(0);
+    memory.add(static_cast<double>(patches.size() / 2));
+    for (std::size_t k = 0; k < patches.size(); k += 2) {
+      for (const int pair : {patches[k], patches[k + 1], 0, 0, 0, 0}) memory.add(pair);
+    }
+    MemoryReader reader(memory.numbers());
+    NearPairs(cloth).read(reader);
+    reader.finish();
+  };
+  EXPECT_NO_THROW(read({0, 1}, {0, 0, 0, 1}));
+  EXPECT_THROW(read({1, 0}, {0, 0, 0, 1}), InvalidValue);
+  EXPECT_THROW(read({0, 0}, {0, 0, 0, 1}), InvalidValue);
+  EXPECT_THROW(read({0, 1}, {0, 1, 0, 0}), InvalidValue);
+  EXPECT_THROW(read({0, 1}, {0, 0, 0, 0}), InvalidValue);
+  EXPECT_THROW(read({0, 1}, {1, 0}), InvalidValue);
+}
+
 TEST(NearPairs, GoOnToTheSameWithTheirMemory) {
   const Cloth cloth = cloth_of(17, 6, 0.015);
   NearPairs finder(cloth), other(cloth);

@@ -27,13 +27,12 @@ class Tiling {
   enum Side : unsigned char { inside, border, lacking };
 
   // Pairs of what two tiles have: a point and a triangle come first, then edges, then both points.
-  enum : std::size_t { points = 4 };
-  enum : std::size_t { own_points = 13 };
-  enum : std::size_t { count = 14 };
+  enum : std::size_t { points = 4, own_points = 13, count = 14 };
   /// Numbers of pairs from one up to another.
   struct Range {
     std::size_t begin;
     std::size_t end;
+    bool are_points() const { return begin == own_points; }
   };
   static constexpr Range of_surfaces{0, own_points};
   static constexpr Range of_points{own_points, count};

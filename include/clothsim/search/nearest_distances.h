@@ -72,7 +72,7 @@ class NearestDistances {
   /// side [m].
   double most() const { return 2 * thickness_; }
   double least() const {
-    if (stencils_.begin == Tiling::own_points) return most();
+    if (stencils_.are_points()) return most();
     return std::min(edge_share * most(), neighbour_share * least_at_rest_);
   }
   double least_at_rest() const { return least_at_rest_; }
