@@ -28,7 +28,7 @@ void find_changed(int begin, int end, Eigen::Index count, double least, const do
 }  // namespace
 
 void ChangedPoints::mark_all(int count) {
-  seen_.setZero(count, 3);
+  if (seen_.rows() != count) seen_.setZero(count, 3);
   marked_.assign(static_cast<std::size_t>(count), 1);
   changed_.resize(marked_.size());
 }

@@ -39,11 +39,7 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
 
-  for (Side& s : sides_) {
-    s.slots.close();
-    for (const int block : s.slots.active()) s.room.wake(block);  // what touches, does not sleep
-    s.slots.resume(cloth, scale, state.velocities);
-  }
+  resume(cloth, scale, state);
   faces_.resume(state.positions, state.velocities);
   pinches_.sweep(state.velocities);
 }
@@ -92,7 +88,7 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   // Nothing farther away can touch it.
   const Clearance keeps = clearance(collider.shape(), cloth, step.stretch, has_pinched_);
   const double of_surface = s.moved / step.h;
-  const double margin = step.h * (speed + of_surface) + keeps.points;
+  const double margin = step.h * (speed + of_surface) + step.way + keeps.points;
   const double to_middle = step.reach * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
   s.room.find_near(travel_.total(), near, s.near);
@@ -107,11 +103,13 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
     local_.place(collider, step.start, state.positions);
     local_.place_middle(collider, step, state.positions);
   }
-  const ContactSlots::Seeker seeker(collider, keeps.points, s.asked(collider, cloth, near));
   s.friction = collider.friction();
+  s.keeps = keeps.points;
+  s.within = near;
+  find_points(s, collider, cloth, step, state);
+  const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, near));
   for (const Span& span : s.near) {
-    s.slots.find(span, seeker, cloth, step, state);
-    if (!s.is_close) continue;
+    if (!s.is_close) break;
     const int end = ContactSlots::end_of(span.end - 1, cloth);
     for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
       if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
@@ -119,6 +117,44 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   }
   if (s.has_faces) {
     faces_.find(caught.collider, collider, cloth, step, margin, local_, state, caught.faces);
+  }
+}
+
+void ColliderContacts::find_points(Side& s, const MovingCollider& collider, const Cloth& cloth,
+                                   const ContactStep& step, const State& state) {
+  const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, s.within));
+  for (const Span& span : s.near) s.slots.find(span, seeker, cloth, step, state);
+}
+
+bool ColliderContacts::is_settled() const { return !recovers_ && pinches_.count() == 0; }
+
+void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                             const ContactStep& step, State& state) {
+  const bool has_faces = faces_.size() > 0;
+  faces_.start_over(h_);
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    Side& s = sides_[k];
+    if (!s.near.empty()) {
+      s.slots.start_over();
+      find_points(s, colliders[k], cloth, step, state);
+    }
+    if (!has_faces || !s.has_faces) continue;
+    Caught caught{static_cast<int>(k), {}, {}};
+    local_.place(colliders[k], step.start, state.positions);
+    local_.place_middle(colliders[k], step, state.positions);
+    faces_.find_again(caught.collider, colliders[k], cloth, step, s.within, local_, state,
+                      caught.faces);
+    recovers_ = recovers_ || caught.depth() > 0;
+  }
+  resume(cloth, 1, state);
+  faces_.resume(state.positions, state.velocities);
+}
+
+void ColliderContacts::resume(const Cloth& cloth, double scale, State& state) {
+  for (Side& s : sides_) {
+    s.slots.close();
+    for (const int block : s.slots.active()) s.room.wake(block);  // what touches, does not sleep
+    s.slots.resume(cloth, scale, state.velocities);
   }
 }
 
@@ -158,6 +194,23 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
   correct_all(colliders, cloth, start, positions);
 }
 
+void ColliderContacts::correct_near(const std::vector<MovingCollider>& colliders,
+                                    const Cloth& cloth, const Points& start, Points& positions) {
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    Side& s = sides_[k];
+    if (s.near.empty()) continue;
+    const ContactSlots::Seeker seeker(colliders[k], s.keeps,
+                                      s.asked(colliders[k], cloth, 2 * s.keeps));
+    for (const Span& span : s.near) {
+      const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
+      double least[Span::longest];
+      ContactSlots::push_out(span, seeker, free, start, positions, least);
+    }
+  }
+  travel_.add(longest_way(start, positions));
+  travel_.end(positions);
+}
+
 void ColliderContacts::correct_again(const std::vector<MovingCollider>& colliders,
                                      const Cloth& cloth, const Points& start, Points& positions) {
   travel_.begin(start, positions);
@@ -181,13 +234,13 @@ void ColliderContacts::correct_all(const std::vector<MovingCollider>& colliders,
 double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
                                     const Points& start, Points& positions) {
   const Clearance keeps = clearance(collider.shape(), cloth, stretch_, has_pinched_);
-  s.room.find_near(travel_.total(), 2 * keeps.points, s.near);
+  s.room.find_near(travel_.total(), 2 * keeps.points, s.inside);
   s.is_close = s.is_close || travel_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
   const ContactSlots::Seeker seeker(collider, keeps.points,
                                     s.asked(collider, cloth, 2 * keeps.points));
   double longest = 0;
-  for (const Span& span : s.near) {
+  for (const Span& span : s.inside) {
     const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
     double free[Span::longest * ContactSlots::block], least[Span::longest];
     if (s.is_close || pinches_.count() > 0) {

@@ -60,11 +60,15 @@ void ContactList::add(const std::vector<Contact>& contacts) {
 
 void ContactList::resume(const Points& positions, Points& velocities) {
   group(positions);
+  resume(scale_, velocities);
+}
+
+void ContactList::resume(double scale, Points& velocities) {
   if (contacts_.empty()) return;
-  changed_.mark_all(static_cast<int>(positions.rows()));
+  changed_.mark_all(static_cast<int>(velocities.rows()));
   for (Contact& c : contacts_) {
     if (c.impulse.push == 0) continue;
-    c.impulse.resume(scale_);
+    c.impulse.resume(scale);
     c.give(c.impulse.total(), velocities);
   }
 }

@@ -39,47 +39,69 @@ void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& 
                         const ContactStep& step, double margin, LocalCloth& local, State& state,
                         std::vector<CaughtFace>& caught) {
   if (!blocks_.fits(cloth)) blocks_.reset(cloth);
-  const bool fast = local.longest > safe_depth(collider.shape());
   ContactList::Last last(list_, key_of(index, 0, 0));
-  const auto look_at = [&](int triangle, const Corners& corners) {
-    // As it lies where impulses act, unless it is to be stopped or led out.
-    const Triangle middle = clothsim::triangle_of(local.middle, corners);
-    FaceApproach found;
-    found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
-    const bool may_be_inside =
-        fast || (found.distance && found.distance->value < to_middle(local, corners));
-    if (may_be_inside) {
-      const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
-      if (!at_end.distance) return;
-      if (at_end.swept || at_end.before < 0) found = at_end;
-    }
-    if (!found.distance) return;
-    const bool alone = found.swept || found.before < 0;
+  for_each_near(collider.shape(), cloth, blocks_, local, margin,
+                [&](int triangle, const Corners& corners) {
+                  look_at({index, triangle, corners}, last, collider, cloth, step, margin, local,
+                          state, caught);
+                });
+}
 
-    // Corners are left to the contacts of their points, unless they are to be led out.
-    std::array<std::optional<FaceDistance>, features> touching;
-    const auto feature = feature_of(found.distance->weights);
-    if (!alone) {
-      const auto edges = edges_along(collider.shape(), middle, *found.distance, margin);
-      std::copy(edges.begin(), edges.end(), touching.begin());
-      for (auto& edge : touching) {
-        if (edge) edge->value += leeway(cloth, corners, middle, edge->weights);
-      }
-    }
-    if (feature || alone) touching[feature.value_or(face)] = found.distance;
+void FaceContacts::find_again(int index, const MovingCollider& collider, const Cloth& cloth,
+                              const ContactStep& step, double margin, LocalCloth& local,
+                              State& state, std::vector<CaughtFace>& caught) {
+  ContactList::Last last(list_, key_of(index, 0, 0));
+  int done = -1;
+  list_.for_each_last([&](const Contact& c) {
+    const int triangle = triangle_of(c);
+    if (collider_of(c) != index || triangle == done || c.impulse.push == 0) return;
+    done = triangle;
+    look_at({index, triangle, cloth.triangles[static_cast<std::size_t>(triangle)]}, last, collider,
+            cloth, step, margin, local, state, caught);
+  });
+}
 
-    for (std::size_t i = 0; i < features; ++i) {
-      if (!touching[i]) continue;
-      const std::uint64_t key = key_of(index, triangle, i);
-      const std::size_t before = places_.size();
-      add(key, last.of(key), collider, cloth, step, *touching[i], found.swept, -found.before, local,
-          state);
-      if (found.before < 0 && places_.size() > before) {
-        caught.push_back({triangle, before, -found.before});
-      }
+void FaceContacts::look_at(const Near& place, ContactList::Last& last,
+                           const MovingCollider& collider, const Cloth& cloth,
+                           const ContactStep& step, double margin, LocalCloth& local, State& state,
+                           std::vector<CaughtFace>& caught) {
+  const auto& [index, triangle, corners] = place;
+  // As it lies where impulses act, unless it is to be stopped or led out.
+  const Triangle middle = clothsim::triangle_of(local.middle, corners);
+  FaceApproach found;
+  found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
+  const bool may_be_inside = local.longest > safe_depth(collider.shape()) ||
+                             (found.distance && found.distance->value < to_middle(local, corners));
+  if (may_be_inside) {
+    const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
+    if (!at_end.distance) return;
+    if (at_end.swept || at_end.before < 0) found = at_end;
+  }
+  if (!found.distance) return;
+  const bool alone = found.swept || found.before < 0;
+
+  // Corners are left to the contacts of their points, unless they are to be led out.
+  std::array<std::optional<FaceDistance>, features> touching;
+  const auto feature = feature_of(found.distance->weights);
+  if (!alone) {
+    const auto edges = edges_along(collider.shape(), middle, *found.distance, margin);
+    std::copy(edges.begin(), edges.end(), touching.begin());
+    for (auto& edge : touching) {
+      if (edge) edge->value += leeway(cloth, corners, middle, edge->weights);
     }
-  };
-  for_each_near(collider.shape(), cloth, blocks_, local, margin, look_at);
+  }
+  if (feature || alone) touching[feature.value_or(face)] = found.distance;
+
+  for (std::size_t i = 0; i < features; ++i) {
+    if (!touching[i]) continue;
+    const std::uint64_t key = key_of(index, triangle, i);
+    const std::size_t before = places_.size();
+    add(key, last.of(key), collider, cloth, step, *touching[i], found.swept, -found.before, local,
+        state);
+    if (found.before < 0 && places_.size() > before) {
+      caught.push_back({triangle, before, -found.before});
+    }
+  }
 }
 
 void FaceContacts::add(std::uint64_t key, const Contact* last, const MovingCollider& collider,

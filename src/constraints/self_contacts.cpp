@@ -10,6 +10,11 @@ void SelfContacts::begin(const Cloth& cloth, const ContactStep& step, State& sta
   contacts_.resume(state.positions, state.velocities);
 }
 
+void SelfContacts::go_on(const Cloth& cloth, const ContactStep& step, State& state) {
+  finder_.go_on(cloth, step, state, contacts_);
+  contacts_.go_on(state.velocities);
+}
+
 /// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
 /// would have to leap to keep its distance.
 void SelfContacts::leave_to(const Pinches& pinches, Points& velocities) {

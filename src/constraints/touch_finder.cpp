@@ -20,10 +20,17 @@ constexpr double unseen_way = 0.25;
 struct TouchFinder::Sought {
   const Cloth& cloth;
   double h;                  // of the step [s]
+  double ahead;              // time that contacts which push nothing serve [s]
   const Points& middle;      // where impulses act [m]
   const Points& velocities;  // [m/s]
   double strongest;          // push of what stops nothing [N s]
 };
+
+TouchFinder::Sought TouchFinder::sought_in(const Cloth& cloth, const ContactStep& step,
+                                           const State& state) const {
+  return {cloth,   step.h,           step.ahead,
+          middle_, state.velocities, cloth.mass.sum() * step.gravity * step.h};
+}
 
 /// Of a pair that may touch within the step, or had an impulse in the last one.
 std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearPair& near,
@@ -33,7 +40,8 @@ std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearP
 
   // Most do not get there.
   const Vector3& last_normal = near.separation.normal;
-  const double way = sought.h * -gap_along(last_normal, pair, sought.velocities);
+  const double time = last ? sought.h : sought.ahead;  // until it is aimed anew
+  const double way = time * -gap_along(last_normal, pair, sought.velocities);
   const double room = gap_along(last_normal, pair, sought.middle) - pair.nearest;
   if (!last && room > 0 && way < room) return {};
 
@@ -44,9 +52,9 @@ std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearP
     s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, sought.middle));
   }
 
-  // The gap may close within a step. Others may yet push a touching pair together.
+  // The gap may close in that time. Others may yet push a touching pair together.
   const double gap = s.distance - pair.nearest;
-  const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / sought.h;
+  const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / time;
   const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, sought.velocities));
   if (!last && rate >= slowest && gap > 0) return {};
 
@@ -71,23 +79,23 @@ void TouchFinder::look(const ContactStep& step) {
   // would be about to touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
   const double most = unseen_way * near_.least_nearest() / longest_beyond_mean(velocities);
-  double time = std::max(step.h, std::min(step.left, most));
+  double time = std::max(step.ahead, std::min(step.left, most));
   // An impulse moves points from the middle of its step on: they would overlap by half of their
   // way.
   if (kind_ == SelfCollision::points) time += step.reach * step.h;
-  near_.approaching(step.start, step.start + time * velocities, step.workers, step.budget);
-  looked_at_ = step.start;
-  time_ = way_ = 0;
+  looked_at_ = step.sought ? *step.sought : step.start;
+  near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
+  time_ = step.since - step.h;
+  way_ = 0;
 }
 
 void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
                        ContactList& list) {
   if (looked_at_.rows() == 0) look(step);
   time_ += step.h;
-  const Points middle = state.positions - step.reach * step.h * step.drifted;
+  middle_ = state.positions - step.reach * step.h * step.drifted;
+  const Sought sought = sought_in(cloth, step, state);
   const std::vector<NearPair>& near_pairs = near_.approaching();
-  const Sought sought{cloth, step.h, middle, state.velocities,
-                      cloth.mass.sum() * step.gravity * step.h};
   const auto found = step.workers.gather<std::vector<Contact>>(
       static_cast<int>(near_pairs.size()), [&](int begin, int end, std::vector<Contact>& contacts) {
         if (begin == end) return;
@@ -102,11 +110,30 @@ void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State&
   for (const std::vector<Contact>& contacts : found) list.add(contacts);
 }
 
+void TouchFinder::go_on(const Cloth& cloth, const ContactStep& step, const State& state,
+                        ContactList& list) {
+  const Sought sought = sought_in(cloth, step, state);
+  auto near = near_.approaching().begin();  // has all keys of the list, which ascend in both
+  for (Contact& contact : list.contacts()) {
+    while (near->key != contact.key) ++near;
+    if (contact.impulse.push == 0) continue;
+    for (const int i : contact.points) {
+      middle_.row(i) = state.positions.row(i) - step.reach * step.h * step.drifted.row(i);
+    }
+    const std::optional<Contact> now = contact_of(sought, *near, &contact);
+    if (now) {
+      contact = *now;
+    } else {
+      contact.impulse.let_go();
+    }
+  }
+}
+
 int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                        State& state) {
   if (looked_at_.rows() == 0) {  // it has judged the way until now
     looked_at_ = step.start;
-    time_ = step.h;
+    time_ = step.since;
     way_ = 0;
   }
   const double last = way_;

@@ -105,28 +105,50 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   }
   if (!touches()) return limit_alone(inert, h, reach, length, report);
 
-  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
-  predicted = state.velocities;
-  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   const SelfTouches touches_of_itself = [&](const auto& visit) {
     if (self_contacts) self_contacts->for_each_touch(visit);
   };
-  const ContactStep contact_step{h,
-                                 reach,
-                                 start,
-                                 predicted,
-                                 workers,
-                                 course.left,
-                                 std::max(scene.simulation.gravity.norm(), least_gravity),
-                                 collider_contacts.pace(),
-                                 colliders.empty() ? 0 : stretch_after(h),
-                                 &budget,
-                                 &touches_of_itself,
-                                 &start_velocities,
-                                 &collider_contacts.pinches().held()};
-  begin_contact(contact_step, report);
-  const bool solved = solve(h, tolerance, length, report);
-  follow(predicted.size(), reach * h, state.velocities.data(), predicted.data(),
+  predicted = state.velocities;
+  if (course.served > 0) {
+    go_on_in_contact(contact_step(h, reach, 1, touches_of_itself), report);
+  } else {
+    const int served = steps_served(h);
+    course.may_go = served > 1 ? way_served(h * served) : 0;
+    seek_contact(contact_step(h, reach, served, touches_of_itself), tolerance, length, report);
+    course.since = course.gone = 0;
+    course.served = is_settled() ? served - 1 : 0;
+  }
+}
+
+ContactStep Simulator::Impl::contact_step(double h, double reach, int served,
+                                          const SelfTouches& touches_of_itself) {
+  return {h,
+          reach,
+          start,
+          predicted,
+          workers,
+          course.left,
+          std::max(scene.simulation.gravity.norm(), least_gravity),
+          collider_contacts.pace(),
+          colliders.empty() ? 0 : stretch_after(h),
+          &budget,
+          &touches_of_itself,
+          &start_velocities,
+          &collider_contacts.pinches().held(),
+          &sought,
+          course.since,
+          h * served,
+          course.may_go};
+}
+
+void Simulator::Impl::seek_contact(const ContactStep& step, double tolerance, double length,
+                                   StepReport& report) {
+  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
+  if (strain_limit) strain_limit->begin(cloth, step.reach, state, workers, &start_velocities);
+  begin_contact(step, report);
+  course.precision = precision_of(step.h, tolerance, length);
+  const bool solved = solve(course.precision, min_sweeps, report);
+  follow(predicted.size(), step.reach * step.h, state.velocities.data(), predicted.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts) by_impulses = state.positions;
@@ -136,7 +158,27 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
 
   // Whatever has moved the points, the cloth does not pass through itself.
-  if (self_contacts) guard(contact_step, report);
+  if (self_contacts) guard(step, report);
+}
+
+void Simulator::Impl::go_on_in_contact(const ContactStep& step, StepReport& report) {
+  if (self_contacts) self_contacts->go_on(cloth, step, state);
+  collider_contacts.go_on(colliders, cloth, step, state);
+  // One pass solves points on colliders, which are alone, where kept impulses have the rest.
+  solve(course.precision, collider_contacts.has_faces() ? min_sweeps : 1, report);
+  follow(predicted.size(), step.reach * step.h, state.velocities.data(), predicted.data(),
+         state.positions.data());
+  if (!colliders.empty()) {
+    collider_contacts.correct_near(colliders, cloth, start, state.positions);
+  }
+  if (strain_limit) {
+    strain_limit->learn_tension();
+    strain_limit->learn(0);
+  }
+
+  const double way = step.h * fastest(state.velocities);
+  course.gone += way;
+  course.served = course.gone + 2 * way <= course.may_go ? course.served - 1 : 0;
 }
 
 void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
@@ -199,14 +241,19 @@ void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report)
   }
 }
 
-bool Simulator::Impl::solve(double h, double tolerance, double length, StepReport& report) {
+Precision Simulator::Impl::precision_of(double h, double tolerance, double length) const {
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
-  // What the limit leaves over keeps piles from coming to rest.
-  const double small = std::max(length / precision, self_contacts ? 0 : moving);
   const double at_rest = std::min(length / precision, calm * h);
-  const double small_touch = std::max(at_rest, moving);
-  const double small_fold = std::max(at_rest, folding_precision * moving);
-  const double unseen_fold = small_fold - at_rest;  // at rest all is seen
+  Precision result;
+  // What the limit leaves over keeps piles from coming to rest.
+  result.stretch = std::max(length / precision, self_contacts ? 0 : moving);
+  result.touch = std::max(at_rest, moving);
+  result.fold = std::max(at_rest, folding_precision * moving);
+  result.unseen_fold = result.fold - at_rest;  // at rest all is seen
+  return result;
+}
+
+bool Simulator::Impl::solve(const Precision& small, int least, StepReport& report) {
   Pinches& pinches = collider_contacts.pinches();
   const int limit_sweeps = most_limit_sweeps();
   double stretching = 0, touched = std::numeric_limits<double>::infinity();
@@ -216,7 +263,7 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
     if (strain_limit && sweeps < limit_sweeps) {
       // Alone while springs change more than contacts last did: these take longer to go through.
       const StrainLimit::Passes passes = strain_limit->sweep(
-          std::max(small, touched), limit_sweeps - sweeps, state.velocities, workers);
+          std::max(small.stretch, touched), limit_sweeps - sweeps, state.velocities, workers);
       stretching = passes.change;
       sweeps += passes.count;
       pinches.add_pulls(state.velocities);
@@ -224,21 +271,21 @@ bool Simulator::Impl::solve(double h, double tolerance, double length, StepRepor
       ++sweeps;
     }
     if (self_contacts) {
-      folding = self_contacts->sweep(unseen_fold, state.velocities, workers);
+      folding = self_contacts->sweep(small.unseen_fold, state.velocities, workers);
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
     }
     const double touching = collider_contacts.sweep(state.velocities);
     if (!colliders.empty()) spend(1);
     // What fingers hold, or the cloth itself, does not wait for springs.
     if (!self_contacts && pinches.count() == 0) touched = touching;
-    const bool limited = stretching <= small || sweeps >= limit_sweeps;
-    const bool solved = limited && touching <= small_touch && folding <= small_fold;
+    const bool limited = stretching <= small.stretch || sweeps >= limit_sweeps;
+    const bool solved = limited && touching <= small.touch && folding <= small.fold;
     const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // so is the next pass
-    if ((solved && (sweeps >= min_sweeps || is_still)) || budget.is_spent()) break;
+    if ((solved && (sweeps >= least || is_still)) || budget.is_spent()) break;
   }
   report.sweeps += sweeps;
   report.slipping = pinches.slipping();
-  return stretching <= met_by(small, cloth);
+  return stretching <= met_by(small.stretch, cloth);
 }
 
 int Simulator::Impl::shorten(const Cloth& inert, int most, StepReport& report) {

@@ -96,7 +96,7 @@ bool Simulator::Impl::is_still() const {
 
 int Simulator::Impl::first_substeps() {
   const double dt = course.dt;
-  course.approach_speed = contact_speed();
+  look_at_colliders();
   int least = substeps_at_speed(cloth, course.approach_speed, dt);
   course.is_fast = least > 1;
   if (follows_tension()) {
@@ -124,7 +124,10 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
       needed = std::max(needed, std::min(2 * steps, max_substeps));
     }
     held_back = report.held_back;
-    if (needed > steps) h = course.left / (steps = needed);
+    if (needed > steps) {
+      h = course.left / (steps = needed);
+      course.served = 0;
+    }
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
@@ -229,18 +232,21 @@ bool Simulator::Impl::is_out_of_reach() {
   });
 }
 
-double Simulator::Impl::contact_speed() const {
-  if (!touches()) return 0;
+void Simulator::Impl::look_at_colliders() {
+  course.approach_speed = course.collider_speed = 0;
+  course.meets_triangles = false;
+  if (!touches()) return;
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
   const double fall = scene.simulation.gravity.norm() * course.dt / 2;  // of the frame itself
-  double fastest = 0;
   for (const MovingCollider& collider : colliders) {
-    const double speed = own + collider.fastest_in(box);
-    if (collider.reaches(box, (speed + fall) * course.dt)) fastest = std::max(fastest, speed);
+    const double speed = collider.fastest_in(box);
+    if (!collider.reaches(box, (own + speed + fall) * course.dt)) continue;
+    course.approach_speed = std::max(course.approach_speed, own + speed);
+    course.collider_speed = std::max(course.collider_speed, speed);
+    course.meets_triangles = course.meets_triangles || clearance(collider.shape(), cloth).faces;
   }
-  return fastest;
 }
 
 const Cloth& Simulator::Impl::weigh(double h) {
@@ -251,11 +257,32 @@ const Cloth& Simulator::Impl::weigh(double h) {
   return weighed;
 }
 
+bool Simulator::Impl::is_settled() const {
+  return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled();
+}
+
+int Simulator::Impl::steps_served(double h) const {
+  // What a scene names, or a method bears, is for all.
+  const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
+  if (has_own_step || !is_settled()) return 1;
+  const double time = std::min(longest_step, most_gone() / fastest(start_velocities));
+  const double until_last = std::round(course.left / h) - 1;  // after which nothing is unsought
+  return static_cast<int>(std::max(1.0, std::min(time / h, until_last)));
+}
+
+double Simulator::Impl::most_gone() const {
+  if (course.meets_triangles) return may_sink;
+  const double of_springs = way_share * shortest_rest_length(cloth);
+  return self_contacts ? std::min(of_springs, 2 * cloth.thickness) : of_springs;
+}
+
 bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
-    start_velocities = state.velocities;
+    if (course.served == 0) start_velocities = state.velocities;
+    if (course.since == 0) sought = start;
+    course.since += h;
   }
 
   if (has_air()) blow(h);
@@ -268,7 +295,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
   spend(1);
 
-  if (touches() && !is_good(state)) return false;  // numbers to sort by
+  if (touches() && course.served == 0 && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!grips.empty()) add_impulses(h);
   if (weighs_colliders) add_collider_impulses(h);

@@ -35,12 +35,23 @@ class ColliderContacts {
   /// Finds contacts after a step from step.start to state, and gives them their last impulses.
   void begin(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
+  /// May steps go on with what begin() found to be near? Not while colliders push out or pinch.
+  bool is_settled() const;
+
+  /// The same as begin() in another step of the same length, of the points near then and of the
+  /// triangles that touched alone.
+  void go_on(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
+
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
   double sweep(Points& velocities);
 
   /// Moves what is inside a collider to its surface.
   void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                Points& positions);
+
+  /// The same after go_on(), of the points near alone.
+  void correct_near(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+                    Points& positions);
 
   /// The same once more in a step that does not pinch it, after others have moved it on from
   /// `start`.
@@ -56,6 +67,9 @@ class ColliderContacts {
 
   /// Contacts that carry an impulse, and points that are pinched.
   int count() const;
+
+  /// Do triangles touch with more than corners?
+  bool has_faces() const { return faces_.size() > 0; }
 
   /// Points that two colliders leave no room.
   const Pinches& pinches() const { return pinches_; }
@@ -87,8 +101,11 @@ class ColliderContacts {
   struct Side {
     ContactSlots slots;
     Room room;
-    std::vector<Span> near;  // blocks that may touch it now, ascending
+    std::vector<Span> near;    // blocks that may touch it before more are sought, ascending
+    std::vector<Span> inside;  // those that may be in it as a step ends
     double friction = 0;
+    double keeps = 0;                // that points keep from its surface [m]
+    double within = 0;               // which `near` are [m]
     double moved = 0;                // by its surface in this step, at most [m]
     bool has_faces = false;          // whether triangles may touch it in this step
     bool is_clear = false;           // no free point was in it as the last step ended
@@ -114,6 +131,12 @@ class ColliderContacts {
                            State&);
   void find_at(Side&, const MovingCollider&, const Cloth&, const ContactStep&, double speed,
                double drift, State&, Caught&);
+
+  /// Finds the contacts of the points near a collider, but for those that need a close look.
+  static void find_points(Side&, const MovingCollider&, const Cloth&, const ContactStep&,
+                          const State&);
+  /// Ends the search for contacts of points, and gives these impulses `scale` times the last ones.
+  void resume(const Cloth&, double scale, State&);
 
   /// Tells the side where the collider is in this step.
   void follow(Side&, const MovingCollider&, const Points& positions) const;

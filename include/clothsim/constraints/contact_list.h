@@ -66,6 +66,12 @@ class ContactList {
     std::vector<Contact>::const_iterator end_;
   };
 
+  /// Calls visit(contact) for those of the last step, by ascending keys.
+  template <typename Visit>
+  void for_each_last(Visit&& visit) const {
+    for (const Contact& c : last_) visit(c);
+  }
+
   /// Contacts by ascending keys, each with its impulse of the last step, as it was then.
   void add(const Contact& contact) { contacts_.push_back(contact); }
   void add(const std::vector<Contact>&);
@@ -73,6 +79,9 @@ class ContactList {
   /// To be called when a step has all of its contacts: gives points the impulses of the last step,
   /// over this one's length. `positions`: by which to tell threads apart.
   void resume(const Points& positions, Points& velocities);
+
+  /// In another step of the same length, gives points the impulses of the last one once more.
+  void go_on(Points& velocities) { resume(1, velocities); }
 
   /// One pass over the contacts, but for those where no point has changed by more than a share of
   /// `precision` [m/s] since they were looked at; where it is below 0, over all. Returns the
@@ -108,6 +117,7 @@ class ContactList {
   };
 
   void group(const Points& positions);
+  void resume(double scale, Points& velocities);
   double sweep_group(Group, double least, Points& velocities);
 
   double h_ = 0;

@@ -21,8 +21,9 @@ inline constexpr double overlap_share = 0.01;
 /// step's solution shakes a cloth that lies, and what friction leaves over, creeps.
 inline constexpr double calm = 5e-4;
 
-/// Longest substep where contact or the strain limit act [s]: longer ones tremble on a sphere and
-/// hang farther off than the limit's tolerance leaves (see docs/experiments.md).
+/// Longest substep where contact or the strain limit act, and longest that steps go on with what
+/// was near before [s]: longer ones tremble on a sphere and hang farther off than the limit's
+/// tolerance leaves (see docs/experiments.md).
 inline constexpr double longest_step = 3e-3;
 
 /// Passes at what may be impossible, at most: over a strain limit that yields, where more would
@@ -45,6 +46,10 @@ struct ContactStep {
   const Points* velocities = nullptr;    // at its start [m/s]; none: those that drifted
   // By point, whether colliders hold it when contacts have been found; none or empty: none.
   const std::vector<char>* held = nullptr;
+  const Points* sought = nullptr;  // positions when contacts were last sought; none: start
+  double since = h;                // then, at its end [s]
+  double ahead = h;                // until contacts are sought anew [s]
+  double way = 0;                  // that points may go until then, beyond the step's [m]
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -39,6 +39,10 @@ class FaceContacts {
   void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
             LocalCloth&, State&, std::vector<CaughtFace>&);
 
+  /// The same of the triangles that had contacts with it in the last step.
+  void find_again(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
+                  LocalCloth&, State&, std::vector<CaughtFace>&);
+
   /// Gives the contacts the impulses of the last step.
   void resume(const Points& positions, Points& velocities) { list_.resume(positions, velocities); }
 
@@ -77,6 +81,7 @@ class FaceContacts {
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
+  std::size_t size() const { return places_.size(); }
   int count() const { return list_.count(); }  // that carry an impulse
   void reset();
   void write(MemoryWriter& memory) const { list_.write(memory); }
@@ -99,6 +104,17 @@ class FaceContacts {
   static int triangle_of(const Contact& c) {
     return static_cast<int>((c.key & 0xffffffff) >> triangle_bit);
   }
+
+  /// A triangle beside a collider.
+  struct Near {
+    int collider;
+    int triangle;
+    const Corners& corners;
+  };
+
+  /// Adds the contacts of a triangle. To be called in the order of their keys.
+  void look_at(const Near&, ContactList::Last&, const MovingCollider&, const Cloth&,
+               const ContactStep&, double margin, LocalCloth&, State&, std::vector<CaughtFace>&);
 
   /// Adds a contact at `distance`, if it matters in this step. `last`: what it was, if it was.
   void add(std::uint64_t key, const Contact* last, const MovingCollider&, const Cloth&,

@@ -24,6 +24,9 @@ class SelfContacts {
   /// Finds what touches after a step to `state`, and gives it its last impulses.
   void begin(const Cloth&, const ContactStep&, State&);
 
+  /// The same in another step of the same length, of the contacts that begin() found alone.
+  void go_on(const Cloth&, const ContactStep&, State&);
+
   /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what begin() gave.
   void leave_to(const Pinches&, Points& velocities);
 

@@ -140,6 +140,9 @@ class StrainLimit {
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
   double tension_frequency() const;
 
+  /// Was no spring at its limit in the last step?
+  bool is_idle() const { return num_active_ == 0; }
+
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
 

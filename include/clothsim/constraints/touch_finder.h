@@ -35,6 +35,9 @@ class TouchFinder {
   /// Adds what touches after a step to `state`.
   void find(const Cloth&, const ContactStep&, const State&, ContactList&);
 
+  /// Aims those that push anew in another step to `state`. Others are kept.
+  void go_on(const Cloth&, const ContactStep&, const State&, ContactList&);
+
   /// As keep_from_crossing(), from where it last looked on, or where it has judged the way from
   /// there, from the step's start on; 0 where that can wait. Nothing holds points alone back.
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
@@ -52,12 +55,14 @@ class TouchFinder {
  private:
   struct Sought;
 
+  Sought sought_in(const Cloth&, const ContactStep&, const State&) const;
   void look(const ContactStep&);
   int judge(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
   static std::optional<Contact> contact_of(const Sought&, const NearPair&, const Contact* last);
 
   SelfCollision kind_;
   NearPairs near_;
+  Points middle_;     // where impulses of a step act, of points that may touch in it [m]
   Points looked_at_;  // positions, until the guard has judged the way from there [m]; then no rows
   double time_ = 0;   // since then [s]
   double way_ = 0;    // of a point since then, beyond the mean of all, at most [m]
