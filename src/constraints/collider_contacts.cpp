@@ -107,12 +107,13 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   s.keeps = keeps.points;
   s.within = near;
   find_points(s, collider, cloth, step, state);
-  const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, near));
-  for (const Span& span : s.near) {
-    if (!s.is_close) break;
-    const int end = ContactSlots::end_of(span.end - 1, cloth);
-    for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
-      if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
+  if (s.is_close) {
+    const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, near));
+    for (const Span& span : s.near) {
+      const int end = ContactSlots::end_of(span.end - 1, cloth);
+      for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
+        if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
+      }
     }
   }
   if (s.has_faces) {
@@ -134,6 +135,8 @@ void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const
   faces_.start_over(h_);
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     Side& s = sides_[k];
+    if (!colliders[k].enabled()) continue;
+    follow(s, colliders[k], state.positions);
     if (!s.near.empty()) {
       s.slots.start_over();
       find_points(s, colliders[k], cloth, step, state);
@@ -146,6 +149,7 @@ void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const
                       caught.faces);
     recovers_ = recovers_ || caught.depth() > 0;
   }
+  leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
   resume(cloth, 1, state);
   faces_.resume(state.positions, state.velocities);
 }
@@ -196,19 +200,30 @@ void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, con
 
 void ColliderContacts::correct_near(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const Points& start, Points& positions) {
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
+  travel_.add(longest_way(start, positions));
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
     Side& s = sides_[k];
     if (s.near.empty()) continue;
     const ContactSlots::Seeker seeker(colliders[k], s.keeps,
                                       s.asked(colliders[k], cloth, 2 * s.keeps));
+    double longest = 0;
     for (const Span& span : s.near) {
       const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
       double least[Span::longest];
-      ContactSlots::push_out(span, seeker, free, start, positions, least);
+      longest =
+          std::max(longest, ContactSlots::push_out(span, seeker, free, start, positions, least));
     }
+    moved_out(k, longest);
   }
-  travel_.add(longest_way(start, positions));
   travel_.end(positions);
+}
+
+void ColliderContacts::moved_out(std::size_t collider, double way) {
+  travel_.add(way);
+  // It may have been moved into another one.
+  for (std::size_t other = 0; other < collider && way >= may_sink; ++other) {
+    sides_[other].is_clear = false;
+  }
 }
 
 void ColliderContacts::correct_again(const std::vector<MovingCollider>& colliders,
@@ -221,12 +236,7 @@ void ColliderContacts::correct_all(const std::vector<MovingCollider>& colliders,
                                    const Points& start, Points& positions) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (!colliders[k].enabled()) continue;
-    const double way = correct_at(sides_[k], colliders[k], cloth, start, positions);
-    travel_.add(way);
-    // It may have been moved into another one.
-    for (std::size_t other = 0; other < k && way >= may_sink; ++other) {
-      sides_[other].is_clear = false;
-    }
+    moved_out(k, correct_at(sides_[k], colliders[k], cloth, start, positions));
   }
   travel_.end(positions);
 }

@@ -20,7 +20,7 @@ constexpr double unseen_way = 0.25;
 struct TouchFinder::Sought {
   const Cloth& cloth;
   double h;                  // of the step [s]
-  double ahead;              // time that contacts which push nothing serve [s]
+  double ahead;              // until contacts are sought anew [s]
   const Points& middle;      // where impulses act [m]
   const Points& velocities;  // [m/s]
   double strongest;          // push of what stops nothing [N s]
@@ -40,8 +40,7 @@ std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearP
 
   // Most do not get there.
   const Vector3& last_normal = near.separation.normal;
-  const double time = last ? sought.h : sought.ahead;  // until it is aimed anew
-  const double way = time * -gap_along(last_normal, pair, sought.velocities);
+  const double way = sought.ahead * -gap_along(last_normal, pair, sought.velocities);
   const double room = gap_along(last_normal, pair, sought.middle) - pair.nearest;
   if (!last && room > 0 && way < room) return {};
 
@@ -52,9 +51,9 @@ std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearP
     s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, sought.middle));
   }
 
-  // The gap may close in that time. Others may yet push a touching pair together.
+  // The gap may close until contacts are sought anew. Others may yet push a touching pair together.
   const double gap = s.distance - pair.nearest;
-  const double slowest = -(gap > 0 ? 1 : overlap_share) * gap / time;
+  const double slowest = gap > 0 ? -gap / sought.ahead : -overlap_share * gap / sought.h;
   const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, sought.velocities));
   if (!last && rate >= slowest && gap > 0) return {};
 
@@ -83,7 +82,7 @@ void TouchFinder::look(const ContactStep& step) {
   // An impulse moves points from the middle of its step on: they would overlap by half of their
   // way.
   if (kind_ == SelfCollision::points) time += step.reach * step.h;
-  looked_at_ = step.sought ? *step.sought : step.start;
+  looked_at_ = step.sought_at ? *step.sought_at : step.start;
   near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
   time_ = step.since - step.h;
   way_ = 0;

@@ -109,18 +109,33 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     if (self_contacts) self_contacts->for_each_touch(visit);
   };
   predicted = state.velocities;
-  if (course.served > 0) {
-    go_on_in_contact(contact_step(h, reach, 1, touches_of_itself), report);
-  } else {
-    const int served = steps_served(h);
-    course.may_go = served > 1 ? way_served(h * served) : 0;
-    seek_contact(contact_step(h, reach, served, touches_of_itself), tolerance, length, report);
-    course.since = course.gone = 0;
-    course.served = is_settled() ? served - 1 : 0;
+  const bool seeks = course.served == 0;
+  if (seeks) plan_search(h);
+  const ContactStep step = contact_step(h, reach, touches_of_itself);
+
+  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
+  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
+  seeks ? begin_contact(step, report) : go_on_in_contact(step);
+  if (seeks) course.closeness = precision_of(h, tolerance, length);
+  const bool solved = solve(seeks, report);
+  follow(predicted.size(), reach * h, state.velocities.data(), predicted.data(),
+         state.positions.data());
+  if (strain_limit) strain_limit->learn_tension();
+  if (self_contacts && seeks) by_impulses = state.positions;
+
+  // What curvature and early stops have left in the positions.
+  if (strain_limit) repair(cloth, solved, report);
+  if (!colliders.empty()) {
+    seeks ? collider_contacts.correct(colliders, cloth, start, state.positions)
+          : collider_contacts.correct_near(colliders, cloth, start, state.positions);
   }
+
+  // Whatever has moved the points, the cloth does not pass through itself.
+  if (self_contacts && seeks) guard(step, report);
+  seeks ? end_search(h) : count_way(h);
 }
 
-ContactStep Simulator::Impl::contact_step(double h, double reach, int served,
+ContactStep Simulator::Impl::contact_step(double h, double reach,
                                           const SelfTouches& touches_of_itself) {
   return {h,
           reach,
@@ -130,55 +145,20 @@ ContactStep Simulator::Impl::contact_step(double h, double reach, int served,
           course.left,
           std::max(scene.simulation.gravity.norm(), least_gravity),
           collider_contacts.pace(),
-          colliders.empty() ? 0 : stretch_after(h),
+          colliders.empty() || course.served > 0 ? 0 : stretch_after(h),
           &budget,
           &touches_of_itself,
           &start_velocities,
           &collider_contacts.pinches().held(),
-          &sought,
+          &sought_at,
           course.since,
-          h * served,
+          h * (course.planned + course.served),
           course.may_go};
 }
 
-void Simulator::Impl::seek_contact(const ContactStep& step, double tolerance, double length,
-                                   StepReport& report) {
-  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
-  if (strain_limit) strain_limit->begin(cloth, step.reach, state, workers, &start_velocities);
-  begin_contact(step, report);
-  course.precision = precision_of(step.h, tolerance, length);
-  const bool solved = solve(course.precision, min_sweeps, report);
-  follow(predicted.size(), step.reach * step.h, state.velocities.data(), predicted.data(),
-         state.positions.data());
-  if (strain_limit) strain_limit->learn_tension();
-  if (self_contacts) by_impulses = state.positions;
-
-  // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(cloth, solved, report);
-  if (!colliders.empty()) collider_contacts.correct(colliders, cloth, start, state.positions);
-
-  // Whatever has moved the points, the cloth does not pass through itself.
-  if (self_contacts) guard(step, report);
-}
-
-void Simulator::Impl::go_on_in_contact(const ContactStep& step, StepReport& report) {
+void Simulator::Impl::go_on_in_contact(const ContactStep& step) {
   if (self_contacts) self_contacts->go_on(cloth, step, state);
   collider_contacts.go_on(colliders, cloth, step, state);
-  // One pass solves points on colliders, which are alone, where kept impulses have the rest.
-  solve(course.precision, collider_contacts.has_faces() ? min_sweeps : 1, report);
-  follow(predicted.size(), step.reach * step.h, state.velocities.data(), predicted.data(),
-         state.positions.data());
-  if (!colliders.empty()) {
-    collider_contacts.correct_near(colliders, cloth, start, state.positions);
-  }
-  if (strain_limit) {
-    strain_limit->learn_tension();
-    strain_limit->learn(0);
-  }
-
-  const double way = step.h * fastest(state.velocities);
-  course.gone += way;
-  course.served = course.gone + 2 * way <= course.may_go ? course.served - 1 : 0;
 }
 
 void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
@@ -253,7 +233,11 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
   return result;
 }
 
-bool Simulator::Impl::solve(const Precision& small, int least, StepReport& report) {
+bool Simulator::Impl::solve(bool seeks, StepReport& report) {
+  const Precision& small = course.closeness;
+  // One pass solves points on colliders, which are alone, where kept impulses have the rest.
+  const bool is_limited = strain_limit && !strain_limit->is_idle();
+  const int least = seeks || is_limited || collider_contacts.has_faces() ? min_sweeps : 1;
   Pinches& pinches = collider_contacts.pinches();
   const int limit_sweeps = most_limit_sweeps();
   double stretching = 0, touched = std::numeric_limits<double>::infinity();

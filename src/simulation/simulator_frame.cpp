@@ -96,11 +96,11 @@ bool Simulator::Impl::is_still() const {
 
 int Simulator::Impl::first_substeps() {
   const double dt = course.dt;
-  look_at_colliders();
+  course.approach_speed = contact_speed();
   int least = substeps_at_speed(cloth, course.approach_speed, dt);
   course.is_fast = least > 1;
   if (follows_tension()) {
-    least = substeps_under_tension(dt, std::max(least, method->choice.least_substeps));
+    least = substeps_under_tension(dt, least);
     if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
   }
   if (has_air()) {
@@ -109,6 +109,7 @@ int Simulator::Impl::first_substeps() {
     const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
     least = std::max(least, static_cast<int>(steps));
   }
+  course.motion_step = dt / least;
   return method->substeps(scene.simulation, cloth, state.positions, least, workers);
 }
 
@@ -125,7 +126,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     }
     held_back = report.held_back;
     if (needed > steps) {
-      h = course.left / (steps = needed);
+      course.motion_step = h = course.left / (steps = needed);
       course.served = 0;
     }
     if (is_interrupted && is_interrupted()) {
@@ -232,21 +233,18 @@ bool Simulator::Impl::is_out_of_reach() {
   });
 }
 
-void Simulator::Impl::look_at_colliders() {
-  course.approach_speed = course.collider_speed = 0;
-  course.meets_triangles = false;
-  if (!touches()) return;
+double Simulator::Impl::contact_speed() const {
+  if (!touches()) return 0;
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
   const double fall = scene.simulation.gravity.norm() * course.dt / 2;  // of the frame itself
+  double fastest = 0;
   for (const MovingCollider& collider : colliders) {
-    const double speed = collider.fastest_in(box);
-    if (!collider.reaches(box, (own + speed + fall) * course.dt)) continue;
-    course.approach_speed = std::max(course.approach_speed, own + speed);
-    course.collider_speed = std::max(course.collider_speed, speed);
-    course.meets_triangles = course.meets_triangles || clearance(collider.shape(), cloth).faces;
+    const double speed = own + collider.fastest_in(box);
+    if (collider.reaches(box, (speed + fall) * course.dt)) fastest = std::max(fastest, speed);
   }
+  return fastest;
 }
 
 const Cloth& Simulator::Impl::weigh(double h) {
@@ -257,31 +255,12 @@ const Cloth& Simulator::Impl::weigh(double h) {
   return weighed;
 }
 
-bool Simulator::Impl::is_settled() const {
-  return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled();
-}
-
-int Simulator::Impl::steps_served(double h) const {
-  // What a scene names, or a method bears, is for all.
-  const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
-  if (has_own_step || !is_settled()) return 1;
-  const double time = std::min(longest_step, most_gone() / fastest(start_velocities));
-  const double until_last = std::round(course.left / h) - 1;  // after which nothing is unsought
-  return static_cast<int>(std::max(1.0, std::min(time / h, until_last)));
-}
-
-double Simulator::Impl::most_gone() const {
-  if (course.meets_triangles) return may_sink;
-  const double of_springs = way_share * shortest_rest_length(cloth);
-  return self_contacts ? std::min(of_springs, 2 * cloth.thickness) : of_springs;
-}
-
 bool Simulator::Impl::substep(double h, StepReport& report) {
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
-    if (course.served == 0) start_velocities = state.velocities;
-    if (course.since == 0) sought = start;
+    start_velocities = state.velocities;
+    if (course.since == 0) sought_at = start;
     course.since += h;
   }
 

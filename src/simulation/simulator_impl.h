@@ -79,18 +79,20 @@ struct Precision {
 
 /// What one try of a frame goes by.
 struct FrameCourse {
-  double dt = 0;                 // [s]
-  double left = 0;               // of it, with the substep at hand [s]
-  double since = 0;              // contacts were sought, with that one [s]
+  double dt = 0;           // [s]
+  double left = 0;         // of it, with the substep at hand [s]
+  double motion_step = 0;  // what all but the springs ask for [s]
+  // Of substeps that go on with what an earlier one found, see simulator_search.cpp.
+  int planned = 0;               // those that what is sought in this one is for, with it
+  int served = 0;                // those that are left of it
+  double since = 0;              // it was sought, with the one at hand [s]
   double gone = 0;               // by a point and a collider since then, at most [m]
-  double may_go = 0;             // as much until they are sought anew [m]
-  int served = 0;                // further substeps that what was near then serves
-  Precision precision = {};      // of these
+  double may_go = 0;             // as much until it is sought anew [m]
+  double collider_speed = 0;     // fastest that may be met until then [m/s]
+  Precision closeness = {};      // that they are solved to
   bool is_apart = false;         // nothing is looked for at colliders
   double allowed_way = 0;        // of points, where it is [m]
   double approach_speed = 0;     // of what it may touch against the cloth [m/s]
-  double collider_speed = 0;     // of a collider that it may touch [m/s]
-  bool meets_triangles = false;  // triangles may touch such a collider, too
   bool is_fast = false;          // with that, springs may be parted within the frame
   double stretch = 0;            // worst as it began, where colliders ask for it
   Vector3 wind{0, 0, 0};         // [m/s], where there is air
@@ -237,39 +239,34 @@ struct Simulator::Impl {
   bool recover();
   /// False where the state has left the finite numbers, or the budget is spent.
   bool substep(double h, StepReport&);
-  /// Substeps of h [s], with this one, that may go by what is near now: those of stiff, light
-  /// springs are much shorter than what the motion asks for.
-  int steps_served(double h) const;
-  /// May they, with no spring at its limit, and nothing but points at colliders?
-  bool is_settled() const;
-  /// How far points and colliders may go until contacts are sought anew, together [m].
-  double most_gone() const;
-  /// That, where they are to go on for `time` [s]: as far as at twice the speed of now.
-  double way_served(double time) const {
-    return std::min(most_gone(), 2 * time * fastest(start_velocities));
-  }
-  /// Fastest of both, of points with these velocities, that contact has answered [m/s].
+  /// Plans how many substeps of h [s] what is near now is for, with this one.
+  void plan_search(double h);
+  /// How far points and colliders may go, together, before they meet what was not near [m]. Sets
+  /// the speed of these colliders.
+  double most_unsought();
+  /// After one of h [s] that sought, and one that went on: do others?
+  void end_search(double h);
+  void count_way(double h);
+  bool may_go_on(double h) const;
+  /// Fastest of a point with these velocities and a collider [m/s].
   double fastest(const Points& velocities) const {
     return longest_row(velocities) + course.collider_speed;
   }
-  /// What contacts that are sought now, to serve so many substeps of h [s], go by.
-  ContactStep contact_step(double h, double reach, int served, const SelfTouches&);
-  /// Seeks what touches, and solves it along with the strain limit to a `tolerance` of strain and
-  /// its `length` [m].
-  void seek_contact(const ContactStep&, double tolerance, double length, StepReport&);
-  /// One substep by what was near before, where no spring is at its limit.
-  void go_on_in_contact(const ContactStep&, StepReport&);
+  /// What contacts go by in a substep of h [s].
+  ContactStep contact_step(double h, double reach, const SelfTouches&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
   /// The same where the cloth can touch nothing, to `length` [m] of strain.
   void limit_alone(const Cloth& inert, double h, double reach, double length, StepReport&);
+  /// Goes on with what was near before: aims anew what pushes, and gives it its impulses.
+  void go_on_in_contact(const ContactStep&);
   /// Finds what touches, and gives it the last step's impulses.
   void begin_contact(const ContactStep&, StepReport&);
   /// How closely to solve a step of h [s], to a `tolerance` of strain and its `length` [m].
   Precision precision_of(double h, double tolerance, double length) const;
-  /// Passes over all constraints until they change next to nothing, `least` of them at least.
-  /// Whether those of the strain limit do.
-  bool solve(const Precision&, int least, StepReport&);
+  /// Passes over all constraints until they change next to nothing. Whether those of the strain
+  /// limit do.
+  bool solve(bool seeks, StepReport&);
   /// Passes over the strain limit in a substep, at most.
   int most_limit_sweeps() const;
   /// Takes from the frame's budget so many visits to each point.
@@ -328,8 +325,8 @@ struct Simulator::Impl {
   /// Do colliders touch the cloth, or pins pull it taut? What the limit cannot grant while they are
   /// still, it never can.
   bool is_held() const;
-  /// What the cloth may touch in this frame.
-  void look_at_colliders();
+  /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
+  double contact_speed() const;
 
   Scene scene;
   Cloth cloth;
@@ -355,7 +352,7 @@ struct Simulator::Impl {
   FrameCourse course;
   bool disturbed = false;   // by a jump since the last frame
   bool is_given = false;    // state that was set: it may be anything
-  Points sought;            // positions when contacts were last sought
+  Points sought_at;         // positions when contacts were last sought
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]
   Points predicted;         // velocities with the last substep's impulses

@@ -101,5 +101,42 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(ColliderSpec{"ground", Plane{}, {}, 0.5, ""},
                       ColliderSpec{"ball", Sphere{1}, {{0, 0, -1}, {1, 0, 0, 0}}, 0.3, ""}));
 
+/// Density [kg/m^2], wind [m/s], and how far away the ball is [m].
+class BlownAgainstABall : public ::testing::TestWithParam<std::tuple<double, double, double>> {};
+
+TEST_P(BlownAgainstABall, ItsTrianglesStopThere) {
+  // At rest as the frame begins, and too far away to come there at that speed. The ball is small
+  // enough to pass between points.
+  const auto& [density, wind, distance] = GetParam();
+  for (const double radius : {0.001, 0.003, 0.01}) {
+    Scene scene;
+    scene.cloth.columns = scene.cloth.rows = 14;
+    scene.cloth.width = scene.cloth.height = 0.52;
+    scene.cloth.orientation = Orientation::vertical;
+    scene.cloth.origin = {-0.253, 0, -0.249};  // the ball is before the inside of a triangle
+    scene.cloth.material.density = density;
+    scene.cloth.material.ks = 50000;
+    scene.simulation.gravity.setZero();
+    scene.simulation.wind = Vector3(0, wind, 0);
+    scene.colliders = {ColliderSpec{"ball", Sphere{radius}, {}, 0.3, ""}};
+    scene.colliders[0].pose.position.y() = distance + radius;
+    Simulator simulator(scene);
+    for (int frame = 0; frame < 4; ++frame) {
+      simulator.step();
+      EXPECT_EQ(deepest_penetration(simulator), 0) << radius << ' ' << frame;
+      const Points& x = simulator.state().positions;
+      // Corner of the cell about the ball.
+      EXPECT_LT(x(6 * 14 + 6, 1), distance + radius + 0.06) << radius << ' ' << frame;
+    }
+    EXPECT_GT(simulator.state().positions.col(1).maxCoeff(), distance + 2 * radius)
+        << "it has not come there";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Gusts, BlownAgainstABall,
+                         ::testing::Combine(::testing::Values(0.05, 0.2),
+                                            ::testing::Values(10.0, 30.0),
+                                            ::testing::Values(0.006, 0.02, 0.045)));
+
 }  // namespace
 }  // namespace clothsim

@@ -166,6 +166,8 @@ class ColliderContacts {
   void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
+  /// What was in a collider has been moved out by `way` [m] at most.
+  void moved_out(std::size_t collider, double way);
   /// Moves what is in any collider out.
   void correct_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                    Points& positions);

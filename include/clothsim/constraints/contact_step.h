@@ -46,10 +46,11 @@ struct ContactStep {
   const Points* velocities = nullptr;    // at its start [m/s]; none: those that drifted
   // By point, whether colliders hold it when contacts have been found; none or empty: none.
   const std::vector<char>* held = nullptr;
-  const Points* sought = nullptr;  // positions when contacts were last sought; none: start
-  double since = h;                // then, at its end [s]
-  double ahead = h;                // until contacts are sought anew [s]
-  double way = 0;                  // that points may go until then, beyond the step's [m]
+  // Of steps that go on with contacts of one that sought them.
+  const Points* sought_at = nullptr;  // positions when they were sought; none: start
+  double since = h;                   // then, at its end [s]
+  double ahead = h;                   // until they are sought anew [s]
+  double way = 0;                     // that points may go until then, beyond the step's [m]
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);
