@@ -248,6 +248,9 @@ struct Simulator::Impl {
   void end_search(double h);
   void count_way(double h);
   bool may_go_on(double h) const;
+  /// May others go on at all? Not where springs are at their limit, nor while colliders push out or
+  /// pinch: steps follow what they ask of each other.
+  bool is_settled() const;
   /// Fastest of a point with these velocities and a collider [m/s].
   double fastest(const Points& velocities) const {
     return longest_row(velocities) + course.collider_speed;

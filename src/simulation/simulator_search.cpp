@@ -15,6 +15,10 @@
 
 namespace clothsim {
 
+bool Simulator::Impl::is_settled() const {
+  return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled();
+}
+
 void Simulator::Impl::plan_search(double h) {
   course.planned = 1;
   course.may_go = course.collider_speed = 0;
@@ -65,7 +69,7 @@ void Simulator::Impl::count_way(double h) {
 
 bool Simulator::Impl::may_go_on(double h) const {
   const double next = 2 * h * fastest(state.velocities);  // twice as fast, at most
-  return collider_contacts.is_settled() && course.gone + next <= course.may_go;
+  return is_settled() && course.gone + next <= course.may_go;
 }
 
 }  // namespace clothsim
