@@ -24,13 +24,12 @@ void Simulator::Impl::plan_search(double h) {
   course.may_go = course.collider_speed = 0;
   // What a scene names, or a method bears, is for all.
   const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
-  if (has_own_step || 2 * h > std::min(longest_step, course.motion_step) ||
-      !collider_contacts.is_settled())
-    return;
+  const double longest = std::min(longest_step, course.motion_step);
+  if (has_own_step || 2 * h > longest || !is_settled()) return;
 
   const double most = most_unsought();
   const double speed = fastest(start_velocities);
-  const double time = std::min({longest_step, course.motion_step, most / speed});
+  const double time = std::min(longest, most / speed);
   const double until_last = std::round(course.left / h) - 1;
   course.planned = static_cast<int>(std::max(1.0, std::min(time / h, until_last)));
   if (course.planned > 1) course.may_go = std::min(most, 2 * h * course.planned * speed);
