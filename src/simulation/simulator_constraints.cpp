@@ -150,7 +150,7 @@ ContactStep Simulator::Impl::contact_step(double h, double reach,
           &touches_of_itself,
           &start_velocities,
           &collider_contacts.pinches().held(),
-          &sought_at,
+          course.since > h ? &sought_at : nullptr,
           course.since,
           h * (course.planned + course.served),
           course.may_go};

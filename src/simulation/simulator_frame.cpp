@@ -260,7 +260,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
     start_velocities = state.velocities;
-    if (course.since == 0) sought_at = start;
+    if (self_contacts && course.served > 0 && course.since == 0) sought_at = start;
     course.since += h;
   }
 

@@ -355,7 +355,7 @@ struct Simulator::Impl {
   FrameCourse course;
   bool disturbed = false;   // by a jump since the last frame
   bool is_given = false;    // state that was set: it may be anything
-  Points sought_at;         // positions when contacts were last sought
+  Points sought_at;         // positions when contacts were sought that others went on with
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]
   Points predicted;         // velocities with the last substep's impulses

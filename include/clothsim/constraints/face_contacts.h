@@ -81,8 +81,8 @@ class FaceContacts {
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
-  std::size_t size() const { return places_.size(); }
-  int count() const { return list_.count(); }  // that carry an impulse
+  std::size_t size() const { return places_.size(); }  // of this step
+  int count() const { return list_.count(); }          // that carry an impulse
   void reset();
   void write(MemoryWriter& memory) const { list_.write(memory); }
   void read(MemoryReader& memory) { list_.read(memory); }
