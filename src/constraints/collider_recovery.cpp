@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "clothsim/constraints/collider_contacts.h"
@@ -10,10 +11,28 @@
 namespace clothsim {
 namespace {
 
-/// Where a point that may have passed through the shape in one step came in, in the collider's own
-/// frame at the step's end.
-std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3& from,
-                                   const Vector3& to, double offset) {
+/// Where a point that may have passed through the shape in one step came in, and where it is at the
+/// step's end, both in the collider's own frame then.
+struct Entry {
+  Vector3 at;
+  Vector3 end;
+};
+
+/// On from where it came in by what is left of its way, along the surface, until that bends away by
+/// its safe depth or leads in anew. What stopped there would be moved against its velocity by
+/// friction, and gain energy; what went far beyond would take the cloth around thin solids.
+Entry slide(const Shape& shape, const Vector3& at, const Vector3& to, double offset) {
+  const auto [distance, normal] = signed_distance(shape, at, at);
+  const Vector3 left = to - at;
+  const double lift = std::sqrt(std::numeric_limits<double>::epsilon()) * left.norm();
+  const Vector3 along = left + (lift - normal.dot(left)) * normal;
+  const double bent = signed_distance(shape, at + along, at).value - distance;
+  const Vector3 end = at + std::min(1.0, safe_depth(shape) / std::max(bent, lift)) * along;
+  return {at, entry_point(shape, at, end, offset).value_or(end)};
+}
+
+std::optional<Entry> swept_entry(const MovingCollider& collider, const Vector3& from,
+                                 const Vector3& to, double offset) {
   const double depth = safe_depth(collider.shape());
   const double turn = collider.last_turn();
   if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
@@ -28,7 +47,7 @@ std::optional<Vector3> swept_entry(const MovingCollider& collider, const Vector3
     const double share = static_cast<double>(i) / pieces;
     const Vector3 next = to_local(collider.pose_at(share), start + share * (end - start));
     const auto entry = entry_point(collider.shape(), last, next, offset);
-    if (entry) return entry;
+    if (entry) return slide(collider.shape(), *entry, next, offset);
     last = next;
   }
   return std::nullopt;
@@ -70,18 +89,18 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
   const Vector3 from = to_local(collider.previous(), row(step.start, i));
   Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
-  // A point that may have passed through stops where it came in.
+  // A point that may have passed through goes on along the surface from where it came in.
   const auto entry = swept_entry(collider, from, to, seeker.offset);
   if (entry) {
-    to = *entry;
+    to = entry->end;
     state.positions.row(i) = to_world(collider.pose(), to).transpose();
   }
-  const Distance d = signed_distance(shape, to, from);
+  const Distance d = signed_distance(shape, entry ? entry->at : to, from);
   const double depth = d.value < 0 ? -depth_before(shape, from) : 0;
   if (!entry && depth == 0) return;
   if (s.has_faces) {
     local_.to.row(i) = to.transpose();
-    local_.distance[i] = d.value;
+    local_.distance[i] = entry ? signed_distance(shape, to, from).value : d.value;
   }
 
   // The gap this step would leave if the point only followed the surface.
@@ -91,7 +110,7 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
   const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
   const double gap = d.value - seeker.offset - step.reach * step.h * drift;
   const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
-  // The impulse that ends its approach will carry it on to where it came in.
+  // The impulse that ends its approach will carry it on to there.
   if (entry && drift < 0)
     state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
 
@@ -231,7 +250,7 @@ std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
   const Vector3 from = to_local(collider.previous(), row(start, i));
   Vector3 to = to_local(collider.pose(), row(positions, i));
   const auto entry = swept_entry(collider, from, to, seeker.offset);
-  if (entry) to = *entry;
+  if (entry) to = entry->end;
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
     const double way = s.way_out->dot(to - from);

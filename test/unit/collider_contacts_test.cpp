@@ -206,6 +206,39 @@ TEST(ColliderContacts, FrictionStaysInCoulombsCone) {
   }
 }
 
+TEST(ColliderContacts, AFastPointSlidesOnAThinPlateAsOnAPlane) {
+  // It goes much farther in a step than the plate is thick, and might have passed through it. From
+  // speed v it comes to rest after v^2 / (2 friction g).
+  constexpr double speed = 10, friction = 0.8, thickness = 0.002;
+  const Eigen::AngleAxisd turn(0.7, Vector3(1, 2, 3).normalized());
+  const Eigen::Quaterniond tilt(turn);
+  for (const double fall : {0.0, 0.5}) {  // [m/s] as it comes in
+    auto colliders = one(Cuboid{{20, 20, thickness}}, friction);
+    colliders[0].place({Vector3::Zero(), tilt});
+    const Cloth cloth = loose(2);
+    State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
+    const auto put = [&](Points& to, int i, const Vector3& v) {
+      to.row(i) = (tilt * v).transpose();
+    };
+    put(state.positions, 0, {-7, 0, thickness / 2 + surface_offset});
+    put(state.positions, 1, {0, 0, 9});
+    put(state.velocities, 0, {speed, 0, -fall});
+    ColliderContacts contacts;
+    double last = -7;
+    for (int k = 0; k < 1500; ++k) {
+      state.velocities.row(0) -= 9.8 * h * (tilt * Vector3::UnitZ()).transpose();
+      step(contacts, colliders, cloth, state);
+      const Vector3 x = tilt.conjugate() * row(state.positions, 0);
+      ASSERT_GE(x.z(), thickness / 2 + surface_offset - 1e-12) << k;
+      ASSERT_GE(x.x(), last - 1e-9) << k << ": against its velocity";
+      last = x.x();
+    }
+    const double landing = speed - friction * fall;  // the same impulse stops its fall
+    EXPECT_NEAR(last + 7, landing * landing / (2 * friction * 9.8), 0.01) << fall;
+    EXPECT_LT(row(state.velocities, 0).norm(), 1e-9);
+  }
+}
+
 TEST(ColliderContacts, PinsAreNotPushed) {
   ClothSpec spec = chain_spec(2, 1, 0);
   spec.pinned = {{0, 0, ""}};

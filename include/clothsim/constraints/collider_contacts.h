@@ -24,8 +24,9 @@ namespace clothsim {
 /// normal one against sliding on the (moving) surface (Moreau 1988, "Unilateral contact and dry
 /// friction in finite freedom dynamics"). So a point slips on an incline exactly when
 /// tan(angle) > friction, with acceleration g (sin - friction cos). Impulses are kept from step to
-/// step. A point too fast for that is stopped where its path enters the shape. Where points alone
-/// do not keep a shape off the triangles between them, edges and faces have contacts too.
+/// step. A point too fast for that slides on along the surface from where its path enters it. Where
+/// points alone do not keep a shape off the triangles between them, edges and faces have contacts
+/// too.
 ///
 /// What a shape was put upon, rather than moved against, comes out at recovery_speed at most: by
 /// the nearest way if it is not deep, else all of it in one direction; where pins hold it in, less
