@@ -117,7 +117,7 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
     }
   }
   if (s.has_faces) {
-    faces_.find(caught.collider, collider, cloth, step, margin, local_, state, caught.faces);
+    faces_.find({caught.collider, collider, cloth, step, margin, local_, state, caught.faces});
   }
 }
 
@@ -145,8 +145,8 @@ void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const
     Caught caught{static_cast<int>(k), {}, {}};
     local_.place(colliders[k], step.start, state.positions);
     local_.place_middle(colliders[k], step, state.positions);
-    faces_.find_again(caught.collider, colliders[k], cloth, step, s.within, local_, state,
-                      caught.faces);
+    faces_.find_again(
+        {caught.collider, colliders[k], cloth, step, s.within, local_, state, caught.faces});
     recovers_ = recovers_ || caught.depth() > 0;
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));

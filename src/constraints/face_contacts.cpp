@@ -35,42 +35,33 @@ void FaceContacts::start_over(double h) {
   places_.clear();
 }
 
-void FaceContacts::find(int index, const MovingCollider& collider, const Cloth& cloth,
-                        const ContactStep& step, double margin, LocalCloth& local, State& state,
-                        std::vector<CaughtFace>& caught) {
-  if (!blocks_.fits(cloth)) blocks_.reset(cloth);
-  ContactList::Last last(list_, key_of(index, 0, 0));
-  for_each_near(collider.shape(), cloth, blocks_, local, margin,
-                [&](int triangle, const Corners& corners) {
-                  look_at({index, triangle, corners}, last, collider, cloth, step, margin, local,
-                          state, caught);
-                });
+void FaceContacts::find(const Beside& at) {
+  if (!blocks_.fits(at.cloth)) blocks_.reset(at.cloth);
+  ContactList::Last last(list_, key_of(at.number, 0, 0));
+  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.margin,
+                [&](int triangle, const Corners&) { look_at(at, triangle, last); });
 }
 
-void FaceContacts::find_again(int index, const MovingCollider& collider, const Cloth& cloth,
-                              const ContactStep& step, double margin, LocalCloth& local,
-                              State& state, std::vector<CaughtFace>& caught) {
-  ContactList::Last last(list_, key_of(index, 0, 0));
+void FaceContacts::find_again(const Beside& at) {
+  ContactList::Last last(list_, key_of(at.number, 0, 0));
   int done = -1;
   list_.for_each_last([&](const Contact& c) {
     const int triangle = triangle_of(c);
-    if (collider_of(c) != index || triangle == done || c.impulse.push == 0) return;
+    if (collider_of(c) != at.number || triangle == done || c.impulse.push == 0) return;
     done = triangle;
-    look_at({index, triangle, cloth.triangles[static_cast<std::size_t>(triangle)]}, last, collider,
-            cloth, step, margin, local, state, caught);
+    look_at(at, triangle, last);
   });
 }
 
-void FaceContacts::look_at(const Near& place, ContactList::Last& last,
-                           const MovingCollider& collider, const Cloth& cloth,
-                           const ContactStep& step, double margin, LocalCloth& local, State& state,
-                           std::vector<CaughtFace>& caught) {
-  const auto& [index, triangle, corners] = place;
+void FaceContacts::look_at(const Beside& at, int triangle, ContactList::Last& last) {
+  const auto& [number, collider, cloth, step, margin, local, state, caught] = at;
+  const Shape& shape = collider.shape();
+  const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
   // As it lies where impulses act, unless it is to be stopped or led out.
   const Triangle middle = clothsim::triangle_of(local.middle, corners);
   FaceApproach found;
-  found.distance = distance_with_leeway(collider.shape(), cloth, corners, middle, margin);
-  const bool may_be_inside = local.longest > safe_depth(collider.shape()) ||
+  found.distance = distance_with_leeway(shape, cloth, corners, middle, margin);
+  const bool may_be_inside = local.longest > safe_depth(shape) ||
                              (found.distance && found.distance->value < to_middle(local, corners));
   if (may_be_inside) {
     const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
@@ -84,7 +75,7 @@ void FaceContacts::look_at(const Near& place, ContactList::Last& last,
   std::array<std::optional<FaceDistance>, features> touching;
   const auto feature = feature_of(found.distance->weights);
   if (!alone) {
-    const auto edges = edges_along(collider.shape(), middle, *found.distance, margin);
+    const auto edges = edges_along(shape, middle, *found.distance, margin);
     std::copy(edges.begin(), edges.end(), touching.begin());
     for (auto& edge : touching) {
       if (edge) edge->value += leeway(cloth, corners, middle, edge->weights);
@@ -94,19 +85,18 @@ void FaceContacts::look_at(const Near& place, ContactList::Last& last,
 
   for (std::size_t i = 0; i < features; ++i) {
     if (!touching[i]) continue;
-    const std::uint64_t key = key_of(index, triangle, i);
+    const std::uint64_t key = key_of(number, triangle, i);
     const std::size_t before = places_.size();
-    add(key, last.of(key), collider, cloth, step, *touching[i], found.swept, -found.before, local,
-        state);
+    add(at, key, last.of(key), *touching[i], found.swept, -found.before);
     if (found.before < 0 && places_.size() > before) {
       caught.push_back({triangle, before, -found.before});
     }
   }
 }
 
-void FaceContacts::add(std::uint64_t key, const Contact* last, const MovingCollider& collider,
-                       const Cloth& cloth, const ContactStep& step, const FaceDistance& distance,
-                       bool swept, double depth, LocalCloth& local, State& state) {
+void FaceContacts::add(const Beside& at, std::uint64_t key, const Contact* last,
+                       const FaceDistance& distance, bool swept, double depth) {
+  const auto& [number, collider, cloth, step, margin, local, state, caught] = at;
   Contact contact{key};
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;

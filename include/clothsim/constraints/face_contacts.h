@@ -34,14 +34,24 @@ class FaceContacts {
   /// Begins a step of h [s]: contacts of before are those to go on with.
   void start_over(double h);
 
-  /// Adds the contacts of the next collider, number `index`. `margin`: how far away one may be that
-  /// matters within the step [m]. Triangles that the step took through the shape are moved back.
-  void find(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
-            LocalCloth&, State&, std::vector<CaughtFace>&);
+  /// A collider beside a cloth, in a step.
+  struct Beside {
+    int number;  // of the collider
+    const MovingCollider& collider;
+    const Cloth& cloth;
+    const ContactStep& step;
+    double margin;  // how far away a triangle may be that matters within the step [m]
+    LocalCloth& local;
+    State& state;
+    std::vector<CaughtFace>& caught;
+  };
+
+  /// Adds the contacts of the next collider. Triangles that the step took through the shape are
+  /// moved back.
+  void find(const Beside&);
 
   /// The same of the triangles that had contacts with it in the last step.
-  void find_again(int index, const MovingCollider&, const Cloth&, const ContactStep&, double margin,
-                  LocalCloth&, State&, std::vector<CaughtFace>&);
+  void find_again(const Beside&);
 
   /// Gives the contacts the impulses of the last step.
   void resume(const Points& positions, Points& velocities) { list_.resume(positions, velocities); }
@@ -105,21 +115,12 @@ class FaceContacts {
     return static_cast<int>((c.key & 0xffffffff) >> triangle_bit);
   }
 
-  /// A triangle beside a collider.
-  struct Near {
-    int collider;
-    int triangle;
-    const Corners& corners;
-  };
-
   /// Adds the contacts of a triangle. To be called in the order of their keys.
-  void look_at(const Near&, ContactList::Last&, const MovingCollider&, const Cloth&,
-               const ContactStep&, double margin, LocalCloth&, State&, std::vector<CaughtFace>&);
+  void look_at(const Beside&, int triangle, ContactList::Last&);
 
   /// Adds a contact at `distance`, if it matters in this step. `last`: what it was, if it was.
-  void add(std::uint64_t key, const Contact* last, const MovingCollider&, const Cloth&,
-           const ContactStep&, const FaceDistance& distance, bool swept, double depth, LocalCloth&,
-           State&);
+  void add(const Beside&, std::uint64_t key, const Contact* last, const FaceDistance& distance,
+           bool swept, double depth);
 
   TriangleBlocks blocks_;
   ContactList list_;
