@@ -33,7 +33,7 @@ void SurfaceSlots::for_each_beside(const Slot& slot, const Visit& visit) const {
   }
 }
 
-/// From triangle to triangle beside it, as long as these are nearer.
+/// From triangle to triangle beside it, as long as these have a smaller gap.
 void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
   for (bool goes = true; goes;) {
     goes = false;
@@ -51,6 +51,9 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
       if (!leads_nearer && beside.nearest <= here.pair.nearest) return;
       const Separation s = separation(beside, positions);
       if (s.distance - beside.nearest >= slot.gap()) return;
+      // Where it touches it stays: what may come nearer there would let it come nearer here.
+      const double nearer = slot.pair.nearest - beside.nearest;
+      if (nearer > 0 && slot.gap() <= nearer) return;
       slot.pair = beside;
       slot.last = s;
       goes = true;

@@ -16,7 +16,8 @@ namespace clothsim {
 
 /// What points are near: each slot is a point and a triangle, the one of a layer with the least
 /// gap. It is kept from step to step and walks over the surface: where a triangle beside it has
-/// less, it goes on to that.
+/// less, it goes on to that. Not from where it touches to what may come nearer, as nearer
+/// neighbours on the cloth may: nothing would see any more that it touches.
 class SurfaceSlots {
  public:
   struct Slot {
