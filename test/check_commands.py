@@ -40,7 +40,8 @@ def run_for_a_moment(words):
     at = words.index("--seconds") + 1 if "--seconds" in words else len(words)
     words = words[:at] + ["0.05"] + words[at + 1:]
     with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "config").symlink_to(PACKAGE / "config")
+        for of_clone in ("config", "docs"):
+            (pathlib.Path(folder) / of_clone).symlink_to(PACKAGE / of_clone)
         for scene in (PACKAGE / "config/scenes").glob("*.yaml"):
             (pathlib.Path(folder) / scene.name).symlink_to(scene)
         done = subprocess.run([PROGRAMS / "simulate", *words], cwd=folder, capture_output=True,
