@@ -11,10 +11,10 @@
 namespace clothsim {
 namespace {
 
-/// Where a point that may have passed through the shape in one step came in, and where it is at the
-/// step's end, both in the collider's own frame then.
+/// How a point that may have passed through the shape in one step lay to it as it came in, and
+/// where it is at the step's end, both in the collider's own frame then.
 struct Entry {
-  Vector3 at;
+  Distance at;
   Vector3 end;
 };
 
@@ -22,15 +22,17 @@ struct Entry {
 /// its safe depth or leads in anew. What stopped there would be moved against its velocity by
 /// friction, and gain energy; what went far beyond would take the cloth around thin solids.
 Entry slide(const Shape& shape, const Vector3& at, const Vector3& to, double offset) {
-  const auto [distance, normal] = signed_distance(shape, at, at);
+  const Distance d = signed_distance(shape, at, at);
   const Vector3 left = to - at;
+  // Off the surface by more than rounding, which would lead in.
   const double lift = std::sqrt(std::numeric_limits<double>::epsilon()) * left.norm();
-  const Vector3 along = left + (lift - normal.dot(left)) * normal;
-  const double bent = signed_distance(shape, at + along, at).value - distance;
+  const Vector3 along = left + (lift - d.normal.dot(left)) * d.normal;
+  const double bent = signed_distance(shape, at + along, at).value - d.value;
   const Vector3 end = at + std::min(1.0, safe_depth(shape) / std::max(bent, lift)) * along;
-  return {at, entry_point(shape, at, end, offset).value_or(end)};
+  return {d, entry_point(shape, at, end, offset).value_or(end)};
 }
 
+/// Nothing where it has not come in.
 std::optional<Entry> swept_entry(const MovingCollider& collider, const Vector3& from,
                                  const Vector3& to, double offset) {
   const double depth = safe_depth(collider.shape());
@@ -95,7 +97,7 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
     to = entry->end;
     state.positions.row(i) = to_world(collider.pose(), to).transpose();
   }
-  const Distance d = signed_distance(shape, entry ? entry->at : to, from);
+  const Distance d = entry ? entry->at : signed_distance(shape, to, from);
   const double depth = d.value < 0 ? -depth_before(shape, from) : 0;
   if (!entry && depth == 0) return;
   if (s.has_faces) {

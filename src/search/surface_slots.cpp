@@ -49,11 +49,11 @@ void SurfaceSlots::go_to_nearest(Slot& slot, const Points& positions) const {
       });
       const SurfacePair beside = pair(here.pair.points[0], t);
       if (!leads_nearer && beside.nearest <= here.pair.nearest) return;
-      const Separation s = separation(beside, positions);
-      if (s.distance - beside.nearest >= slot.gap()) return;
       // Where it touches it stays: what may come nearer there would let it come nearer here.
       const double nearer = slot.pair.nearest - beside.nearest;
       if (nearer > 0 && slot.gap() <= nearer) return;
+      const Separation s = separation(beside, positions);
+      if (s.distance - beside.nearest >= slot.gap()) return;
       slot.pair = beside;
       slot.last = s;
       goes = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "clothsim/search/patches.h"
@@ -40,6 +41,7 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
         }
       }
     }
+    throw std::logic_error("the cloth has no such triangles");
   }
 
   const std::array<int, 3>& corners(int triangle) const {
@@ -92,7 +94,7 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
 };
 
 TEST_F(SurfaceSlotsOfNeighbours, StayWhereTheyTouch) {
-  // The other triangle is deeper in what it may come, but would let the point come nearer to this.
+  // At the other triangle the gap is smaller, but that would let the point come nearer to this.
   const double may_far = nearest_->of_slot(point, far_), may_near = nearest_->of_slot(point, near_);
   EXPECT_EQ(walk(0.999 * may_far, 0.99 * may_near), far_);
   EXPECT_EQ(walk(may_far + 0.9 * (may_far - may_near), 0.99 * may_near), far_);
