@@ -3,8 +3,6 @@
 // the colour image. The fragments come from a box around it.
 #include "truth.glsl"
 
-in vec3 surface_position;
-
 uniform vec3 translation;  // the sphere's centre relative to the camera [m]
 uniform float radius;      // [m]
 uniform mat3 turn;         // from now to the last picture
@@ -16,7 +14,7 @@ const float steepest = 0.1;
 
 void main() {
   // Half the chord from the ray's distance to the centre: no difference of large squares.
-  vec3 ray = safe_normalize(surface_position);
+  vec3 ray = pixel_ray();
   float middle = dot(ray, translation);
   vec3 aside = translation - middle * ray;
   float chord_squared = radius * radius - dot(aside, aside);

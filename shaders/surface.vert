@@ -20,7 +20,6 @@ out vec3 surface_position;  // relative to the camera [m]
 out vec3 surface_normal;
 out vec3 surface_tangent;
 out vec2 surface_uv;
-out float surface_depth;    // along the optical axis [m]
 out vec3 surface_before;    // relative to the camera of the last picture [m]
 
 void main() {
@@ -32,7 +31,6 @@ void main() {
   surface_normal = rotation * normal;
   surface_tangent = rotation * tangent;
   surface_uv = uv;
-  surface_depth = dot(surface_position, forward.xyz);
   surface_before =
       rotation_before * (position_before + lift * normal_before) + translation_before;
 

@@ -3,6 +3,7 @@
 #include "frame.glsl"
 
 uniform float id;
+uniform mat3 ray_of_pixel;  // the way of (u, v, 1) from the camera
 uniform mat3 pixel_before;  // (u, v, 1) * depth in the last picture, from a place relative to its camera
 uniform float near_before;  // [m] the near plane then; infinity: this was not there
 
@@ -15,6 +16,8 @@ layout(location = 4) out vec2 flow;    // pixels since the last picture
 const float cloth_id = 1.0;
 
 vec2 nowhere() { return vec2(intBitsToFloat(0x7fc00000)); }  // NaN
+
+vec3 pixel_ray() { return safe_normalize(ray_of_pixel * vec3(gl_FragCoord.xy - 0.5, 1.0)); }
 
 // The normal on the side that is seen. Smooth normals lean away from the camera near an outline: they
 // are brought back to square to the ray.

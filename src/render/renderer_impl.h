@@ -34,8 +34,8 @@ struct Renderer::Impl {
   void draw_background(const Snapshot&, const Camera&);
   void draw_lines(const DrawItem&, const Wireframe&);
   void draw_translucent(const std::vector<const DrawItem*>&);
-  void draw_sphere_truth(const DrawItem&);
-  void set_truth(const DrawItem&, const ShaderProgram&) const;
+  void draw_sphere_truth(const Camera&, const DrawItem&);
+  void set_truth(const Camera&, const DrawItem&, const ShaderProgram&) const;
   const ShaderProgram& use_program(const std::string& vertex, const std::string& fragment);
   const ShaderProgram& use_item(const DrawItem&, const std::string& fragment);
   void end_stage();

@@ -16,8 +16,10 @@ Eigen::Matrix3d pixel_matrix(const Camera& c) {
 
 }  // namespace
 
-void Renderer::Impl::set_truth(const DrawItem& item, const ShaderProgram& program) const {
+void Renderer::Impl::set_truth(const Camera& camera, const DrawItem& item,
+                               const ShaderProgram& program) const {
   program.set("id", static_cast<double>(item.id));
+  program.set("ray_of_pixel", Eigen::Matrix3d(pixel_matrix(camera).inverse()));
   const bool was_there = camera_before && item.before;
   program.set("near_before",
               was_there ? camera_before->near : std::numeric_limits<double>::infinity());
@@ -27,7 +29,7 @@ void Renderer::Impl::set_truth(const DrawItem& item, const ShaderProgram& progra
   program.set("translation_before", Vector3(item.before->origin - camera_before->pose.position));
 }
 
-void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
+void Renderer::Impl::draw_sphere_truth(const Camera& camera, const DrawItem& item) {
   if (!box) {
     box.emplace();
     const Mesh cube = box_mesh(Vector3::Ones());
@@ -41,7 +43,7 @@ void Renderer::Impl::draw_sphere_truth(const DrawItem& item) {
   program.set("radius", *item.sphere_radius);
   program.set("shrinkage", 0.0);
   program.set("dip", item.dip);
-  set_truth(item, program);
+  set_truth(camera, item, program);
   if (item.before)
     program.set("turn", Eigen::Matrix3d(item.before->rotation * item.rotation.transpose()));
   glEnable(GL_CULL_FACE);
@@ -63,11 +65,11 @@ void Renderer::Impl::draw_truth(const Camera& camera, const TruthImages& wanted)
 
   for (const DrawItem& item : items) {
     if (item.sphere_radius && !std::holds_alternative<Displacement>(*item.shading)) {
-      draw_sphere_truth(item);
+      draw_sphere_truth(camera, item);
     } else {
       const ShaderProgram& program = use_item(item, "truth.frag");
       program.set("shrinkage", 0.0);
-      set_truth(item, program);
+      set_truth(camera, item, program);
       item.mesh->draw_triangles();
     }
   }

@@ -37,7 +37,19 @@ Snapshot scene(const Shading& cloth, const Shading& sphere) {
   return snapshot;
 }
 
-void expect_golden(const std::string& name, const Snapshot& snapshot) {
+/// Least and most of a channel within `reach` pixels of one.
+std::pair<int, int> range_around(const Image& image, int u, int v, int channel, int reach) {
+  std::pair<int, int> range{255, 0};
+  for (int y = std::max(0, v - reach); y <= std::min(image.height - 1, v + reach); ++y)
+    for (int x = std::max(0, u - reach); x <= std::min(image.width - 1, u + reach); ++x) {
+      const int value = image.rgb[static_cast<std::size_t>(3 * (y * image.width + x) + channel)];
+      range = {std::min(range.first, value), std::max(range.second, value)};
+    }
+  return range;
+}
+
+/// `reach` [pixels]: how far from where the golden picture has a colour it may be.
+void expect_golden(const std::string& name, const Snapshot& snapshot, int reach = 0) {
   Camera camera = camera_with_fov(160, 120, 0.9);
   camera.pose = look_at({-0.6, -1.5, 1.3}, {0.5, 0.4, 0.5});
   const Images images = draw(snapshot, camera);
@@ -49,15 +61,18 @@ void expect_golden(const std::string& name, const Snapshot& snapshot) {
   ASSERT_EQ(golden->rgb.size(), actual.rgb.size());
   Image difference = actual;
   int failing = 0;
-  for (std::size_t pixel = 0; pixel < actual.rgb.size() / 3; ++pixel) {
-    int worst = 0;
-    for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-      const int off = std::abs(actual.rgb[i] - golden->rgb[i]);
-      worst = std::max(worst, off);
-      difference.rgb[i] = static_cast<std::uint8_t>(std::min(255, 8 * off));
+  for (int v = 0; v < actual.height; ++v)
+    for (int u = 0; u < actual.width; ++u) {
+      int worst = 0;
+      for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<std::size_t>(3 * (v * actual.width + u) + c);
+        const auto [least, most] = range_around(*golden, u, v, c, reach);
+        const int off = std::max({0, least - actual.rgb[i], actual.rgb[i] - most});
+        worst = std::max(worst, off);
+        difference.rgb[i] = static_cast<std::uint8_t>(std::min(255, 8 * off));
+      }
+      failing += worst > channel_tolerance;
     }
-    failing += worst > channel_tolerance;
-  }
   const double share = 3.0 * failing / static_cast<double>(actual.rgb.size());
   if (share > failing_share_allowed) {
     fs::create_directories(CLOTHSIM_IMAGES_OUT);
@@ -77,7 +92,10 @@ TEST(Golden, PhongTextureOverBlinnPhong) {
       scene(PhongTexture{load_image(texture("fabric.png"), "texture"), {}}, BlinnPhong{}));
 }
 
-TEST(Golden, WireframeOverCartoon) { expect_golden("wireframe", scene(Wireframe{}, Cartoon{})); }
+TEST(Golden, WireframeOverCartoon) {
+  const int beside_lines = 1;  // where lines cross, drivers cover samples in other orders
+  expect_golden("wireframe", scene(Wireframe{}, Cartoon{}), beside_lines);
+}
 
 TEST(Golden, TranslucentOverMirrorUnderTheSky) {
   const auto sky = load_cube_map(texture("sky"), "sky");

@@ -59,19 +59,27 @@ TEST(Shading, BlinnPhongByComponent) {
 TEST(Shading, Texture) {
   Stage stage;
   const auto image = small_image();
-  stage.expect(Textured{image}, [&](const Hit& hit, const Vector3&) {
-    return Vector3(sample(*image, 0, hit.uv), sample(*image, 1, hit.uv), sample(*image, 2, hit.uv));
-  });
+  stage.expect(
+      Textured{image},
+      [&](const Hit& hit, const Vector3&) {
+        return Vector3(sample(*image, 0, hit.uv), sample(*image, 1, hit.uv),
+                       sample(*image, 2, hit.uv));
+      },
+      filtered_tolerance);
 }
 
 TEST(Shading, PhongTexture) {
   Stage stage;
   PhongTexture shading{small_image(), {0.1, 0.8, 0.3, 20}};
-  stage.expect(shading, [&](const Hit& hit, const Vector3& view) {
-    const Vector3 albedo(sample(*shading.image, 0, hit.uv), sample(*shading.image, 1, hit.uv),
-                         sample(*shading.image, 2, hit.uv));
-    return blinn_phong(shading.phong, stage.snapshot.light, albedo, hit.position, hit.normal, view);
-  });
+  stage.expect(
+      shading,
+      [&](const Hit& hit, const Vector3& view) {
+        const Vector3 albedo(sample(*shading.image, 0, hit.uv), sample(*shading.image, 1, hit.uv),
+                             sample(*shading.image, 2, hit.uv));
+        return blinn_phong(shading.phong, stage.snapshot.light, albedo, hit.position, hit.normal,
+                           view);
+      },
+      filtered_tolerance);
 }
 
 /// The normal of a height map at a hit, on the side it is seen from.

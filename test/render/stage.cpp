@@ -7,7 +7,7 @@
 namespace clothsim {
 
 int compare(const Snapshot& snapshot, const Camera& camera, int id, const Mesh& mesh,
-            const Formula& formula, Renderer& renderer) {
+            const Formula& formula, Renderer& renderer, double tolerance) {
   Images images;
   renderer.render(snapshot, camera, {}, images);
   int compared = 0;
@@ -21,7 +21,7 @@ int compare(const Snapshot& snapshot, const Camera& camera, int id, const Mesh& 
       if (!expected) continue;
       ++compared;
       for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(channel(images, u, v, c), srgb_byte((*expected)[c]), byte_tolerance)
+        EXPECT_NEAR(channel(images, u, v, c), srgb_byte((*expected)[c]), tolerance)
             << "pixel " << u << " " << v << " channel " << c;
     }
   return compared;
@@ -89,12 +89,12 @@ Stage::Stage() {
   sphere = collider_mesh(snapshot.colliders[0]);
 }
 
-void Stage::expect(const Shading& shading, const Formula& formula) {
+void Stage::expect(const Shading& shading, const Formula& formula, double tolerance) {
   validate(shading);
   snapshot.cloth_shading = shading;
   snapshot.colliders[0].shading = shading;
-  EXPECT_GT(compare(snapshot, camera, 1, cloth, formula), 150);
-  EXPECT_GT(compare(snapshot, camera, 2, sphere, formula), 50);
+  EXPECT_GT(compare(snapshot, camera, 1, cloth, formula, shared_renderer(), tolerance), 150);
+  EXPECT_GT(compare(snapshot, camera, 2, sphere, formula, shared_renderer(), tolerance), 50);
 }
 
 std::shared_ptr<const CubeMap> colored_cube() {

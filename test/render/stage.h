@@ -12,12 +12,13 @@ namespace clothsim {
 /// the camera.
 using Formula = std::function<std::optional<Vector3>(const Hit&, const Vector3& view)>;
 
-constexpr double byte_tolerance = 2;  // of 255
+constexpr double byte_tolerance = 2;      // of 255
+constexpr double filtered_tolerance = 3;  // where texture units weigh texels, by 8 bits
 
 /// Draws and compares a grid of pixels that lie well on object `id` with the formula at the point
 /// that the reference tracer finds. Returns the number of pixels compared.
 int compare(const Snapshot&, const Camera&, int id, const Mesh&, const Formula&,
-            Renderer& renderer = shared_renderer());
+            Renderer& renderer = shared_renderer(), double tolerance = byte_tolerance);
 
 /// Linear light of an sRGB colour.
 Vector3 linear(const Color&);
@@ -45,7 +46,7 @@ struct Stage {
   Stage();
 
   /// Compares cloth and sphere with this shading.
-  void expect(const Shading&, const Formula&);
+  void expect(const Shading&, const Formula&, double tolerance = byte_tolerance);
 };
 
 }  // namespace clothsim
