@@ -267,11 +267,14 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
   step_.reach = reach;
   solved_alone_ = false;
   if (is_slack()) return;
-  if (find_active(state.positions, workers)) {
+  const bool changes = find_active(state.positions, workers);
+  if (changes || before) {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
       positions_[i] = quad(state.positions, touched_[i]);
       predicted_[i] = quad(state.velocities, touched_[i]);
     }
+  }
+  if (changes) {
     for (std::size_t i = 0; i < last_touched_.size(); ++i) {
       const Quad& given = last_given_[i];
       state.velocities.row(last_touched_[i]) -= Eigen::RowVector3d(given.x, given.y, given.z);
@@ -318,7 +321,7 @@ PassChange StrainLimit::sweep_colour(int colour, double momentum, bool goes_back
                         goes_back, most_kick_, velocities_.data());
     }
   };
-  workers.share(end - first, sweep_segments, 1);
+  workers.share(end - first, sweep_segments, 2);
   PassChange change;
   for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
   return change;

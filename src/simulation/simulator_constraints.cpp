@@ -113,12 +113,16 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (seeks) plan_search(h);
   const ContactStep step = contact_step(h, reach, touches_of_itself);
 
-  // Impulses that keep springs within their limit, points off colliders and the cloth off itself.
-  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
+  // Impulses that keep points off colliders, the cloth off itself and springs within their limit:
+  // first those of the last step, so that springs are held where all of them lead.
   seeks ? begin_contact(step, report) : go_on_in_contact(step);
+  follow(predicted.size(), reach * h, state.velocities.data(), predicted.data(),
+         state.positions.data());
+  resumed = state.velocities;
+  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   if (seeks) course.closeness = precision_of(h, tolerance, length);
   const bool solved = solve(seeks, report);
-  follow(predicted.size(), reach * h, state.velocities.data(), predicted.data(),
+  follow(resumed.size(), reach * h, state.velocities.data(), resumed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts && seeks) by_impulses = state.positions;

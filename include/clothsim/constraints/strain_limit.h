@@ -72,8 +72,9 @@ class StrainLimit {
   void predict(double h, double reach, State&);
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
-  /// Nothing may change the state between predict() and this. `before`: the velocities that the
-  /// step began with, where contact will act in it: those of now lack what it is yet to answer.
+  /// Between predict() and this others may have moved the points and changed their velocities, by
+  /// their own kept impulses: springs are held where all of them lead. `before`: then, the
+  /// velocities that the step began with; else none.
   void begin(const Cloth& cloth, double reach, State&, const Workers& = {},
              const Points* before = nullptr);
 
