@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "clothsim/model/errors.h"
 
 namespace clothsim {
 namespace {
 
 /// Changes that a pass leaves out, of the precision to which it solves.
 constexpr double unseen_share = 0.0125;
+
+/// Least width of a slab, of the mean length of its contacts.
+constexpr double slab_width = 4;
+
+/// Of so many contacts one tells where they lie.
+enum { samples_apart = 8 };
 
 /// A key as numbers of the memory: whole ones that are exact.
 enum { key_bits = 16, key_parts = 4 };
@@ -73,29 +80,52 @@ void ContactList::resume(double scale, Points& velocities) {
   }
 }
 
-/// By the plane that has half of the contacts on either side, across the longest way they reach.
-void ContactList::group(const Points& positions) {
-  for (std::vector<Place>& places : groups_) places.clear();
+/// Slabs of as many contacts each across the longest way they reach: of enough that a pass over one
+/// is not over before another thread is there, and wide enough that most lie within one.
+ContactList::Cut ContactList::cut_into_slabs(const Points& positions) const {
+  Cut cut;
   const std::size_t count = contacts_.size();
-  int axis = 0;
-  double split = -std::numeric_limits<double>::infinity();
-  // Of fewer, a pass is over before another thread is there.
-  if (count >= std::size_t{2 * Workers::dear}) {
-    Eigen::AlignedBox3d box;
-    for (const Contact& c : contacts_) box.extend(row(positions, c.points[0]));
-    box.sizes().maxCoeff(&axis);
-    std::vector<double> along;
-    for (const Contact& c : contacts_) along.push_back(positions(c.points[0], axis));
-    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(along.begin(), middle, along.end());
-    split = *middle;
+  if (count < 2 * std::size_t{Workers::dear}) return cut;
+  Eigen::AlignedBox3d box;
+  Vector3 lengths(0, 0, 0);
+  for (const Contact& c : contacts_) {
+    Eigen::AlignedBox3d of_contact;
+    for (const int point : c.points) of_contact.extend(row(positions, point));
+    lengths += of_contact.sizes();
+    box.extend(of_contact);
   }
-  for (std::size_t k = 0; k < count; ++k) {
+  box.sizes().maxCoeff(&cut.axis);
+  const double length = lengths[cut.axis] / static_cast<double>(count);
+  const auto slabs =
+      static_cast<std::size_t>(std::min(static_cast<double>(count / std::size_t{Workers::dear}),
+                                        box.sizes()[cut.axis] / (slab_width * length)));
+  std::vector<double> along;
+  for (std::size_t k = 0; k < count; k += samples_apart) {
+    along.push_back(positions(contacts_[k].points[0], cut.axis));
+  }
+  std::sort(along.begin(), along.end());
+  for (std::size_t k = 1; k < slabs; ++k) cut.at.push_back(along[k * along.size() / slabs]);
+  return cut;
+}
+
+void ContactList::group(const Points& positions) {
+  const Cut cut = cut_into_slabs(positions);
+  const int planes = static_cast<int>(cut.at.size()), slabs = planes + 1;
+  stages_ = {slabs, slabs + slabs / 2, slabs + planes, slabs + planes + 1};
+  groups_.resize(static_cast<std::size_t>(stages_.back()));
+  for (std::vector<Place>& places : groups_) places.clear();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const std::array<int, 4>& points = contacts_[k].points;
-    const auto before = std::count_if(points.begin(), points.end(),
-                                      [&](int i) { return positions(i, axis) < split; });
-    const Group group = before == 4 ? one_side : before == 0 ? other_side : across;
-    groups_[group].push_back({points, static_cast<int>(k)});
+    int first = slabs, last = 0;
+    for (const int point : points) {
+      const auto above = std::upper_bound(cut.at.begin(), cut.at.end(), positions(point, cut.axis));
+      const int slab = static_cast<int>(above - cut.at.begin());
+      first = std::min(first, slab);
+      last = std::max(last, slab);
+    }
+    const int across = slabs + first / 2 + first % 2 * (slabs / 2);
+    const int group = last == first ? first : last == first + 1 ? across : stages_.back() - 1;
+    groups_[static_cast<std::size_t>(group)].push_back({points, static_cast<int>(k)});
   }
 }
 
@@ -103,25 +133,25 @@ double ContactList::sweep(double precision, Points& velocities, const Workers& w
   if (contacts_.empty()) return 0;
   const double least = unseen_share * precision;
   changed_.look(velocities, least, workers);
-  std::array<double, num_groups> changes{};
-  const auto sweep_groups = [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const auto group = static_cast<Group>(k);
-      changes[group] = sweep_group(group, least, velocities);
-    }
-  };
-  if (groups_[one_side].empty()) {
-    sweep_groups(one_side, across);
-  } else {
-    workers.share(2, sweep_groups, 1);
+  changes_.assign(groups_.size(), 0);
+  int first = 0;
+  for (const int end : stages_) {
+    const auto sweep_groups = [&](int from, int to) {
+      for (int k = first + from; k < first + to; ++k) {
+        const auto group = static_cast<std::size_t>(k);
+        changes_[group] = sweep_group(groups_[group], least, velocities);
+      }
+    };
+    workers.share(end - first, sweep_groups, 1, Workers::uneven);
+    first = end;
   }
-  sweep_groups(across, num_groups);
-  return *std::max_element(changes.begin(), changes.end());
+  return *std::max_element(changes_.begin(), changes_.end());
 }
 
-double ContactList::sweep_group(Group group, double least, Points& velocities) {
+double ContactList::sweep_group(const std::vector<Place>& places, double least,
+                                Points& velocities) {
   double residual2 = 0;
-  for (const Place& place : groups_[group]) {
+  for (const Place& place : places) {
     if (!changed_.any(place.points)) continue;
     Contact& c = contacts_[static_cast<std::size_t>(place.contact)];
     const Vector3 v = weighted_sum(c.points, c.weights, velocities);
@@ -188,6 +218,9 @@ void ContactList::read(MemoryReader& memory) {
     for (int k = 0; k < key_parts; ++k) {
       c.key =
           c.key << key_bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << key_bits));
+    }
+    if (!contacts_.empty() && c.key <= contacts_.back().key) {
+      throw InvalidValue({"memory"}, "contacts in another order", "what this cloth wrote");
     }
     c.impulse.read(memory);
     contacts_.push_back(c);

@@ -101,7 +101,7 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   }
   const double across = air_density / 2 * drag[0] / 3;
   const double along = air_density / 2 * drag[1] / 3;
-  workers.share(cloth.rows - 1, [&](int begin, int end) {
+  const auto push_rows = [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       const int i = row * columns;
       const Columns p = columns_of(state.positions, i);
@@ -115,7 +115,8 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
       push_all(1, columns + 1, lower_);
       push_all(columns + 1, columns, upper_);
     }
-  });
+  };
+  workers.share(cloth.rows - 1, push_rows, std::max(1, Workers::dear / columns));
   workers.share(n, [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
       gather(&lower_(before + begin, axis), &upper_(before + begin, axis), columns, end - begin,

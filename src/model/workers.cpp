@@ -23,6 +23,9 @@ constexpr int patience = 4000;
 /// threads should not both write.
 constexpr int line = 8;
 
+/// More than there are threads.
+constexpr int shut = 1 << 20;
+
 void relax() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -34,72 +37,75 @@ void relax() {
 }  // namespace
 
 struct Workers::Pool {
-  explicit Pool(int helpers) {
-    for (int i = 0; i < helpers; ++i) threads.emplace_back([this] { help(); });
+  explicit Pool(int count) : helpers(static_cast<std::size_t>(count)) {
+    for (int i = 0; i < count; ++i) {
+      helpers[static_cast<std::size_t>(i)].thread = std::thread([this, i] { help(i); });
+    }
   }
 
   ~Pool() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      stopped = true;
-      ++round;
-    }
-    wake.notify_all();
-    for (std::thread& thread : threads) thread.join();
+    stopped = true;
+    begin_round(static_cast<int>(helpers.size()));
+    for (Helper& helper : helpers) helper.thread.join();
   }
 
   /// The caller's part.
   void run(const Loop& l) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      loop = l;
-      const int most = l.bands_a_thread * (static_cast<int>(threads.size()) + 1);
-      bands = std::min(most, l.count / l.least);
-      next = 0;
-      is_open = true;
-      ++round;
-    }
-    if (sleepers > 0) wake.notify_all();
+    loop = l;
+    const int count = static_cast<int>(helpers.size());
+    bands = std::min(l.bands_a_thread * (count + 1), l.count / l.least);
+    next.store(0, std::memory_order_relaxed);
+    inside.fetch_add(shut, std::memory_order_release);
+    begin_round(std::min(bands - 1, count));
     take_bands();
 
     // Nobody comes in any more; those inside finish their bands.
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      is_open = false;
-    }
-    for (int i = 0; inside.load(std::memory_order_acquire) > 0; ++i) {
+    inside.fetch_sub(shut, std::memory_order_relaxed);
+    for (int i = 0; inside.load(std::memory_order_acquire) != -shut; ++i) {
       i < patience ? relax() : std::this_thread::yield();
     }
   }
 
+  /// Tells the first so many threads that there is work.
+  void begin_round(int count) {
+    wanted = count;
+    ++round;
+    for (int i = 0; i < count; ++i) {
+      Helper& helper = helpers[static_cast<std::size_t>(i)];
+      if (!helper.sleeps) continue;
+      { const std::lock_guard<std::mutex> lock(helper.mutex); }  // it waits, or looks again
+      helper.wake.notify_one();
+    }
+  }
+
   /// What each other thread does.
-  void help() {
-    unsigned seen = 0;
-    while (wait_for_round(seen)) {
-      {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (stopped) return;  // the last round: to wait for another would be for ever
-        seen = round;
-        if (!is_open) continue;
-        ++inside;
-      }
-      take_bands();
+  void help(int number) {
+    for (unsigned seen = 0; wait_for_round(number, seen);) {
+      if (inside.fetch_add(1, std::memory_order_acquire) >= 0) take_bands();
       inside.fetch_sub(1, std::memory_order_release);
     }
   }
 
-  /// Until another round than `seen` has begun; false when the pool ends.
-  bool wait_for_round(unsigned seen) {
+  /// Until another round than `seen` wants this thread; false when the pool ends.
+  bool wait_for_round(int number, unsigned& seen) {
+    Helper& self = helpers[static_cast<std::size_t>(number)];
+    const auto is_wanted = [&] {
+      const unsigned now = round;
+      if (now == seen) return false;
+      seen = now;
+      return number < wanted;
+    };
     const auto deadline = std::chrono::steady_clock::now() + awake;
-    while (round.load(std::memory_order_acquire) == seen) {
+    while (!is_wanted()) {
       if (std::chrono::steady_clock::now() < deadline) {
         relax();
         continue;
       }
-      std::unique_lock<std::mutex> lock(mutex);
-      ++sleepers;
-      wake.wait(lock, [&] { return round != seen; });
-      --sleepers;
+      std::unique_lock<std::mutex> lock(self.mutex);
+      self.sleeps = true;
+      self.wake.wait(lock, is_wanted);
+      self.sleeps = false;
+      break;
     }
     return !stopped;
   }
@@ -116,17 +122,22 @@ struct Workers::Pool {
     }
   }
 
-  std::mutex mutex;
-  std::condition_variable wake;
-  std::atomic<unsigned> round{0};  // counts the loops; changed under the mutex
-  std::atomic<int> sleepers{0};
-  std::atomic<int> inside{0};  // threads that may take bands, but the caller
-  std::atomic<int> next{0};    // band nobody has taken
+  struct Helper {
+    std::thread thread;
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::atomic<bool> sleeps{false};
+  };
+
+  // Each in a line of its own: all look at the first two while they wait.
+  alignas(64) std::atomic<unsigned> round{0};  // counts the loops
+  std::atomic<int> wanted{0};                  // threads that the round is for
   std::atomic<bool> stopped{false};
-  bool is_open = false;  // under the mutex; the next two change while it is shut and nobody inside
-  Loop loop{};
+  alignas(64) std::atomic<int> inside{-shut};  // threads that may take bands; below 0: shut
+  alignas(64) std::atomic<int> next{0};        // band nobody has taken
+  alignas(64) Loop loop{};                     // changes while it is shut and nobody inside
   int bands = 0;
-  std::vector<std::thread> threads;
+  std::vector<Helper> helpers;
 };
 
 Workers::Workers() = default;
@@ -138,7 +149,7 @@ Workers::~Workers() = default;
 Workers::Workers(Workers&&) noexcept = default;
 Workers& Workers::operator=(Workers&&) noexcept = default;
 
-int Workers::threads() const { return pool_ ? static_cast<int>(pool_->threads.size()) + 1 : 1; }
+int Workers::threads() const { return pool_ ? static_cast<int>(pool_->helpers.size()) + 1 : 1; }
 
 void Workers::run(const Loop& loop) const { pool_->run(loop); }
 

@@ -152,7 +152,7 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
           if (budget) budget->spend(WorkBudget::patches_measured);
         }
       },
-      Workers::uneven);
+      Workers::dearest, Workers::uneven);
   std::vector<SurfacePair> slots;
   std::vector<NearPair> meet;
   for (const Found& found : bands) {
@@ -205,7 +205,7 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
           }
         }
       },
-      Workers::uneven);
+      Workers::dear, Workers::uneven);
   const auto first = static_cast<std::ptrdiff_t>(near_.size());
   for (const auto& found : bands) near_.insert(near_.end(), found.begin(), found.end());
   std::sort(near_.begin() + first, near_.end(),

@@ -106,25 +106,32 @@ class ContactList {
   void read(MemoryReader&);
 
  private:
-  /// Contacts on either side of a plane, which have no point in common, and those across it: passes
-  /// go over both sides at once, then over the rest.
-  enum Group { one_side, other_side, across, num_groups };
-
   /// A contact, by number, and its points: most passes look at no more of it.
   struct Place {
     std::array<int, 4> points;
     int contact;
   };
 
+  /// Planes x[axis] = at, ascending, that cut the contacts into slabs.
+  struct Cut {
+    int axis = 0;
+    std::vector<double> at;
+  };
+
+  Cut cut_into_slabs(const Points& positions) const;
   void group(const Points& positions);
   void resume(double scale, Points& velocities);
-  double sweep_group(Group, double least, Points& velocities);
+  double sweep_group(const std::vector<Place>&, double least, Points& velocities);
 
   double h_ = 0;
   double scale_ = 0;  // of the last step's impulses, over the same forces' in this one
   std::vector<Contact> contacts_;
   std::vector<Contact> last_;
-  std::array<std::vector<Place>, num_groups> groups_;
+  /// Contacts within each of n slabs, then those across one plane, of every other plane first, then
+  /// those across more. The groups up to each of `stages_` have no point in common.
+  std::vector<std::vector<Place>> groups_;
+  std::array<int, 4> stages_{};
+  std::vector<double> changes_;  // of each group in a pass
   ChangedPoints changed_;
 };
 

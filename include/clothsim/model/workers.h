@@ -36,6 +36,8 @@ class Workers {
   static constexpr int uneven = 4;
   /// Least band of a loop over parts that are dearer than a point or a spring.
   static constexpr int dear = 64;
+  /// The same, much dearer.
+  static constexpr int dearest = 8;
 
   /// To be called from one thread at a time, and not from within a body. A body must not throw.
   /// Bands are `least` long or more, but for a loop that is shorter than two of them.
@@ -63,7 +65,8 @@ class Workers {
   /// Bands of a loop over parts that are dear, where body(begin, end, result) gives a result for
   /// each: in their order.
   template <typename Result, typename Body>
-  std::vector<Result> gather(int count, const Body& body, int bands_a_thread = 1) const {
+  std::vector<Result> gather(int count, const Body& body, int least = dear,
+                             int bands_a_thread = 1) const {
     std::mutex mutex;
     std::map<int, Result> found;  // by the first part
     share(
@@ -74,7 +77,7 @@ class Workers {
           const std::lock_guard<std::mutex> lock(mutex);
           found[begin] = std::move(result);
         },
-        dear, bands_a_thread);
+        least, bands_a_thread);
     std::vector<Result> results;
     for (auto& [begin, result] : found) results.push_back(std::move(result));
     return results;
