@@ -224,6 +224,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->grips = saved.grips;
   impl_->hold_points();
   if (impl_->fits(saved.memory)) {
+    impl_->renew_self_contacts(cloth, saved.cloth);  // what its memory tells of
     impl_->read(saved.memory);
     const bool is_other_material = has_other_material(saved.cloth, cloth);
     if (is_other_material) impl_->forget_history();

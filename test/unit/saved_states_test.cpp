@@ -188,6 +188,21 @@ TEST(SavedStates, OfAnotherThicknessOrFrictionGoOnByThoseOfTheSimulator) {
   }
 }
 
+TEST(SavedStates, OfThinnerClothWhosePointsTouchGoOnWhereItIsThick) {
+  Scene scene = shipped_scene("self_collision");
+  scene.cloth.columns = scene.cloth.rows = 20;
+  scene.cloth.self_collision = SelfCollision::points;
+  Simulator simulator(scene);
+  run(simulator, 1.5);
+  const auto saved = simulator.save();
+  LiveSpec live = live_values(scene);
+  live.thickness *= 1.6;  // what touched are neighbours now
+  simulator.set(live);
+  simulator.restore(*saved);
+  EXPECT_EQ(simulator.cloth().thickness, live.thickness);
+  run(simulator, 0.1);
+}
+
 TEST(SavedStates, OfAnotherDensityGoOnWithoutTheImpulsesOfItsPairs) {
   Scene scene = shipped_scene("self_collision");
   scene.cloth.columns = scene.cloth.rows = 12;
