@@ -1,5 +1,6 @@
 """Runs cases, each in a folder that is there when the case is done."""
 
+import collections.abc
 import importlib.util
 import json
 import os
@@ -10,6 +11,7 @@ import subprocess
 import time
 import traceback
 
+import numpy as np
 import yaml
 
 from sweeping.plan import VIEW
@@ -102,6 +104,46 @@ def load_measure(path):
     return module.measure
 
 
+def as_plain(value):
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError("measure: got %r, expected numbers and texts" % (value,))
+
+
+def measured(case, part):
+    """What the user's measure() says of a case. Raises what that raises, or TypeError."""
+    values = load_measure(case.measure)(part)
+    if not isinstance(values, collections.abc.Mapping):
+        raise TypeError("measure: got %r, expected a dict" % (values,))
+    return flat(json.loads(json.dumps(dict(values), default=as_plain)))
+
+
+def keep(case, store, part, result):
+    """Puts a finished case, in its folder `part`, where all look for it."""
+    (part / RESULT).write_text(json.dumps(result))
+    try:
+        part.rename(store.path(case.number))
+    except OSError:
+        shutil.rmtree(part)  # another process was faster
+        if not store.path(case.number).exists():
+            raise
+    return result
+
+
+def part_of(case, store):
+    """Folder of a case that this process works on."""
+    return store.cases / (".%06d.%s.%d.part" % (case.number, os.uname().nodename, os.getpid()))
+
+
+def fail(case, store, message):
+    """Keeps a case that nobody could run to its end. Its result."""
+    part = part_of(case, store)
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir()
+    return keep(case, store, part, {"case": case.number, "parameters": case.parameters, "results": {},
+                                    "status": "failed", "message": message, "case_seconds": 0.0})
+
+
 def run_program(case, part):
     """Runs it in an empty folder. One that was killed may have been in the way of others, for memory,
     or this process may be about to be killed as well: it is given a pause and tried again."""
@@ -121,7 +163,7 @@ def run_program(case, part):
 def run_case(case, store):
     """Runs a case, unless another process is faster. Its result, or None where it was interrupted."""
     begin = time.monotonic()
-    part = store.cases / (".%06d.%s.%d.part" % (case.number, os.uname().nodename, os.getpid()))
+    part = part_of(case, store)
     run = run_program(case, part)
     if run.returncode == INTERRUPTED:
         shutil.rmtree(part)
@@ -138,20 +180,12 @@ def run_case(case, store):
         result["results"] = {key: value for key, value in flat(values) if key != "scene"}
     if case.measure and result["status"] == "done":
         try:
-            measured = load_measure(case.measure)(part)
-            result["results"].update(flat(json.loads(json.dumps(dict(measured)))))
-        except Exception:  # the user's own code
+            result["results"].update(measured(case, part))
+        except (Exception, SystemExit):  # the user's own code
             result["status"] = "failed"
-            result["message"] = traceback.format_exc()[-LONGEST_MESSAGE:]
+            *_, result["message"] = traceback.format_exc().strip()[-LONGEST_MESSAGE:].split("\n  ", 1)
     result["case_seconds"] = time.monotonic() - begin
-    (part / RESULT).write_text(json.dumps(result))
-    try:
-        part.rename(store.path(case.number))
-    except OSError:
-        shutil.rmtree(part)  # another process was faster
-        if not store.path(case.number).exists():
-            raise
-    return result
+    return keep(case, store, part, result)
 
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

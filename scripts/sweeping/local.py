@@ -6,7 +6,7 @@ import concurrent.futures
 from joblib.externals.loky import get_reusable_executor
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
-from sweeping.cases import Case, run_case
+from sweeping.cases import Case, fail, run_case
 
 # A case whose worker dies so often is at fault itself.
 MOST_ATTEMPTS = 3
@@ -23,9 +23,15 @@ def run_here(program, plan, store, numbers, jobs, progress):
 
     def submit(pool):
         while waiting and len(running) < AHEAD * jobs:
-            number = waiting.popleft()
+            number = waiting[0]
+            is_suspect = attempts[number] == MOST_ATTEMPTS - 1  # tried once more, alone
+            if is_suspect and running:
+                return
+            waiting.popleft()
             attempts[number] += 1
             running[pool.submit(run_case, Case(program, plan, number), store)] = number
+            if is_suspect:
+                return
 
     while waiting or running:
         pool = get_reusable_executor(max_workers=jobs, timeout=60)
@@ -43,10 +49,14 @@ def run_here(program, plan, store, numbers, jobs, progress):
                 submit(pool)
         except BrokenProcessPool:
             # A worker was killed: all that ran begins anew.
-            lost = [number for number in running.values() if number not in store.done()]
+            done, again = store.done(), []
+            for number in running.values():
+                if number in done:
+                    progress(store.result(number))
+                elif attempts[number] == MOST_ATTEMPTS:
+                    progress(fail(Case(program, plan, number), store,
+                                  "its worker was killed %d times" % MOST_ATTEMPTS))
+                else:
+                    again.append(number)
             running.clear()
-            for number in lost:
-                if attempts[number] >= MOST_ATTEMPTS:
-                    raise SystemExit("sweep: case %d: its worker was killed %d times" %
-                                     (number, attempts[number])) from None
-            waiting.extendleft(reversed(lost))
+            waiting.extendleft(reversed(again))

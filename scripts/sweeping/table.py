@@ -77,6 +77,9 @@ def plot(folder, rows, columns, names):
 def draw_map(figure, axes, values, label):
     """Cells where x and y make a grid, else points."""
     x, y, z = values
+    texts = None
+    if z.dtype == object:
+        texts, z = np.unique(z, return_inverse=True)
     xs, ys = np.unique(x), np.unique(y)
     if len(xs) * len(ys) == len(z) and min(len(xs), len(ys)) > 1:
         grid = np.full((len(ys), len(xs)), np.nan)
@@ -86,4 +89,6 @@ def draw_map(figure, axes, values, label):
         axes.set_yticks(np.arange(len(ys)) + 0.5, ["%.3g" % v if y.dtype != object else v for v in ys])
     else:
         drawn = axes.scatter(x, y, c=z)
-    figure.colorbar(drawn, label=label)
+    bar = figure.colorbar(drawn, label=label)
+    if texts is not None:
+        bar.set_ticks(range(len(texts)), labels=texts)

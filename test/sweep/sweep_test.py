@@ -192,6 +192,28 @@ class Here(Sweeps):
         self.assertAlmostEqual(float(rows[0]["span.z"]), 1 - float(rows[0]["lowest"]), delta=1e-3)
         self.assertEqual((rows[1]["status"], rows[1]["lowest"]), ("failed", ""))
 
+    def test_a_measure_may_fail_in_any_way(self):
+        (self.folder / "measure.py").write_text(
+            "import os, numpy as np\n"
+            "def measure(folder):\n"
+            "    case = int(folder.name.split('.')[1])\n"
+            "    if case == 1: os._exit(3)\n"
+            "    if case == 2: raise SystemExit('no more')\n"
+            "    if case == 3: return 3\n"
+            "    if case == 4: return {'a': object()}\n"
+            "    return {'ok': np.bool_(case == 0), 'n': np.int64(7), 'f': np.float32(0.5)}\n")
+        self.write({"axes": {"cloth.ks": {"range": [500, 900], "count": 7}}, "measure": "measure.py"})
+        run = self.run_sweep("--plot", "n", "f", "status", code=2)
+        rows = self.rows()
+        self.assertEqual([row["status"] for row in rows], ["done"] + 4 * ["failed"] + 2 * ["done"])
+        self.assertEqual([row["ok"] for row in rows if row["ok"]], ["True", "False", "False"])
+        self.assertEqual((rows[0]["n"], rows[0]["f"]), ("7", "0.5"))
+        for case, message in enumerate(["its worker was killed 3 times", "SystemExit: no more",
+                                        "expected a dict", "expected numbers and texts"], 1):
+            self.assertIn("case %d failed: " % case, run.stderr)
+            self.assertIn(message, rows[case]["message"])
+        self.assertTrue((self.out / "plot_n_f_status.png").exists())
+
     def test_views(self):
         (self.folder / "view.yaml").write_text("width: 24\nheight: 16\n")
         self.write({"axes": {"cloth.ks": [500, 5000], "view.cloth.color": [[1, 0, 0], [0, 1, 0]]},
