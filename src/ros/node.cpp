@@ -60,7 +60,7 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
       pacer_(parameters_.realtime_factor, parameters_.publish_clock),
       changes_(node_, pacer_, frame_number_),
       tf_(parameters_.world_frame, parameters_.limits.tf_age.warning),
-      targets_(tf_),
+      targets_(node_, tf_),
       follower_(parameters_.scene, tf_, parameters_.jump_speed),
       grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),

@@ -1,7 +1,7 @@
 #include "clothsim/ros/step_targets.h"
 
+#include <ros/single_subscriber_publisher.h>
 #include <tf2/exceptions.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <optional>
@@ -106,7 +106,11 @@ void StepTargets::aim(const clothsim::Step::Request& request,
     });
   }
   if (motions.empty()) return;
-  if (!publisher_) publisher_ = node_.advertise<tf2_msgs::TFMessage>("/tf", tf_queue);
+  if (!publisher_) {
+    publisher_ = node_.advertise<tf2_msgs::TFMessage>(
+        "/tf", tf_queue,
+        [this](const ros::SingleSubscriberPublisher& listener) { listener.publish(message()); });
+  }
   for (const auto& [frame, motion] : motions) {
     motions_.insert_or_assign(frame, motion);
     begin_.emplace(frame, motion.pose());
@@ -120,13 +124,21 @@ void StepTargets::advance() {
 }
 
 void StepTargets::broadcast(const ros::Time& stamp) {
-  if (moving_.empty() || publisher_.getNumSubscribers() == 0) return;
+  stamp_ = stamp;
+  if (publisher_.getNumSubscribers() == 0) return;
+  const tf2_msgs::TFMessage msg = message();
+  if (!msg.transforms.empty()) publisher_.publish(msg);
+}
+
+/// Where the frames are that nobody else has moved since.
+tf2_msgs::TFMessage StepTargets::message() const {
   tf2_msgs::TFMessage msg;
-  for (const std::string& frame : moving_) {
-    msg.transforms.push_back(to_msg(tf_.world_frame(), frame, motions_.at(frame).pose()));
-    msg.transforms.back().header.stamp = stamp;
+  for (const auto& [frame, motion] : motions_) {
+    if (!tf_.holds(frame)) continue;
+    msg.transforms.push_back(to_msg(tf_.world_frame(), frame, motion.pose()));
+    msg.transforms.back().header.stamp = stamp_;
   }
-  publisher_.publish(msg);
+  return msg;
 }
 
 void StepTargets::put(const std::string& frame, const Pose& pose) {
@@ -135,6 +147,7 @@ void StepTargets::put(const std::string& frame, const Pose& pose) {
 
 void StepTargets::reset(const clothsim::Scene& scene) {
   for (auto& [frame, motion] : motions_) {
+    if (!tf_.holds(frame)) continue;
     const auto follows = [&name = frame](const auto& collider) { return collider.frame == name; };
     const auto collider = std::find_if(scene.colliders.begin(), scene.colliders.end(), follows);
     motion = clothsim::FrameMotion(collider == scene.colliders.end() ? begin_.at(frame)
@@ -145,6 +158,7 @@ void StepTargets::reset(const clothsim::Scene& scene) {
 
 void StepTargets::restore(const Saved& saved) {
   for (const auto& [frame, motion] : saved) {
+    if (!tf_.holds(frame)) continue;
     motions_.insert_or_assign(frame, motion);
     put(frame, motion.pose());
   }

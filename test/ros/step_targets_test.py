@@ -2,6 +2,7 @@
 """~step with targets: equal moves, given twists, what tf hears, saved states, what is refused."""
 
 import math
+import subprocess
 import time
 import unittest
 
@@ -147,6 +148,22 @@ class StepTargets(unittest.TestCase):
             runs.append(content(self.cloth.step(30, [make_transform("ball", BALL + (0.02, 0, 0.2), 0.4),
                                                      make_transform("hand", HAND + (0, 0, 0.1))])))
         self.assertEqual(*runs)
+
+    def test_tf_hears_where_frames_go_back_to(self):
+        self.cloth.step(5, [make_transform("ball", BALL + (0, 0, 0.2))])
+        self.assertTrue(call("/clothsim/save_state", SaveState, "up").success)
+        self.cloth.reset()
+        state = self.cloth.step(1)
+        np.testing.assert_allclose(self.told("ball", state, 2)[0], [BALL, BALL], atol=1e-12)
+        self.assertTrue(call("/clothsim/restore_state", RestoreState, "up").success)
+        state = self.cloth.step(1)
+        np.testing.assert_allclose(self.told("ball", state, 1)[0][0], BALL + (0, 0, 0.2), atol=1e-12)
+
+    def test_who_listens_later_hears_of_frames_at_once(self):
+        self.cloth.step(1, [make_transform("ball", BALL + (0, 0, 0.1))])
+        heard = subprocess.run(["rostopic", "echo", "-n", "1", "/tf"], capture_output=True, text=True,
+                               timeout=60, check=True).stdout
+        self.assertIn('child_frame_id: "ball"', heard)
 
     def test_save_run_restore_run(self):
         def go_on():

@@ -3,6 +3,7 @@
 #include <clothsim/Step.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <map>
 #include <string>
@@ -14,11 +15,12 @@
 namespace clothsim_ros {
 
 /// Moves the tf frames that a call of ~step gives targets for. tf has them in time for each frame
-/// of simulation, and others hear of them when it is done.
+/// of simulation. Others hear of them when it is done, and with each one from then on, until
+/// another node moves them; who begins to listen later, hears of them at once.
 class StepTargets {
  public:
-  /// `tf` must outlive this.
-  explicit StepTargets(TfListener& tf) : tf_(tf) {}
+  /// `tf` must outlive this. `node`: whose queue serves those who begin to listen.
+  StepTargets(const ros::NodeHandle& node, TfListener& tf) : tf_(tf), node_(node) {}
 
   /// Sets out for the targets of a call. Throws InvalidValue and changes nothing.
   void aim(const clothsim::Step::Request&, const clothsim::Simulator&);
@@ -26,14 +28,14 @@ class StepTargets {
   /// Hands the poses at the end of the next frame of simulation to tf.
   void advance();
 
-  /// Tells others of the poses after a frame of simulation.
+  /// Tells others of the poses after a frame of simulation, or a jump.
   void broadcast(const ros::Time& stamp);
 
   /// The call has ended, also before its targets were reached. Frames stay where they are.
   void stop() { moving_.clear(); }
 
-  /// Frames go back to where the scene has the collider that follows them, others to where they
-  /// began.
+  /// Frames that nobody else has moved since go back to where the scene has the collider that
+  /// follows them, others to where they began.
   void reset(const clothsim::Scene&);
 
   using Saved = std::map<std::string, clothsim::FrameMotion>;
@@ -49,6 +51,7 @@ class StepTargets {
   Target read(const clothsim::Step::Request&, std::size_t index) const;
   clothsim::FrameMotion start(const Target&, const clothsim::Simulator&) const;
   void put(const std::string& frame, const clothsim::Pose&);
+  tf2_msgs::TFMessage message() const;
 
   TfListener& tf_;
   ros::NodeHandle node_;
@@ -56,6 +59,7 @@ class StepTargets {
   Saved motions_;                                // of all frames that were ever told, by name
   std::map<std::string, clothsim::Pose> begin_;  // where each was then
   std::vector<std::string> moving_;              // in this call
+  ros::Time stamp_;                              // of the last frame
 };
 
 }  // namespace clothsim_ros

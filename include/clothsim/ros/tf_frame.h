@@ -40,10 +40,13 @@ class TfListener {
   /// Takes a transform of this node's own, to the world, as the newest of its frame.
   void put(const geometry_msgs::TransformStamped&);
 
-  /// Frames of put() that nobody else has moved since are now where they were put: tf takes what
-  /// hangs from a frame as of the older stamp of the two. To be called before frames are looked up.
-  /// Where nothing of others came since the last call, that takes no time and adds no transforms;
-  /// `always`: then, too, so that they are of no age.
+  /// Whether it is one of put() that nobody else has moved since.
+  bool holds(const std::string& frame) const { return held_.count(frame) > 0; }
+
+  /// Those are now where they were put: tf takes what hangs from a frame as of the older stamp of
+  /// the two. To be called before frames are looked up. Where nothing of others came since the last
+  /// call, that takes no time and adds no transforms; `always`: then, too, so that they are of no
+  /// age.
   void hold(bool always = false);
 
   /// The latest of the frame in the world; empty: there is none that is usable.
