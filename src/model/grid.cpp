@@ -155,6 +155,16 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   return cloth;
 }
 
+double unevenness(const Cloth& cloth) {
+  double most = 1e-3;
+  for (const auto& [count, next] : {std::pair(cloth.columns, 1), {cloth.rows, cloth.columns}}) {
+    if (count < 2) continue;
+    const double side = (cloth.rest_positions.row(next) - cloth.rest_positions.row(0)).norm();
+    most = std::min(most, side / 20);
+  }
+  return most;
+}
+
 State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed) {
   State state;
   state.positions = cloth.rest_positions;
@@ -162,9 +172,10 @@ State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed)
   if (spec.orientation == Orientation::vertical) {
     // The engine's bits are fixed by the standard, a distribution's are not: scale them by hand.
     std::mt19937_64 engine(seed);
+    const double most = unevenness(cloth);
     for (int i = 0; i < cloth.num_points(); ++i) {
       const double unit = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
-      state.positions(i, 1) += unevenness * (2 * unit - 1);
+      state.positions(i, 1) += most * (2 * unit - 1);
     }
   }
   return state;

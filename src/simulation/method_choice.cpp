@@ -86,7 +86,7 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
   if (m.loaded == 0 || height < 0.5 * m.size) return;
   constexpr double part = 0.11;  // fitted to one fold, see docs/experiments.md
   m.buckling = 2 * std::sqrt(m.gravity * height) / link;
-  m.folded = part * link * std::log(std::max(link / unevenness, M_E));
+  m.folded = part * link * std::log(std::max(link / unevenness(cloth), M_E));
 }
 
 /// A held cloth bends as it comes down. Beyond this omega_max t times g t^2 / L, the angle by which

@@ -14,8 +14,9 @@ namespace clothsim {
 /// points are enough for automatic self collision. Throws InvalidValue.
 Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 
-/// Largest start offset of a vertical cloth's points from its plane [m].
-inline constexpr double unevenness = 1e-3;
+/// Largest start offset of a vertical cloth's points from its plane [m]: 1 mm, or a twentieth of a
+/// cell's shorter side if that is less, which stretches no spring by more than 0.5 %.
+double unevenness(const Cloth&);
 
 /// The cloth at rest in its start position. A vertical cloth stands off its plane by up to that a
 /// point, drawn from `seed`, so that it folds; its rest lengths stay those of the flat grid.
