@@ -279,13 +279,11 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
       const Quad& given = last_given_[i];
       state.velocities.row(last_touched_[i]) -= Eigen::RowVector3d(given.x, given.y, given.z);
     }
-    for (std::size_t i = 0; i < touched_.size(); ++i) {
+    for (std::size_t i = 0; i < touched_.size(); ++i)
       velocities_[i] = quad(state.velocities, touched_[i]);
-    }
   } else {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
-      const Quad& from = predicted_[i];
-      const Quad& given = given_[i];
+      const Quad &from = predicted_[i], &given = given_[i];
       velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, 0};
     }
   }

@@ -69,12 +69,15 @@ double speed_within(const Points& velocities) {
   return std::sqrt(sum);
 }
 
-/// What a change of velocities, of `count` numbers, moves points by.
+/// Moves points by what has changed of their velocities, of `count` numbers, since they followed.
 CLOTHSIM_TARGET_CLONES
-void follow(Eigen::Index count, double way, const double* velocities, const double* before,
+void follow(Eigen::Index count, double way, const double* velocities, double* followed,
             double* positions) {
 #pragma GCC ivdep
-  for (Eigen::Index i = 0; i < count; ++i) positions[i] += way * (velocities[i] - before[i]);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    positions[i] += way * (velocities[i] - followed[i]);
+    followed[i] = velocities[i];
+  }
 }
 
 /// Of the shortest spring, without springs of two neighbours [m]: what precision is a share of.
@@ -108,7 +111,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const SelfTouches touches_of_itself = [&](const auto& visit) {
     if (self_contacts) self_contacts->for_each_touch(visit);
   };
-  predicted = state.velocities;
+  followed = state.velocities;
   const bool seeks = course.served == 0;
   if (seeks) plan_search(h);
   const ContactStep step = contact_step(h, reach, touches_of_itself);
@@ -116,13 +119,12 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // Impulses that keep points off colliders, the cloth off itself and springs within their limit:
   // first those of the last step, so that springs are held where all of them lead.
   seeks ? begin_contact(step, report) : go_on_in_contact(step);
-  follow(predicted.size(), reach * h, state.velocities.data(), predicted.data(),
+  follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
          state.positions.data());
-  resumed = state.velocities;
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   if (seeks) course.closeness = precision_of(h, tolerance, length);
   const bool solved = solve(seeks, report);
-  follow(resumed.size(), reach * h, state.velocities.data(), resumed.data(),
+  follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts && seeks) by_impulses = state.positions;
@@ -144,7 +146,7 @@ ContactStep Simulator::Impl::contact_step(double h, double reach,
   return {h,
           reach,
           start,
-          predicted,
+          followed,
           workers,
           course.left,
           std::max(scene.simulation.gravity.norm(), least_gravity),

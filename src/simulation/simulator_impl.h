@@ -358,8 +358,7 @@ struct Simulator::Impl {
   Points sought_at;         // positions when contacts were sought that others went on with
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]
-  Points predicted;         // velocities with the last substep's impulses of the strain limit
-  Points resumed;           // and of contacts, too
+  Points followed;          // velocities that have moved the points, where contact needs them
   Points by_impulses;       // positions before repairs and push-outs, with self contact
   Points impulses;          // that points had from others in this frame, with grips [N s]
 };
