@@ -1,7 +1,6 @@
 #include "clothsim/constraints/crossing_guard.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <vector>

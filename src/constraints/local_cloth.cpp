@@ -1,7 +1,6 @@
 #include "clothsim/constraints/local_cloth.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "clothsim/constraints/strain_limit.h"

@@ -1,7 +1,6 @@
 #include "clothsim/constraints/strain_limit.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "clothsim/dynamics/newton_solver.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "clothsim/dynamics/bends.h"

@@ -1,6 +1,5 @@
 #include "clothsim/dynamics/xpbd.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

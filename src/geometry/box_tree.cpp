@@ -1,7 +1,6 @@
 #include "clothsim/geometry/box_tree.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace clothsim {
 

@@ -1,7 +1,6 @@
 #include "clothsim/shapes/shells.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <numeric>
 

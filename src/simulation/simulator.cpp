@@ -1,6 +1,5 @@
 #include "clothsim/simulation/simulator.h"
 
-#include <cassert>
 #include <utility>
 
 #include "clothsim/model/errors.h"

@@ -1,7 +1,6 @@
 // What a frame may cost: a state that was set may be anything, and no frame may hang.
 
 #include <algorithm>
-#include <cmath>
 
 #include "simulator_impl.h"
 

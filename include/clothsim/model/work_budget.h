@@ -14,7 +14,6 @@ class WorkBudget {
   static constexpr int contact_in_pass = 5;      // of the cloth with itself
   static constexpr int point_on_colliders = 10;  // to find and to correct its contacts
   static constexpr int patches_measured = 100;   // against each other
-  static constexpr int pair_found = 50;          // and what its contact takes to begin
 
   /// From now on, until the next call.
   void allow(double visits) { left_ = static_cast<std::int64_t>(visits); }
@@ -23,8 +22,7 @@ class WorkBudget {
   void spend(std::int64_t visits) { left_.fetch_sub(visits, std::memory_order_relaxed); }
 
   /// Whoever finds it so leaves off: what it has begun will be taken back.
-  std::int64_t left() const { return left_.load(std::memory_order_relaxed); }
-  bool is_spent() const { return left() < 0; }
+  bool is_spent() const { return left_.load(std::memory_order_relaxed) < 0; }
 
  private:
   std::atomic<std::int64_t> left_{0};
