@@ -4,7 +4,6 @@
 #include <geometry_msgs/WrenchStamped.h>
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "clothsim/ros/conversions.h"
@@ -65,9 +64,9 @@ ContactTopics::ContactTopics(const ros::NodeHandle& node, clothsim::Simulator& s
 void ContactTopics::follow_scene() {
   const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
   wrenches_.clear();
-  std::set<std::string> taken;
+  const std::vector<std::string> in_ros = ros_names(colliders);
   for (std::size_t i = 0; i < colliders.size(); ++i) {
-    const std::string topic = "contact_wrench/" + free_ros_name(colliders[i].name, taken);
+    const std::string topic = "contact_wrench/" + in_ros[i];
     wrenches_.push_back({i, node_.advertise<geometry_msgs::WrenchStamped>(topic, contacts_queue)});
   }
 }

@@ -13,10 +13,18 @@ std::string to_ros_name(std::string name, const std::string& prefix) {
   return name;
 }
 
-std::string free_ros_name(const std::string& collider, std::set<std::string>& taken) {
-  std::string name = to_ros_name(collider, "collider_");
-  while (!taken.insert(name).second) name += "_";
-  return name;
+std::vector<std::string> ros_names(const std::vector<clothsim::ColliderSpec>& colliders,
+                                   std::set<std::string> taken) {
+  std::vector<std::string> names(colliders.size());
+  for (const bool as_it_is : {true, false}) {
+    for (std::size_t i = 0; i < colliders.size(); ++i) {
+      std::string name = to_ros_name(colliders[i].name, "collider_");
+      if ((name == colliders[i].name) != as_it_is) continue;
+      while (!taken.insert(name).second) name += "_";
+      names[i] = name;
+    }
+  }
+  return names;
 }
 
 }  // namespace clothsim_ros

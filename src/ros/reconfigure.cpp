@@ -4,7 +4,6 @@
 #include <clothsim/ColliderConfig.h>
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "clothsim/model/checks.h"
@@ -166,10 +165,10 @@ struct Reconfigure::Impl {
                  change.values = to_message(config);
                  changes.publish("set_parameters", change);
                }) {
-    std::set<std::string> taken;
-    for (const clothsim::ColliderSpec& collider : simulator.scene().colliders) {
-      add_collider(node, collider.name, "collider/" + free_ros_name(collider.name, taken),
-                   simulator, changes);
+    const std::vector<clothsim::ColliderSpec>& specs = simulator.scene().colliders;
+    const std::vector<std::string> in_ros = ros_names(specs);
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+      add_collider(node, specs[i].name, "collider/" + in_ros[i], simulator, changes);
     }
     serving = true;
   }

@@ -7,7 +7,6 @@
 #include <ros/spinner.h>
 
 #include <list>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -111,14 +110,15 @@ struct ViewReconfigure::Impl {
       visit_look(config, view.cloth, direction);
     });
 
-    std::set<std::string> taken{"cloth"};
-    for (const clothsim::ColliderSpec& collider : scene.colliders) {
-      const auto visit = [name = collider.name](ShadingConfig& config, View& view, auto direction) {
+    const std::vector<std::string> in_ros = ros_names(scene.colliders, {"cloth"});
+    for (std::size_t i = 0; i < in_ros.size(); ++i) {
+      const auto visit = [name = scene.colliders[i].name](ShadingConfig& config, View& view,
+                                                          auto direction) {
         // A collider that the view does not name looks like all.
         const auto look = view.colliders.emplace(name, view.collider).first;
         visit_collider(config, look->second, direction);
       };
-      add(shading, "shading/" + free_ros_name(collider.name, taken), visit);
+      add(shading, "shading/" + in_ros[i], visit);
     }
     spinner.start();
   }

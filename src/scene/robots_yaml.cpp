@@ -123,11 +123,14 @@ std::vector<ColliderSpec> colliders_of(const Urdf::Link& link, const Urdf::Colli
   return colliders;
 }
 
+const std::string& name_of(const Robot& robot) {
+  return robot.name.empty() ? robot.urdf.name : robot.name;
+}
+
 /// `names` are those of all colliders so far.
 void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>& names,
               Scene& scene) {
-  const std::string name =
-      (robot.name.empty() ? robot.urdf.name : robot.name) + '/' + robot.prefix + link.name;
+  const std::string name = name_of(robot) + '/' + robot.prefix + link.name;
   int number = 0;
   const auto next_name = [&] {  // of several the first has the link's own name
     const std::string own = ++number == 1 ? name : name + ':' + std::to_string(number);
@@ -174,11 +177,18 @@ void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scen
   check_links(robot);
   std::set<std::string> names;
   for (const ColliderSpec& collider : scene.colliders) names.insert(collider.name);
+  bool has_collisions = false;
   for (const Urdf::Link& link : robot.urdf.links) {
     const bool is_named =
         std::find(robot.links.begin(), robot.links.end(), link.name) != robot.links.end();
-    if (robot.has_all || is_named) add_link(link, robot, names, scene);
+    if (!robot.has_all && !is_named) continue;
+    has_collisions = has_collisions || !link.collisions.empty();
+    add_link(link, robot, names, scene);
   }
+  if (has_collisions) return;
+  scene.left_out.push_back(InvalidValue({name_of(robot)}, "links without <collision>",
+                                        "some: nothing of it touches the cloth")
+                               .what());
 }
 
 }  // namespace clothsim

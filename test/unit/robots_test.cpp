@@ -174,6 +174,16 @@ TEST_F(Robots, WhatCannotBeUsedIsLeftOutWithLinkAndReason) {
   }
 }
 
+TEST_F(Robots, OneWithoutCollisionsIsTold) {
+  const Scene scene = read(
+      "<robot name='ghost'><link name='base'><visual><geometry><sphere radius='1'/></geometry>"
+      "</visual></link></robot>");
+  EXPECT_TRUE(scene.colliders.empty());
+  ASSERT_EQ(scene.left_out.size(), 1u);
+  EXPECT_EQ(scene.left_out[0].rfind("ghost: got links without <collision>", 0), 0u)
+      << scene.left_out[0];
+}
+
 TEST_F(Robots, WhatIsNoUrdfIsRefused) {
   const auto joint = [](const std::string& parent, const std::string& child) {
     return "<joint name='j'><parent link='" + parent + "'/><child link='" + child + "'/></joint>";

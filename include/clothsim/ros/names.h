@@ -2,6 +2,9 @@
 
 #include <set>
 #include <string>
+#include <vector>
+
+#include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
 
@@ -9,7 +12,10 @@ namespace clothsim_ros {
 /// where it does not start with a letter.
 std::string to_ros_name(std::string name, const std::string& prefix);
 
-/// The name of a collider as a part of a ROS name that is not in `taken`, which it is added to.
-std::string free_ros_name(const std::string& collider, std::set<std::string>& taken);
+/// The names of colliders as parts of ROS names, each another one and none in `taken`: those that
+/// may stand as they are do so, of others letters are replaced, with underscores after them where
+/// that is taken.
+std::vector<std::string> ros_names(const std::vector<clothsim::ColliderSpec>& colliders,
+                                   std::set<std::string> taken = {});
 
 }  // namespace clothsim_ros
