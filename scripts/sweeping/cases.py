@@ -183,7 +183,8 @@ def run_case(case, store):
             result["results"].update(measured(case, part))
         except (Exception, SystemExit):  # the user's own code
             result["status"] = "failed"
-            *_, result["message"] = traceback.format_exc().strip()[-LONGEST_MESSAGE:].split("\n  ", 1)
+            lines = traceback.format_exc().strip()[-LONGEST_MESSAGE:].split("\n")
+            result["message"] = "\n".join(lines[1:])  # the first is "Traceback", or cut
     result["case_seconds"] = time.monotonic() - begin
     return keep(case, store, part, result)
 

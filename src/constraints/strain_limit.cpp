@@ -318,7 +318,7 @@ PassChange StrainLimit::sweep_colour(int colour, double momentum, bool goes_back
                         goes_back, most_kick_, velocities_.data());
     }
   };
-  workers.share(end - first, sweep_segments, 2);
+  workers.share(end - first, sweep_segments, 2);  // one is over before a thread is there
   PassChange change;
   for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
   return change;

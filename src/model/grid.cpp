@@ -9,6 +9,10 @@
 namespace clothsim {
 namespace {
 
+/// Largest start offset from the plane [m], and of a cell's shorter side.
+constexpr double most_unevenness = 1e-3;
+constexpr double uneven_share = 0.05;
+
 /// Bending springs are this much softer than structural and shear ones.
 constexpr double bending_ratio = 0.2;
 
@@ -156,11 +160,11 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
 }
 
 double unevenness(const Cloth& cloth) {
-  double most = 1e-3;
+  double most = most_unevenness;
   for (const auto& [count, next] : {std::pair(cloth.columns, 1), {cloth.rows, cloth.columns}}) {
     if (count < 2) continue;
     const double side = (cloth.rest_positions.row(next) - cloth.rest_positions.row(0)).norm();
-    most = std::min(most, side / 20);
+    most = std::min(most, uneven_share * side);
   }
   return most;
 }
