@@ -77,6 +77,14 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
 
+    def test_two_of_one_name(self):
+        first, _ = self.start_node("namesake")
+        second, _ = self.start_node("namesake")
+        _, errors = first.communicate(timeout=PATIENCE)
+        self.assertIn("new node registered with same name", errors)
+        errors = self.assert_ends_cleanly(second)
+        self.assertRegex(errors, "The node /namesake at http.* ends now, .* did you mean __name:=another")
+
     def test_frames_go_on_while_a_scene_reads_a_large_image(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "texture.png")
@@ -98,7 +106,7 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
-        unknown = ("got an unknown parameter, expected one of scene, camera, image_folders, "
+        unknown = ("got an unknown parameter, expected one of scene, scene_file, scene_folder, camera, image_folders, "
                    "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
                    "save_limit, paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
