@@ -23,6 +23,10 @@ void reset(Simulation& simulation) {
   simulation.with([](Run& run) { run.reset(); });
 }
 
+void reset_values(Simulation& simulation) {
+  simulation.with([](Run& run) { run.simulator.reset_values(); });
+}
+
 py::object report(Simulation& simulation) {
   const std::string text = simulation.compute_with(
       [](Run& run) { return clothsim::to_yaml(run.report, run.simulator); });
@@ -54,9 +58,13 @@ void bind_stepping(SimulationClass& simulator) {
           py::arg("scene"),
           "Starts anew with another scene. Arrays that were taken before keep the old state. "
           "Raises InvalidValue and goes on as before.")
-      .def("reset", &reset,
-           "Back to the scene's start at time 0, with the present live values. What was attached "
-           "is let go, motions begin anew.")
+      .def(
+          "reset", &reset,
+          "Back to the scene's start at time 0, with the present live values: reset_values() takes "
+          "these back. What was attached is let go, motions begin anew.")
+      .def("reset_values", &reset_values,
+           "Live values as the scene came with them, whatever set() and motions have changed; "
+           "nothing moves.")
       .def(
           "set", &set,
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "

@@ -280,6 +280,28 @@ def test_a_state_with_its_memory_goes_on_to_the_same_bits():
     assert not same_state(simulator, other)
 
 
+def test_values_of_the_scene_come_back():
+    simulator, twin = Simulator(SCENES / "sphere.yaml"), Simulator(SCENES / "sphere.yaml")
+    simulator.set(ks=500, damping=27, strain_limit="off", gravity=[0, 0, -5], substeps=4, method="verlet",
+                  collider_friction={"sphere": 0.8}, thickness=0.005, springs={"shear": False})
+    simulator.step(10)
+    simulator.reset()  # keeps them
+    simulator.step(10)
+    twin.step(10)
+    assert not same_state(simulator, twin)
+    simulator.reset_values()
+    simulator.reset()
+    simulator.step(10)
+    assert same_state(simulator, twin)
+    simulator.load(SCENES / "plane.yaml")  # whose values are the scene's from now on
+    simulator.set(ks=500)
+    simulator.reset_values()
+    twin.load(SCENES / "plane.yaml")
+    for run in (simulator, twin):
+        run.step(2)
+    assert same_state(simulator, twin)
+
+
 def test_saved_states_bring_back_frames_on_their_way():
     simulator = Simulator(busy())
     simulator.step(20, {"ball": [0.5, 0.5, 0.8]})
