@@ -5,6 +5,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
+#include "clothsim/shapes/face_distance.h"
 #include "clothsim/shapes/signed_distances.h"
 
 namespace clothsim {
@@ -80,16 +81,37 @@ int count_inside(const ColliderSpec& collider, const Points& points) {
                                         [](double d) { return d < -written_rounding; }));
 }
 
+/// Triangles that reach into it, as a thin one between the points passes through the cloth.
+int count_crossed(const ColliderSpec& collider, const Cloth& cloth, const Points& points) {
+  const Pose pose = collider.pose * collider.offset;
+  int crossed = 0;
+  for (const auto& corners : cloth.triangles) {
+    Triangle local;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      local[i] = to_local(pose, points.row(corners[i]));
+    }
+    if (!touches_between_corners(collider.shape, local, 0)) continue;
+    const auto distance = face_distance(collider.shape, local, 0);
+    if (distance && distance->value < -written_rounding) ++crossed;
+  }
+  return crossed;
+}
+
 void doubt_start(const Scene& scene, Lines& lines) {
   if (scene.colliders.empty()) return;
   const Cloth cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
   const Points points = start_state(scene.cloth, cloth, scene.simulation.seed).positions;
   for (const ColliderSpec& collider : scene.colliders) {
-    const int inside = collider.enabled ? count_inside(collider, points) : 0;
-    if (inside == 0) continue;
-    lines.push_back(std::to_string(inside) + " of " + std::to_string(points.rows()) +
-                    " points of the cloth start in collider " + collider.name +
-                    ", which pushes them out; did you mean another cloth.origin?");
+    if (!collider.enabled) continue;
+    const int inside = count_inside(collider, points);
+    const int crossed = inside == 0 ? count_crossed(collider, cloth, points) : 0;
+    if (inside + crossed == 0) continue;
+    const std::string which =
+        inside > 0 ? std::to_string(inside) + " of " + std::to_string(points.rows()) + " points"
+                   : std::to_string(crossed) + " of " + std::to_string(cloth.triangles.size()) +
+                         " triangles";
+    lines.push_back(which + " of the cloth start in collider " + collider.name +
+                    "; did you mean another cloth.origin?");
   }
 }
 

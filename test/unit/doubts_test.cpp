@@ -57,13 +57,20 @@ TEST(Doubts, ClothThatStartsInACollider) {
   const std::string after = "]}";
   EXPECT_EQ(doubts_of(before + "{shape: sphere, name: ball, center: [0.5, 0.5, 1], radius: 0.15}" +
                       after),
-            Lines{"9 of 121 points of the cloth start in collider ball, which pushes them out; did "
-                  "you mean another cloth.origin?"});
+            Lines{"9 of 121 points of the cloth start in collider ball; did you "
+                  "mean another cloth.origin?"});
   EXPECT_EQ(doubts_of(before + "{shape: plane, point: [0, 0, 2]}" + after).size(), 1u);
+  EXPECT_EQ(
+      doubts_of(before +
+                "{shape: cylinder, name: rod, center: [0.55, 0.52, 1], radius: 0.01, length: 1}" +
+                after),
+      Lines{"1 of 200 triangles of the cloth start in collider rod; did you mean another "
+            "cloth.origin?"});
   for (const char* apart :
        {"{shape: plane, point: [0, 0, 1]}", "{shape: plane, point: [0, 0, 2], two_sided: true}",
         "{shape: sphere, center: [0.5, 0.5, 1], radius: 0.15, enabled: false}",
-        "{shape: box, center: [0.5, 0.5, 0.8], size: [1, 1, 0.4]}"}) {
+        "{shape: box, center: [0.5, 0.5, 0.8], size: [1, 1, 0.4]}",
+        "{shape: cylinder, center: [0.55, 0.52, 0.4], radius: 0.01, length: 1}"}) {
     EXPECT_EQ(doubts_of(before + apart + after), Lines()) << apart;
   }
 }
