@@ -69,6 +69,13 @@ void doubt_size(const ClothSpec& cloth, Lines& lines) {
   doubt("height", cloth.height, cloth.rows);
 }
 
+/// Whether the box of `points` is near enough for the collider to touch it.
+bool may_reach(const ColliderSpec& collider, const Points& points) {
+  const Vector3 middle = (collider.pose * collider.offset).position;
+  const Vector3 low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
+  return (middle - middle.cwiseMax(low).cwiseMin(high)).norm() <= bounding_radius(collider.shape);
+}
+
 /// Points of the cloth that start in the collider.
 int count_inside(const ColliderSpec& collider, const Points& points) {
   const int count = static_cast<int>(points.rows());
@@ -102,7 +109,7 @@ void doubt_start(const Scene& scene, Lines& lines) {
   const Cloth cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
   const Points points = start_state(scene.cloth, cloth, scene.simulation.seed).positions;
   for (const ColliderSpec& collider : scene.colliders) {
-    if (!collider.enabled) continue;
+    if (!collider.enabled || !may_reach(collider, points)) continue;
     const int inside = count_inside(collider, points);
     const int crossed = inside == 0 ? count_crossed(collider, cloth, points) : 0;
     if (inside + crossed == 0) continue;
