@@ -65,7 +65,8 @@ class LaunchFiles(unittest.TestCase):
 
     def test_paths_of_scenes(self):
         """They begin where roslaunch is started, or at a package."""
-        for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"), ("package://a/b.yaml", "package://a/b.yaml")):
+        for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"),
+                            ("package://a/b.yaml", "package://a/b.yaml")):
             given = self.parameters("clothsim", "scene.launch", "scene:=" + scene)
             self.assertEqual(given["/clothsim/scene_file"], file)
 

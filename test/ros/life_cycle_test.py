@@ -14,6 +14,7 @@ import unittest
 import PIL.Image
 import roslib.packages
 import rosunit
+import yaml
 
 from cloth_client import KEPT, PATIENCE, Cloth, Recorder, call, complaints, rate, wait_for
 
@@ -76,6 +77,19 @@ class LifeCycle(unittest.TestCase):
     def test_interrupt_while_running(self):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
+
+    def test_files_of_scenes_do_not_mix(self):
+        """Values given beside a file lie over it; those that a node has left do not lie over the next one."""
+        scenes = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "config/scenes/")
+        node, cloth = self.start_node("of_files", paused=True, scene_file=scenes + "sphere.yaml")
+        given = rospy.get_param("/of_files/scene")
+        self.assertEqual((given["cloth"]["columns"], given["colliders"][0]["name"]), (20, "sphere"))
+        self.assertEqual(len(cloth.states.all()[-1].positions), 3 * 20 * 20)
+        self.assert_ends_cleanly(node)
+        node, _ = self.start_node("of_files", scene_file="package://clothsim/config/scenes/plane.yaml")
+        with open(scenes + "plane.yaml", encoding="utf-8") as file:
+            self.assertEqual(rospy.get_param("/of_files/scene"), yaml.safe_load(file))
+        self.assert_ends_cleanly(node)
 
     def test_two_of_one_name(self):
         first, _ = self.start_node("namesake")

@@ -130,6 +130,7 @@ class Load(unittest.TestCase):
     def test_all_topics_follow(self):
         self.cloth.step(3)
         before = self.topology.wait("the old topology", lambda t: t.columns == 50)
+        self.topology.clear()  # of other tests
         answer = self.load(SMALL)
         self.assertTrue(answer.success, answer.message)
 
