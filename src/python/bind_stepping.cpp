@@ -1,4 +1,5 @@
 #include "bindings.h"
+#include "clothsim/scene/doubts.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "yaml_objects.h"
 
@@ -6,8 +7,18 @@ namespace clothsim_python {
 namespace {
 
 SceneObject to_scene(const py::object& object) {
-  if (py::isinstance<SceneObject>(object)) return py::cast<SceneObject>(object);
-  return py::cast<SceneObject>(py::module_::import("clothsim").attr("Scene")(object));
+  const py::object scene = py::isinstance<SceneObject>(object)
+                               ? object
+                               : py::module_::import("clothsim").attr("Scene")(object);
+  return py::cast<SceneObject>(scene);
+}
+
+/// Warns of what is hardly meant; Python tells each text once a place.
+const SceneObject& with_warnings(const SceneObject& scene) {
+  for (const std::string& line : clothsim::doubts(scene.yaml, scene.scene)) {
+    if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  return scene;
 }
 
 void set(Simulation& simulation, const py::kwargs& values) {
@@ -21,6 +32,10 @@ void set(Simulation& simulation, const py::kwargs& values) {
 
 void reset(Simulation& simulation) {
   simulation.with([](Run& run) { run.reset(); });
+}
+
+void reset_values(Simulation& simulation) {
+  simulation.with([](Run& run) { run.simulator.reset_values(); });
 }
 
 py::object report(Simulation& simulation) {
@@ -38,7 +53,7 @@ py::object report(Simulation& simulation) {
 void bind_stepping(SimulationClass& simulator) {
   simulator
       .def(py::init([](const py::object& scene) {
-             return std::make_shared<Simulation>(to_scene(scene));
+             return std::make_shared<Simulation>(with_warnings(to_scene(scene)));
            }),
            py::arg("scene"), "At the scene's start. Takes what Scene() takes, too.")
       .def("step", &Simulation::step, py::arg("frames") = 1, py::arg("targets") = py::none(),
@@ -50,13 +65,20 @@ void bind_stepping(SimulationClass& simulator) {
            "and steps not at all, but where a motion asks for what is not there; Diverged, at the "
            "last good frame.")
       .def(
-          "load", [](Simulation& self, const py::object& scene) { self.load(to_scene(scene)); },
+          "load",
+          [](Simulation& self, const py::object& scene) {
+            self.load(with_warnings(to_scene(scene)));
+          },
           py::arg("scene"),
           "Starts anew with another scene. Arrays that were taken before keep the old state. "
           "Raises InvalidValue and goes on as before.")
-      .def("reset", &reset,
-           "Back to the scene's start at time 0, with the present live values. What was attached "
-           "is let go, motions begin anew.")
+      .def(
+          "reset", &reset,
+          "Back to the scene's start at time 0, with the present live values: reset_values() takes "
+          "these back. What was attached is let go, motions begin anew.")
+      .def("reset_values", &reset_values,
+           "Live values as the scene came with them, whatever set() and motions have changed; "
+           "nothing moves.")
       .def(
           "set", &set,
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "

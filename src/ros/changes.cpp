@@ -17,6 +17,7 @@ void Changes::publish(const std::string& what, clothsim::Change change) {
   change.what = what;
   change.stamp = pacer_.now();
   change.step = frame_number_;
+  if (what == "reset") change.scene = scene_;
   publisher_.publish(change);
   if (what == "reset") told_.clear();
 }

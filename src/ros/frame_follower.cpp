@@ -111,6 +111,21 @@ void FrameFollower::reset() {
   for (Follower& follower : followers_) follower.memory = {{}, fresh_watch_};
 }
 
+std::map<std::string, clothsim::Pose> FrameFollower::frames(
+    const clothsim::Simulator& simulator) const {
+  std::map<std::string, clothsim::Pose> all;
+  for (const Follower& follower : followers_) {
+    const std::string& name = follower.frame.status().frame;
+    if (follower.frame.pose()) {
+      all.insert_or_assign(name, *follower.frame.pose());
+    } else if (!follower.is_pin) {
+      const auto& offset = simulator.scene().colliders[static_cast<size_t>(follower.index)].offset;
+      all.emplace(name, clothsim::frame_of(simulator.collider_pose(follower.index), offset));
+    }
+  }
+  return all;
+}
+
 FrameFollower::Saved FrameFollower::save() const {
   Saved saved;
   for (const Follower& follower : followers_) saved.push_back(follower.memory);

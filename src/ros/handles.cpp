@@ -9,7 +9,7 @@
 
 #include "clothsim/model/errors.h"
 #include "clothsim/ros/conversions.h"
-#include "clothsim/ros/parameters.h"
+#include "clothsim/ros/scene_parameter.h"
 #include "clothsim/ros/tf_frame.h"
 
 namespace clothsim_ros {
@@ -88,7 +88,7 @@ void Handles::hear_topology(const ros::MessageEvent<const clothsim::ClothTopolog
 void Handles::read_scene() {
   clothsim::Scene scene;
   try {
-    scene = read_scene_parameter(cloth_);
+    scene = read_scene_parameter(cloth_).scene;
   } catch (const clothsim::InvalidValue& error) {
     ROS_WARN("%s", error.message(cloth_.getNamespace() + "/", "/").c_str());
     return;

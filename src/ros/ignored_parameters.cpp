@@ -3,11 +3,11 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/model/nearest_word.h"
 #include "clothsim/ros/parameters.h"
 #include "clothsim/scene/yaml_values.h"
 
@@ -62,39 +62,11 @@ std::string telling_part(const std::string& name, const std::set<std::string>& s
   return name.substr(0, end);
 }
 
-/// Levenshtein's: how many letters to insert, delete or replace.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (const char letter : a) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (letter == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
-/// The one of `names` that may have been meant; empty: none.
-std::string nearest(const std::string& name, const Names& names) {
-  std::size_t limit = std::max<std::size_t>(1, name.size() / 3) + 1;  // farther is another word
-  std::string found;
-  for (const std::string& candidate : names) {
-    const std::size_t away = distance(name, candidate);
-    if (away >= limit) continue;
-    limit = away;
-    found = candidate;
-  }
-  return found;
-}
-
 /// What may have been meant by an unknown name, as the end of a message.
 std::string suggestion(const std::string& name, const KnownParameters& known) {
-  const std::string read = nearest(name, known.read);
+  const std::string read = clothsim::nearest_word(name, known.read);
   if (!read.empty()) return "; did you mean " + read + '?';
-  const std::string live = nearest(name, known.live);
+  const std::string live = clothsim::nearest_word(name, known.live);
   if (live.empty()) return "";
   return "; did you mean " + live + "? It starts as ~scene or ~camera has it";
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "clothsim/model/checks.h"
+
 namespace clothsim_ros {
 namespace {
 
@@ -41,6 +43,14 @@ std::optional<std::string> refusal(const std::function<void()>& apply, const std
     return ns + ": " + error.what();
   }
   return {};
+}
+
+std::string text_of(const dynamic_reconfigure::Config& msg) {
+  for (const auto& item : msg.bools) return item.name + (item.value != 0 ? " true" : " false");
+  for (const auto& item : msg.ints) return item.name + ' ' + std::to_string(item.value);
+  for (const auto& item : msg.strs) return item.name + " \"" + item.value + '"';
+  for (const auto& item : msg.doubles) return item.name + ' ' + clothsim::to_text(item.value);
+  return "";
 }
 
 }  // namespace clothsim_ros

@@ -2,9 +2,12 @@
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/master.h>
+#include <ros/this_node.h>
+#include <xmlrpcpp/XmlRpcValue.h>
 
 #include <cstdlib>
 #include <exception>
+#include <string>
 
 #include "clothsim/ros/node.h"
 #include "clothsim/ros/signals.h"
@@ -14,6 +17,18 @@ namespace {
 /// How long a call waits for a master that is away, before it gives up. Frames wait with it.
 const ros::WallDuration master_patience(0.001);
 
+/// Where the master knows a node of this one's name, which ends when this one registers; empty:
+/// there is none.
+std::string namesake() {
+  XmlRpc::XmlRpcValue request;
+  XmlRpc::XmlRpcValue answer;
+  XmlRpc::XmlRpcValue uri;
+  request[0] = ros::this_node::getName();
+  request[1] = ros::this_node::getName();
+  if (!ros::master::execute("lookupNode", request, answer, uri, false)) return "";
+  return static_cast<std::string>(uri);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -21,8 +36,15 @@ int main(int argc, char** argv) {
   try {
     clothsim_ros::shut_down_on_signals();
     ros::init(argc, argv, "clothsim", ros::init_options::NoSigintHandler);
+    const std::string other = namesake();
     ros::start();  // rather than by the node's own handle: the log outlives a node that fails
     clothsim_ros::end_in_order_on_signals();
+    if (!other.empty()) {
+      ROS_WARN(
+          "The node %s at %s ends now, if it still runs: two cannot have one name; did you mean "
+          "__name:=another?",
+          ros::this_node::getName().c_str(), other.c_str());
+    }
     if (!clothsim_ros::is_interrupted()) {  // while it waited for a master
       clothsim_ros::Node node(ros::NodeHandle("~"), *ros::getGlobalCallbackQueue(),
                               clothsim_ros::is_interrupted);

@@ -10,8 +10,9 @@
 #include <utility>
 
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/scene/doubts.h"
+#include "clothsim/scene/fixed_values.h"
 
 namespace clothsim_ros {
 namespace {
@@ -24,21 +25,6 @@ const ros::WallDuration look_again(0.01);
 
 /// A second of it, so that the frames of a ~step get through.
 constexpr std::uint32_t clock_queue = 100;
-
-/// Of a call of ~step, while which nothing else is served.
-constexpr std::uint32_t most_frames = 1000000;
-
-/// Says what a scene has and a node leaves to others.
-void warn_of_motions(const clothsim::Scene& scene) {
-  if (scene.motions.empty()) return;
-  ROS_WARN(
-      "The node does not play the scene's motions: give ~step targets, or broadcast tf frames");
-}
-
-/// Says what of its robots a scene goes without.
-void warn_of_left_out(const clothsim::Scene& scene) {
-  for (const std::string& line : scene.left_out) ROS_WARN("Left out: %s", line.c_str());
-}
 
 /// The same names, with callbacks that go to `queue`.
 ros::NodeHandle with_queue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
@@ -70,7 +56,7 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
                                      return Photographer(node_, simulator_, tf_, parameters_.view,
                                                          parameters_.image_folders, pacer_.now());
                                    })),
-      state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_,
+      state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_, paused_,
                       parameters_.save_limit, [this] { jump(); }),
       wind_listener_(node_, simulator_, tf_, changes_),
       diagnostics_(node_, parameters_.limits) {
@@ -78,20 +64,21 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
   const ParameterTexts given = parameter_texts(node_);
   serve_live_values();
   warn_of_ignored(given);
-  warn_of_motions(parameters_.scene);
-  warn_of_left_out(parameters_.scene);
+  warn_of_scene(parameters_.scene_yaml);
   if (parameters_.publish_clock) {
     clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>("/clock", clock_queue, true);
     publish_clock();
   }
   services_ = {node_.advertiseService("pause", &Node::pause, this),
                node_.advertiseService("reset", &Node::reset, this),
+               node_.advertiseService("reset_values", &Node::reset_values, this),
                node_.advertiseService("enable_collider", &Node::enable_collider, this),
                node_.advertiseService("load_scene", &Node::load_scene, this),
                node_.advertiseService("step", &Node::step, this)};
 }
 
 void Node::serve_live_values() {
+  changes_.set_scene(clothsim::fixed_values(simulator_.scene()));
   reconfigure_.emplace(node_, simulator_, changes_);
   view_reconfigure_.emplace(node_, photographer_, simulator_.scene());
 }
@@ -101,6 +88,16 @@ void Node::warn_of_ignored(const ParameterTexts& given) const {
   const std::vector<std::string>& of_view = view_reconfigure_->names();
   known.live.insert(known.live.end(), of_view.begin(), of_view.end());
   warn_of_ignored_parameters(node_, known, given);
+}
+
+void Node::warn_of_scene(const YAML::Node& given) const {
+  const clothsim::Scene& scene = simulator_.scene();
+  if (!scene.motions.empty()) {
+    ROS_WARN(
+        "The node does not play the scene's motions: give ~step targets, or broadcast tf frames");
+  }
+  for (const std::string& line : scene.left_out) ROS_WARN("Left out: %s", line.c_str());
+  for (const std::string& line : clothsim::doubts(given, scene)) ROS_WARN("%s", line.c_str());
 }
 
 void Node::run() {
@@ -117,6 +114,10 @@ void Node::run() {
 }
 
 void Node::go_on() {
+  if (pacer_.has_jumped()) {
+    ROS_WARN("ROS time jumped ahead: the simulation goes on from there");
+    rate_.restart(pacer_.seconds());
+  }
   refresh();
   const bool due = !paused_ && pacer_.until_due(simulator_.frame_duration()).isZero();
   if (due && is_running()) simulate_frame(Turn::due);
@@ -233,136 +234,10 @@ void Node::publish_diagnostics() {
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);
   }
   status.frames = follower_.status();
+  near_frames_.warn(status.frames, tf_);
   for (const FrameStatus& frame : grasper_.status()) status.frames.push_back(frame);
   status.camera = photographer_.status();
   diagnostics_.publish(status);
-}
-
-bool Node::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
-  const bool resumes = paused_ && !request.data;
-  paused_ = request.data;
-  if (resumes) {
-    pacer_.restart();
-    rate_.restart(pacer_.seconds());
-  }
-  response.success = true;
-  response.message = paused_ ? "paused" : "running";
-  return true;
-}
-
-bool Node::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  clothsim::Change change;
-  change.values = reconfigure_->values();
-  changes_.publish("reset", change);
-  simulator_.reset();
-  targets_.reset(simulator_.scene());
-  follower_.reset();
-  frame_number_ = 0;
-  wind_listener_.tell();
-  jump();
-  response.success = true;
-  response.message = "at the scene's start";
-  return true;
-}
-
-bool Node::enable_collider(clothsim::EnableCollider::Request& request,
-                           clothsim::EnableCollider::Response& response) {
-  const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
-  const auto collider =
-      std::find_if(colliders.begin(), colliders.end(),
-                   [&](const clothsim::ColliderSpec& c) { return c.name == request.name; });
-  if (collider == colliders.end()) {
-    std::vector<std::string> names;
-    for (const clothsim::ColliderSpec& c : colliders) names.push_back(c.name);
-    response.message = clothsim::InvalidValue({"name"}, '"' + request.name + '"',
-                                              names.empty() ? "none, as the scene has no colliders"
-                                                            : "one of " + clothsim::join(names))
-                           .what();
-    return true;
-  }
-  clothsim::Change change;
-  change.collider = request.name;
-  change.enabled = request.enabled;
-  changes_.publish("enable_collider", change);
-  simulator_.enable_collider(static_cast<int>(collider - colliders.begin()), request.enabled);
-  outputs_.redraw();
-  photographer_.redraw();
-  response.success = true;
-  return true;
-}
-
-void Node::start_with(const clothsim::Scene& scene) {
-  const clothsim::View live_view = photographer_.view();
-  clothsim::inside("camera", [&] {
-    const clothsim::View view = clothsim::without_missing_colliders(parameters_.view, scene);
-    go_on_beside([&] { photographer_.set_view(view); });  // which may read large images
-  });
-  try {
-    clothsim::inside("scene", [&] { simulator_.load(scene); });
-  } catch (const clothsim::InvalidValue&) {
-    photographer_.set_view(live_view);
-    throw;
-  }
-}
-
-bool Node::load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response& response) {
-  try {
-    start_with(read_scene_parameter(node_));
-  } catch (const clothsim::InvalidValue& error) {
-    response.message = error.message(node_.getNamespace() + "/", "/");
-    return true;
-  }
-  warn_of_motions(simulator_.scene());
-  warn_of_left_out(simulator_.scene());
-  changes_.publish("load_scene");
-  targets_.reset(simulator_.scene());
-  follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);
-  state_services_.clear();
-  contact_topics_.follow_scene();
-  serve_live_values();
-  frame_number_ = 0;
-  outputs_.refresh();  // the topology, before states on it
-  jump();
-  response.success = true;
-  return true;
-}
-
-bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& response) {
-  if (!paused_) {
-    response.message = "the simulation is running: pause it first";
-    return true;
-  }
-  try {
-    if (request.frames < 1 || request.frames > most_frames) {
-      throw clothsim::InvalidValue({"frames"}, std::to_string(request.frames),
-                                   "a whole number from 1 to " + std::to_string(most_frames));
-    }
-    targets_.aim(request, simulator_);
-  } catch (const clothsim::InvalidValue& error) {
-    response.message = error.message("", "/");
-    return true;
-  }
-  response.message = simulate_frames(request);
-  targets_.stop();
-  response.success = response.message.empty();
-  if (response.success) response.state = outputs_.state();
-  return true;
-}
-
-std::string Node::simulate_frames(const clothsim::Step::Request& request) {
-  if (!request.targets.empty()) {
-    follower_.look_up();
-    follower_.take_up(simulator_, changes_);
-  }
-  for (std::uint32_t i = 0; i < request.frames; ++i) {
-    if (!is_running()) return "the node is shutting down";
-    targets_.advance();
-    if (!simulate_frame(Turn::now)) return failure_;
-    photographer_.wait();  // no picture is dropped, so that each run has the same ones
-    publish_diagnostics();
-  }
-  photographer_.finish();
-  return "";
 }
 
 }  // namespace clothsim_ros

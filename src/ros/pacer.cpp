@@ -18,6 +18,11 @@ constexpr double poll_period = 0.001;
 constexpr double frames_caught_up = 4;
 constexpr double largest_tick = 0.5;
 
+/// Another node's clock has jumped ahead when it is that far on [s], this much faster than the
+/// computer's own.
+constexpr double shortest_jump = 1;
+constexpr double jump_rate = 100;
+
 }  // namespace
 
 Pacer::Pacer(double realtime_factor, bool owns_clock)
@@ -39,6 +44,7 @@ ros::WallDuration Pacer::until_due(double frame_duration) {
   const bool follows_clock = !owns_clock_ && ros::Time::isSimTime();
   const ros::Time now = pace();
   if (now.isZero()) return ros::WallDuration(poll_period);
+  if (follows_clock) watch_jumps(now);
   if (!start_) {
     start_ = now;
     elapsed_ = 0;
@@ -57,6 +63,17 @@ ros::WallDuration Pacer::until_due(double frame_duration) {
   }
   if (follows_clock) wait = std::min(wait, poll_period);
   return ros::WallDuration(std::max(wait, 0.0));
+}
+
+void Pacer::watch_jumps(const ros::Time& now) {
+  const ros::SteadyTime steady = ros::SteadyTime::now();
+  if (!last_look_.isZero()) {
+    const double ahead = seconds_between(last_look_, now);
+    const double passed = (steady - last_steady_).toSec();
+    has_jumped_ = has_jumped_ || (ahead > shortest_jump && ahead > jump_rate * passed);
+  }
+  last_look_ = now;
+  last_steady_ = steady;
 }
 
 ros::Time Pacer::advance(double frame_duration) {

@@ -6,11 +6,10 @@
 #include <ros/this_node.h>
 
 #include <cmath>
-#include <optional>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/render/egl_context.h"
-#include "clothsim/scene/scene_yaml.h"
+#include "clothsim/ros/scene_parameter.h"
 #include "clothsim/scene/yaml_values.h"
 #include "clothsim/view/view_yaml.h"
 
@@ -47,28 +46,6 @@ YAML::Node to_yaml_map(XmlRpc::XmlRpcValue& value) {
                      [&, &name = key, &child = item] { map.force_insert(name, to_yaml(child)); });
   }
   return map;
-}
-
-/// Reads parameter `key` where there is one.
-void read_optional(const ros::NodeHandle& node, const std::string& key,
-                   const clothsim::ReadValue& read) {
-  XmlRpc::XmlRpcValue value;
-  if (!node.getParam(key, value)) return;
-  clothsim::inside(key, [&] { read(to_yaml(value)); });
-}
-
-/// The text of a robot's description; a relative name is below the node's namespace.
-std::string read_description(const std::string& name) {
-  XmlRpc::XmlRpcValue value;
-  try {
-    if (!ros::param::get(name, value)) {
-      throw InvalidValue({}, clothsim::shortened(name, 100) + ", which is not set",
-                         "a parameter with a URDF");
-    }
-  } catch (const ros::InvalidNameException& error) {
-    throw InvalidValue({}, clothsim::shortened(error.what(), 200), "the name of a parameter");
-  }
-  return clothsim::read_text(to_yaml(value));
 }
 
 /// Another node that publishes a topic, as the master knows it; empty: there is none.
@@ -120,7 +97,9 @@ YAML::Node without_topics(YAML::Node camera) {
 
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
-  parameters.scene = read_scene_parameter(node);
+  const GivenScene given_scene = read_first_scene(node);
+  parameters.scene = given_scene.scene;
+  parameters.scene_yaml = given_scene.yaml;
 
   YAML::Node camera(YAML::NodeType::Map);
   read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
@@ -135,6 +114,9 @@ NodeParameters read(const ros::NodeHandle& node) {
       parameters.image_folders.push_back(clothsim::read_text(item));
     });
   });
+  if (!given_scene.file.empty()) {
+    parameters.image_folders.push_back(given_scene.file.parent_path().string());
+  }
   read_optional(node, "diagnostics", [&](const YAML::Node& given) {
     parameters.limits = read_diagnostic_limits(given);
   });
@@ -159,18 +141,17 @@ NodeParameters read(const ros::NodeHandle& node) {
   clothsim::check_range("diagnostic_period", parameters.diagnostic_period, diagnostic_period_range);
   clothsim::check_range("jump_speed", parameters.jump_speed, jump_speed_range);
   if (parameters.publish_clock) check_clock();
+  if (!given_scene.file.empty()) tell_scene(node, given_scene);
   return parameters;
 }
 
 }  // namespace
 
-clothsim::Scene read_scene_parameter(const ros::NodeHandle& node) {
-  std::optional<clothsim::Scene> scene;
-  const clothsim::SceneSources sources{"", read_description};
-  read_optional(node, "scene",
-                [&](const YAML::Node& given) { scene = clothsim::read_scene(given, sources); });
-  if (!scene) throw InvalidValue({"scene"}, "nothing", "a scene, such as config/scenes/*.yaml");
-  return *scene;
+void read_optional(const ros::NodeHandle& node, const std::string& key,
+                   const clothsim::ReadValue& read) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(key, value)) return;
+  clothsim::inside(key, [&] { read(to_yaml(value)); });
 }
 
 YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
@@ -203,8 +184,9 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",        "camera",          "image_folders", "diagnostics", "diagnostic_period",
-          "world_frame",  "realtime_factor", "jump_speed",    "save_limit",  "paused",
+  return {"scene",           "scene_file",  "scene_folder",      "camera",
+          "image_folders",   "diagnostics", "diagnostic_period", "world_frame",
+          "realtime_factor", "jump_speed",  "save_limit",        "paused",
           "publish_clock"};
 }
 

@@ -103,6 +103,9 @@ clothsim::Vector3 wind_of(const Config& config) {
 }
 
 clothsim::SelfCollision to_self_collision(const std::string& name) {
+  // As scenes have it; dynparam hands YAML's true on as Python writes that.
+  if (name == "true" || name == "True") return clothsim::SelfCollision::automatic;
+  if (name == "false" || name == "False") return clothsim::SelfCollision::off;
   const auto& names = clothsim::self_collision_names;
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) {
@@ -208,6 +211,19 @@ dynamic_reconfigure::Config Reconfigure::values() const {
   dynamic_reconfigure::Config msg = to_message(impl_->values.accepted());
   for (const auto& [ns, values] : impl_->colliders) append(values->accepted(), ns, msg);
   return msg;
+}
+
+std::vector<std::string> Reconfigure::changed() const {
+  std::vector<std::string> all = impl_->values.changed();
+  for (const auto& [ns, values] : impl_->colliders) {
+    for (const std::string& text : values->changed()) all.push_back(ns + '/' + text);
+  }
+  return all;
+}
+
+void Reconfigure::reset() {
+  impl_->values.reset();
+  for (const auto& [ns, values] : impl_->colliders) values->reset();
 }
 
 std::vector<std::string> Reconfigure::names() const {

@@ -24,13 +24,14 @@ void check_name(const std::string& name) {
 
 StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulator,
                              StepTargets& targets, FrameFollower& follower, Changes& changes,
-                             std::uint64_t& frame_number, std::uint64_t save_limit,
-                             std::function<void()> jumped)
+                             std::uint64_t& frame_number, const bool& paused,
+                             std::uint64_t save_limit, std::function<void()> jumped)
     : simulator_(simulator),
       targets_(targets),
       follower_(follower),
       changes_(changes),
       frame_number_(frame_number),
+      paused_(paused),
       save_limit_(save_limit),
       jumped_(std::move(jumped)) {
   services_ = {node.advertiseService("get_state", &StateServices::get, this),
@@ -41,6 +42,18 @@ StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulat
 
 bool StateServices::get(clothsim::GetState::Request&, clothsim::GetState::Response& response) {
   response.state = to_whole_state_msg(simulator_.state(), simulator_.memory(), frame_number_);
+  response.paused = static_cast<std::uint8_t>(paused_);
+  response.wind =
+      to_vector_msg(simulator_.scene().simulation.wind.value_or(clothsim::Vector3(0, 0, 0)));
+  response.scene = changes_.scene();
+  follower_.look_up();
+  std::map<std::string, clothsim::Pose> frames = follower_.frames(simulator_);
+  for (const auto& [name, grip] : simulator_.grips()) frames.insert_or_assign(name, grip.pose);
+  for (const auto& [name, pose] : frames) {
+    response.frames.emplace_back();
+    response.frames.back().child_frame_id = name;
+    response.frames.back().transform = to_transform_msg(pose);
+  }
   return true;
 }
 

@@ -1,5 +1,6 @@
 #include "clothsim/ros/step_targets.h"
 
+#include <ros/console.h>
 #include <ros/single_subscriber_publisher.h>
 #include <tf2/exceptions.h>
 
@@ -7,6 +8,7 @@
 #include <optional>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/model/nearest_word.h"
 #include "clothsim/ros/conversions.h"
 
 namespace clothsim_ros {
@@ -112,11 +114,25 @@ void StepTargets::aim(const clothsim::Step::Request& request,
         [this](const ros::SingleSubscriberPublisher& listener) { listener.publish(message()); });
   }
   for (const auto& [frame, motion] : motions) {
+    tell_stranger(frame, simulator);
     motions_.insert_or_assign(frame, motion);
     begin_.emplace(frame, motion.pose());
     moving_.push_back(frame);
     put(frame, motion.pose());
   }
+}
+
+void StepTargets::tell_stranger(const std::string& frame, const clothsim::Simulator& simulator) {
+  std::vector<std::string> followed;
+  for (const clothsim::ColliderSpec& c : simulator.scene().colliders) followed.push_back(c.frame);
+  for (const clothsim::Pin& pin : simulator.scene().cloth.pinned) followed.push_back(pin.frame);
+  for (const auto& [name, grip] : simulator.grips()) followed.push_back(name);
+  if (std::find(followed.begin(), followed.end(), frame) != followed.end()) return;
+  const std::string meant = clothsim::nearest_word(frame, followed);
+  if (meant.empty() || !strangers_.insert(frame).second) return;
+  ROS_WARN(
+      "~step moves frame %s, which no collider, pin or attached point follows; did you mean %s?",
+      frame.c_str(), meant.c_str());
 }
 
 void StepTargets::advance() {
@@ -157,6 +173,11 @@ void StepTargets::reset(const clothsim::Scene& scene) {
 }
 
 void StepTargets::restore(const Saved& saved) {
+  for (auto& [frame, motion] : motions_) {
+    if (saved.count(frame) > 0 || !tf_.holds(frame)) continue;
+    motion = clothsim::FrameMotion(begin_.at(frame));  // it had not moved yet
+    put(frame, motion.pose());
+  }
   for (const auto& [frame, motion] : saved) {
     if (!tf_.holds(frame)) continue;
     motions_.insert_or_assign(frame, motion);

@@ -62,10 +62,10 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
     if (!is_static && is_ahead(stamp, now)) {
       if (warnings_.passes()) {
         ROS_WARN(
-            "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at most %g s after "
-            "now, %.3f, and at most %u",
+            "Ignored a transform of tf frame %s from %s: stamped %.3f, expected at most %.3f, %s",
             transform.child_frame_id.c_str(), event.getPublisherName().c_str(), stamp.toSec(),
-            largest_lead, now.toSec(), latest_held);
+            latest_stamp(now).toSec(),
+            now.isZero() ? "the last that tf2 can hold" : "a little after now");
       }
       continue;
     }

@@ -6,6 +6,7 @@
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 
+#include <functional>
 #include <list>
 #include <string>
 #include <vector>
@@ -136,12 +137,22 @@ struct ViewReconfigure::Impl {
         clothsim::validate(changed);
       });
     });
+    spaces.push_back({ns, [&server = servers.back()] { return server.changed(); },
+                      [&server = servers.back()] { server.reset(); }});
   }
+
+  /// A namespace, and what its server does.
+  struct Space {
+    std::string ns;
+    std::function<std::vector<std::string>()> changed;
+    std::function<void()> reset;
+  };
 
   ros::CallbackQueue queue;  // of calls that may read images, which frames do not wait for
   ros::NodeHandle node;
   Photographer& photographer;
   std::vector<std::string> names;
+  std::vector<Space> spaces;
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
   std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
@@ -155,5 +166,17 @@ ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Photographer& phot
 ViewReconfigure::~ViewReconfigure() = default;
 
 const std::vector<std::string>& ViewReconfigure::names() const { return impl_->names; }
+
+std::vector<std::string> ViewReconfigure::changed() {
+  std::vector<std::string> all;
+  for (const Impl::Space& space : impl_->spaces) {
+    for (const std::string& text : space.changed()) all.push_back(space.ns + '/' + text);
+  }
+  return all;
+}
+
+void ViewReconfigure::reset() {
+  for (const Impl::Space& space : impl_->spaces) space.reset();
+}
 
 }  // namespace clothsim_ros

@@ -17,6 +17,7 @@
 #include "clothsim/run/output.h"
 #include "clothsim/run/progress_bar.h"
 #include "clothsim/run/report.h"
+#include "clothsim/scene/doubts.h"
 #include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim {
@@ -215,6 +216,9 @@ ExitCode run(const std::string& program, const RunOptions& options,
   tell_of_frames(program, simulator.scene());
   for (const std::string& line : simulator.scene().left_out) {
     std::cerr << program << ": left out " << line << '\n';
+  }
+  for (const std::string& line : doubts(yaml, simulator.scene())) {
+    std::cerr << program << ": " << line << '\n';
   }
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, interrupt);
   simulator.set_interrupt([] { return is_interrupted != 0; });

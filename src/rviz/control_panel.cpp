@@ -1,6 +1,7 @@
 #include "control_panel.h"
 
 #include <clothsim/ClothState.h>
+#include <clothsim/LoadScene.h>
 #include <clothsim/Step.h>
 #include <ros/master.h>
 #include <ros/names.h>
@@ -22,7 +23,6 @@
 
 #include "clothsim/model/package.h"
 #include "live_controls.h"
-#include "scene_parameter.h"
 
 namespace clothsim_rviz {
 namespace {
@@ -66,6 +66,10 @@ ControlPanel::ControlPanel(QWidget* parent) : rviz::Panel(parent) {
   add_scenes(*controls);
   live_ = new LiveControls(calls_, [this](const std::string& text) { report(text); });
   controls->addWidget(live_);
+  auto* values_button = new QPushButton("Values of the scene");
+  values_button->setToolTip("Takes live values back to those of the scene; the cloth stays");
+  controls->addWidget(values_button);
+  connect(values_button, &QPushButton::clicked, this, [this] { trigger("/reset_values"); });
   add_diagnostics(*layout);
   layout->addStretch(1);
   diagnostics_ = ros::NodeHandle().subscribe<diagnostic_msgs::DiagnosticArray>(
@@ -108,7 +112,7 @@ void ControlPanel::add_running(QBoxLayout& layout) {
   layout.addLayout(row);
   connect(pause_button_, &QPushButton::clicked, this, [this] { pause_or_run(); });
   connect(step_button, &QPushButton::clicked, this, [this] { step(); });
-  connect(reset_button, &QPushButton::clicked, this, [this] { reset_cloth(); });
+  connect(reset_button, &QPushButton::clicked, this, [this] { trigger("/reset"); });
 }
 
 void ControlPanel::add_scenes(QBoxLayout& layout) {
@@ -220,11 +224,12 @@ void ControlPanel::step() {
   });
 }
 
-void ControlPanel::reset_cloth() {
-  calls_.post([this, node = node_]() -> CallQueue::Answer {
+void ControlPanel::trigger(const std::string& name) {
+  calls_.post([this, service_name = node_ + name]() -> CallQueue::Answer {
     std_srvs::Trigger service;
-    const std::string refusal = refusal_of(node + "/reset", service);
-    return [this, refusal] { report(refusal); };
+    const std::string refusal = refusal_of(service_name, service);
+    return
+        [this, answer = refusal.empty() ? service.response.message : refusal] { report(answer); };
   });
 }
 
@@ -232,7 +237,9 @@ void ControlPanel::load_scene() {
   const std::string file = scene_box_->currentData().toString().toStdString();
   report("loading " + file);
   calls_.post([this, node = node_, file]() -> CallQueue::Answer {
-    const std::string refusal = clothsim_rviz::load_scene(node, file);
+    clothsim::LoadScene service;
+    service.request.file = file;
+    const std::string refusal = refusal_of(node + "/load_scene", service);
     return [this, refusal] { report(refusal); };
   });
 }

@@ -42,7 +42,8 @@ class ControlPanel : public rviz::Panel {
   void list_nodes();
   void pause_or_run();
   void step();
-  void reset_cloth();
+  /// Calls a service of the node, "/reset" or the like.
+  void trigger(const std::string& name);
   void load_scene();
   void choose_file();
   void hear(const diagnostic_msgs::DiagnosticArray&);

@@ -5,6 +5,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/package.h"
+#include "clothsim/model/resource.h"
 #include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim {
@@ -68,7 +69,7 @@ bool names_fabric(const YAML::Node& cloth) {
                                       [&](const char* key) { return cloth[key].IsDefined(); });
 }
 
-void start_fabric(const YAML::Node& map, ClothSpec& cloth) {
+void start_fabric(const YAML::Node& map, const fs::path& folder, ClothSpec& cloth) {
   if (map["ks"]) {
     throw InvalidValue({"ks"}, describe(map["ks"]),
                        "none beside a fabric: its stiffness is stretch_stiffness");
@@ -77,13 +78,17 @@ void start_fabric(const YAML::Node& map, ClothSpec& cloth) {
   cloth.material.damping = 0;
   cloth.material.strain_limit.reset();
   if (!map["fabric"]) return;
-  inside("fabric", [&] { read_fabric_file(fabric_file(read_text(map["fabric"])), cloth); });
+  inside("fabric", [&] { read_fabric_file(fabric_file(read_text(map["fabric"]), folder), cloth); });
 }
 
-std::string fabric_file(const std::string& name) {
+std::string fabric_file(const std::string& name, const fs::path& folder) {
   const std::string ending = ".yaml";
   if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending) {
-    return name;
+    const fs::path path = find_resource(name, folder);
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path.string();
+    throw InvalidValue({}, '"' + path.string() + "\", which is not there",
+                       "the name or the file of a fabric");
   }
   std::vector<std::string> known;
   for (const auto& entry : fs::directory_iterator(package_folder("config/fabrics"))) {

@@ -13,12 +13,14 @@
 namespace clothsim {
 namespace {
 
-/// true, false, or the name of a method.
+/// true, false, or a name of self_collision_names.
 void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
   if (is_word(node, "points")) {
     self_collision = SelfCollision::points;
   } else if (is_word(node, "surface")) {
     self_collision = SelfCollision::surface;
+  } else if (is_word(node, "automatic")) {  // as live values of the node have it
+    self_collision = SelfCollision::automatic;
   } else {
     self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic
                                                                          : SelfCollision::off;
@@ -58,7 +60,7 @@ void append(std::vector<Field> more, std::vector<Field>& fields) {
   for (Field& field : more) fields.push_back(std::move(field));
 }
 
-ClothSpec read_cloth(const YAML::Node& node) {
+ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
   ClothSpec cloth;
   Material& material = cloth.material;
   const auto read_orientation = [&](const YAML::Node& value) {
@@ -82,7 +84,7 @@ ClothSpec read_cloth(const YAML::Node& node) {
        [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};
   append(material_fields(cloth), fields);
   const bool is_fabric = names_fabric(node);
-  if (is_fabric) start_fabric(node, cloth);
+  if (is_fabric) start_fabric(node, sources.folder, cloth);
   if (!is_fabric) material.fabric.emplace();  // for the keys to be known
   append(fabric_fields(*material.fabric), fields);
   read_map(node, fields);
@@ -222,7 +224,7 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   read_map(root,
            {{"cloth",
              [&](const YAML::Node& node) {
-               scene.cloth = read_cloth(node);
+               scene.cloth = read_cloth(node, sources);
                has_cloth = true;
              }},
             {"colliders", read_colliders},

@@ -25,7 +25,7 @@ Diverged no_cloth(double time, const StepReport& report) {
 
 }  // namespace
 
-Simulator::Impl::Impl(const Scene& s) : scene(s) {
+Simulator::Impl::Impl(const Scene& s) : scene(s), scene_values(live_values(s)) {
   validate(scene);
   workers = Workers(scene.simulation.threads);
   cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());

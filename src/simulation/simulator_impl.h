@@ -332,6 +332,7 @@ struct Simulator::Impl {
   double contact_speed() const;
 
   Scene scene;
+  LiveSpec scene_values;  // live values as the scene came with them
   Cloth cloth;
   Cloth weighed;  // with the inertia that tension adds; empty without strain limit
   State state;

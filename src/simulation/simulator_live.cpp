@@ -82,6 +82,8 @@ void Simulator::set(const LiveSpec& live) {
   if (springs_changed) ++impl_->topology_seq;
 }
 
+void Simulator::reset_values() { set(impl_->scene_values); }
+
 void Simulator::set(const Material& material, const SimulationSpec& simulation) {
   LiveSpec live = live_values(impl_->scene);
   live.material = material;

@@ -3,6 +3,7 @@
 import copy
 import math
 import pathlib
+import warnings
 
 import numpy as np
 import pytest
@@ -278,6 +279,38 @@ def test_a_state_with_its_memory_goes_on_to_the_same_bits():
     simulator.set_state(**{**state, "memory": None})
     simulator.step(20)
     assert not same_state(simulator, other)
+
+
+def test_what_is_hardly_meant_is_warned_of():
+    with pytest.warns(UserWarning, match=r"cloth.width: got 40 \[m\], cells of 1.6 m; did you mean 0.4, 40 cm"):
+        simulator = Simulator({"cloth": {"width": 40, "columns": 26}})
+    with pytest.warns(UserWarning, match="points of the cloth start in collider ball"):
+        simulator.load({"cloth": {}, "colliders": [{"shape": "sphere", "name": "ball", "center": [0.5, 0.5, 1]}]})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulator.load(SCENES / "sphere.yaml")
+
+
+def test_values_of_the_scene_come_back():
+    simulator, twin = Simulator(SCENES / "sphere.yaml"), Simulator(SCENES / "sphere.yaml")
+    simulator.set(ks=500, damping=27, strain_limit="off", gravity=[0, 0, -5], substeps=4, method="verlet",
+                  collider_friction={"sphere": 0.8}, thickness=0.005, springs={"shear": False})
+    simulator.step(10)
+    simulator.reset()  # keeps them
+    simulator.step(10)
+    twin.step(10)
+    assert not same_state(simulator, twin)
+    simulator.reset_values()
+    simulator.reset()
+    simulator.step(10)
+    assert same_state(simulator, twin)
+    simulator.load(SCENES / "plane.yaml")  # whose values are the scene's from now on
+    simulator.set(ks=500)
+    simulator.reset_values()
+    twin.load(SCENES / "plane.yaml")
+    for run in (simulator, twin):
+        run.step(2)
+    assert same_state(simulator, twin)
 
 
 def test_saved_states_bring_back_frames_on_their_way():

@@ -128,8 +128,8 @@ class Bag(unittest.TestCase):
     def contents(path):
         with rosbag.Bag(path) as bag:
             states = [content(m) for _, m, _ in bag.read_messages(STATES)]
-        start = max(i for i, state in enumerate(states) if state[0] == 0)
-        return states[start:]  # from the last reset on
+        start = max(i for i, state in enumerate(states[:-1]) if state[0] == 0 and states[i + 1][0] == 1)
+        return states[start:start + FRAMES + 1]  # from the last reset on, not what the node went back to
 
     def test_bag(self):
         wait_for(lambda: self.tf.get_num_connections() == 1, "the node to listen")
@@ -149,7 +149,9 @@ class Bag(unittest.TestCase):
         self.assertEqual((answer.stdout, answer.stderr), ("%d frames, the same bits\n" % FRAMES, ""))
 
         # Another scene: it is found.
-        for height, code, message in ((1.001, 1, "^frame 1: "), (1, 0, "^$")):
+        for height, code, message in (
+                (1.001, 1, r"^the bag is of another scene: cloth.origin is \[0, 0, 1\] there, \[0, 0, 1.001\] in"),
+                (1, 0, "^$")):
             rospy.set_param("/clothsim/scene/cloth/origin", [0, 0, height])
             self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
             answer = self.replay(path)
@@ -201,6 +203,7 @@ class Bag(unittest.TestCase):
         self.assertEqual(answers[0].stdout, "%d frames, the same bits\n" % len(recorded[1:]))
         self.assertEqual(self.contents(again), recorded)
         self.live.update_configuration(LIVE)
+        self.blow(0.0)
 
         # Without one of the changes it is not the same, and said so.
         for what, frame in (("set_parameters", 11), ("wind", 16), ("attach", 22), ("detach", 37), ("tf", 22),
@@ -208,6 +211,61 @@ class Bag(unittest.TestCase):
             answer = self.replay(self.without(path, what))
             self.assertEqual(answer.returncode, 1, what)
             self.assertRegex(answer.stderr, "^frame %d: " % frame, what)
+
+    def all_of_the_node(self):
+        """Its state, whether it runs, and its live values."""
+        now = call("/clothsim/get_state", GetState)
+        return (now.state.positions, now.state.velocities, now.state.step, now.paused, now.wind, now.frames,
+                [client.get_configuration(timeout=PATIENCE) for client in (self.live, self.sphere)])
+
+    def test_the_node_is_afterwards_as_it_was(self):
+        path = self.record("run_to_bring_back", self.run_with_calls)
+        try:
+            self.cloth.reset()
+            self.blow(-1.0)
+            self.put_sphere(0.4, 0.3)
+            self.put_hand(0, 1.1)
+            self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER], 0.0, 0.0).success)
+            self.live.update_configuration({"ks": 700.0, "damping": 9.0})
+            self.cloth.step(7)
+            before = self.all_of_the_node()
+            answer = self.replay(path)
+            self.assertEqual((answer.returncode, answer.stderr), (0, ""))
+            self.assertEqual(self.all_of_the_node(), before)
+            after = content(self.cloth.step(5))
+            self.assertTrue(call("/clothsim/restore_state", RestoreState, "replay_bag").success)
+            self.assertEqual(content(self.cloth.step(5)), after)
+            # Also after a run that differs.
+            before = self.all_of_the_node()
+            self.assertEqual(self.replay(self.without(path, "attach")).returncode, 1)
+            self.assertEqual(self.all_of_the_node(), before)
+        finally:
+            self.live.update_configuration(LIVE)
+            self.cloth.reset()
+
+    def test_another_scene_is_left_alone(self):
+        """A towel, a fabric that collides with itself, and goes on as it does."""
+        path = self.record("run_of_another", self.run_lockstep)
+        scene = rospy.get_param("/clothsim/scene")
+        try:
+            self.assertTrue(
+                call("/clothsim/load_scene", LoadScene, "package://clothsim/config/scenes/towel.yaml").success)
+            live = Client("/clothsim", timeout=PATIENCE)
+            values, state = live.get_configuration(timeout=PATIENCE), call("/clothsim/get_state", GetState)
+            changes = Recorder(CHANGES, Change)
+            wait_for(changes.connected, "the node's changes")
+            answer = self.replay(path)
+            self.assertEqual(answer.returncode, 1)
+            self.assertRegex(answer.stderr, "^the bag is of another scene: cloth.* in the node\n$")
+            self.assertEqual(live.get_configuration(), values)
+            self.assertEqual(call("/clothsim/get_state", GetState), state)
+            self.assertEqual(changes.all(), [])
+            changes.close()
+            live.close()
+        finally:
+            rospy.delete_param("/clothsim/scene")
+            rospy.set_param("/clothsim/scene", scene)
+            self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
 
     def test_files_that_are_no_bags(self):
         missing = os.path.join(self.folder, "missing.bag")

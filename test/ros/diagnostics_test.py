@@ -216,6 +216,22 @@ class Diagnostics(unittest.TestCase):
                 values = node.wait(level, "lost tf frame " + frame)
                 self.assertGreaterEqual(float(values["tf age of %s [s]" % frame]), 1)  # rounded
 
+    def test_a_frame_of_nearly_the_name(self):
+        """Ball_link for ball_link; told once in the log."""
+        log = Recorder("/rosout", Log)
+        broadcaster = tf2_ros.TransformBroadcaster()
+        scene = {**SMALL, "colliders": [
+            {"name": "ball", "shape": "sphere", "center": [0, 0, -1], "frame": "ball_link"}]}
+        with self.node(scene, OFF, diagnostic_period=0.1) as node:
+            def told():
+                broadcaster.sendTransform(make_transform("Ball_link", (0, 0, 5), stamp=rospy.Time.now()))
+                return [m.msg for m in log.all() if m.name == node.name and "Ball_link" in m.msg]
+            wait_for(told, "the warning")
+            time.sleep(0.5)
+            self.assertEqual(told(), ["Nobody broadcasts tf frame ball_link, which the scene follows; did you "
+                                      "mean Ball_link?"])
+        log.close()
+
     def test_lost_frames_in_one_line(self):
         """Those of a robot go together: one warning, and no other while they stay away."""
         links = ["link_%d" % i for i in range(4)]

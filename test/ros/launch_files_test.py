@@ -48,7 +48,27 @@ class LaunchFiles(unittest.TestCase):
         given = self.parameters("clothsim", "scene.launch", "scene:=" + scene,
                                 *["%s:=%s" % item for item in ARGUMENTS.items()])
         self.expect_passed_on(given)
-        self.assertEqual(given["/clothsim/scene/cloth/columns"], 10)
+        self.assertEqual(given["/clothsim/scene_file"], os.path.abspath(scene))
+
+    def test_no_argument_is_required(self):
+        """roslaunch takes one whose default is empty for required."""
+        for file in sorted(os.listdir(FOLDER)):
+            listed = subprocess.run(["roslaunch", "clothsim", file, "--ros-args"], capture_output=True, text=True)
+            self.assertNotIn("Required", listed.stdout, file)
+            self.assertIn('jump_speed (default "none")', listed.stdout, file)
+
+    def test_empty_is_none(self):
+        """As of a user's own launch file that passes an empty argument on."""
+        plain = self.parameters("clothsim", "sphere.launch")
+        self.assertEqual(self.parameters("clothsim", "sphere.launch", "view:=", "params:=", "jump_speed:="), plain)
+        self.assertFalse([name for name in plain if "jump_speed" in name or "/camera/" in name])
+
+    def test_paths_of_scenes(self):
+        """They begin where roslaunch is started, or at a package."""
+        for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"),
+                            ("package://a/b.yaml", "package://a/b.yaml")):
+            given = self.parameters("clothsim", "scene.launch", "scene:=" + scene)
+            self.assertEqual(given["/clothsim/scene_file"], file)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import unittest
 import PIL.Image
 import roslib.packages
 import rosunit
+import yaml
 
 from cloth_client import KEPT, PATIENCE, Cloth, Recorder, call, complaints, rate, wait_for
 
@@ -77,6 +78,27 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("running")
         self.assertEqual(self.assert_ends_cleanly(node), "")
 
+    def test_files_of_scenes_do_not_mix(self):
+        """Values given beside a file lie over it; those that a node has left do not lie over the next one."""
+        scenes = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "config/scenes/")
+        node, cloth = self.start_node("of_files", paused=True, scene_file=scenes + "sphere.yaml")
+        given = rospy.get_param("/of_files/scene")
+        self.assertEqual((given["cloth"]["columns"], given["colliders"][0]["name"]), (20, "sphere"))
+        self.assertEqual(len(cloth.states.all()[-1].positions), 3 * 20 * 20)
+        self.assert_ends_cleanly(node)
+        node, _ = self.start_node("of_files", scene_file="package://clothsim/config/scenes/plane.yaml")
+        with open(scenes + "plane.yaml", encoding="utf-8") as file:
+            self.assertEqual(rospy.get_param("/of_files/scene"), yaml.safe_load(file))
+        self.assert_ends_cleanly(node)
+
+    def test_two_of_one_name(self):
+        first, _ = self.start_node("namesake")
+        second, _ = self.start_node("namesake")
+        _, errors = first.communicate(timeout=PATIENCE)
+        self.assertIn("new node registered with same name", errors)
+        errors = self.assert_ends_cleanly(second)
+        self.assertRegex(errors, "The node /namesake at http.* ends now, .* did you mean __name:=another")
+
     def test_frames_go_on_while_a_scene_reads_a_large_image(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "texture.png")
@@ -98,7 +120,7 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
-        unknown = ("got an unknown parameter, expected one of scene, camera, image_folders, "
+        unknown = ("got an unknown parameter, expected one of scene, scene_file, scene_folder, camera, image_folders, "
                    "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
                    "save_limit, paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"

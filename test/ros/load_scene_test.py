@@ -1,10 +1,18 @@
 #!/usr/bin/python3
 """Another scene at run time: everything follows it, or it is refused and the old one goes on."""
 
+import os
+import re
+import shutil
+import subprocess
+import tempfile
 import unittest
 
+import numpy as np
+import roslib.packages
 import rospy
 import rostest
+import yaml
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import PointCloud2
@@ -14,6 +22,8 @@ from clothsim.msg import ClothTopology, Colliders
 from clothsim.srv import LoadScene, RestoreState, SaveState
 from cloth_client import PATIENCE, Cloth, Recorder, call, content, marker_named, positions, wait_for
 
+LOAD = "/clothsim/load_scene"
+PACKAGE = roslib.packages.get_pkg_dir("clothsim")
 START = {"cloth": {"columns": 50, "rows": 50, "pinned": [[0, 0], [49, 0]]}}
 SMALL = {"cloth": {"columns": 9, "rows": 7, "ks": 700.0},
          "colliders": [{"name": "ball", "shape": "sphere", "center": [0.5, 0.5, 0.6]}]}
@@ -49,9 +59,78 @@ class Load(unittest.TestCase):
         answer = self.load(START)
         self.assertTrue(answer.success, answer.message)
 
+    def write(self, text):
+        """The path of a scene's file in a folder of its own, with a mesh beside it."""
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        shutil.copy(os.path.join(PACKAGE, "config/robots/finger.stl"), folder)
+        path = os.path.join(folder, "scene.yaml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        return path
+
+    def test_a_file_replaces_all_of_the_scene_before(self):
+        """Parameters would be merged: ks beside a fabric is refused, and the ball would stay."""
+        self.assertTrue(self.load(SMALL).success)
+        answer = call(LOAD, LoadScene, "package://clothsim/config/scenes/towel.yaml")
+        self.assertTrue(answer.success, answer.message)
+        with open(os.path.join(PACKAGE, "config/scenes/towel.yaml"), encoding="utf-8") as file:
+            self.assertEqual(rospy.get_param("/clothsim/scene"), yaml.safe_load(file))
+        from_file = content(self.cloth.step(10))
+        self.assertTrue(call(LOAD, LoadScene).success)  # what the parameters hold now
+        self.assertEqual(content(self.cloth.step(10)), from_file)
+
+    def test_what_rosparam_would_drop_or_misread(self):
+        path = self.write("cloth: {}\nsimulation: {tolerance: 1e-3}\n"
+                          "colliders: [{name: finger, shape: mesh, file: finger.stl, center: [0, 0, 5]}]\n")
+        answer = call(LOAD, LoadScene, path)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(rospy.get_param("/clothsim/scene/cloth"), {})
+        self.assertEqual(rospy.get_param("/clothsim/scene_file"), path)
+        self.assertTrue(call(LOAD, LoadScene).success)  # its mesh is still found
+        self.assertTrue(self.load(START).success)  # which is of no file
+        self.assertFalse(rospy.has_param("/clothsim/scene_file"))
+
+    def test_examples_of_the_docs_are_the_same_in_simulate(self):
+        """Each runs in both, to the same positions where no motions move it, which the node does not play."""
+        simulate = roslib.packages.find_node("clothsim", "simulate")[0]
+        count = 0
+        for page in ("docs/scenes.md", "docs/fabrics.md"):
+            with open(os.path.join(PACKAGE, page), encoding="utf-8") as file:
+                examples = re.findall(r"```yaml\n(.*?)```", file.read(), re.DOTALL)
+            for example in examples:
+                count += 1
+                path = self.write(example if "cloth:" in example else "cloth: {}\n" + example)
+                folder = os.path.dirname(path)
+                run = subprocess.run([simulate, path, "--seconds", "0.1", "--output", folder],
+                                     capture_output=True, text=True)
+                self.assertEqual(run.returncode, 0, example + run.stderr)
+                answer = call(LOAD, LoadScene, path)
+                self.assertTrue(answer.success, example + answer.message)
+                state = self.cloth.step(9)
+                if "motions:" not in example:
+                    table = np.loadtxt(os.path.join(folder, "final.csv"), delimiter=",", skiprows=1)
+                    self.assertTrue(np.array_equal(positions(state), table[:, :3].astype(np.float32)), example)
+        self.assertGreaterEqual(count, 5)
+
+    def test_files_that_are_refused_change_nothing(self):
+        self.assertTrue(self.load(SMALL).success)
+        for file, message in (
+                ("/no/such.yaml", 'scene_file: got "/no/such.yaml", which is not there'),
+                ("towel.yaml", 'scene_file: got "towel.yaml", expected package://PACKAGE/path, '),
+                ("/etc/passwd", 'scene_file: got "/etc/passwd", expected'),
+                (self.write("cloth: {ks: 1, fabric: denim}"), "scene/cloth/ks: got 1, expected none beside"),
+                (self.write("cloth: [}"), "scene_file/")):
+            answer = call(LOAD, LoadScene, file)
+            self.assertFalse(answer.success, file)
+            self.assertIn("/clothsim/" + message, answer.message)
+            self.assertEqual(rospy.get_param("/clothsim/scene"), SMALL)
+        self.assertEqual(len(self.cloth.step(1).positions), 3 * 63)
+
     def test_all_topics_follow(self):
         self.cloth.step(3)
         before = self.topology.wait("the old topology", lambda t: t.columns == 50)
+        self.topology.clear()  # of other tests
         answer = self.load(SMALL)
         self.assertTrue(answer.success, answer.message)
 

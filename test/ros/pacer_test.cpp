@@ -52,6 +52,23 @@ TEST_F(PacerTest, OneFramePerPeriodWhateverTheTicks) {
   }
 }
 
+TEST_F(PacerTest, TellsAClockThatJumpsAhead) {
+  Pacer pacer(1, false);
+  set_time(10);
+  run_due(pacer);
+  set_time(10.4);  // a tick
+  run_due(pacer);
+  EXPECT_FALSE(pacer.has_jumped());
+  set_time(3610);
+  EXPECT_LE(run_due(pacer), 1);
+  EXPECT_TRUE(pacer.has_jumped());
+  EXPECT_FALSE(pacer.has_jumped());  // told once
+  ros::WallDuration(0.05).sleep();
+  set_time(3612);  // a fast clock, or a slow computer
+  run_due(pacer);
+  EXPECT_FALSE(pacer.has_jumped());
+}
+
 TEST_F(PacerTest, StandsStillWithTime) {
   Pacer pacer(1, false);
   set_time(10);

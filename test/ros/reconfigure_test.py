@@ -10,9 +10,10 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
+from std_srvs.srv import Trigger
 
 from clothsim.msg import ClothTopology
-from cloth_client import PATIENCE, Cloth, Recorder, content, positions, velocities
+from cloth_client import PATIENCE, Cloth, Recorder, call, content, positions, velocities
 
 DEFAULTS = {
     "ks": 5000.0, "density": 150.0, "damping": 5.4, "structural": True, "shear": True,
@@ -56,6 +57,33 @@ class Reconfigure(unittest.TestCase):
     def resting(self, **changes):
         """Lowest point [m] of the cloth at rest."""
         return self.lowest(270, damping=20.0, **changes)
+
+    def test_values_of_the_scene_come_back(self):
+        """~reset tells that live values stay, ~reset_values takes them back, to the same bits."""
+        call("/clothsim/reset_values", Trigger)  # what other tests have left
+        expected = content(self.cloth.step(10))
+        self.assertEqual(call("/clothsim/reset", Trigger).message, "at the scene's start")
+        changes = {"ks": 700.0, "shear": False, "method": "xpbd", "strain_limit": 0.02}
+        self.client.update_configuration(changes)
+        light = Client("/clothsim/light", timeout=PATIENCE)
+        intensity = light.get_configuration(timeout=PATIENCE)["intensity"]
+        light.update_configuration({"intensity": 3.0})
+        answer = call("/clothsim/reset", Trigger)
+        self.assertTrue(answer.success)
+        for value in ("ks 700", "shear false", 'method "xpbd"', "strain_limit 0.02", "~reset_values"):
+            self.assertIn(value, answer.message)
+        self.assertNotIn("density", answer.message)
+
+        answer = call("/clothsim/reset_values", Trigger)
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("light/intensity 3", answer.message)
+        self.assertEqual(self.values(self.client.get_configuration()), DEFAULTS)
+        self.assertEqual(light.get_configuration(timeout=PATIENCE)["intensity"], intensity)
+        light.close()
+        self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
+        self.assertEqual(call("/clothsim/reset", Trigger).message, "at the scene's start")
+        self.assertEqual(content(self.cloth.step(10)), expected)
+        self.assertEqual(call("/clothsim/reset_values", Trigger).message, "as the scene has them")
 
     def test_lower_ks_hangs_lower(self):
         soft = self.resting(strain_limit_enabled=False, ks=1000.0)
@@ -132,6 +160,9 @@ class Reconfigure(unittest.TestCase):
         self.client.update_configuration({"self_collision": "magic"})
         refusal = self.log.wait("a refusal", lambda log: "/self_collision: got" in log.msg).msg
         self.assertEqual(offered, refusal.split("expected one of ")[1].split(", "))
+        for name in ("true", "True", "false", "False"):  # as in a scene, and as dynparam has it
+            self.assertEqual(self.client.update_configuration({"self_collision": name})["self_collision"], name)
+            self.assertEqual(call("/clothsim/reset_values", Trigger).success, True)
         for name in offered:
             answer = self.client.update_configuration({"self_collision": name, "thickness": 0.004})
             self.assertEqual((answer["self_collision"], answer["thickness"]), (name, 0.004))

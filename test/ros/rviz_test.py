@@ -25,6 +25,7 @@ COLUMNS = 50
 PAUSE, STEP, RESET = (49, 75), (122, 75), (315, 75)
 LOAD = (230, 106)
 KS = (188, 138)  # the middle of the slider
+VALUES = (180, 292)  # the button that takes live values back
 TITLE = (184, 184, 184)
 
 
@@ -183,7 +184,8 @@ class Rviz(unittest.TestCase):
         wait_for(lambda: client.get_configuration()["ks"] != 5000, "another ks")
         # In the middle of 1 to 1e5, on a logarithmic scale, or a little more.
         self.assertAlmostEqual(math.log10(client.get_configuration()["ks"]), 2.5, delta=1.5)
-        client.update_configuration({"ks": 5000})
+        self.desktop.click(self.panel(VALUES))
+        wait_for(lambda: client.get_configuration()["ks"] == 5000, "the scene's ks")
         client.close()
 
     def test_panel_loads_a_scene(self):

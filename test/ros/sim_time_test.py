@@ -91,8 +91,14 @@ class SimTime(unittest.TestCase):
 
         # And from a later one: no frame for the time in between.
         before = self.settled().step
-        self.run_clock(500, 501)
+        diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        wait_for(diagnostics.connected, "the diagnostics")
+        self.run_clock(3600, 3601)
         frames = self.settled().step - before
+        time.sleep(1)  # the time to tell of a factor of 0.00 over the hour
+        told = [s.message for a in diagnostics.all() for s in a.status if s.level == DiagnosticStatus.ERROR]
+        self.assertEqual([message for message in told if "real-time factor 0.0" in message], [])
+        diagnostics.close()
         self.assertGreater(frames, 80)
         self.assertLess(frames, 95)
 

@@ -75,7 +75,8 @@ class Stamps(unittest.TestCase):
     def test_1_before_time_begins(self):
         self.expect_refused(LATEST)
         self.log.wait("a warning", lambda m: m.msg.startswith(
-            "Ignored a transform of tf frame sphere from /stamps: stamped 4294967295.000"))
+            "Ignored a transform of tf frame sphere from /stamps: stamped 4294967295.000, expected at "
+            "most 4294967280.000, the last that tf2 can hold"))
         self.expect_followed(500)
         self.set_clock(1)
         self.expect_lost()  # that was no stamp of now

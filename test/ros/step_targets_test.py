@@ -177,6 +177,18 @@ class StepTargets(unittest.TestCase):
             self.assertTrue(call("/clothsim/restore_state", RestoreState, "here").success)
             self.assertEqual(go_on(), expected)
 
+    def test_says_which_frame_nothing_follows(self):
+        """Once, and only where one of nearly that name is followed; a hand to be attached later is none."""
+        log = Recorder("/rosout", Log)
+        wait_for(log.connected, "the node's log")
+        for _ in range(2):
+            self.cloth.step(1, [make_transform(frame, (9, 9, 9)) for frame in ("bal", "Tip", "gripper")])
+        log.wait("the warning", lambda m: "frame Tip" in m.msg)
+        told = [m.msg for m in log.all() if "~step moves frame" in m.msg]
+        self.assertEqual(told, ["~step moves frame %s, which no collider, pin or attached point follows; did you "
+                                "mean %s?" % pair for pair in (("Tip", "tip"), ("bal", "ball"))])
+        log.close()
+
     def test_refused(self):
         before = call("/clothsim/get_state", GetState).state
         good = make_transform("hand", HAND)

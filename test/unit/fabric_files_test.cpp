@@ -108,13 +108,24 @@ TEST(FabricFiles, MistakesAreToldByFileAndKey) {
   told("{drag: -1}", "drag: got -1, expected a number of at least 0");
   EXPECT_NE(refusal("cloth: {fabric: tweed}").find("cloth.fabric: got \"tweed\", expected one of"),
             std::string::npos);
-  EXPECT_NE(refusal("cloth: {fabric: nowhere.yaml}").find("nowhere.yaml"), std::string::npos);
+  EXPECT_EQ(refusal("cloth: {fabric: nowhere.yaml}"),
+            "cloth.fabric: got \"nowhere.yaml\", which is not there, expected the "
+            "name or the file of a fabric");
   const FabricFile file(good_fabric);
   const FabricFile without("{density: 0.2, source: none}");
   EXPECT_EQ(refusal(without.scene()), "cloth.fabric." + without.path() +
                                           ".date: got nothing, expected where its values are from");
   EXPECT_EQ(refusal(file.scene(", ks: 5")),
             "cloth.ks: got 5, expected none beside a fabric: its stiffness is stretch_stiffness");
+}
+
+TEST(FabricFiles, PathsBeginAtTheFolderOfTheScene) {
+  const FabricFile file(good_fabric);
+  const std::filesystem::path path = file.path();
+  const YAML::Node scene = YAML::Load("cloth: {fabric: " + path.filename().string() + '}');
+  EXPECT_EQ(read_scene(scene, {path.parent_path()}).cloth.material.fabric->shear_stiffness,
+            read_scene(YAML::Load(file.scene())).cloth.material.fabric->shear_stiffness);
+  EXPECT_THROW(read_scene(scene, {path.parent_path() / "other"}), InvalidValue);
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ TEST(SceneYaml, ReadsHowAClothIsKeptOffItself) {
   EXPECT_EQ(read("true"), SelfCollision::automatic);
   EXPECT_EQ(read("points"), SelfCollision::points);
   EXPECT_EQ(read("surface"), SelfCollision::surface);
+  EXPECT_EQ(read("automatic"), SelfCollision::automatic);  // as live values have it
 }
 
 TEST(SceneYaml, ReadsTheParametersOfTheMethod) {

@@ -19,6 +19,10 @@ class Changes {
   /// Pacer and `frame_number` must outlive this.
   Changes(ros::NodeHandle&, const Pacer&, const std::uint64_t& frame_number);
 
+  /// Another scene: what of it no live value changes. A reset tells it, too.
+  void set_scene(const std::string& fixed_values) { scene_ = fixed_values; }
+  const std::string& scene() const { return scene_; }
+
   /// A call came. To be called before it changes the frame number. Adds what it is and when.
   void publish(const std::string& what, clothsim::Change = {});
 
@@ -30,6 +34,7 @@ class Changes {
   const Pacer& pacer_;
   const std::uint64_t& frame_number_;
   ros::Publisher publisher_;
+  std::string scene_;
   std::map<std::string, geometry_msgs::Transform> told_;  // by frame
 };
 

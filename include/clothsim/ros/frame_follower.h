@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "clothsim/ros/changes.h"
@@ -32,6 +34,10 @@ class FrameFollower {
 
   /// To be called when the simulator was reset: the next move is a first one again.
   void reset();
+
+  /// Where the frames are, by name; those unknown to tf are where the scene has their collider, or
+  /// left out.
+  std::map<std::string, clothsim::Pose> frames(const clothsim::Simulator&) const;
 
   /// Tells of what move() goes by.
   void tell(Changes&) const;

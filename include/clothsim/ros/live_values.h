@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clothsim/model/errors.h"
@@ -19,6 +20,9 @@ std::string live_message(const clothsim::InvalidValue&, const std::string& ns);
 
 /// Calls `apply` and tells why it refused, with the names in namespace `ns`; empty: it did not.
 std::optional<std::string> refusal(const std::function<void()>& apply, const std::string& ns);
+
+/// The first value of a message, as "name value".
+std::string text_of(const dynamic_reconfigure::Config&);
 
 /// Values that dynamic_reconfigure changes, in the namespace of a node handle. `Generated` is the
 /// class made from a .cfg file.
@@ -60,12 +64,12 @@ class LiveValues {
   /// `apply` throws to refuse a request, which is logged and answered with the values that hold.
   LiveValues(const ros::NodeHandle& node, const Generated& start,
              std::function<void(const Generated&)> apply)
-      : accepted_(start), server_(mutex_, node) {
+      : start_(start), accepted_(start), apply_(std::move(apply)), server_(mutex_, node) {
     accepted_.known = &known_;
     server_.updateConfig(accepted_);
-    server_.setCallback([this, apply, ns = node.getNamespace()](Config& config, std::uint32_t) {
+    server_.setCallback([this, ns = node.getNamespace()](Config& config, std::uint32_t) {
       // dynamic_reconfigure would keep the values of a callback that throws.
-      if (const auto why = refusal([&] { apply(config); }, ns)) {
+      if (const auto why = refusal([&] { apply_(config); }, ns)) {
         ROS_ERROR("%s", why->c_str());
         config = accepted_;
       } else {
@@ -84,9 +88,34 @@ class LiveValues {
   /// The values that hold.
   const Generated& accepted() const { return accepted_; }
 
+  /// Those that differ from the start's, as "name value"; from any thread.
+  std::vector<std::string> changed() {
+    const boost::recursive_mutex::scoped_lock lock(mutex_);
+    std::vector<std::string> all;
+    for (const auto& value : Generated::__getParamDescriptions__()) {
+      if (!accepted_.differs(*value, start_)) continue;
+      dynamic_reconfigure::Config msg;
+      value->toMessage(msg, accepted_);
+      all.push_back(text_of(msg));
+    }
+    return all;
+  }
+
+  /// Applies those of the start and tells who listens; from any thread. Throws what `apply` throws
+  /// and changes nothing.
+  void reset() {
+    const boost::recursive_mutex::scoped_lock lock(mutex_);
+    if (changed().empty()) return;
+    apply_(start_);
+    static_cast<Generated&>(accepted_) = start_;
+    server_.updateConfig(accepted_);
+  }
+
  private:
   std::optional<Generated> known_;
+  const Generated start_;
   Config accepted_;
+  std::function<void(const Generated&)> apply_;
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
 };

@@ -21,6 +21,7 @@
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
 #include "clothsim/ros/ignored_parameters.h"
+#include "clothsim/ros/near_frames.h"
 #include "clothsim/ros/outputs.h"
 #include "clothsim/ros/pacer.h"
 #include "clothsim/ros/parameters.h"
@@ -75,10 +76,14 @@ class Node {
   void start_with(const clothsim::Scene&);
   /// Warns of private parameters that were `given` for nothing, once live values are served.
   void warn_of_ignored(const ParameterTexts& given) const;
+  /// Says what of the scene, as it was `given`, the node leaves to others, what it goes without,
+  /// and what may not be meant.
+  void warn_of_scene(const YAML::Node& given) const;
   void publish_diagnostics();
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
+  bool reset_values(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
   bool enable_collider(clothsim::EnableCollider::Request&, clothsim::EnableCollider::Response&);
   bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
@@ -113,6 +118,7 @@ class Node {
   WindListener wind_listener_;
   Diagnostics diagnostics_;
   ChoiceLog choice_log_;
+  NearFrames near_frames_;
   ros::SteadyTime next_diagnostics_;
 
   ros::Publisher clock_publisher_;  // where the node owns the clock

@@ -4,6 +4,7 @@
 #include <ros/time.h>
 
 #include <optional>
+#include <utility>
 
 namespace clothsim_ros {
 
@@ -33,6 +34,10 @@ class Pacer {
   /// The next frame is due one frame from now, as after a pause.
   void restart() { start_.reset(); }
 
+  /// Whether another node's clock has jumped ahead since the last call, as a bag's does, rather
+  /// than gone on while frames were computed.
+  bool has_jumped() { return std::exchange(has_jumped_, false); }
+
   /// Whether frames wait for the first time of another node's clock.
   bool waits_for_clock() const { return realtime_factor_ != 0 && pace().isZero(); }
 
@@ -47,7 +52,13 @@ class Pacer {
 
   double realtime_factor_;
   bool owns_clock_;
-  double clock_ = 0;                // [s] simulated since the node's start, where the clock is ours
+  double clock_ = 0;  // [s] simulated since the node's start, where the clock is ours
+  /// Compares the clock with the computer's.
+  void watch_jumps(const ros::Time& now);
+
+  bool has_jumped_ = false;
+  ros::Time last_look_;             // at another node's clock; zero: none
+  ros::SteadyTime last_steady_;     // when that was
   std::optional<ros::Time> start_;  // of evenly spaced frames
   double elapsed_ = 0;              // [s] from start_ to the last frame
 };

@@ -11,6 +11,7 @@
 #include "clothsim/model/errors.h"
 #include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/scene/scene.h"
+#include "clothsim/scene/yaml_values.h"
 #include "clothsim/view/view.h"
 
 namespace clothsim_ros {
@@ -18,6 +19,7 @@ namespace clothsim_ros {
 /// What the node reads from the parameter server at its start.
 struct NodeParameters {
   clothsim::Scene scene;
+  YAML::Node scene_yaml;                   // that it was read from
   clothsim::View view;                     // of ~camera
   std::vector<std::string> image_folders;  // that its images may come from, beside the package's
   DiagnosticLimits limits;
@@ -42,7 +44,8 @@ auto with_full_name(const ros::NodeHandle& node, const std::string& parent, Make
   }
 }
 
-/// Reads the private parameters of `node`. Throws std::runtime_error with the full name of the
+/// Reads the private parameters of `node`, and has ~scene hold what the file of ~scene_file does.
+/// Throws std::runtime_error with the full name of the
 /// parameter, what it is and what is expected.
 NodeParameters read_parameters(const ros::NodeHandle& node);
 
@@ -53,8 +56,9 @@ std::vector<std::string> parameter_names();
 /// read_parameters does.
 std::string read_cloth_parameter(const ros::NodeHandle& node);
 
-/// Reads ~scene alone. Throws InvalidValue with keys relative to the node.
-clothsim::Scene read_scene_parameter(const ros::NodeHandle& node);
+/// Reads parameter `key` of `node` where there is one. Throws what `read` throws, inside that key.
+void read_optional(const ros::NodeHandle& node, const std::string& key,
+                   const clothsim::ReadValue& read);
 
 /// The same value as YAML, so that parameters and files have one reader. A text counts as quoted.
 /// Throws clothsim::InvalidValue for binary data and dates.

@@ -30,6 +30,12 @@ class Reconfigure {
   /// Theirs, below the node's.
   std::vector<std::string> names() const;
 
+  /// Those that differ from the scene's, as "name value".
+  std::vector<std::string> changed() const;
+
+  /// Takes back what requests have changed. Throws what the simulator throws.
+  void reset();
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -21,6 +21,9 @@ double seconds_between(const ros::Time& begin, const ros::Time& end);
 /// `seconds` after `time`, or the end of ros::Time where that comes before.
 ros::Time later(const ros::Time& time, double seconds);
 
+/// The last stamp that is not ahead, see is_ahead().
+ros::Time latest_stamp(const ros::Time& now);
+
 /// Whether a stamp lies too far ahead of now, or is none that tf2 can hold. As long as time has not
 /// begun (`now` is zero), none lies ahead.
 bool is_ahead(const ros::Time& stamp, const ros::Time& now);

@@ -23,10 +23,11 @@ namespace clothsim_ros {
 /// The services ~get_state, ~set_state, ~save_state and ~restore_state.
 class StateServices {
  public:
-  /// All given must outlive this. States may take `save_limit` bytes together. `jumped` is called
-  /// after another state was set, the frame number with it.
+  /// All given must outlive this, `paused`, which tells of the simulation, too. States may take
+  /// `save_limit` bytes together. `jumped` is called after another state was set, the frame number
+  /// with it.
   StateServices(ros::NodeHandle&, clothsim::Simulator&, StepTargets&, FrameFollower&, Changes&,
-                std::uint64_t& frame_number, std::uint64_t save_limit,
+                std::uint64_t& frame_number, const bool& paused, std::uint64_t save_limit,
                 std::function<void()> jumped);
 
   /// Forgets the states that were saved.
@@ -57,6 +58,7 @@ class StateServices {
   FrameFollower& follower_;
   Changes& changes_;
   std::uint64_t& frame_number_;
+  const bool& paused_;
   std::uint64_t save_limit_;
   std::function<void()> jumped_;
   std::map<std::string, Entry> saved_;

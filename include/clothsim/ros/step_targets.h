@@ -6,6 +6,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,8 @@ class StepTargets {
   Target read(const clothsim::Step::Request&, std::size_t index) const;
   clothsim::FrameMotion start(const Target&, const clothsim::Simulator&) const;
   void put(const std::string& frame, const clothsim::Pose&);
+  /// Tells of a frame that nothing follows, once.
+  void tell_stranger(const std::string& frame, const clothsim::Simulator&);
   tf2_msgs::TFMessage message() const;
 
   TfListener& tf_;
@@ -59,6 +62,7 @@ class StepTargets {
   Saved motions_;                                // of all frames that were ever told, by name
   std::map<std::string, clothsim::Pose> begin_;  // where each was then
   std::vector<std::string> moving_;              // in this call
+  std::set<std::string> strangers_;              // that were told
   ros::Time stamp_;                              // of the last frame
 };
 

@@ -23,6 +23,12 @@ class ViewReconfigure {
   /// Of the values, below the node's, such as "light/intensity".
   const std::vector<std::string>& names() const;
 
+  /// Those that differ from the start's, as "light/intensity 3".
+  std::vector<std::string> changed();
+
+  /// Takes back what requests have changed; may read images. Throws what the photographer throws.
+  void reset();
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

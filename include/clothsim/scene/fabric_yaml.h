@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,10 @@ bool names_fabric(const YAML::Node& cloth);
 /// Makes `cloth` a fabric as its map in a scene begins: without drag rate and strain limit, then
 /// with the values of the file that the key `fabric` names. Throws InvalidValue for a map that has
 /// `ks` too, and for the file's mistakes.
-void start_fabric(const YAML::Node& map, ClothSpec& cloth);
+void start_fabric(const YAML::Node& map, const std::filesystem::path& folder, ClothSpec& cloth);
 
-/// The file of a fabric: a path that ends in .yaml, or a name in config/fabrics of the package.
-/// Throws InvalidValue, with the names that there are.
-std::string fabric_file(const std::string& name);
+/// The file of a fabric: a path that ends in .yaml, from `folder` on, or a name in config/fabrics
+/// of the package. Throws InvalidValue, with the names that there are.
+std::string fabric_file(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace clothsim

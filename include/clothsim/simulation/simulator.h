@@ -59,8 +59,11 @@ class Simulator {
   /// set_state() without a memory. None, the default, asks nobody.
   void set_interrupt(std::function<bool()> is_interrupted);
 
-  /// Back to the scene's start at time 0, with the present material and simulation values.
+  /// Back to the scene's start at time 0, with the present live values.
   void reset();
+
+  /// Live values as the scene came with them; nothing moves. Throws as set() does.
+  void reset_values();
 
   /// Starts anew with another scene, as a new simulator would but that topology_seq() counts on.
   /// Throws InvalidValue and goes on as before where the scene is refused.

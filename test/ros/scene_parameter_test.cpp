@@ -1,4 +1,4 @@
-#include "rviz/scene_parameter.h"
+#include "clothsim/ros/scene_parameter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "clothsim/ros/parameters.h"
 #include "clothsim/scene/scene_yaml.h"
 
-namespace clothsim_rviz {
+namespace clothsim_ros {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -51,9 +51,34 @@ TEST(SceneParameter, TheNodeReadsAllScenesThatTheListHas) {
   EXPECT_GT(count, 10);
 }
 
-TEST(SceneParameter, AFileThatIsNotThereIsTold) {
-  EXPECT_NE(load_scene("/clothsim", "/no/such.yaml").find("/no/such.yaml"), std::string::npos);
+/// How a file is refused.
+std::string refusal(const std::string& file) {
+  try {
+    read_scene_file(file);
+  } catch (const clothsim::InvalidValue& error) {
+    return error.message("/clothsim/", "/");
+  }
+  return "accepted";
+}
+
+TEST(SceneParameter, FilesThatAreNoScenesAreTold) {
+  EXPECT_EQ(
+      refusal("/no/such.yaml"),
+      "/clothsim/scene_file: got \"/no/such.yaml\", which is not there, expected a scene's file");
+  EXPECT_EQ(
+      refusal("package://no_such/a.yaml").find("/clothsim/scene_file: got the package no_such"),
+      0u);
+  for (const char* name : {"my.yaml", "/etc/passwd", "/tmp", "http://a/b.yaml"}) {
+    EXPECT_EQ(refusal(name).find("/clothsim/scene_file: got \"" + std::string(name) + '"'), 0u)
+        << refusal(name);
+  }
+}
+
+TEST(SceneParameter, PackagesAreFound) {
+  const GivenScene given = read_scene_file("package://clothsim/config/scenes/towel.yaml");
+  EXPECT_EQ(given.scene.cloth.width, 0.4);
+  EXPECT_TRUE(given.file.is_absolute());
 }
 
 }  // namespace
-}  // namespace clothsim_rviz
+}  // namespace clothsim_ros

@@ -1,0 +1,97 @@
+#include "clothsim/scene/fixed_values.h"
+
+#include <filesystem>
+#include <type_traits>
+
+#include "clothsim/model/checks.h"
+#include "clothsim/shapes/mesh_file.h"
+
+namespace clothsim {
+namespace {
+
+std::string text(double value) { return to_text(value); }
+std::string text(const Vector3& v) {
+  return '[' + join({text(v[0]), text(v[1]), text(v[2])}) + ']';
+}
+std::string text(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.orientation;
+  return text(pose.position) + " [" + join({text(q.x()), text(q.y()), text(q.z()), text(q.w())}) +
+         ']';
+}
+
+// Sizes of the shapes.
+std::string text(const Sphere& sphere) { return text(sphere.radius); }
+std::string text(const Plane& plane) { return plane.two_sided ? "two_sided" : "one-sided"; }
+std::string text(const Capsule& c) { return join({text(c.length), text(c.radius)}); }
+std::string text(const Cuboid& box) { return text(box.size); }
+std::string text(const Cylinder& c) { return join({text(c.length), text(c.radius)}); }
+std::string text(const MeshShape& mesh) {
+  return join({std::filesystem::path(mesh.file->uri).filename().string(), text(mesh.file->scale),
+               text(mesh.padding)});
+}
+
+/// Lines of keys and values.
+class Lines {
+ public:
+  void add(const std::string& key, const std::string& value) { text_ += key + ": " + value + '\n'; }
+  const std::string& all() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+void add(const ClothSpec& cloth, Lines& lines) {
+  lines.add("cloth.columns", std::to_string(cloth.columns));
+  lines.add("cloth.rows", std::to_string(cloth.rows));
+  lines.add("cloth.width", text(cloth.width));
+  lines.add("cloth.height", text(cloth.height));
+  lines.add("cloth.orientation",
+            cloth.orientation == Orientation::horizontal ? "horizontal" : "vertical");
+  lines.add("cloth.origin", text(cloth.origin));
+  lines.add("cloth", cloth.material.fabric ? "a fabric" : "springs");
+  std::string pins;
+  for (const Pin& pin : cloth.pinned) {
+    pins += '[' + join({std::to_string(pin.column), std::to_string(pin.row), pin.frame}) + ']';
+  }
+  lines.add("cloth.pinned", pins);
+}
+
+void add(const ColliderSpec& collider, Lines& lines) {
+  const auto shape = [](const auto& s) {
+    return std::string(std::decay_t<decltype(s)>::name) + ' ' + text(s);
+  };
+  const std::string key = "collider " + collider.name;
+  lines.add(key, std::visit(shape, collider.shape));
+  lines.add(key + ".pose", text(collider.pose) + " in its frame at " + text(collider.offset));
+  lines.add(key + ".frame", collider.frame);
+  lines.add(key + ".enabled", collider.enabled ? "true" : "false");
+}
+
+void add(const SimulationSpec& simulation, Lines& lines) {
+  lines.add("simulation.strain_tolerance", text(simulation.strain_tolerance));
+  lines.add("simulation.tolerance", text(simulation.tolerance));
+  lines.add("simulation.seed", std::to_string(simulation.seed));
+  std::visit(
+      [&](const auto& parameters) {
+        using Parameters = std::decay_t<decltype(parameters)>;
+        if constexpr (!std::is_same_v<Parameters, std::monostate>) {
+          Parameters::each(parameters, [&](const char* key, const auto& value, const Range&) {
+            lines.add("simulation.method_parameters of " + simulation.method + '.' + key,
+                      text(static_cast<double>(value)));
+          });
+        }
+      },
+      simulation.method_parameters);
+}
+
+}  // namespace
+
+std::string fixed_values(const Scene& scene) {
+  Lines lines;
+  add(scene.cloth, lines);
+  for (const ColliderSpec& collider : scene.colliders) add(collider, lines);
+  add(scene.simulation, lines);
+  return lines.all();
+}
+
+}  // namespace clothsim

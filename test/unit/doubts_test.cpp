@@ -1,0 +1,79 @@
+// What is valid and hardly meant, with what may have been.
+
+#include "clothsim/scene/doubts.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "scene_text.h"
+
+namespace clothsim {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+Lines doubts_of(const std::string& text) {
+  const YAML::Node yaml = YAML::Load(text);
+  return doubts(yaml, read_scene(yaml));
+}
+
+TEST(Doubts, NoShippedSceneHasAny) {
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(CLOTHSIM_SCENES_DIR)) {
+    if (file.path().extension() != ".yaml") continue;
+    const YAML::Node yaml = load_scene_file(file.path());
+    YAML::Node without_robots = YAML::Clone(yaml);
+    without_robots.remove("robots");  // whose description is a parameter
+    EXPECT_EQ(doubts(yaml, read_scene(without_robots, {file.path().parent_path()})), Lines())
+        << file.path();
+    ++count;
+  }
+  EXPECT_GT(count, 10);
+}
+
+TEST(Doubts, AnglesInDegrees) {
+  const std::string before =
+      "{cloth: {}, colliders: [{shape: plane, point: [0, 0, 0]}, "
+      "{shape: box, center: [5, 5, 5], rpy: [0, 0, ";
+  EXPECT_EQ(doubts_of(before + "6.28]}]}"), Lines());
+  EXPECT_EQ(doubts_of(before + "-90]}]}"),
+            Lines{"colliders.1.rpy: got -90 [rad]; did you mean -1.5708, -90 degrees?"});
+  EXPECT_EQ(doubts_of("{cloth: {}, colliders: [{shape: sphere, center: [5, 5, 5], radius: 0.1, "
+                      "pose: {rpy: [180, 0, 0]}}]}"),
+            Lines{"colliders.0.pose.rpy: got 180 [rad]; did you mean 3.1416, 180 degrees?"});
+  EXPECT_EQ(doubts_of("{cloth: {}, motions: [{frame: a, position: [0, 0, 0], rpy: [0, 45, 0]}]}"),
+            Lines{"motions.0.rpy: got 45 [rad]; did you mean 0.7854, 45 degrees?"});
+}
+
+TEST(Doubts, SizesInCentimetres) {
+  EXPECT_EQ(doubts_of("cloth: {width: 40, height: 0.4, columns: 26}"),
+            Lines{"cloth.width: got 40 [m], cells of 1.6 m; did you mean 0.4, 40 cm?"});
+  EXPECT_EQ(doubts_of("cloth: {width: 20, height: 20, columns: 100, rows: 100}"), Lines());
+}
+
+TEST(Doubts, ClothThatStartsInACollider) {
+  const std::string before = "{cloth: {columns: 11, rows: 11}, colliders: [";
+  const std::string after = "]}";
+  EXPECT_EQ(doubts_of(before + "{shape: sphere, name: ball, center: [0.5, 0.5, 1], radius: 0.15}" +
+                      after),
+            Lines{"9 of 121 points of the cloth start in collider ball; did you "
+                  "mean another cloth.origin?"});
+  EXPECT_EQ(doubts_of(before + "{shape: plane, point: [0, 0, 2]}" + after).size(), 1u);
+  EXPECT_EQ(
+      doubts_of(before +
+                "{shape: cylinder, name: rod, center: [0.55, 0.52, 1], radius: 0.01, length: 1}" +
+                after),
+      Lines{"1 of 200 triangles of the cloth start in collider rod; did you mean another "
+            "cloth.origin?"});
+  for (const char* apart :
+       {"{shape: plane, point: [0, 0, 1]}", "{shape: plane, point: [0, 0, 2], two_sided: true}",
+        "{shape: sphere, center: [0.5, 0.5, 1], radius: 0.15, enabled: false}",
+        "{shape: box, center: [0.5, 0.5, 0.8], size: [1, 1, 0.4]}",
+        "{shape: cylinder, center: [0.55, 0.52, 0.4], radius: 0.01, length: 1}"}) {
+    EXPECT_EQ(doubts_of(before + apart + after), Lines()) << apart;
+  }
+}
+
+}  // namespace
+}  // namespace clothsim
