@@ -160,7 +160,9 @@ class FirstHour(unittest.TestCase):
         self.run_lines(changes)
         values = Client("/clothsim", timeout=PATIENCE).get_configuration(timeout=PATIENCE)
         self.assertEqual([values[k] for k in ("ks", "density", "damping", "shear", "method")],
-                         [500.0, 15.0, 27.0, False, "bdf2"])
+                         [500.0, 15.0, 27.0, False, "xpbd"])
+        seen = cloth.states.all()[-1].step
+        cloth.states.wait("a second with them", lambda s: s.step > seen + 90)
         self.run_lines([load])
         self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
 
