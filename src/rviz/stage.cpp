@@ -19,7 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// around the box.
 constexpr int samples = 10;
 constexpr int segments = 16;
-constexpr double margin = 0.05;
+constexpr double margin = 0.1;
 
 /// How far a free upright cloth spreads from its plane as it falls down, of its height.
 constexpr double spread = 0.25;

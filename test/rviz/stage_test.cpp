@@ -51,7 +51,7 @@ TEST_P(Scenes, ClothIsSeenWholeAndLarge) {
       seen_in(simulator, stage.center(), viewing_distance(stage, out, lens));
   EXPECT_GT(part.min().minCoeff(), -1);
   EXPECT_LT(part.max().maxCoeff(), 1);
-  EXPECT_GT(part.sizes().maxCoeff(), 0.75) << part.sizes().transpose();  // of 2
+  EXPECT_GT(part.sizes().maxCoeff(), 0.7) << part.sizes().transpose();  // of 2
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Scenes,
@@ -87,7 +87,7 @@ TEST(Stage, ABoxFillsThePicture) {
     most = std::max(most, seen(corner, box.center(), distance).cwiseAbs().maxCoeff());
   }
   EXPECT_LT(most, 1);
-  EXPECT_GT(most, 0.9);
+  EXPECT_GT(most, 0.85);
 }
 
 }  // namespace
