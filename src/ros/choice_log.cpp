@@ -10,16 +10,30 @@ namespace {
 
 bool same(const clothsim::MethodChoice& a, const clothsim::MethodChoice& b) {
   return a.method == b.method && a.least_substeps == b.least_substeps &&
-         a.predicted_error == b.predicted_error && a.is_feasible == b.is_feasible;
+         a.predicted_error == b.predicted_error && a.is_feasible == b.is_feasible &&
+         a.reasons.all() == b.reasons.all();
+}
+
+/// Of a method that the scene, or a live value, names.
+void warn_if_slow(const clothsim::MethodChoice& choice) {
+  if (choice.is_feasible) return;
+  ROS_WARN(
+      "Method %s is going to be slower than real time: some %.2g CPU seconds a simulated second, "
+      "and "
+      "more in contact. Method auto chooses one that keeps up where there is one",
+      choice.method.c_str(), *choice.predicted_cost);
 }
 
 }  // namespace
 
 void ChoiceLog::update(const clothsim::SimulationSpec& simulation,
                        const clothsim::MethodChoice& choice) {
-  const bool is_news = simulation.method == "auto" && !same(choice, told_);
-  told_ = simulation.method == "auto" ? choice : clothsim::MethodChoice{};
-  if (!is_news) return;
+  if (same(choice, told_)) return;
+  told_ = choice;
+  if (simulation.method != "auto") {
+    warn_if_slow(choice);
+    return;
+  }
   const auto level = choice.is_feasible ? ros::console::levels::Info : ros::console::levels::Warn;
   std::ostringstream error;
   if (choice.predicted_error) {

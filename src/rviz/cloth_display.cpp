@@ -9,6 +9,7 @@
 #include <rviz/properties/float_property.h>
 #include <rviz/properties/ros_topic_property.h>
 #include <rviz/properties/string_property.h>
+#include <rviz/view_manager.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,11 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/ros/scene_parameter.h"
 #include "clothsim/view/resources.h"
+#include "look_at.h"
 #include "materials.h"
+#include "stage.h"
 
 namespace clothsim_rviz {
 namespace {
@@ -60,6 +64,10 @@ ClothDisplay::ClothDisplay() : color_map_(color_map()), images_(clothsim::textur
       QString::fromStdString(ros::message_traits::datatype<clothsim::ClothState>()),
       "~state of a clothsim node; its ~topology is looked for beside it.", this,
       SLOT(resubscribe()));
+  look_at_scenes_ = new rviz::BoolProperty("Look at New Scenes", false,
+                                           "The camera turns to each scene that the node starts "
+                                           "with or loads, all of it in the picture.",
+                                           this);
   make_surface_properties();
   make_part_properties();
 }
@@ -225,7 +233,26 @@ void ClothDisplay::update(float, float) {
   if (!placed || drawn_) return;
   draw();
   drawn_ = true;
+  look_at_scene();
   context_->queueRender();
+}
+
+void ClothDisplay::look_at_scene() {
+  // Another topology of the same cloth comes when springs are switched.
+  if (!look_at_scenes_->getBool() || topology_->rest_positions == looked_at_) return;
+  looked_at_ = topology_->rest_positions;
+  calls_.post([this, node = node_of(state_subscriber_.getTopic()),
+               in_fixed = in_fixed_]() -> CallQueue::Answer {
+    std::optional<clothsim::Scene> scene;
+    try {
+      scene = clothsim_ros::read_scene_parameter(ros::NodeHandle(node)).scene;
+    } catch (const clothsim::InvalidValue&) {  // the node tells
+      return [] {};
+    }
+    return [this, stage = stage_of(*scene, in_fixed)] {
+      look_at(*context_->getViewManager()->getCurrent(), stage);
+    };
+  });
 }
 
 void ClothDisplay::tell_publisher() {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "call_queue.h"
 #include "cloth_mesh.h"
 #include "cloth_visual.h"
 #include "clothsim/shapes/collider.h"
@@ -77,6 +78,8 @@ class ClothDisplay : public rviz::Display {
   std::vector<Rgba> colors();
   std::vector<Rgba> colors_of_quantity(std::uint8_t opacity);
   bool place_frame();
+  /// Turns RViz's camera to the scene that the node has, where that is another than before.
+  void look_at_scene();
   void tell_publisher();
   /// Sets a status where it is another than before.
   void tell(rviz::StatusProperty::Level, const std::string& name, const std::string& text);
@@ -92,6 +95,7 @@ class ClothDisplay : public rviz::Display {
   rviz::FloatProperty* low_;
   rviz::FloatProperty* high_;
   rviz::BoolProperty* show_legend_;
+  rviz::BoolProperty* look_at_scenes_;
   std::map<ClothVisual::Part, rviz::BoolProperty*> show_;
 
   ros::Subscriber topology_subscriber_;
@@ -112,6 +116,8 @@ class ClothDisplay : public rviz::Display {
   std::vector<float> normals_;  // scratch
   clothsim::Pose in_fixed_;
   std::map<std::string, std::pair<int, std::string>> told_;
+  std::vector<float> looked_at_;  // rest positions of the scene that the camera was turned to
+  CallQueue calls_;               // last: what it runs is over before the rest goes
 };
 
 }  // namespace clothsim_rviz

@@ -1,11 +1,13 @@
 #include "control_panel.h"
 
+#include <clothsim/Change.h>
 #include <clothsim/ClothState.h>
 #include <clothsim/LoadScene.h>
 #include <clothsim/Step.h>
 #include <ros/master.h>
 #include <ros/names.h>
 #include <ros/node_handle.h>
+#include <ros/param.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
@@ -23,6 +25,7 @@
 
 #include "clothsim/model/package.h"
 #include "live_controls.h"
+#include "scene_files.h"
 
 namespace clothsim_rviz {
 namespace {
@@ -31,6 +34,7 @@ constexpr int most_frames = 1000000;  // of ~step
 constexpr int check_silence_ms = 1000;
 constexpr int silence_ms = 5000;  // beyond which a node that tells once a second is quiet
 constexpr std::uint32_t queue_size = 10;
+constexpr std::uint32_t queue_of_changes = 1000;  // tf frames that move are changes too
 
 const char* color_of(unsigned char level) {
   using diagnostic_msgs::DiagnosticStatus;
@@ -125,6 +129,7 @@ void ControlPanel::add_scenes(QBoxLayout& layout) {
   }
   std::sort(scenes.begin(), scenes.end());
   for (const auto& path : scenes) scene_box_->addItem(to_text(path.stem()), to_text(path));
+  scene_box_->setPlaceholderText("a file of your own");
   auto* load_button = new QPushButton("Load");
   auto* file_button = new QPushButton("File...");
   auto* row = new QHBoxLayout;
@@ -176,7 +181,33 @@ void ControlPanel::set_node() {
   report("");
   watch_silence();
   live_->set_node(node_);
+  follow_scenes();
+  show_scene();
   Q_EMIT configChanged();
+}
+
+void ControlPanel::follow_scenes() {
+  changes_ = ros::NodeHandle().subscribe<clothsim::Change>(
+      node_ + "/changes", queue_of_changes, [this](const clothsim::Change::ConstPtr& change) {
+        if (change->what != "load_scene") return;
+        report("");
+        show_scene();
+      });
+}
+
+void ControlPanel::show_scene() {
+  std::vector<std::string> files;
+  for (int i = 0; i < scene_box_->count(); ++i) {
+    files.push_back(scene_box_->itemData(i).toString().toStdString());
+  }
+  calls_.post([this, node = node_, files]() -> CallQueue::Answer {
+    XmlRpc::XmlRpcValue scene;
+    const bool has_one = ros::param::get(node + "/scene", scene);
+    const std::string file = has_one ? file_of(scene, files) : "";
+    return [this, file] {
+      scene_box_->setCurrentIndex(file.empty() ? -1 : scene_box_->findData(to_text(file)));
+    };
+  });
 }
 
 void ControlPanel::list_nodes() {
@@ -234,6 +265,10 @@ void ControlPanel::trigger(const std::string& name) {
 }
 
 void ControlPanel::load_scene() {
+  if (scene_box_->currentIndex() < 0) {
+    report("choose a scene first");
+    return;
+  }
   const std::string file = scene_box_->currentData().toString().toStdString();
   report("loading " + file);
   calls_.post([this, node = node_, file]() -> CallQueue::Answer {
@@ -260,6 +295,7 @@ void ControlPanel::hear(const diagnostic_msgs::DiagnosticArray& array) {
 }
 
 void ControlPanel::show_status(const diagnostic_msgs::DiagnosticStatus& status) {
+  if (!heard_.isValid()) show_scene();  // the node is new here
   heard_.start();
   show_paused(value_of(status, "paused") == "True");
   const double factor = to_text(value_of(status, "real-time factor")).toDouble();
@@ -276,6 +312,7 @@ void ControlPanel::show_status(const diagnostic_msgs::DiagnosticStatus& status) 
 
 void ControlPanel::watch_silence() {
   if (heard_.isValid() && heard_.elapsed() < silence_ms) return;
+  heard_.invalidate();
   factor_->setText("-");
   health_->setStyleSheet(QString("color: ") + color_of(diagnostic_msgs::DiagnosticStatus::WARN));
   health_->setText(to_text("no diagnostics of " + node_));

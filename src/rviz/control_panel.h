@@ -39,6 +39,9 @@ class ControlPanel : public rviz::Panel {
 
   /// Goes by the node that is named in node_box_.
   void set_node();
+  /// The node has another scene: shows which, and forgets what was told of the one before.
+  void follow_scenes();
+  void show_scene();
   void list_nodes();
   void pause_or_run();
   void step();
@@ -65,6 +68,7 @@ class ControlPanel : public rviz::Panel {
   std::string node_;  // full name
   bool paused_ = false;
   ros::Subscriber diagnostics_;
+  ros::Subscriber changes_;
   QElapsedTimer heard_;  // since the node's last diagnostics
   QTimer silence_timer_;
   CallQueue calls_;

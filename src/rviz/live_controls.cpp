@@ -10,6 +10,7 @@
 #include <QHBoxLayout>
 #include <QSignalBlocker>
 #include <QSlider>
+#include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
 
@@ -52,6 +53,7 @@ struct LiveControls::Number {
   const char* label;
   double low, high;
   int decimals;
+  double unit = 1;  // of what is shown, in that of the node
 
   double value(int step) const {
     const double t = double(step) / slider_steps;
@@ -66,9 +68,13 @@ struct LiveControls::Number {
 
 LiveControls::LiveControls(CallQueue& calls, std::function<void(const std::string&)> report)
     : calls_(calls), report_(std::move(report)) {
-  auto* form = new QFormLayout(this);
-  form->setContentsMargins(0, 0, 0, 0);
-  add_number(*form, {"ks", "ks [N/m]", 1, 1e5, 1});
+  auto* all = new QVBoxLayout(this);
+  all->setContentsMargins(0, 0, 0, 0);
+  springs_ = add_form(*all);
+  add_number(*springs_, {"ks", "ks [N/m]", 1, 1e5, 1});
+  fabric_ = add_form(*all);
+  add_fabric(*fabric_);
+  QFormLayout* form = add_form(*all);
   add_number(*form, {"density", "density [kg/m²]", 0.1, 15000, 2});
   add_number(*form, {"damping", "damping [1/s]", 0, 100, 2});
   add_families(*form);
@@ -79,6 +85,14 @@ LiveControls::LiveControls(CallQueue& calls, std::function<void(const std::strin
 }
 
 LiveControls::~LiveControls() = default;
+
+QFormLayout* LiveControls::add_form(QBoxLayout& layout) {
+  auto* part = new QWidget;
+  auto* form = new QFormLayout(part);
+  form->setContentsMargins(0, 0, 0, 0);
+  layout.addWidget(part);
+  return form;
+}
 
 void LiveControls::add_number(QFormLayout& form, const Number& number) {
   auto* slider = new QSlider(Qt::Horizontal);
@@ -94,20 +108,33 @@ void LiveControls::add_number(QFormLayout& form, const Number& number) {
   row->addWidget(box);
   form.addRow(number.label, row);
 
-  const auto show = [number, slider, box](double value) {
+  const auto show = [number, slider, box](double of_node) {
+    const double value = of_node / number.unit;
     const QSignalBlocker quiet_slider(slider), quiet_box(box);
     if (!slider->isSliderDown()) slider->setValue(number.step(value));
     box->setValue(value);
   };
   const std::string name = number.name;
   show_number_[name] = show;
-  const auto set = [this, name, show](double value) {
-    show(value);
-    change(of_cloth, [&](auto& config) { put(config.doubles, name, value); });
+  const auto set = [this, name, show, unit = number.unit](double shown) {
+    show(shown * unit);
+    change(of_cloth, [&](auto& config) { put(config.doubles, name, shown * unit); });
   };
   connect(slider, &QSlider::valueChanged, this,
           [number, set](int step) { set(number.value(step)); });
   connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, set);
+}
+
+void LiveControls::add_fabric(QFormLayout& form) {
+  for (const Number& number :
+       {Number{"stretch_stiffness_warp", "stretch warp [N/m]", 1, 1e4, 1},
+        Number{"stretch_stiffness_weft", "stretch weft [N/m]", 1, 1e4, 1},
+        Number{"shear_stiffness", "shear [N/m]", 0.1, 1e3, 2},
+        Number{"bending_stiffness_warp", "bend warp [µN m]", 0.1, 1e3, 1, 1e-6},
+        Number{"bending_stiffness_weft", "bend weft [µN m]", 0.1, 1e3, 1, 1e-6}}) {
+    add_number(form, number);
+    of_fabric_.insert(number.name);
+  }
 }
 
 void LiveControls::add_families(QFormLayout& form) {
@@ -167,10 +194,14 @@ void LiveControls::show_values(const std::string& server,
 }
 
 void LiveControls::show_material(const dynamic_reconfigure::Config& config) {
+  bool is_fabric = false;
   for (const auto& number : config.doubles) {
     const auto show = show_number_.find(number.name);
     if (show != show_number_.end()) show->second(number.value);
+    is_fabric = is_fabric || (number.value > 0 && of_fabric_.count(number.name) > 0);
   }
+  springs_->parentWidget()->setVisible(!is_fabric);
+  fabric_->parentWidget()->setVisible(is_fabric);
   for (const auto& flag : config.bools) {
     const auto box = families_.find(flag.name);
     if (box == families_.end()) continue;
@@ -200,6 +231,7 @@ void LiveControls::send(const std::string& server, const dynamic_reconfigure::Co
     }
     // What was refused is as it was.
     return [this, server, values = service.response.config] {
+      report_("");
       if (changed_.empty()) show_values(server, values);
     };
   });

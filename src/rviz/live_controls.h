@@ -7,8 +7,10 @@
 #include <QWidget>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
+class QBoxLayout;
 class QCheckBox;
 class QComboBox;
 class QFormLayout;
@@ -17,8 +19,9 @@ namespace clothsim_rviz {
 
 class CallQueue;
 
-/// Sliders, boxes and a list for live values of a clothsim node: its material, its spring families
-/// and the shader of its pictures. They show what the node has, whoever changed it.
+/// Sliders, boxes and a list for live values of a clothsim node: its material, with ks or the
+/// stiffness of a fabric, its spring families and the shader of its pictures. They show what the
+/// node has, whoever changed it.
 class LiveControls : public QWidget {
  public:
   /// Tells refusals by `report`. The queue must outlive this.
@@ -32,7 +35,9 @@ class LiveControls : public QWidget {
   struct Server;  // of dynamic_reconfigure
   struct Number;
 
+  static QFormLayout* add_form(QBoxLayout&);
   void add_number(QFormLayout&, const Number&);
+  void add_fabric(QFormLayout&);
   void add_families(QFormLayout&);
   void add_shader(QFormLayout&);
   void change(const std::string& server, const std::function<void(dynamic_reconfigure::Config&)>&);
@@ -47,6 +52,9 @@ class LiveControls : public QWidget {
   std::string node_;
   std::map<std::string, std::function<void(double)>> show_number_;  // by name
   std::map<std::string, QCheckBox*> families_;
+  QFormLayout* springs_;             // what a cloth of springs has: ks
+  QFormLayout* fabric_;              // what a fabric has instead
+  std::set<std::string> of_fabric_;  // the names of these
   QComboBox* shader_;
   std::map<std::string, dynamic_reconfigure::Config> changed_;  // by server, to be sent
   QTimer send_timer_;

@@ -268,6 +268,26 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
           n <= affordable_steps};
 }
 
+/// The choice that a scene has made. Its cost is foretold by that of the candidate whose steps are
+/// alike: those of implicit methods factorise, those of explicit ones sum up forces.
+MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
+                          const std::vector<ColliderSpec>& colliders) {
+  const double limit = stability_limit_of(spec.method);
+  MethodChoice choice{spec.method, usual_substeps(limit, spec, cloth, colliders),
+                      Reason::named_by_scene};
+  const auto alike = [&](const Candidate& c) {
+    if (spec.method == ImplicitEuler::name) return c.method == Bdf2::name;
+    if (spec.method == SymplecticEuler::name) return c.method == VelocityVerlet::name;
+    return c.method == spec.method;
+  };
+  const auto candidate = std::find_if(candidates().begin(), candidates().end(), alike);
+  const double steps = spec.frames_per_second * spec.substeps.value_or(choice.least_substeps);
+  choice.predicted_cost =
+      steps * candidate->cost(cloth.num_springs() + cloth.num_bends(), cloth.num_points());
+  choice.is_feasible = *choice.predicted_cost <= 1;
+  return choice;
+}
+
 bool cheaper(const Offer& a, const Offer& b) { return a.cost < b.cost; }
 
 bool finer(const Offer& a, const Offer& b) { return a.error < b.error; }
@@ -308,10 +328,7 @@ MethodChoice choice_among(std::vector<Offer> offers) {
 
 MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
-  if (spec.method != "auto") {
-    const double limit = stability_limit_of(spec.method);
-    return {spec.method, usual_substeps(limit, spec, cloth, colliders), Reason::named_by_scene};
-  }
+  if (spec.method != "auto") return named_choice(spec, cloth, colliders);
   if (!cloth.has_forces()) {
     return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
   }

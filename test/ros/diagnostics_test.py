@@ -127,6 +127,26 @@ class Diagnostics(unittest.TestCase):
                     if status.level == level != OK:
                         self.assertTrue(status.message.endswith(reasons), status.message)
 
+    def test_a_method_that_cannot_keep_up(self):
+        """It is told before, and after; not blamed on other work, however busy the computer is."""
+        log = Recorder("/rosout", Log)
+        busy = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(6)]
+        scene = {"cloth": {"pinned": [[0, 0]]}, "simulation": {"method": "bdf2"}}
+        try:
+            with self.node(scene, {}) as node:
+                node.wait(ERROR, "simulating: method bdf2 takes ")
+                values = node.statuses("simulation")[-1].values
+                self.assertLess(float({v.key: v.value for v in values}["real-time factor"]), 0.5)
+                for status in node.statuses("simulation"):
+                    self.assertNotIn("other work", status.message)
+                told = [m.msg for m in log.all() if m.msg.startswith("Method bdf2 is going to be slower")]
+                self.assertEqual(len(told), 1)
+        finally:
+            for process in busy:
+                process.kill()
+                process.wait()
+            log.close()
+
     def test_says_when_calls_take_the_time(self):
         """Eight callers that set all numbers as fast as they are answered."""
         with self.node(SMALL, {"speed": {"error": False}}) as node:

@@ -5,6 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import tempfile
 import time
 
 import numpy as np
@@ -22,9 +23,12 @@ DISTANCE, PITCH, YAW = 2.5, 0.5, 0.9  # of the camera from what it looks at [m, 
 FOCUS = np.array([0.5, 0.5, 0.45])    # [m]
 FIELD_OF_VIEW = math.pi / 4           # upright, Ogre's default
 
+TITLE = (184, 184, 184)  # of a panel
+
 
 class Desktop:
-    def __init__(self):
+    def __init__(self, looks_at_scenes=False):
+        """RViz as the launch files start it; its camera turns to new scenes, or stays where it is."""
         read_end, write_end = os.pipe()
         self._xvfb = subprocess.Popen(
             ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "%dx%dx24" % SCREEN, "-nolisten", "tcp"],
@@ -34,7 +38,11 @@ class Desktop:
             self.display = ":" + file.readline().strip()
         self._environment = dict(os.environ, DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1",
                                  QT_QPA_PLATFORMTHEME="", XDG_RUNTIME_DIR="/tmp")
-        self._rviz = subprocess.Popen(["rviz", "-d", str(CONFIGURATION)], env=self._environment)
+        self._folder = tempfile.TemporaryDirectory()
+        configuration = pathlib.Path(self._folder.name) / "test.rviz"
+        configuration.write_text(CONFIGURATION.read_text().replace(
+            "Look at New Scenes: true", "Look at New Scenes: %s" % str(looks_at_scenes).lower()))
+        self._rviz = subprocess.Popen(["rviz", "-d", str(configuration)], env=self._environment)
 
     def close(self):
         for process in (self._rviz, self._xvfb):
@@ -45,6 +53,7 @@ class Desktop:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        self._folder.cleanup()
 
     def rviz_lives(self):
         return self._rviz.poll() is None
@@ -64,6 +73,23 @@ class Desktop:
             pictures.append(self.picture()[top:bottom, left:right])
             return np.array_equal(pictures[-1], pictures[-2])
         wait_for(same_again, "a picture that stands still")
+
+    def settled(self, shows):
+        """The picture once the panels have found their places: the window is laid out again as they fill."""
+        pictures = [ready(self, shows)]
+
+        def same_again():
+            time.sleep(0.5)
+            pictures.append(ready(self, shows))
+            return View(pictures[-1]) == View(pictures[-2])
+        wait_for(same_again, "panels that stay where they are")
+        return pictures[-1]
+
+    @staticmethod
+    def panel_top(picture):
+        """Row of the upper edge of the panel, whose title is the lower grey band."""
+        rows = np.flatnonzero((picture[:, 200:300] == TITLE).all(axis=(1, 2)))
+        return rows[np.flatnonzero(np.diff(rows) > 1)[-1] + 1]
 
     def mouse(self, *commands):
         """Commands of xdotool, such as ("mousemove", 100, 200, "click", 1)."""
@@ -86,6 +112,16 @@ def pixels_of(picture, color, tolerance=30):
     """x and y of all that have about that colour, N x 2."""
     rows, columns = np.nonzero((np.abs(picture - color) <= tolerance).all(axis=2))
     return np.stack([columns, rows], axis=1)
+
+
+def cloth_in(picture):
+    """Which pixels show the red cloth, in whatever light."""
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    return (red > 60) & (red > 2 * green) & (red > 2 * blue)
+
+
+def shows_cloth(picture):
+    return cloth_in(picture).sum() > 5000
 
 
 class View:

@@ -15,7 +15,7 @@ from dynamic_reconfigure.client import Client
 from clothsim.msg import ClothState, ClothTopology
 from clothsim.srv import LoadScene
 from cloth_client import PATIENCE, Cloth, Recorder, call, is_connected, positions, wait_for
-from rviz_desktop import Desktop, View, pixels_of, ready
+from rviz_desktop import Desktop, View, cloth_in, pixels_of, ready, shows_cloth
 
 GREEN = (51, 191, 89)    # of pins
 YELLOW = (255, 217, 26)  # of held points
@@ -23,20 +23,9 @@ COLUMNS = 50
 
 # From the upper edge of the panel's title [pixel].
 PAUSE, STEP, RESET = (49, 75), (122, 75), (315, 75)
-LOAD = (230, 106)
+SCENES, LOAD = (122, 106), (230, 106)
 KS = (188, 138)  # the middle of the slider
-VALUES = (180, 292)  # the button that takes live values back
-TITLE = (184, 184, 184)
-
-
-def cloth_in(picture):
-    """Which pixels show the red cloth, in whatever light."""
-    red, green, blue = np.moveaxis(picture, 2, 0)
-    return (red > 60) & (red > 2 * green) & (red > 2 * blue)
-
-
-def shows_cloth(picture):
-    return cloth_in(picture).sum() > 5000
+VALUES = (180, 292)  # the button that takes live values back, of a cloth of springs
 
 
 def distance(a, b):
@@ -50,19 +39,7 @@ class Rviz(unittest.TestCase):
         cls.topologies = Recorder("/clothsim/topology", ClothTopology)
         cls.cloth.states.wait("the first state")
         cls.desktop = Desktop()
-        cls.view = cls.settled_view()
-
-    @classmethod
-    def settled_view(cls):
-        """Once the panels have found their places: the window is laid out again as they fill."""
-        views = [View(ready(cls.desktop, shows_cloth))]
-
-        def same_again():
-            time.sleep(0.5)
-            views.append(View(ready(cls.desktop, shows_cloth)))
-            return views[-1] == views[-2]
-        wait_for(same_again, "panels that stay where they are")
-        return views[-1]
+        cls.desktop.settled(shows_cloth)
 
     @classmethod
     def tearDownClass(cls):
@@ -71,14 +48,11 @@ class Rviz(unittest.TestCase):
     def setUp(self):
         self.cloth.pause()
         self.cloth.reset()
-        ready(self.desktop, shows_cloth)
+        self.view = View(self.desktop.settled(shows_cloth))  # a fabric's panel is higher
 
     def panel(self, place):
-        """A place of the screen, from one of the panel, whose title is the lower grey band."""
-        title = (self.desktop.picture()[:, 200:300] == TITLE).all(axis=(1, 2))
-        rows = np.flatnonzero(title)
-        top = rows[np.flatnonzero(np.diff(rows) > 1)[-1] + 1]
-        return place[0], top + place[1]
+        """A place of the screen, from one of the panel."""
+        return place[0], self.desktop.panel_top(self.desktop.picture()) + place[1]
 
     def newest(self):
         return self.cloth.states.all()[-1]
@@ -192,6 +166,8 @@ class Rviz(unittest.TestCase):
         """Of another size; the first one of the list is that of the arm. Then back."""
         scene = rospy.get_param("/clothsim/scene")
         try:
+            self.desktop.click(self.panel(SCENES))
+            self.desktop.mouse("sleep", 0.5, "key", "Home", "key", "Return", "sleep", 0.5)
             self.desktop.click(self.panel(LOAD))
             self.topologies.wait("the towel", lambda t: (t.columns, t.rows) != (COLUMNS, COLUMNS))
             self.assertIn("arm.urdf", str(rospy.get_param("/clothsim/scene")))

@@ -34,6 +34,24 @@ TEST(MethodChoice, ShippedScenesAreExplicit) {
   }
 }
 
+TEST(MethodChoice, ForetellsWhetherANamedMethodKeepsUp) {
+  Scene scene = shipped_scene("sphere");
+  for (const char* name : {"bdf2", "implicit_euler"}) {
+    scene.simulation.method = name;
+    EXPECT_FALSE(choice(scene).is_feasible) << name;
+    EXPECT_GT(choice(scene).predicted_cost.value(), 10) << name;
+  }
+  for (const char* name : {"verlet", "symplectic_euler", "rk4", "xpbd"}) {
+    scene.simulation.method = name;
+    EXPECT_TRUE(choice(scene).is_feasible) << name;
+    EXPECT_LT(choice(scene).predicted_cost.value(), 1) << name;
+  }
+  const double cost = choice(scene).predicted_cost.value();
+  scene.simulation.substeps = 1000 * choice(scene).least_substeps;
+  EXPECT_NEAR(choice(scene).predicted_cost.value(), 1000 * cost, 1e-9 * cost);
+  EXPECT_FALSE(choice(scene).is_feasible);
+}
+
 TEST(MethodChoice, RealFabricIsExplicitToo) {
   Scene scene = shipped_scene("pinned2");
   scene.cloth.material.density = 0.15;

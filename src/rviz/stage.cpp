@@ -1,0 +1,147 @@
+#include "stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "clothsim/render/shape_drawing.h"
+
+namespace clothsim_rviz {
+namespace {
+
+using clothsim::Vector3;
+using Box = Eigen::AlignedBox3d;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// How finely the cloth and round colliders are sampled, and the share of the distance that is left
+/// around the box.
+constexpr int samples = 10;
+constexpr int segments = 16;
+constexpr double margin = 0.1;
+
+/// How far a free upright cloth spreads from its plane as it falls down, of its height.
+constexpr double spread = 0.25;
+
+Vector3 place(const clothsim::ClothSpec& cloth, double u, double v) {
+  const bool upright = cloth.orientation == clothsim::Orientation::vertical;
+  return cloth.origin +
+         Vector3(u * cloth.width, upright ? 0 : v * cloth.height, upright ? v * cloth.height : 0);
+}
+
+std::vector<Vector3> places(const clothsim::ClothSpec& cloth) {
+  std::vector<Vector3> all;
+  for (int i = 0; i <= samples; ++i) {
+    for (int j = 0; j <= samples; ++j) {
+      all.push_back(place(cloth, double(i) / samples, double(j) / samples));
+    }
+  }
+  return all;
+}
+
+std::vector<Vector3> pins(const clothsim::ClothSpec& cloth) {
+  std::vector<Vector3> all;
+  for (const clothsim::Pin& pin : cloth.pinned) {
+    all.push_back(place(cloth, double(pin.column) / std::max(cloth.columns - 1, 1),
+                        double(pin.row) / std::max(cloth.rows - 1, 1)));
+  }
+  return all;
+}
+
+/// Where a point meets the ground straight below it: the height of the highest plane there.
+double ground_below(const Vector3& point, const clothsim::Scene& scene) {
+  double ground = -infinity;
+  for (const clothsim::ColliderSpec& collider : scene.colliders) {
+    if (!std::holds_alternative<clothsim::Plane>(collider.shape)) continue;
+    const clothsim::Pose pose = collider.pose * collider.offset;
+    const Vector3 normal = pose.orientation * Vector3::UnitZ();
+    if (normal.z() <= 0) continue;
+    const double drop = normal.dot(point - pose.position) / normal.z();
+    if (drop >= 0) ground = std::max(ground, point.z() - drop);
+  }
+  return ground;
+}
+
+/// Colliders of finite size, as far as they are within `reach`.
+Box solids(const clothsim::Scene& scene, const Box& reach) {
+  Box all;
+  for (const clothsim::ColliderSpec& collider : scene.colliders) {
+    if (!std::isfinite(clothsim::bounding_radius(collider.shape))) continue;
+    const clothsim::Pose pose = collider.pose * collider.offset;
+    Box box;
+    const clothsim::Mesh mesh = clothsim::drawing_of(collider.shape).mesh(segments, 1);
+    for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
+      box.extend(clothsim::to_world(pose, mesh.positions.row(i).transpose()));
+    }
+    const Box seen = box.intersection(reach);
+    if (!seen.isEmpty()) all.extend(seen);
+  }
+  return all;
+}
+
+/// How low a point comes that hangs from the nearest pin.
+double hangs_at(const Vector3& point, const std::vector<Vector3>& pins) {
+  const auto farther = [&](const Vector3& a, const Vector3& b) {
+    return (a - point).norm() < (b - point).norm();
+  };
+  const Vector3& pin = *std::min_element(pins.begin(), pins.end(), farther);
+  return std::min(point.z(), pin.z() - (pin - point).norm());
+}
+
+Box stage_in_world(const clothsim::Scene& scene) {
+  const std::vector<Vector3> points = places(scene.cloth);
+  const std::vector<Vector3> held = pins(scene.cloth);
+  Box stage;
+  for (const Vector3& point : points) stage.extend(point);
+
+  const Vector3 size = Vector3::Constant(stage.diagonal().norm());
+  Box reach(stage.min() - size, stage.max() + size);
+  if (held.empty()) reach.min().z() = -infinity;
+  const Box obstacles = solids(scene, reach);
+  // A cloth that lies across an obstacle hangs down by half its side.
+  const double side = std::max(scene.cloth.width, scene.cloth.height);
+  const double drapes_at = obstacles.isEmpty() ? infinity : obstacles.max().z() - side / 2;
+
+  for (const Vector3& point : points) {
+    const double ground = ground_below(point, scene);
+    double lowest = held.empty() ? std::min(ground, drapes_at) : hangs_at(point, held);
+    lowest = std::min(std::max(lowest, ground), point.z());
+    if (std::isfinite(lowest)) stage.extend(Vector3(point.x(), point.y(), lowest));
+  }
+  if (!obstacles.isEmpty()) stage.extend(obstacles);
+  if (held.empty() && scene.cloth.orientation == clothsim::Orientation::vertical) {
+    const Vector3 aside(0, spread * scene.cloth.height, 0);
+    stage.extend(scene.cloth.origin - aside).extend(scene.cloth.origin + aside);
+  }
+  return stage;
+}
+
+constexpr int num_corners = 8;
+
+Vector3 corner(const Box& box, int i) { return box.corner(static_cast<Box::CornerType>(i)); }
+
+}  // namespace
+
+Box stage_of(const clothsim::Scene& scene, const clothsim::Pose& in_fixed) {
+  const Box stage = stage_in_world(scene);
+  Box turned;
+  for (int i = 0; i < num_corners; ++i)
+    turned.extend(clothsim::to_world(in_fixed, corner(stage, i)));
+  return turned;
+}
+
+double viewing_distance(const Box& box, const Vector3& out, const Lens& lens) {
+  const Vector3 across = Vector3::UnitZ().cross(out).normalized();
+  const Vector3 up = out.cross(across);
+  double distance = 0;
+  for (int i = 0; i < num_corners; ++i) {
+    const Vector3 way = corner(box, i) - box.center();
+    const double needed =
+        std::max(std::abs(across.dot(way)) / lens.across, std::abs(up.dot(way)) / lens.up);
+    distance = std::max(distance, needed * (1 + margin) + out.dot(way));
+  }
+  return distance;
+}
+
+}  // namespace clothsim_rviz
