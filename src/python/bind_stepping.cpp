@@ -1,5 +1,7 @@
 #include "bindings.h"
 #include "clothsim/scene/scene_yaml.h"
+#include "pickling.h"
+#include "saved_state.h"
 #include "yaml_objects.h"
 
 namespace clothsim_python {
@@ -41,6 +43,17 @@ void bind_stepping(SimulationClass& simulator) {
              return std::make_shared<Simulation>(to_scene(scene));
            }),
            py::arg("scene"), "At the scene's start. Takes what Scene() takes, too.")
+      .def(py::pickle(
+          [](Simulation& self) {
+            return self.with(
+                [](Run& run) { return to_pickle(*run.scene, py::bytes(bytes_of(run))); });
+          },
+          [](const py::tuple& kept) {
+            return from_pickle<SceneObject, std::string>(
+                kept, [](const SceneObject& scene, const std::string& bytes) {
+                  return std::make_shared<Simulation>(run_from(scene, bytes));
+                });
+          }))
       .def("step", &Simulation::step, py::arg("frames") = 1, py::arg("targets") = py::none(),
            "Advances by `frames` frames and returns the StepReport of the last. `targets` maps "
            "frames to where they are to be at its end: a pose [x, y, z, qx, qy, qz, qw] [m, unit "

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "clothsim/render/render_thread.h"
+#include "clothsim/scene/scene_yaml.h"
 #include "clothsim/view/resources.h"
 #include "clothsim/view/snapshot_maker.h"
 #include "clothsim/view/view_yaml.h"
+#include "pickling.h"
 #include "simulation.h"
 #include "yaml_objects.h"
 
@@ -105,7 +107,14 @@ PYBIND11_MODULE(_render, module) {
            "InvalidValue.")
       .def(
           "to_dict", [](const ViewObject& self) { return to_python(self.yaml); },
-          "What was given, with the overrides, as a dict.");
+          "What was given, with the overrides, as a dict.")
+      .def(py::pickle([](const ViewObject& self) { return to_pickle(to_text(self.yaml)); },
+                      [](const py::tuple& kept) {
+                        return from_pickle<std::string>(kept, [](const std::string& text) {
+                          const YAML::Node yaml = clothsim::load_scene_text(text, "view");
+                          return ViewObject{clothsim::read_view(yaml), yaml};
+                        });
+                      }));
   view.attr("__module__") = "clothsim";
   module.def("render", &render, py::arg("simulator"), py::arg("view"));
   py::module_::import("atexit").attr("register")(py::cpp_function([] {

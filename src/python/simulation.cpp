@@ -45,9 +45,9 @@ class Watched {
 }  // namespace
 
 Run::Run(const SceneObject& object)
-    : simulator(object.scene),
-      folder(std::filesystem::path(object.file).parent_path()),
-      motions(simulator, folder) {
+    : scene(std::make_shared<const SceneObject>(object)),
+      simulator(object.scene),
+      motions(simulator, object.folder) {
   report.scene = object.file;
   report.overrides = object.overrides;
   report.last_frame.method = object.scene.simulation.method;
@@ -66,7 +66,7 @@ void Run::step(int count) {
 void Run::reset() {
   simulator.reset();
   frames.reset();
-  motions = clothsim::MotionPlayer(simulator, folder);
+  motions = clothsim::MotionPlayer(simulator, scene->folder);
 }
 
 void Simulation::load(const SceneObject& scene) {

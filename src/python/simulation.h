@@ -26,6 +26,7 @@ struct SceneObject {
   clothsim::Scene scene;
   YAML::Node yaml;                     // with what was overridden
   std::string file;                    // empty: there is none
+  std::filesystem::path folder;        // that its files are in
   std::vector<std::string> overrides;  // "key=value"
 };
 
@@ -41,8 +42,8 @@ struct Run {
 
   void reset();
 
+  const std::shared_ptr<const SceneObject> scene;
   clothsim::Simulator simulator;
-  std::filesystem::path folder;    // that the scene's files are in
   clothsim::MotionPlayer motions;  // of the scene
   clothsim::DrivenFrames frames;   // that the program moves
   clothsim::RunReport report;
@@ -54,6 +55,7 @@ struct Run {
 class Simulation {
  public:
   explicit Simulation(const SceneObject& scene) : run_(std::make_shared<Run>(scene)) {}
+  explicit Simulation(std::shared_ptr<Run> run) : run_(std::move(run)) {}
 
   /// Calls `action` with the run while no other thread uses it, holding the GIL.
   template <class Action>

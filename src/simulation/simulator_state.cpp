@@ -6,6 +6,7 @@
 
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/saved.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -58,19 +59,6 @@ void check_points(const std::string& key, const Points& points, int count, doubl
 }
 
 }  // namespace
-
-/// All that moves, and the cloth that did.
-struct Simulator::Saved {
-  Cloth cloth;
-  State state;
-  std::vector<double> memory;
-  std::vector<MovingCollider> colliders;
-  std::vector<Vector3> pin_targets;
-  Grips grips;
-  std::vector<Wrench> collider_wrenches;
-  double frame_duration;  // [s]
-  Vector3 gravity;        // [m/s^2]
-};
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
   for (const double number : shape_of(scene, without_grips())) memory.add(number);
