@@ -25,8 +25,9 @@ SavedState read_state(const std::string& bytes, Run& run) {
   run.simulator.set(values);
   const auto saved = std::make_shared<Saved>(*run.simulator.save());
   const std::size_t pins = saved->pin_targets.size();
-  SavedState state{run.scene, values, saved, run.frames, run.motions};
-  check_bytes([&] { from_bytes(bytes, values, *saved, state.frames, state.motions); });
+  SavedState state{run.scene, values, saved, run.frames, run.joints, run.motions};
+  check_bytes(
+      [&] { from_bytes(bytes, values, *saved, state.frames, state.joints, state.motions); });
   const Eigen::Index points = run.simulator.cloth().num_points();
   const clothsim::State& moved = saved->state;
   if (moved.positions.rows() != points || moved.velocities.rows() != points ||
@@ -42,17 +43,19 @@ SavedState read_state(const std::string& bytes, Run& run) {
 
 SavedState save(const Run& run) {
   const clothsim::Simulator& simulator = run.simulator;
-  return {run.scene, live_values(simulator.scene()), simulator.save(), run.frames, run.motions};
+  return {run.scene,  live_values(simulator.scene()), simulator.save(), run.frames, run.joints,
+          run.motions};
 }
 
 void restore(Run& run, const SavedState& state) {
   run.simulator.restore(*state.saved);
   run.frames = state.frames;
+  run.joints = state.joints;
   run.motions = state.motions;
 }
 
 std::string bytes_of(const SavedState& state) {
-  return to_bytes(state.values, *state.saved, state.frames, state.motions);
+  return to_bytes(state.values, *state.saved, state.frames, state.joints, state.motions);
 }
 
 std::string bytes_of(const Run& run) {

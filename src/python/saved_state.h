@@ -13,6 +13,7 @@ struct SavedState {
   clothsim::LiveSpec values;  // when it was made
   std::shared_ptr<const clothsim::Simulator::Saved> saved;
   clothsim::DrivenFrames frames;
+  RobotJoints joints;
   clothsim::MotionPlayer motions;
 };
 
