@@ -123,7 +123,7 @@ void serialize(Archive& archive, clothsim::RunReport& report) {
 template <class Archive>
 void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
   archive(saved.state, saved.memory, saved.pin_targets, saved.grips, saved.collider_wrenches,
-          saved.frame_duration, saved.gravity);
+          saved.forces, saved.last_substep, saved.frame_duration, saved.gravity);
   for (clothsim::MovingCollider& collider : saved.colliders) {
     clothsim::Pose pose = collider.pose();
     clothsim::Pose target = collider.target();

@@ -22,6 +22,7 @@ void bind_stepping(SimulationClass&);
 void bind_state(SimulationClass&);
 void bind_frames(SimulationClass&);
 void bind_reading(SimulationClass&);
+void bind_forces(SimulationClass&);
 
 /// clothsim.SavedState.
 void bind_saved_state(py::module_&);

@@ -18,6 +18,7 @@ void bind_simulator(py::module_& module) {
   bind_state(simulator);
   bind_frames(simulator);
   bind_reading(simulator);
+  bind_forces(simulator);
 }
 
 }  // namespace

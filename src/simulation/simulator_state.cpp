@@ -174,9 +174,10 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 }
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
-  return std::make_shared<const Saved>(Saved{
-      impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips,
-      impl_->collider_wrenches, frame_duration(), impl_->scene.simulation.gravity});
+  return std::make_shared<const Saved>(
+      Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
+            impl_->grips, impl_->collider_wrenches, impl_->pushes, impl_->last_substep,
+            frame_duration(), impl_->scene.simulation.gravity});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -194,7 +195,7 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
          bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
-         bytes(saved.pin_targets) + bytes(saved.collider_wrenches);
+         bytes(saved.pin_targets) + bytes(saved.collider_wrenches) + bytes(saved.forces);
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -229,6 +230,8 @@ void Simulator::restore(const Saved& saved) {
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
+  impl_->pushes = saved.forces;
+  impl_->last_substep = saved.last_substep;
   if (saved.frame_duration == frame_duration()) return;
   for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }

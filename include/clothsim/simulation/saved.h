@@ -16,6 +16,8 @@ struct Simulator::Saved {
   std::vector<Vector3> pin_targets;
   Grips grips;
   std::vector<Wrench> collider_wrenches;
+  Points forces;          // from outside [N], no rows: none
+  double last_substep;    // [s]
   double frame_duration;  // [s]
   Vector3 gravity;        // [m/s^2]
 };
