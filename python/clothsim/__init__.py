@@ -11,7 +11,7 @@ The messages of the node, `clothsim.msg` and `clothsim.srv`, are in this package
 import importlib
 
 _MODULES = {
-    "_core": ("Batch", "Diverged", "InvalidValue", "SavedState", "Scene", "Simulator", "StepReport",
+    "_core": ("Batch", "Diverged", "InvalidValue", "Robot", "SavedState", "Scene", "Simulator", "StepReport",
               "__version__"),
     "_render": ("View",),
 }

@@ -112,4 +112,17 @@ void StrainLimit::close_active() {
   }
 }
 
+void StrainLimit::add_strengths(double scale, std::vector<double>& sum) const {
+  std::vector<std::size_t> first;  // spring of each piece
+  std::size_t springs = 0;
+  for (const Piece& piece : pieces_) {
+    first.push_back(springs);
+    springs += index(piece.count);
+  }
+  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
+    const std::size_t spring = first[index(id / Piece::length)] + index(id % Piece::length);
+    sum[spring] += scale * s.mass[k] * s.kick[k];
+  });
+}
+
 }  // namespace clothsim

@@ -1,5 +1,6 @@
 #include "batch.h"
 #include "bindings.h"
+#include "pickling.h"
 
 namespace clothsim_python {
 
@@ -27,6 +28,14 @@ void bind_batch(py::module_& module) {
       .def_property_readonly("velocities", &Batch::velocities, "[E, N, 3] [m/s], likewise.")
       .def_property_readonly("simulators", &Batch::simulators, "As a tuple.")
       .def_property_readonly("threads", &Batch::threads, "That compute, the caller's among them.")
+      .def(
+          py::pickle([](const Batch& self) { return to_pickle(self.simulators(), self.threads()); },
+                     [](const py::tuple& kept) {
+                       return from_pickle<py::sequence, int>(
+                           kept, [](const py::sequence& simulators, int threads) {
+                             return std::make_unique<Batch>(simulators, threads);
+                           });
+                     }))
       .def("__len__", [](const Batch& self) { return self.simulators().size(); });
 }
 

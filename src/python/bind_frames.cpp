@@ -3,6 +3,7 @@
 #include "bindings.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/grips.h"
+#include "robots.h"
 
 namespace clothsim_python {
 namespace {
@@ -154,7 +155,10 @@ void bind_frames(SimulationClass& simulator) {
            "Raises InvalidValue.")
       .def_property_readonly(
           "colliders", &colliders,
-          "By name: {'pose': [7] [m, quaternion], 'enabled': bool, 'frame': str}.");
+          "By name: {'pose': [7] [m, quaternion], 'enabled': bool, 'frame': str}.")
+      .def_property_readonly("robots", &robots_of,
+                             "The Robot objects of the scene's `robots`, by name. Of two with one "
+                             "name the second is called NAME/PREFIX.");
 }
 
 }  // namespace clothsim_python

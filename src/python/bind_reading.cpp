@@ -86,8 +86,21 @@ py::dict contacts(Simulation& simulation) {
   });
 }
 
-py::object render(const py::object& self, const py::object& view) {
-  return py::module_::import("clothsim._render").attr("render")(self, view);
+py::object render(const py::object& self, const py::object& view, const py::object& images) {
+  return py::module_::import("clothsim._render").attr("render")(self, view, images);
+}
+
+void bind_render(SimulationClass& simulator) {
+  simulator.def(
+      "render", &render, py::arg("view") = py::none(), py::arg("images") = py::none(),
+      "A picture as it is now, without a display. `view`: a View, or what View() takes. Returns "
+      "colour [H, W, 3] uint8 sRGB; depth [H, W] float32 [m] along the optical axis, inf where "
+      "nothing is; mask [H, W] uint8: 0 nothing, 1 cloth, 2 the first collider and so on. With "
+      "`images`, a list of names or 'all', a dict of these: 'color', 'depth', 'mask'; 'uv' [H, W, "
+      "2] of the cloth, NaN elsewhere; 'normals' [H, W, 3] in the optical frame; 'flow' [H, W, 2], "
+      "pixels to the right and down that a surface has moved since the last picture with flow of "
+      "this simulator, NaN where there is none; 'visible_points', the numbers of points in sight. "
+      "Raises InvalidValue; RuntimeError where there is no OpenGL.");
 }
 
 }  // namespace
@@ -126,14 +139,8 @@ void bind_reading(SimulationClass& simulator) {
           "It costs up to 7 % where all points lie on one; no motion depends on it.")
       .def("intersections", &intersections,
            "Pairs of triangles of the cloth that cross, [K, 2] indices into 'triangles', which "
-           "should be none.")
-      .def(
-          "render", &render, py::arg("view") = py::none(),
-          "A picture as it is now, without a display. `view`: a View, or what View() takes. "
-          "Returns "
-          "colour [H, W, 3] uint8 sRGB; depth [H, W] float32 [m] along the optical axis, inf where "
-          "nothing is; mask [H, W] uint8: 0 nothing, 1 cloth, 2 the first collider and so on. "
-          "Raises InvalidValue; RuntimeError where there is no OpenGL.");
+           "should be none.");
+  bind_render(simulator);
 }
 
 }  // namespace clothsim_python

@@ -1,4 +1,6 @@
 #include "bindings.h"
+#include "pickling.h"
+#include "saved_state.h"
 
 namespace clothsim_python {
 
@@ -29,6 +31,9 @@ void bind_reports(py::module_& module) {
       .def_readonly("pinched", &StepReport::pinched, "Points that two colliders leave no room.")
       .def_readonly("slipping", &StepReport::slipping,
                     "Those of them that are pulled with more than friction holds.")
+      .def(py::pickle(
+          [](const StepReport& self) { return to_pickle(py::bytes(bytes_of(self))); },
+          [](const py::tuple& kept) { return from_pickle<std::string>(kept, report_from); }))
       .def("__repr__", [](const StepReport& self) {
         return "<clothsim.StepReport: " + self.method + ", " + std::to_string(self.substeps) +
                " substeps, " + std::to_string(self.contacts) + " contacts>";

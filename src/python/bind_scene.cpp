@@ -2,14 +2,15 @@
 
 #include "bindings.h"
 #include "clothsim/scene/scene_yaml.h"
+#include "pickling.h"
 #include "yaml_objects.h"
 
 namespace clothsim_python {
 namespace {
 
 SceneObject make_scene(const YAML::Node& yaml, const std::string& file, const py::dict& overrides) {
-  return {clothsim::read_scene(yaml, {std::filesystem::path(file).parent_path()}), yaml, file,
-          assignments(overrides)};
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return {clothsim::read_scene(yaml, {folder}), yaml, file, folder, assignments(overrides)};
 }
 
 SceneObject from_source(const py::object& source, const py::dict& overrides) {
@@ -24,12 +25,25 @@ SceneObject parse(const std::string& text, const py::dict& overrides) {
   return make_scene(yaml, "", overrides);
 }
 
+/// Files of the scene are found from any folder that the other process runs in.
+py::tuple pickled(const SceneObject& scene) {
+  const std::filesystem::path folder = std::filesystem::absolute(scene.folder / ".");
+  return to_pickle(to_text(scene.yaml), scene.file, folder.string(), scene.overrides);
+}
+
+SceneObject unpickled(const std::string& text, const std::string& file, const std::string& folder,
+                      const std::vector<std::string>& overrides) {
+  const YAML::Node yaml = clothsim::load_scene_text(text, "scene");
+  return {clothsim::read_scene(yaml, {folder}), yaml, file, folder, overrides};
+}
+
 }  // namespace
 
 void bind_scene(py::module_& module) {
   py::class_<SceneObject>(
       module, "Scene",
-      "All that defines a simulation: docs/scenes.md lists the keys. Equal scenes give equal bits.")
+      "All that defines a simulation: docs/scenes.md lists the keys. Equal scenes give equal bits. "
+      "It pickles, with the folder that its files are in.")
       .def(py::init(&from_source), py::arg("source"), py::arg("overrides") = py::dict(),
            "From a YAML file (a path) or a dict. `overrides` maps dotted paths to values, such as "
            "{'cloth.ks': 500, 'colliders.0.radius': 0.3}. Raises InvalidValue.")
@@ -48,6 +62,12 @@ void bind_scene(py::module_& module) {
           "frames_per_second",
           [](const SceneObject& self) { return self.scene.simulation.frames_per_second; },
           "Frames a simulated second [Hz].")
+      .def(py::pickle(
+          &pickled,
+          [](const py::tuple& kept) {
+            return from_pickle<std::string, std::string, std::string, std::vector<std::string>>(
+                kept, unpickled);
+          }))
       .def("__repr__", [](const SceneObject& self) {
         const auto& cloth = self.scene.cloth;
         return "<clothsim.Scene of " + std::to_string(cloth.columns) + " x " +

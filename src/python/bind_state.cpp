@@ -1,15 +1,10 @@
 #include "bindings.h"
 #include "errors.h"
+#include "pickling.h"
+#include "saved_state.h"
 
 namespace clothsim_python {
 namespace {
-
-/// A copy of all that moves.
-struct SavedState {
-  std::shared_ptr<const clothsim::Simulator::Saved> saved;
-  clothsim::DrivenFrames frames;
-  clothsim::MotionPlayer motions;
-};
 
 /// The state as it is with what is given in its place.
 void set_state(Simulation& simulation, const py::object& positions, const py::object& velocities,
@@ -35,20 +30,6 @@ py::array velocities(const Simulation& simulation) {
   return view(run->simulator.state().velocities, run);
 }
 
-SavedState save(Simulation& simulation) {
-  return simulation.with([](Run& run) {
-    return SavedState{run.simulator.save(), run.frames, run.motions};
-  });
-}
-
-void restore(Simulation& simulation, const SavedState& state) {
-  simulation.with([&](Run& run) {
-    run.simulator.restore(*state.saved);
-    run.frames = state.frames;
-    run.motions = state.motions;
-  });
-}
-
 py::array memory(Simulation& simulation) {
   const std::vector<double> numbers =
       simulation.with([](Run& run) { return run.simulator.memory(); });
@@ -59,11 +40,16 @@ py::array memory(Simulation& simulation) {
 
 void bind_saved_state(py::module_& module) {
   py::class_<SavedState>(module, "SavedState",
-                         "A copy of all that moves, made by Simulator.save().")
+                         "A copy of all that moves, made by Simulator.save(). It pickles.")
       .def_property_readonly(
           "nbytes",
           [](const SavedState& self) { return clothsim::Simulator::bytes_of(*self.saved); },
-          "What it takes of memory, but for a few hundred bytes.");
+          "What it takes of memory, but for a few hundred bytes.")
+      .def(py::pickle(
+          [](const SavedState& self) { return to_pickle(*self.scene, py::bytes(bytes_of(self))); },
+          [](const py::tuple& kept) {
+            return from_pickle<SceneObject, std::string>(kept, state_from);
+          }));
 }
 
 void bind_state(SimulationClass& simulator) {
@@ -99,11 +85,16 @@ void bind_state(SimulationClass& simulator) {
            "the same bits as then; without, as after a reset. Colliders and pins stay where they "
            "are. Raises InvalidValue and changes nothing: for shapes, numbers that are not finite "
            "or far too large, a held point elsewhere, the memory of another cloth or method.")
-      .def("save", &save,
-           "A copy of all that moves, colliders, frames, motions and attached points too. Live "
-           "values are not in it.")
       .def(
-          "restore", &restore, py::arg("state"),
+          "save", [](Simulation& self) { return self.with([](Run& run) { return save(run); }); },
+          "A copy of all that moves, colliders, frames, motions and attached points too. Live "
+          "values are not in it.")
+      .def(
+          "restore",
+          [](Simulation& self, const SavedState& state) {
+            self.with([&](Run& run) { restore(run, state); });
+          },
+          py::arg("state"),
           "Back to what save() gave, here or in a simulator of an equal scene; goes on to the same "
           "bits. Raises InvalidValue for another scene.");
 }

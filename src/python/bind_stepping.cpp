@@ -1,6 +1,8 @@
 #include "bindings.h"
 #include "clothsim/scene/doubts.h"
 #include "clothsim/scene/scene_yaml.h"
+#include "pickling.h"
+#include "saved_state.h"
 #include "yaml_objects.h"
 
 namespace clothsim_python {
@@ -19,6 +21,14 @@ const SceneObject& with_warnings(const SceneObject& scene) {
     if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw py::error_already_set();
   }
   return scene;
+}
+
+std::shared_ptr<Simulation> start(const py::object& scene) {
+  return std::make_shared<Simulation>(with_warnings(to_scene(scene)));
+}
+
+void load(Simulation& simulation, const py::object& scene) {
+  simulation.load(with_warnings(to_scene(scene)));
 }
 
 void set(Simulation& simulation, const py::kwargs& values) {
@@ -52,10 +62,19 @@ py::object report(Simulation& simulation) {
 
 void bind_stepping(SimulationClass& simulator) {
   simulator
-      .def(py::init([](const py::object& scene) {
-             return std::make_shared<Simulation>(with_warnings(to_scene(scene)));
-           }),
-           py::arg("scene"), "At the scene's start. Takes what Scene() takes, too.")
+      .def(py::init(&start), py::arg("scene"),
+           "At the scene's start. Takes what Scene() takes, too.")
+      .def(py::pickle(
+          [](Simulation& self) {
+            return self.with(
+                [](Run& run) { return to_pickle(*run.scene, py::bytes(bytes_of(run))); });
+          },
+          [](const py::tuple& kept) {
+            return from_pickle<SceneObject, std::string>(
+                kept, [](const SceneObject& scene, const std::string& bytes) {
+                  return std::make_shared<Simulation>(run_from(scene, bytes));
+                });
+          }))
       .def("step", &Simulation::step, py::arg("frames") = 1, py::arg("targets") = py::none(),
            "Advances by `frames` frames and returns the StepReport of the last. `targets` maps "
            "frames to where they are to be at its end: a pose [x, y, z, qx, qy, qz, qw] [m, unit "
@@ -64,14 +83,9 @@ void bind_stepping(SimulationClass& simulator) {
            "pins and points that follow them. The scene's motions are played. Raises InvalidValue "
            "and steps not at all, but where a motion asks for what is not there; Diverged, at the "
            "last good frame.")
-      .def(
-          "load",
-          [](Simulation& self, const py::object& scene) {
-            self.load(with_warnings(to_scene(scene)));
-          },
-          py::arg("scene"),
-          "Starts anew with another scene. Arrays that were taken before keep the old state. "
-          "Raises InvalidValue and goes on as before.")
+      .def("load", &load, py::arg("scene"),
+           "Starts anew with another scene. Arrays that were taken before keep the old state. "
+           "Raises InvalidValue and goes on as before.")
       .def(
           "reset", &reset,
           "Back to the scene's start at time 0, with the present live values: reset_values() takes "

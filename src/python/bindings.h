@@ -15,12 +15,14 @@ using SimulationClass = py::class_<Simulation, std::shared_ptr<Simulation>>;
 void bind_scene(py::module_&);
 void bind_reports(py::module_&);
 void bind_batch(py::module_&);
+void bind_robots(py::module_&);
 
 // Methods of clothsim.Simulator.
 void bind_stepping(SimulationClass&);
 void bind_state(SimulationClass&);
 void bind_frames(SimulationClass&);
 void bind_reading(SimulationClass&);
+void bind_forces(SimulationClass&);
 
 /// clothsim.SavedState.
 void bind_saved_state(py::module_&);

@@ -13,11 +13,12 @@ void bind_simulator(py::module_& module) {
       "A scene that moves, frame by frame. SI units, z up. Point (column, row) of the cloth has "
       "the "
       "index row * columns + column. Any thread may call; calls of one simulator take turns, and "
-      "those that compute let other threads run.");
+      "those that compute let other threads run. It pickles, and goes on to the same bits.");
   bind_stepping(simulator);
   bind_state(simulator);
   bind_frames(simulator);
   bind_reading(simulator);
+  bind_forces(simulator);
 }
 
 }  // namespace
@@ -29,6 +30,7 @@ PYBIND11_MODULE(_core, module) {
   bind_scene(module);
   bind_reports(module);
   bind_saved_state(module);
+  bind_robots(module);
   bind_simulator(module);
   bind_batch(module);
   for (const auto& item : module.attr("__dict__").cast<py::dict>()) {

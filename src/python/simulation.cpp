@@ -45,9 +45,9 @@ class Watched {
 }  // namespace
 
 Run::Run(const SceneObject& object)
-    : simulator(object.scene),
-      folder(std::filesystem::path(object.file).parent_path()),
-      motions(simulator, folder) {
+    : scene(std::make_shared<const SceneObject>(object)),
+      simulator(object.scene),
+      motions(simulator, object.folder) {
   report.scene = object.file;
   report.overrides = object.overrides;
   report.last_frame.method = object.scene.simulation.method;
@@ -66,7 +66,20 @@ void Run::step(int count) {
 void Run::reset() {
   simulator.reset();
   frames.reset();
-  motions = clothsim::MotionPlayer(simulator, folder);
+  joints.clear();
+  motions = clothsim::MotionPlayer(simulator, scene->folder);
+}
+
+const std::map<std::string, clothsim::RobotModel>& Run::robots() {
+  if (robots_) return *robots_;
+  std::map<std::string, clothsim::RobotModel> robots;
+  for (clothsim::RobotModel& model : clothsim::read_robot_models(scene->yaml, {scene->folder})) {
+    const bool is_first = robots.count(model.name) == 0;
+    const std::string name = is_first ? model.name : model.name + '/' + model.prefix;
+    robots.emplace(name, std::move(model));
+  }
+  robots_ = std::move(robots);
+  return *robots_;
 }
 
 void Simulation::load(const SceneObject& scene) {

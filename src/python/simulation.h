@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "clothsim/run/driven_frames.h"
 #include "clothsim/run/motion_player.h"
 #include "clothsim/run/report.h"
+#include "clothsim/scene/robot_models.h"
 #include "clothsim/simulation/simulator.h"
 #include "gate.h"
 #include "signal_watch.h"
@@ -26,8 +28,12 @@ struct SceneObject {
   clothsim::Scene scene;
   YAML::Node yaml;                     // with what was overridden
   std::string file;                    // empty: there is none
+  std::filesystem::path folder;        // that its files are in
   std::vector<std::string> overrides;  // "key=value"
 };
+
+/// By the name of a robot.
+using RobotJoints = std::map<std::string, clothsim::JointValues>;
 
 /// A simulation and what belongs to it. Views of its state keep it alive, also when its Simulation
 /// has taken another one.
@@ -41,19 +47,27 @@ struct Run {
 
   void reset();
 
+  /// The scene's, by their names; read when they are first asked for. Throws InvalidValue.
+  const std::map<std::string, clothsim::RobotModel>& robots();
+
+  const std::shared_ptr<const SceneObject> scene;
   clothsim::Simulator simulator;
-  std::filesystem::path folder;    // that the scene's files are in
   clothsim::MotionPlayer motions;  // of the scene
   clothsim::DrivenFrames frames;   // that the program moves
+  RobotJoints joints;              // as the program told them last
   clothsim::RunReport report;
   SignalWatch* watch = nullptr;    // of the call under way
   std::shared_ptr<void> pictures;  // what the module that draws keeps with it
+
+ private:
+  std::optional<std::map<std::string, clothsim::RobotModel>> robots_;
 };
 
 /// clothsim.Simulator. Any thread may call; calls take turns.
 class Simulation {
  public:
   explicit Simulation(const SceneObject& scene) : run_(std::make_shared<Run>(scene)) {}
+  explicit Simulation(std::shared_ptr<Run> run) : run_(std::move(run)) {}
 
   /// Calls `action` with the run while no other thread uses it, holding the GIL.
   template <class Action>

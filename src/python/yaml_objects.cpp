@@ -114,6 +114,13 @@ py::object scalar_to_python(const YAML::Node& node) {
 
 YAML::Node to_yaml(py::handle object) { return to_yaml(object, 0); }
 
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter text;
+  text << YAML::Flow;
+  emit(node, text);
+  return text.c_str();
+}
+
 py::object to_python(const YAML::Node& node) {
   if (node.IsScalar()) return scalar_to_python(node);
   if (node.IsSequence()) {
@@ -134,10 +141,7 @@ std::vector<std::string> assignments(const py::dict& overrides) {
       throw InvalidValue({"overrides"}, describe(key) + " as a key", "path.to.key");
     }
     const auto name = py::cast<std::string>(key);
-    YAML::Emitter text;
-    text << YAML::Flow;
-    clothsim::inside(name, [&] { emit(to_yaml(value), text); });
-    all.push_back(name + "=" + text.c_str());
+    clothsim::inside(name, [&] { all.push_back(name + "=" + to_text(to_yaml(value))); });
   }
   return all;
 }

@@ -14,6 +14,9 @@ namespace py = pybind11;
 /// arrays of numpy are lists. Throws InvalidValue for what YAML does not have.
 YAML::Node to_yaml(py::handle);
 
+/// As text that reads as the same value.
+std::string to_text(const YAML::Node&);
+
 /// Lists and maps of numbers, bools, texts and None.
 py::object to_python(const YAML::Node&);
 

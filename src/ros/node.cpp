@@ -58,7 +58,9 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
                                    })),
       state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_, paused_,
                       parameters_.save_limit, [this] { jump(); }),
+      stress_topic_(node_, simulator_, parameters_.world_frame),
       wind_listener_(node_, simulator_, tf_, changes_),
+      force_listener_(node_, simulator_, tf_, changes_),
       diagnostics_(node_, parameters_.limits) {
   simulator_.set_interrupt([this] { return !is_running(); });
   const ParameterTexts given = parameter_texts(node_);
@@ -156,6 +158,7 @@ bool Node::simulate_frame(Turn turn) {
   grasper_.look_up();
   grasper_.move();
   contact_topics_.ask();
+  force_listener_.end_when_due();
   try {
     report_ = simulator_.step();
   } catch (const clothsim::Interrupted&) {
@@ -178,6 +181,7 @@ bool Node::simulate_frame(Turn turn) {
       turn == Turn::due ? pacer_.advance(frame_duration) : pacer_.advance_now(frame_duration);
   publish_frame(stamp);
   contact_topics_.publish(stamp, frame_number_);
+  stress_topic_.publish(stamp, frame_number_);
   return true;
 }
 

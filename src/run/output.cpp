@@ -24,6 +24,14 @@ std::string rows_npy(const std::vector<std::array<int, 3>>& rows) {
   return to_npy({rows.size(), 3}, values);
 }
 
+NumberArray uv_array(const Cloth& cloth) {
+  NumberArray array{{static_cast<std::size_t>(cloth.num_points()), 2}, {}};
+  for (Eigen::Index i = 0; i < cloth.uv.rows(); ++i) {
+    array.values.insert(array.values.end(), {cloth.uv(i, 0), cloth.uv(i, 1)});
+  }
+  return array;
+}
+
 std::string springs_npy(const Cloth& cloth) {
   std::vector<std::array<int, 3>> springs;
   for (const SpringRun& run : cloth.springs) {
@@ -149,6 +157,7 @@ FramesFile::FramesFile(std::filesystem::path path, const Cloth& cloth)
     : path_(std::move(path)),
       topology_{{"triangles", rows_npy(cloth.triangles)},
                 {"springs", springs_npy(cloth)},
+                {"uv", to_npy(uv_array(cloth))},
                 {"pinned", to_npy({cloth.pinned.size()}, cloth.pinned)}},
       positions_(path_.string() + ".positions.part",
                  {static_cast<std::size_t>(cloth.num_points()), 3}),

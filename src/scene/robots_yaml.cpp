@@ -9,6 +9,7 @@
 #include "clothsim/model/checks.h"
 #include "clothsim/model/resource.h"
 #include "clothsim/scene/colliders_yaml.h"
+#include "clothsim/scene/robot_models.h"
 #include "clothsim/scene/urdf.h"
 #include "clothsim/scene/yaml_values.h"
 #include "clothsim/shapes/mesh_file.h"
@@ -154,7 +155,10 @@ void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>&
 
 }  // namespace
 
-void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scene) {
+namespace {
+
+/// What an item of the list says, with its URDF.
+Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
   Robot robot;
   read_map(node, {{"description", into(robot.description)},
                   {"file", into(robot.file)},
@@ -175,6 +179,13 @@ void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scen
   validate(any);
   load(sources, robot);
   check_links(robot);
+  return robot;
+}
+
+}  // namespace
+
+void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scene) {
+  const Robot robot = read_entry(node, sources);
   std::set<std::string> names;
   for (const ColliderSpec& collider : scene.colliders) names.insert(collider.name);
   bool has_collisions = false;
@@ -189,6 +200,20 @@ void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scen
   scene.left_out.push_back(InvalidValue({name_of(robot)}, "links without <collision>",
                                         "some: nothing of it touches the cloth")
                                .what());
+}
+
+std::vector<RobotModel> read_robot_models(const YAML::Node& scene, const SceneSources& sources) {
+  std::vector<RobotModel> models;
+  if (!scene.IsMap() || !scene["robots"].IsDefined()) return models;
+  inside("robots", [&] {
+    for (std::size_t i = 0; i < scene["robots"].size(); ++i) {
+      inside(std::to_string(i), [&] {
+        const Robot robot = read_entry(scene["robots"][i], sources);
+        models.push_back({name_of(robot), robot.prefix, robot.pose, Kinematics(robot.urdf)});
+      });
+    }
+  });
+  return models;
 }
 
 }  // namespace clothsim

@@ -112,48 +112,76 @@ Urdf::Link read_link(const XMLElement& element) {
   return link;
 }
 
-struct Joint {
-  std::string parent;
-  Pose origin;
-};
-
-/// Where joints hang from, by child.
-std::map<std::string, Joint> read_joints(const XMLElement& robot,
-                                         const std::set<std::string>& links) {
-  std::map<std::string, Joint> joints;
-  for (const XMLElement* each = robot.FirstChildElement("joint"); each;
-       each = each->NextSiblingElement("joint")) {
-    const std::string joint = "the joint " + quoted(each->Attribute("name"));
-    std::array<std::string, 2> ends;
-    for (const std::size_t end : {0, 1}) {
-      const char* role = end == 0 ? "parent" : "child";
-      const XMLElement* element = each->FirstChildElement(role);
-      const char* link = element ? element->Attribute("link") : nullptr;
-      if (!link || links.count(link) == 0) {
-        throw InvalidValue({}, joint + " with " + role + ' ' + quoted(link), "one of the links");
-      }
-      ends[end] = link;
-    }
-    Joint read{ends[0], {}};
-    try {
-      read.origin = origin_of(*each);
-    } catch (const Fault& fault) {
-      throw InvalidValue({}, joint + ": " + fault.what(), "a place");
-    }
-    if (!joints.emplace(ends[1], read).second) {
-      throw InvalidValue({}, joint + ", a second one with the child " + quoted(ends[1].c_str()),
-                         "one joint to each link");
-    }
-  }
-  return joints;
+/// A number of an element below a joint; one that is not there is `otherwise`.
+double number_or(const XMLElement& element, const char* attribute, double otherwise) {
+  return element.Attribute(attribute) ? numbers(element, attribute, 1)[0] : otherwise;
 }
 
-Pose pose_of(const std::string& link, const std::map<std::string, Joint>& joints) {
+/// Axis, limit and mimic of a joint, each as far as it is there. Throws Fault.
+void read_motion(const XMLElement& element, Urdf::Joint& joint) {
+  if (const XMLElement* axis = element.FirstChildElement("axis")) {
+    if (axis->Attribute("xyz")) joint.axis = vector(*axis, "xyz");
+    if (joint.axis.norm() == 0) throw Fault("xyz of <axis> is 0");
+    joint.axis.normalize();
+  }
+  const XMLElement* limit = element.FirstChildElement("limit");
+  if (limit && joint.type != "continuous") {
+    const char* unit = joint.type == "prismatic" ? "m" : "rad";
+    joint.limit = {number_or(*limit, "lower", 0), number_or(*limit, "upper", 0), unit};
+  }
+  if (const XMLElement* mimic = element.FirstChildElement("mimic")) {
+    const char* source = mimic->Attribute("joint");
+    if (!source) throw Fault("<mimic> has no joint");
+    joint.mimic = {source, number_or(*mimic, "multiplier", 1), number_or(*mimic, "offset", 0)};
+  }
+}
+
+Urdf::Joint read_joint(const XMLElement& element, const std::set<std::string>& links) {
+  const auto text_of = [](const char* text) { return std::string(text ? text : ""); };
+  Urdf::Joint joint;
+  joint.name = text_of(element.Attribute("name"));
+  joint.type = text_of(element.Attribute("type"));
+  const std::string known_as = "the joint " + quoted(element.Attribute("name"));
+  for (const auto& [role, end] : {std::pair("parent", &joint.parent), {"child", &joint.child}}) {
+    const XMLElement* below = element.FirstChildElement(role);
+    const char* link = below ? below->Attribute("link") : nullptr;
+    if (!link || links.count(link) == 0) {
+      throw InvalidValue({}, known_as + " with " + role + ' ' + quoted(link), "one of the links");
+    }
+    *end = link;
+  }
+  try {
+    joint.origin = origin_of(element);
+  } catch (const Fault& fault) {
+    throw InvalidValue({}, known_as + ": " + fault.what(), "a place");
+  }
+  try {
+    if (joint.moves()) read_motion(element, joint);
+  } catch (const Fault& fault) {
+    joint.fault = fault.what();
+  }
+  return joint;
+}
+
+/// By child.
+std::map<std::string, const Urdf::Joint*> by_child(const std::vector<Urdf::Joint>& joints) {
+  std::map<std::string, const Urdf::Joint*> found;
+  for (const Urdf::Joint& joint : joints) {
+    if (found.emplace(joint.child, &joint).second) continue;
+    throw InvalidValue({},
+                       "the joint " + quoted(joint.name.c_str()) +
+                           ", a second one with the child " + quoted(joint.child.c_str()),
+                       "one joint to each link");
+  }
+  return found;
+}
+
+Pose pose_of(const std::string& link, const std::map<std::string, const Urdf::Joint*>& joints) {
   Pose pose;
   std::size_t steps = 0;
   for (auto joint = joints.find(link); joint != joints.end();
-       joint = joints.find(joint->second.parent)) {
-    pose = joint->second.origin * pose;
+       joint = joints.find(joint->second->parent)) {
+    pose = joint->second->origin * pose;
     if (++steps > joints.size()) {
       throw InvalidValue({}, "joints around in a circle at the link " + quoted(link.c_str()),
                          "a tree of links");
@@ -187,7 +215,11 @@ Urdf read_urdf(const std::string& text) {
     throw InvalidValue({}, "two links called " + quoted(urdf.links.back().name.c_str()),
                        "a name of its own for each link");
   }
-  const std::map<std::string, Joint> joints = read_joints(*robot, names);
+  for (const XMLElement* each = robot->FirstChildElement("joint"); each;
+       each = each->NextSiblingElement("joint")) {
+    urdf.joints.push_back(read_joint(*each, names));
+  }
+  const std::map<std::string, const Urdf::Joint*> joints = by_child(urdf.joints);
   for (Urdf::Link& link : urdf.links) link.pose = pose_of(link.name, joints);
   return urdf;
 }

@@ -125,7 +125,7 @@ void EnergyWatch::read(MemoryReader& memory) {
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
                           const std::vector<MovingCollider>& colliders, double push_out,
-                          double wind) {
+                          double wind, double pushes) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
   const auto unseen = [&] {  // asked for in few frames
@@ -142,7 +142,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
   const Drive drive = drive_of(cloth, dt, before, after, colliders);
   const double speed = std::max(drive.fastest, wind) + push_out;
-  const double work = mass * (2 * speed * speed + g * speed * dt);
+  const double work = mass * (2 * speed * speed + g * speed * dt) + pushes;
   const double by_pins = work_on_springs(cloth, before, drive.pinned);
   const double by_colliders = work_on_springs(cloth, before, drive.pushed);
   given_ += work + by_pins + by_colliders;

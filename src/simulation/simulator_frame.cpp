@@ -34,6 +34,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   report = {};
   report.recoveries = recoveries;
   course = {course.dt};
+  course.push = strongest_push();
   course.is_apart = may_be_apart && has_colliders() && is_out_of_reach();
   if (course.is_apart) collider_contacts.reset();
   if (has_air()) {
@@ -77,7 +78,8 @@ void Simulator::Impl::set_out() {
 
 double Simulator::Impl::speed_given() const {
   const double by_air = has_air() ? air_speed() : 0;
-  return scene.simulation.gravity.norm() * course.dt + course.approach_speed + by_air;
+  return (scene.simulation.gravity.norm() + course.push) * course.dt + course.approach_speed +
+         by_air;
 }
 
 bool Simulator::Impl::is_held() const {
@@ -165,7 +167,8 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
       disturbed || (may_be_pulled && (yields || (is_overpulled(report) && report.pinched > 0)));
   if (!is_driven) {
     if (energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
-                             course.recovers ? recovery_speed : 0, course.wind.norm())) {
+                             course.recovers ? recovery_speed : 0, course.wind.norm(),
+                             work_of_pushes(course.dt, before))) {
       return true;
     }
     is_driven = may_be_pulled && (are_pulled_taut(cloth, before.positions) ||
@@ -224,7 +227,8 @@ bool Simulator::Impl::is_out_of_reach() {
   // What pins and springs do beside what it does by itself, hardly ever is as much and an edge
   // more.
   const double edge = shortest_rest_length(cloth);
-  const double own = longest_row(state.velocities) + scene.simulation.gravity.norm() * course.dt;
+  const double pull = scene.simulation.gravity.norm() + course.push;
+  const double own = longest_row(state.velocities) + pull * course.dt;
   course.allowed_way = 2 * own * course.dt + edge;
   // Contact begins that much before the surfaces meet.
   const double apart = edge + cloth.thickness;
@@ -238,7 +242,8 @@ double Simulator::Impl::contact_speed() const {
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
-  const double fall = scene.simulation.gravity.norm() * course.dt / 2;  // of the frame itself
+  const double pull = scene.simulation.gravity.norm() + course.push;
+  const double fall = pull * course.dt / 2;  // of the frame itself
   double fastest = 0;
   for (const MovingCollider& collider : colliders) {
     const double speed = own + collider.fastest_in(box);
@@ -270,7 +275,11 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (&inert == &weighed) {
     report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(h));
   }
+  // Half of the pushes before and half after: a point that nothing else acts on moves as it must.
+  push(inert, h / 2);
   std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
+  push(inert, h / 2);
+  last_substep = h;
   report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
   spend(1);
 

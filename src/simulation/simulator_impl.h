@@ -96,6 +96,7 @@ struct FrameCourse {
   bool is_fast = false;          // with that, springs may be parted within the frame
   double stretch = 0;            // worst as it began, where colliders ask for it
   Vector3 wind{0, 0, 0};         // [m/s], where there is air
+  double push = 0;               // most that forces from outside give a point [m/s^2]
   bool recovers = false;         // colliders have pushed out what was in them
   bool repairs_ran_out = false;  // before all springs were within their limit
 };
@@ -126,6 +127,8 @@ struct Simulator::Impl {
       colliders[i].enable(scene.colliders[i].enabled);
     }
     collider_wrenches.assign(colliders.size(), {});
+    pushes.resize(0, 3);
+    last_substep = 0;
     forget();
     disturbed = is_given = false;
   }
@@ -278,6 +281,12 @@ struct Simulator::Impl {
   }
   /// Gives the points what air does in h [s].
   void blow(double h);
+  /// Gives the points, with the inertia of this step, what forces from outside do in h [s].
+  void push(const Cloth& inert, double h);
+  /// Most that these give a point [m/s^2].
+  double strongest_push() const;
+  /// Most that these can have done in a frame of dt [s] [J].
+  double work_of_pushes(double dt, const State& before) const;
 
   /// How far springs may be stretched at the end of a substep of `h` [s], l / L0 - 1: as they are,
   /// and what colliders may part their ends by meanwhile.
@@ -350,6 +359,8 @@ struct Simulator::Impl {
   EnergyWatch energy_watch;
   WorkBudget budget;  // left of a frame's
   AirForces air;
+  Points pushes;                         // forces on points from outside [N], N x 3; no rows: none
+  double last_substep = 0;               // [s]; 0: none since the last reset
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 

@@ -6,6 +6,7 @@
 
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/model/checks.h"
+#include "clothsim/simulation/saved.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -58,19 +59,6 @@ void check_points(const std::string& key, const Points& points, int count, doubl
 }
 
 }  // namespace
-
-/// All that moves, and the cloth that did.
-struct Simulator::Saved {
-  Cloth cloth;
-  State state;
-  std::vector<double> memory;
-  std::vector<MovingCollider> colliders;
-  std::vector<Vector3> pin_targets;
-  Grips grips;
-  std::vector<Wrench> collider_wrenches;
-  double frame_duration;  // [s]
-  Vector3 gravity;        // [m/s^2]
-};
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
   for (const double number : shape_of(scene, without_grips())) memory.add(number);
@@ -186,9 +174,10 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 }
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
-  return std::make_shared<const Saved>(Saved{
-      impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips,
-      impl_->collider_wrenches, frame_duration(), impl_->scene.simulation.gravity});
+  return std::make_shared<const Saved>(
+      Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
+            impl_->grips, impl_->collider_wrenches, impl_->pushes, impl_->last_substep,
+            frame_duration(), impl_->scene.simulation.gravity});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -206,7 +195,7 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
          bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
-         bytes(saved.pin_targets) + bytes(saved.collider_wrenches);
+         bytes(saved.pin_targets) + bytes(saved.collider_wrenches) + bytes(saved.forces);
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -241,6 +230,8 @@ void Simulator::restore(const Saved& saved) {
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
+  impl_->pushes = saved.forces;
+  impl_->last_substep = saved.last_substep;
   if (saved.frame_duration == frame_duration()) return;
   for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }

@@ -97,7 +97,7 @@ def test_the_environment_folds_the_towel(monkeypatch):
     assert first.shape == env.observation_space.shape == (25 * 25 * 3 + 6 + 2,)
     assert abs(info["fold"]) < 1e-9
 
-    env.reset()
+    env.reset(options={"off": 0})
     rewards = 0
     for action in fold_env.plan():
         assert action.shape == env.action_space.shape

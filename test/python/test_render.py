@@ -111,3 +111,50 @@ clothsim.View()
 assert "libEGL" in open("/proc/self/maps").read()
 """
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_all_images_are_there_by_name():
+    simulator = Simulator(busy())
+    color, depth, mask = simulator.render(ABOVE)
+    images = simulator.render(ABOVE, images="all")
+    shapes = {"color": (48, 64, 3), "depth": (48, 64), "mask": (48, 64), "uv": (48, 64, 2),
+              "normals": (48, 64, 3), "flow": (48, 64, 2), "visible_points": (100,)}
+    assert {name: image.shape for name, image in images.items()} == shapes
+    assert np.array_equal(images["color"], color)
+    assert np.array_equal(images["depth"], depth) and np.array_equal(images["mask"], mask)
+    cloth = mask == 1
+    assert np.isfinite(images["uv"][cloth]).all() and np.isnan(images["uv"][~cloth]).all()
+    assert np.allclose(images["normals"][cloth], [0, 0, -1], atol=1e-6)  # towards the camera
+    assert np.array_equal(images["visible_points"], np.arange(100))
+    assert np.isnan(images["flow"]).all()  # since no picture
+    some = simulator.render(ABOVE, ["mask", "uv"])
+    assert list(some) == ["mask", "uv"] and np.array_equal(some["uv"], images["uv"], equal_nan=True)
+
+
+def test_flow_is_of_each_simulator_alone():
+    """A cloth that goes 0.1 m to the right at 2 m from the camera moves by f 0.1 / 2 pixels."""
+    pixels = 64 / 2 / np.tan(0.5) * 0.05
+    simulators = [Simulator(free()) for _ in range(3)]
+    for simulator in simulators:
+        assert np.isnan(simulator.render(ABOVE, ["flow"])["flow"]).all()
+    for way, simulator in enumerate(simulators):
+        simulator.positions = simulator.positions + [0.1 * way, 0, 0]
+    for way, simulator in enumerate(simulators):  # in turn with others, and with pictures without flow
+        simulator.render(ABOVE)
+        simulators[way - 1].render(ABOVE, ["mask"])
+        images = simulator.render(ABOVE, ["flow", "mask"])
+        flow = images["flow"][images["mask"] == 1]
+        assert np.allclose(flow[:, 0], way * pixels, atol=1e-3) and np.allclose(flow[:, 1], 0, atol=1e-3)
+    again = simulators[2].render(ABOVE, ["flow", "mask"])
+    assert np.allclose(again["flow"][again["mask"] == 1], 0, atol=1e-4)
+    simulators[2].load(free())
+    assert np.isnan(simulators[2].render(ABOVE, ["flow"])["flow"]).all()
+
+
+@pytest.mark.parametrize("images, message", [
+    ("depht", "expected \"all\" or a list"), (["depht"], "got \"depht\", expected some of color, depth"),
+    (7, "got a value of type int")])
+def test_images_that_there_are_not_are_refused(images, message):
+    with pytest.raises(clothsim.InvalidValue, match=message) as caught:
+        Simulator(free()).render(ABOVE, images)
+    assert caught.value.key == "images"

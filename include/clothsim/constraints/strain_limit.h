@@ -147,6 +147,9 @@ class StrainLimit {
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
 
+  /// Adds their strengths, times `scale`, to `sum`, one number a spring of the cloth.
+  void add_strengths(double scale, std::vector<double>& sum) const;
+
   /// Goes on with the impulses of `last`, a limit on the same springs.
   void take_over(StrainLimit&& last);
 

@@ -18,6 +18,7 @@
 #include "clothsim/ros/choice_log.h"
 #include "clothsim/ros/contact_topics.h"
 #include "clothsim/ros/diagnostics.h"
+#include "clothsim/ros/force_listener.h"
 #include "clothsim/ros/frame_follower.h"
 #include "clothsim/ros/grasper.h"
 #include "clothsim/ros/ignored_parameters.h"
@@ -29,6 +30,7 @@
 #include "clothsim/ros/reconfigure.h"
 #include "clothsim/ros/state_services.h"
 #include "clothsim/ros/step_targets.h"
+#include "clothsim/ros/stress_topic.h"
 #include "clothsim/ros/time_shares.h"
 #include "clothsim/ros/timed_callbacks.h"
 #include "clothsim/ros/view_reconfigure.h"
@@ -115,7 +117,9 @@ class Node {
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;
   StateServices state_services_;
+  StressTopic stress_topic_;
   WindListener wind_listener_;
+  ForceListener force_listener_;
   Diagnostics diagnostics_;
   ChoiceLog choice_log_;
   NearFrames near_frames_;

@@ -14,7 +14,7 @@ namespace clothsim {
 /// A frame that is told where to be some frames of simulation later.
 class FrameMotion {
  public:
-  explicit FrameMotion(const Pose& pose, const Twist& twist = {})
+  explicit FrameMotion(const Pose& pose = {}, const Twist& twist = {})
       : pose_(pose), twist_(twist), way_(pose) {}
 
   /// Sets out for `target`, to be there after `frames` frames of `frame_duration` [s] each.
@@ -26,6 +26,12 @@ class FrameMotion {
   bool has_arrived() const { return done_ == frames_; }
   const Pose& pose() const { return pose_; }
   const Twist& twist() const { return twist_; }
+
+  /// For an archive that writes or reads what it is called with.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(pose_, twist_, way_, frames_, done_);
+  }
 
  private:
   Pose pose_;
@@ -60,15 +66,31 @@ class DrivenFrames {
   /// To be called when the simulator was reset or loaded anew.
   void reset() { driven_.clear(); }
 
+  /// For an archive that writes or reads what it is called with.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(driven_);
+  }
+
  private:
   struct Follower {
-    bool is_pin;
-    int index;                   // of the scene's colliders or pins
+    bool is_pin = false;
+    int index = 0;               // of the scene's colliders or pins
     Vector3 offset = {0, 0, 0};  // of the pin in the frame [m]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(is_pin, index, offset);
+    }
   };
   struct Driven {
     FrameMotion motion;
     std::vector<Follower> followers;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(motion, followers);
+    }
   };
 
   static void put(const Driven&, const Pose&, Simulator&);

@@ -28,6 +28,14 @@ class MotionPlayer {
   /// When the last entry has its effect [s].
   double duration() const { return duration_; }
 
+  /// How far it has come, for an archive that writes or reads what it is called with. The motions
+  /// themselves are the scene's.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(driven_, events_.next, frame_);
+    for (auto& [frame, track] : keys_) archive(track.next);
+  }
+
  private:
   /// An entry of the scene, before the frame of simulation that it comes before.
   template <class Action>

@@ -38,8 +38,8 @@ void write_state(const std::filesystem::path&, const StateFile&);
 StateFile read_state(const std::filesystem::path&);
 
 /// The frames of a run as one NPZ file: positions and velocities [F, N, 3], times [F], and of the
-/// cloth triangles [T, 3], springs [S, 3] (two points and the family) and pinned points. Frames
-/// wait on disk beside the file until finish(). Throws std::runtime_error where it cannot be
+/// cloth triangles [T, 3], springs [S, 3] (two points and the family), uv [N, 2] and pinned points.
+/// Frames wait on disk beside the file until finish(). Throws std::runtime_error where it cannot be
 /// written.
 class FramesFile {
  public:

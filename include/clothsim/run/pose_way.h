@@ -25,6 +25,12 @@ class PoseWay {
 
   const Pose& end() const { return end_; }
 
+  /// For an archive that writes or reads what it is called with.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(start_, end_, position_, turn_, duration_);
+  }
+
  private:
   /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1, even where `first`
   /// and `last`, by which its slopes there differ from d, are 0.
@@ -35,6 +41,11 @@ class PoseWay {
 
     Vector3 at(double s) const;
     Vector3 slope(double s) const;  // by s
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(way, first, last);
+    }
   };
 
   Pose start_;

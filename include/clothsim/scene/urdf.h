@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/shapes/collider.h"
 
 namespace clothsim {
@@ -25,13 +27,35 @@ struct Urdf {
     std::vector<Collision> collisions;
   };
 
+  struct Mimic {
+    std::string joint;  // that it follows
+    double multiplier = 1;
+    double offset = 0;
+  };
+  struct Joint {
+    std::string name;
+    std::string type;  // as the URDF names it
+    std::string parent;
+    std::string child;
+    Pose origin;            // in the parent's frame
+    Vector3 axis{1, 0, 0};  // in the joint's frame
+    std::optional<Range> limit;
+    std::optional<Mimic> mimic;
+    std::string fault;  // why it cannot be moved; empty: it can, if its type does
+
+    /// Other types stay where they are.
+    bool moves() const { return type == "revolute" || type == "continuous" || type == "prismatic"; }
+  };
+
   std::string name;
   std::vector<Link> links;
+  std::vector<Joint> joints;
 };
 
 /// Reads the text of a URDF, of which links, their collisions and the tree of joints count. What is
-/// wrong with one collision is its fault; throws InvalidValue, without a key, for what is no URDF:
-/// other text, links without a name or of one name, joints to no link or around in a circle.
+/// wrong with one collision, or with how a joint moves, is its fault; throws InvalidValue, without
+/// a key, for what is no URDF: other text, links without a name or of one name, joints to no link
+/// or around in a circle.
 Urdf read_urdf(const std::string& text);
 
 }  // namespace clothsim

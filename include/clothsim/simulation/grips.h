@@ -72,6 +72,12 @@ class Grips {
   /// The points of grips that pull harder than they hold.
   std::vector<int> torn() const;
 
+  /// For an archive that writes or reads what it is called with.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(all_);
+  }
+
  private:
   Vector3 place(const Grip& grip, const Grip::Held& held) const {
     return grip.pose.position + grip.pose.orientation * held.offset;

@@ -40,6 +40,12 @@ class Reasons {
   /// A sentence, a clause for each in the order that they came.
   const std::string& text() const { return text_; }
 
+  /// For an archive that writes or reads what it is called with.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(all_, text_);
+  }
+
  private:
   std::set<Reason> all_;
   std::string text_;

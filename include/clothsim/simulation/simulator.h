@@ -102,6 +102,18 @@ class Simulator {
   /// Sets the mean wind [m/s] alone. Throws InvalidValue with keys {"wind", "0"} and so on.
   void set_wind(const Vector3& wind);
 
+  /// Has `forces` [N], N x 3, act on the points besides gravity, from the next frame on until they
+  /// are set anew or reset() ends them. No rows: none do. Of points that something holds, that
+  /// feels them. Throws InvalidValue with the key {"forces", "3", "0"} and changes nothing: for
+  /// another number of points, and for numbers that are not finite or beyond 1e6 N.
+  void set_forces(const Points& forces);
+  const Points& forces() const;  // no rows: none
+
+  /// Tension [N] of each spring, in the order of cloth().springs, negative where it pushes: by
+  /// Hooke's law with internal damping, where the springs are, and what the strain limit has them
+  /// pull beyond that, as of the last substep.
+  std::vector<double> tensions() const;
+
   // Poses and points to move to: throw InvalidValue and change nothing beyond 1e12 m, for numbers
   // that are not finite, and for an orientation that is no unit quaternion; std::out_of_range for
   // an index or a frame that there is not.

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/shapes/moving_collider.h"
+#include "clothsim/simulation/simulator.h"
+
+namespace clothsim {
+
+/// All that moves, and the cloth that did: for those who keep it elsewhere than in memory.
+struct Simulator::Saved {
+  Cloth cloth;
+  State state;
+  std::vector<double> memory;
+  std::vector<MovingCollider> colliders;
+  std::vector<Vector3> pin_targets;
+  Grips grips;
+  std::vector<Wrench> collider_wrenches;
+  Points forces;          // from outside [N], no rows: none
+  double last_substep;    // [s]
+  double frame_duration;  // [s]
+  Vector3 gravity;        // [m/s^2]
+};
+
+}  // namespace clothsim

@@ -1,0 +1,69 @@
+#include "clothsim/dynamics/membrane_stress.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "clothsim/dynamics/springs.h"
+
+namespace clothsim {
+namespace {
+
+/// Of the grid: a cell has two triangles, on either side of its diagonal from its first point.
+class Cells {
+ public:
+  explicit Cells(const Cloth& cloth) : columns_(cloth.columns - 1), rows_(cloth.rows - 1) {}
+
+  /// Triangles of a cell; -1 where there is none.
+  int below_diagonal(int column, int row) const { return triangle(column, row, 0); }
+  int above_diagonal(int column, int row) const { return triangle(column, row, 1); }
+
+ private:
+  int triangle(int column, int row, int which) const {
+    const bool is_there = column >= 0 && column < columns_ && row >= 0 && row < rows_;
+    return is_there ? 2 * (row * columns_ + column) + which : -1;
+  }
+
+  int columns_;
+  int rows_;
+};
+
+/// The triangles that a spring to a neighbour runs through or along; -1 where there is none.
+std::array<int, 2> beside(const Cells& cells, int column, int row, int right, int up) {
+  if (up == 0) return {cells.below_diagonal(column, row), cells.above_diagonal(column, row - 1)};
+  if (right == 0) return {cells.above_diagonal(column, row), cells.below_diagonal(column - 1, row)};
+  const int left = right > 0 ? column : column - 1;
+  return {cells.below_diagonal(left, row), cells.above_diagonal(left, row)};
+}
+
+}  // namespace
+
+Points membrane_stress(const Cloth& cloth, const std::vector<double>& tensions) {
+  Points stress = Points::Zero(static_cast<Eigen::Index>(cloth.triangles.size()), 3);
+  if (cloth.triangles.empty()) return stress;
+  const Cells cells(cloth);
+  const Points& rest = cloth.rest_positions;
+  const double wide = (rest.row(1) - rest.row(0)).norm();
+  const double high = (rest.row(cloth.columns) - rest.row(0)).norm();
+  const double area = wide * high / 2;
+  std::size_t spring = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const int column = a % cloth.columns, row = a / cloth.columns;
+    const int right = b % cloth.columns - column, up = b / cloth.columns - row;
+    const int steps = std::max(std::abs(right), up);  // to neighbours, all alike
+    const double x = right * wide, y = up * high;
+    const Vector3 share =
+        tensions.at(spring++) / (run.rest_length * area * steps) * Vector3(x * x, y * y, x * y);
+    for (int step = 0; step < steps; ++step) {
+      const auto sides = beside(cells, column + step * right / steps, row + step * up / steps,
+                                right / steps, up / steps);
+      const bool has_both = sides[0] >= 0 && sides[1] >= 0;
+      for (const int triangle : sides) {
+        if (triangle >= 0) stress.row(triangle) += (has_both ? 0.5 : 1) * share.transpose();
+      }
+    }
+  });
+  return stress;
+}
+
+}  // namespace clothsim

@@ -1,0 +1,75 @@
+// Forces on points from outside, and those within the cloth.
+
+#include "clothsim/dynamics/drag.h"
+#include "clothsim/dynamics/springs.h"
+#include "simulator_impl.h"
+
+namespace clothsim {
+namespace {
+
+/// What a point may be pushed with, far beyond a machine's.
+constexpr Range force_range{-1e6, 1e6, "N"};
+
+}  // namespace
+
+void Simulator::Impl::push(const Cloth& inert, double h) {
+  if (pushes.rows() == 0) return;
+  state.velocities += h * (pushes.array().colwise() * inert.inv_mass.array()).matrix();
+  if (!grips.empty()) impulses += h * pushes;
+  // It takes such points by implicit Euler's formula: all of them, or momentum does not balance.
+  if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->forget();
+}
+
+double Simulator::Impl::strongest_push() const {
+  if (pushes.rows() == 0) return 0;
+  return (pushes.rowwise().norm().array() * cloth.inv_mass.array()).maxCoeff();
+}
+
+double Simulator::Impl::work_of_pushes(double dt, const State& before) const {
+  if (pushes.rows() == 0) return 0;
+  const Scalars strength = pushes.rowwise().norm();
+  const Scalars ways = (state.positions - before.positions).rowwise().norm();
+  const auto from_rest = dt * dt * strength.array().square() * cloth.inv_mass.array();
+  return (strength.array() * ways.array() + from_rest).sum();
+}
+
+void Simulator::set_forces(const Points& forces) {
+  if (forces.rows() == 0) {
+    impl_->pushes = forces;
+    return;
+  }
+  if (forces.rows() != cloth().num_points()) {
+    throw InvalidValue({"forces"}, std::to_string(forces.rows()) + " of them",
+                       std::to_string(cloth().num_points()) + ", one for each point");
+  }
+  inside("forces", [&] {
+    for (Eigen::Index i = 0; i < forces.rows(); ++i) {
+      check_range(std::to_string(i), Vector3(forces.row(i).transpose()), force_range);
+    }
+  });
+  impl_->pushes = forces;
+}
+
+const Points& Simulator::forces() const { return impl_->pushes; }
+
+std::vector<double> Simulator::tensions() const {
+  const State& now = state();
+  const double viscous = cloth().internal_damping[0];
+  std::vector<double> tensions;
+  tensions.reserve(static_cast<std::size_t>(cloth().num_springs()));
+  for_each_spring(cloth(), [&](const SpringRun& run, int a, int b) {
+    const Vector3 way = (now.positions.row(b) - now.positions.row(a)).transpose();
+    const Vector3 rate = (now.velocities.row(b) - now.velocities.row(a)).transpose();
+    const double length = way.norm();
+    const double parting = length > 0 ? rate.dot(way) / length : 0;
+    tensions.push_back(run.stiffness * (length - run.rest_length + viscous * parting));
+  });
+  // The limit acts at a substep's end, when drag has taken some of what forces gave in it.
+  const double h = impl_->last_substep;
+  if (impl_->strain_limit && h > 0) {
+    impl_->strain_limit->add_strengths(1 / Drag(cloth().damping, h).distance, tensions);
+  }
+  return tensions;
+}
+
+}  // namespace clothsim
