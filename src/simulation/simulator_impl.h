@@ -128,6 +128,7 @@ struct Simulator::Impl {
     collider_wrenches.assign(colliders.size(), {});
     forget();
     disturbed = is_given = false;
+    given_crossings = 0;
   }
 
   /// The cloth as the scene has it, without what is attached: the method is chosen for that, so
@@ -188,6 +189,9 @@ struct Simulator::Impl {
   /// Throws InvalidValue and changes nothing where the numbers are not those of such a scene.
   void read(const std::vector<double>&);
   void set_state(const State&, const std::vector<double>& memory);
+  /// Counts what crosses in a state that was given, or takes it apart where the scene asks for it.
+  void look_for_crossings();
+  Untangled untangle();
 
   /// Holds the pins alone.
   static void hold_pins(Cloth&);
@@ -355,6 +359,7 @@ struct Simulator::Impl {
   FrameCourse course;
   bool disturbed = false;   // by a jump since the last frame
   bool is_given = false;    // state that was set: it may be anything
+  int given_crossings = 0;  // of triangles, left of such a state
   Points sought_at;         // positions when contacts were sought that others went on with
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "clothsim/dynamics/cloth_watch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
 #include "simulator_impl.h"
 
@@ -68,6 +69,7 @@ struct Simulator::Saved {
   std::vector<Vector3> pin_targets;
   Grips grips;
   std::vector<Wrench> collider_wrenches;
+  int given_crossings;
   double frame_duration;  // [s]
   Vector3 gravity;        // [m/s^2]
 };
@@ -165,7 +167,31 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     state.positions.row(i) = last.positions.row(i);
     state.velocities.row(i) = last.velocities.row(i);
   }
+  look_for_crossings();
 }
+
+void Simulator::Impl::look_for_crossings() {
+  given_crossings = 0;
+  if (cloth.self_collision != SelfCollision::surface) return;
+  if (scene.cloth.untangle) {
+    untangle();
+  } else {
+    given_crossings = count_intersections(cloth, state.positions);
+  }
+}
+
+Untangled Simulator::Impl::untangle() {
+  const Untangled result = clothsim::untangle(cloth, colliders, state.positions, is_interrupted);
+  if (result.before > 0) {
+    forget();
+    disturbed = is_given = true;
+  }
+  given_crossings = cloth.self_collision == SelfCollision::surface ? result.left : 0;
+  return result;
+}
+
+int Simulator::given_crossings() const { return impl_->given_crossings; }
+Untangled Simulator::untangle() { return impl_->untangle(); }
 
 void Simulator::load(const Scene& scene) {
   auto loaded = std::make_unique<Impl>(scene);
@@ -186,9 +212,10 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 }
 
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
-  return std::make_shared<const Saved>(Saved{
-      impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets, impl_->grips,
-      impl_->collider_wrenches, frame_duration(), impl_->scene.simulation.gravity});
+  return std::make_shared<const Saved>(Saved{impl_->cloth, impl_->state, memory(), impl_->colliders,
+                                             impl_->pin_targets, impl_->grips,
+                                             impl_->collider_wrenches, impl_->given_crossings,
+                                             frame_duration(), impl_->scene.simulation.gravity});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -241,6 +268,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
+  impl_->given_crossings = saved.given_crossings;
   if (saved.frame_duration == frame_duration()) return;
   for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }
