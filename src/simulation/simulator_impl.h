@@ -315,7 +315,10 @@ struct Simulator::Impl {
   /// Do pins or colliders ask for more than the limit grants? Then tension has no end.
   bool is_pulled_without_end() const;
   /// Can the cloth touch anything in this frame?
-  bool touches() const { return self_contacts || (!course.is_apart && has_colliders()); }
+  bool touches() const { return self_contacts || touches_others(); }
+  bool touches_others() const { return !course.is_apart && has_colliders(); }
+  /// Is no point pinned or attached?
+  bool is_free() const { return (cloth.inv_mass.array() > 0).all(); }
   bool has_colliders() const {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
