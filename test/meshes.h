@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -180,6 +181,30 @@ inline TriangleSoup turned(TriangleSoup soup, const Eigen::Quaterniond& turn) {
 
 inline Shape mesh_shape(const TriangleSoup& soup, double padding = 0) {
   return MeshShape{std::make_shared<const MeshFile>(MeshFile{Solid(soup), "", {1, 1, 1}}), padding};
+}
+
+/// Those triangles of a surface whose corners all lie above z.
+inline TriangleSoup above_z(TriangleSoup soup, double z) {
+  const auto is_below = [&](int i) { return soup.vertices[static_cast<std::size_t>(i)].z() < z; };
+  auto& all = soup.triangles;
+  all.erase(std::remove_if(
+                all.begin(), all.end(),
+                [&](const auto& t) { return is_below(t[0]) || is_below(t[1]) || is_below(t[2]); }),
+            all.end());
+  return soup;
+}
+
+/// A square of side `size` [m] in the plane z = 0 about the origin.
+inline TriangleSoup square_soup(double size) {
+  const double half = size / 2;
+  return {{{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}},
+          {{0, 1, 2}, {0, 2, 3}}};
+}
+
+inline Shape sheet_shape(const TriangleSoup& soup, double thickness) {
+  return MeshShape{
+      std::make_shared<const MeshFile>(MeshFile{Solid(soup, Bounds::sheet), "", {1, 1, 1}}),
+      thickness / 2};
 }
 
 inline void write_obj(const std::string& path, const TriangleSoup& soup) {

@@ -18,6 +18,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
 
   // Where points go without springs.
   const State start = state;
+  if (!has_last) add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
   const double e = drag.decay;
   Scalars gain = Scalars::Constant(n, h);  // displacement per change of velocity [s]

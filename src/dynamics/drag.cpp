@@ -2,7 +2,16 @@
 
 namespace clothsim {
 
+void add_fall(const Cloth& cloth, const Loads& loads, double h, State& state) {
+  if (!loads.acts_alone) return;
+  const Drag drag(cloth.damping, h);
+  const Vector3 of_gravity = (drag.fall - h * drag.distance) * loads.gravity;
+  state.positions += (drag.distance - h * drag.decay) * state.velocities;
+  state.positions.rowwise() += of_gravity.transpose();
+}
+
 void coast(const Cloth& cloth, const Loads& loads, double h, State& state) {
+  add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
   for (int axis = 0; axis < 3; ++axis) {
     const double gained = drag.distance * loads.gravity[axis];

@@ -24,6 +24,7 @@ void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, Sta
   forces_.resize(cloth.num_points(), 3);
   compute_forces(cloth, loads, state.positions, forces_, workers, &state.velocities);
 
+  add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
   workers.share(cloth.num_points(), [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {

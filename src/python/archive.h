@@ -109,7 +109,7 @@ void serialize(Archive& archive, clothsim::StepReport& report) {
   archive(report.method, report.substeps, report.predicted_error, report.reasons, report.recoveries,
           report.sweeps, report.corrections, report.worst_stretch, report.contacts,
           report.added_mass, report.ran_out, report.held_back, report.pinched, report.pinched_point,
-          report.slipping);
+          report.slipping, report.crossings);
 }
 
 template <class Archive>
@@ -123,7 +123,8 @@ void serialize(Archive& archive, clothsim::RunReport& report) {
 template <class Archive>
 void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
   archive(saved.state, saved.memory, saved.pin_targets, saved.grips, saved.collider_wrenches,
-          saved.forces, saved.last_substep, saved.frame_duration, saved.gravity);
+          saved.forces, saved.last_substep, saved.given_crossings, saved.frame_duration,
+          saved.gravity);
   for (clothsim::MovingCollider& collider : saved.colliders) {
     clothsim::Pose pose = collider.pose();
     clothsim::Pose target = collider.target();

@@ -6,6 +6,15 @@
 namespace clothsim_python {
 namespace {
 
+/// Raises a UserWarning, which may be an error.
+void warn_of_crossings(const clothsim::Simulator& simulator) {
+  const int pairs = simulator.given_crossings();
+  if (pairs == 0) return;
+  const std::string text = "the state crosses itself in " + std::to_string(pairs) +
+                           " pairs of triangles, which stay crossed: untangle() takes them apart";
+  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 /// The state as it is with what is given in its place.
 void set_state(Simulation& simulation, const py::object& positions, const py::object& velocities,
                std::optional<double> time, const py::object& memory) {
@@ -17,7 +26,19 @@ void set_state(Simulation& simulation, const py::object& positions, const py::ob
     if (time) state.time = *time;
     run.simulator.set_state(
         state, memory.is_none() ? std::vector<double>() : to_numbers(memory, "memory"));
+    warn_of_crossings(run.simulator);
   });
+}
+
+/// The pairs of triangles that crossed, and those that are left.
+py::tuple untangle(Simulation& simulation) {
+  const clothsim::Untangled result =
+      simulation.compute_with([](Run& run) { return run.simulator.untangle(); });
+  return py::make_tuple(result.before, result.left);
+}
+
+void go_back(Simulation& simulation, const SavedState& state) {
+  simulation.with([&](Run& run) { restore(run, state); });
 }
 
 py::array positions(const Simulation& simulation) {
@@ -83,18 +104,20 @@ void bind_state(SimulationClass& simulator) {
            "Goes on from another state; what is left out stays. `positions` [N, 3] [m], "
            "`velocities` [N, 3] [m/s], `time` [s]. With the `memory` that came with the state, to "
            "the same bits as then; without, as after a reset. Colliders and pins stay where they "
-           "are. Raises InvalidValue and changes nothing: for shapes, numbers that are not finite "
+           "are. Warns of triangles that cross, with self_collision surface. Raises InvalidValue "
+           "and changes nothing: for shapes, numbers that are not finite "
            "or far too large, a held point elsewhere, the memory of another cloth or method.")
+      .def(
+          "untangle", &untangle,
+          "Takes the cloth apart where it crosses itself by a small depth, by its positions alone. "
+          "Returns how many pairs of triangles crossed before, and how many are left. A scene with "
+          "cloth.untangle does so whenever a state is set.")
       .def(
           "save", [](Simulation& self) { return self.with([](Run& run) { return save(run); }); },
           "A copy of all that moves, colliders, frames, motions and attached points too. Live "
           "values are not in it.")
       .def(
-          "restore",
-          [](Simulation& self, const SavedState& state) {
-            self.with([&](Run& run) { restore(run, state); });
-          },
-          py::arg("state"),
+          "restore", &go_back, py::arg("state"),
           "Back to what save() gave, here or in a simulator of an equal scene; goes on to the same "
           "bits. Raises InvalidValue for another scene.");
 }

@@ -12,7 +12,10 @@ constexpr double smooth = 0.77;
 
 Mesh solid_mesh(const Solid& solid, double padding) {
   const std::vector<Vector3>& vertices = solid.vertices();
-  const auto& triangles = solid.triangles();
+  std::vector<std::array<int, 3>> triangles = solid.triangles();
+  if (solid.is_sheet()) {  // its other side
+    for (const auto& [a, b, c] : solid.triangles()) triangles.push_back({a, c, b});
+  }
   const auto at = [&](int i) -> const Vector3& { return vertices[static_cast<std::size_t>(i)]; };
   std::vector<Vector3> areas;  // normal times twice the area
   std::vector<std::vector<int>> faces_at(vertices.size());

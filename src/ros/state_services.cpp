@@ -1,5 +1,8 @@
 #include "clothsim/ros/state_services.h"
 
+#include <ros/console.h>
+
+#include <string>
 #include <utility>
 
 #include "clothsim/model/errors.h"
@@ -37,7 +40,8 @@ StateServices::StateServices(ros::NodeHandle& node, clothsim::Simulator& simulat
   services_ = {node.advertiseService("get_state", &StateServices::get, this),
                node.advertiseService("set_state", &StateServices::set, this),
                node.advertiseService("save_state", &StateServices::save, this),
-               node.advertiseService("restore_state", &StateServices::restore, this)};
+               node.advertiseService("restore_state", &StateServices::restore, this),
+               node.advertiseService("untangle", &StateServices::untangle, this)};
 }
 
 bool StateServices::get(clothsim::GetState::Request&, clothsim::GetState::Response& response) {
@@ -69,6 +73,22 @@ bool StateServices::set(clothsim::SetState::Request& request,
   frame_number_ = request.state.step;
   jumped_();
   response.success = true;
+  if (const int pairs = simulator_.given_crossings(); pairs > 0) {
+    response.message = "the state crosses itself in " + std::to_string(pairs) +
+                       " pairs of triangles, which stay crossed: ~untangle takes them apart";
+    ROS_WARN("~set_state: %s", response.message.c_str());
+  }
+  return true;
+}
+
+bool StateServices::untangle(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const clothsim::Untangled result = simulator_.untangle();
+  response.success = result.left == 0;
+  response.message = std::to_string(result.before) + " pairs of triangles crossed, " +
+                     std::to_string(result.left) + " do now";
+  if (result.before == 0) return true;
+  changes_.publish("untangle");
+  jumped_();
   return true;
 }
 

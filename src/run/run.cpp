@@ -208,6 +208,12 @@ ExitCode run(const std::string& program, const RunOptions& options,
 
   MotionPlayer player(simulator, folder);
   if (!options.from.empty()) start_from(program, options.from, simulator);
+  if (const int pairs = simulator.given_crossings(); pairs > 0) {
+    std::cerr << program << ": the state crosses itself in " << pairs
+              << " pairs of triangles, which stay crossed"
+              << (simulator.scene().cloth.untangle ? ": cloth.untangle could not take them apart\n"
+                                                   : ": cloth.untangle=true takes them apart\n");
+  }
   if (!options.seconds && simulator.scene().motions.empty())
     throw InvalidValue({"--seconds"}, "nothing", "a time [s], as the scene has no motions");
   const long long frames = to_frames("--seconds", options.seconds.value_or(player.duration()),

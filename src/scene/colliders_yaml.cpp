@@ -12,6 +12,7 @@ namespace {
 
 constexpr Range size_range{1e-6, 1e6, "m"};
 constexpr Range padding_range{0, 1e3, "m"};
+constexpr Range sheet_range{1e-6, 1e3, "m"};
 constexpr Range position_range{-1e6, 1e6, "m"};
 
 /// A key of a shape: what is done with its value, and with what that becomes.
@@ -81,24 +82,30 @@ std::vector<Key> keys_of(Cylinder& c, Pose& pose) {
 std::vector<Key> keys_of(MeshShape& mesh, Pose& pose) {
   const auto name = std::make_shared<std::string>();
   const auto scale = std::make_shared<Vector3>(1, 1, 1);  // [m] a unit of the file
+  const auto thickness = std::make_shared<std::optional<double>>();
   const auto require = [](bool is_there) {
     if (!is_there) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
   };
   Key file{"file", into(*name), [=, &mesh] { require(mesh.file != nullptr); }};
   file.load = [=, &mesh](const std::filesystem::path& folder) {
     check_range("scale", scale->cwiseAbs(), mesh_scale_range);
+    if (*thickness) check_range("thickness", **thickness, sheet_range);
     require(!name->empty());
     inside("file", [&] {
       const std::filesystem::path path = find_resource(*name, folder);
-      mesh.file = read_mesh_file(path, uri_of(*name, path), *scale);
+      mesh.file = read_mesh_file(path, uri_of(*name, path), *scale,
+                                 *thickness ? Bounds::sheet : Bounds::solid);
     });
+    mesh.padding += thickness->value_or(0) / 2;
   };
   const auto read_scale = [=](const YAML::Node& node) {
     *scale = node.IsSequence() ? read_vector(node)
                                : Vector3::Constant(read_number(node, "a number or [x, y, z]"));
   };
   const Key padding = lengths("padding", mesh.padding, 1, padding_range);
-  return {place(pose), padding, turn(pose), file, {"scale", read_scale}};
+  const auto read_thickness = [=](const YAML::Node& node) { into(thickness->emplace())(node); };
+  return {
+      place(pose), padding, turn(pose), file, {"scale", read_scale}, {"thickness", read_thickness}};
 }
 
 std::vector<Key> keys_of(ColliderSpec& collider) {

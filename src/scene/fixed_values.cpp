@@ -27,7 +27,7 @@ std::string text(const Cuboid& box) { return text(box.size); }
 std::string text(const Cylinder& c) { return join({text(c.length), text(c.radius)}); }
 std::string text(const MeshShape& mesh) {
   return join({std::filesystem::path(mesh.file->uri).filename().string(), text(mesh.file->scale),
-               text(mesh.padding)});
+               text(mesh.padding), mesh.file->solid.is_sheet() ? "sheet" : "solid"});
 }
 
 /// Lines of keys and values.

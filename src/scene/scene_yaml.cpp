@@ -79,6 +79,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
       {"pinned", read_pins},
       {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
       {"ks", into(material.ks)},
+      {"untangle", into(cloth.untangle)},
       {"fabric", [](const YAML::Node&) {}},  // which the others follow
       {"self_collision",
        [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};

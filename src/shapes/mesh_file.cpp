@@ -107,14 +107,14 @@ TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
   }
   TriangleSoup soup;
   add_node(*scene, *scene->mRootNode, unit_of(*scene->mRootNode), scale, 0, soup);
-  if (soup.triangles.empty()) throw InvalidValue({}, "no triangles", "a closed surface");
+  if (soup.triangles.empty()) throw InvalidValue({}, "no triangles", "a surface");
   return soup;
 }
 
 std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& path,
                                                              const std::string& uri,
-                                                             const Vector3& scale) {
-  using Key = std::tuple<std::string, std::string, double, double, double>;
+                                                             const Vector3& scale, Bounds bounds) {
+  using Key = std::tuple<std::string, std::string, double, double, double, Bounds>;
   struct Known {
     fs::file_time_type changed;
     std::vector<std::weak_ptr<const MeshFile>> files;
@@ -124,8 +124,8 @@ std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& pat
   check_file(path);
   const fs::file_time_type changed = fs::last_write_time(path);
   const std::lock_guard lock(mutex);
-  Known& known =
-      all_known[{fs::weakly_canonical(path).string(), uri, scale.x(), scale.y(), scale.z()}];
+  Known& known = all_known[{fs::weakly_canonical(path).string(), uri, scale.x(), scale.y(),
+                            scale.z(), bounds}];
   std::vector<std::shared_ptr<const MeshFile>> files;
   for (const auto& file : known.files) files.push_back(file.lock());
   const bool are_held = std::all_of(files.begin(), files.end(), [](const auto& f) { return f; });
@@ -135,9 +135,10 @@ std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& pat
   const auto add = [&](Solid solid) {
     files.push_back(std::make_shared<const MeshFile>(MeshFile{std::move(solid), uri, scale}));
   };
-  Solid all(read_triangles(path, scale));
-  const std::vector<TriangleSoup> groups = split_overlapping(all);
-  if (groups.size() == 1) {
+  Solid all(read_triangles(path, scale), bounds);
+  std::vector<TriangleSoup> groups;
+  if (!all.is_sheet()) groups = split_overlapping(all);
+  if (groups.size() <= 1) {
     add(std::move(all));
   } else {
     for (const TriangleSoup& group : groups) add(Solid(group));
@@ -147,8 +148,8 @@ std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& pat
 }
 
 std::shared_ptr<const MeshFile> read_mesh_file(const fs::path& path, const std::string& uri,
-                                               const Vector3& scale) {
-  const auto files = read_mesh_files(path, uri, scale);
+                                               const Vector3& scale, Bounds bounds) {
+  const auto files = read_mesh_files(path, uri, scale, bounds);
   if (files.size() == 1) return files.front();
   throw InvalidValue({}, "shells that touch or overlap", "a collider, with a file, for each");
 }

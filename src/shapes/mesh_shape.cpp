@@ -1,6 +1,8 @@
 #include "clothsim/shapes/mesh_shape.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "clothsim/shapes/mesh_file.h"
 #include "shape_parts.h"
@@ -96,17 +98,98 @@ class ClosestFeatures {
   bool is_inside_ = false;
 };
 
+/// The same of a sheet, which has two sides and nothing within.
+class ClosestToSheet {
+ public:
+  explicit ClosestToSheet(const Triangle& t) : t_(t) {}
+
+  void add_corner(std::size_t i, double value, const Vector3& normal) {
+    if (value < nearest_.value) nearest_ = {value, normal, corner(i)};
+  }
+
+  void add(const Solid::Ridge& ridge) {
+    const auto& [a, b] = ridge.ends;
+    const Vector3 n = unit_normal(t_);
+    if (!n.isZero(0) && passes_through(a, b, t_)) {
+      for (const Vector3& p : ridge.ends) {
+        add_way(n.dot(p - t_[0]), n, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+      }
+      return;
+    }
+    for (const Vector3& p : ridge.ends) add_pair(p, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const SegmentParameters where = closest_on_segments(t_[i], t_[(i + 1) % 3], a, b);
+      add_pair(a + where.t * (b - a), on_edge(i, where.s));
+    }
+  }
+
+  /// The edge from corner i on passes through a face there: either end may go back.
+  void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
+    for (const std::size_t end : {i, (i + 1) % 3}) {
+      add_way(normal.dot(place - t_[end]), normal, corner(end));
+    }
+  }
+
+  /// Nothing farther away counts [m].
+  double most() const { return nearest_.value; }
+
+  /// Of a triangle that passes through it, the shortest way by which one of its features is
+  /// through no more.
+  const FaceDistance& result() const { return std::isinf(out_.value) ? nearest_ : out_; }
+
+ private:
+  void add_pair(const Vector3& p, const Weights& weights) {
+    const Vector3 gap = at(t_, weights) - p;
+    const double distance = gap.norm();
+    if (distance < nearest_.value && distance > 0) nearest_ = {distance, gap / distance, weights};
+  }
+
+  /// `way` [m] along `normal`, or against it where below 0.
+  void add_way(double way, const Vector3& normal, const Weights& weights) {
+    if (-std::abs(way) <= out_.value) return;
+    out_ = {-std::abs(way), way < 0 ? Vector3(-normal) : normal, weights};
+  }
+
+  const Triangle& t_;
+  FaceDistance nearest_;
+  FaceDistance out_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+};
+
 bool is_near(const Solid& solid, const Box& box, double most) {
   return squared_distance(solid.box(), box) <= most * std::abs(most);
 }
 
+/// Where a triangle and what is within `most_value` [m] of it are closest.
+template <class Closest>
+FaceDistance closest_features(const Solid& solid, const Triangle& t, double most_value) {
+  Closest closest(t);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [value, normal] = solid.distance(t[i]);
+    closest.add_corner(i, value, normal);
+  }
+  double most = std::min(closest.most(), std::max(most_value, 0.0));
+  solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+    closest.add(ridge);
+    most = std::min(most, closest.most());
+  });
+  for (std::size_t i = 0; i < 3; ++i) {
+    solid.visit_hits(t[i], t[(i + 1) % 3], [&](const Vector3& place, const Vector3& normal) {
+      closest.add_hit(i, place, normal);
+    });
+  }
+  return closest.result();
+}
+
 }  // namespace
 
-double MeshShape::safe_depth() const { return file->solid.thickness() / 4; }
+double MeshShape::safe_depth() const {
+  return file->solid.is_sheet() ? padding / 2 : file->solid.thickness() / 4;
+}
 
 double MeshShape::bounding_radius() const { return file->solid.radius() + padding; }
 
 double MeshShape::corner_distance(double edge, double offset) const {
+  if (file->solid.is_sheet()) return std::numeric_limits<double>::infinity();
   return offset + file->solid.dip(edge);
 }
 
@@ -132,25 +215,11 @@ std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
 }
 
 std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double reach) const {
-  const Solid& solid = file->solid;
-  const double most_value = reach + padding;
-  if (!is_near(solid, box_of(t), most_value)) return std::nullopt;
-  ClosestFeatures closest(t);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto [value, normal] = solid.distance(t[i]);
-    closest.add_corner(i, value, normal);
-  }
-  double most = std::min(closest.most(), std::max(most_value, 0.0));
-  solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
-    closest.add(ridge);
-    most = std::min(most, closest.most());
-  });
-  for (std::size_t i = 0; i < 3; ++i) {
-    solid.visit_hits(t[i], t[(i + 1) % 3], [&](const Vector3& place, const Vector3& normal) {
-      closest.add_hit(i, place, normal);
-    });
-  }
-  return within(reach, closest.result(), padding);
+  if (!is_near(file->solid, box_of(t), reach + padding)) return std::nullopt;
+  const FaceDistance found =
+      file->solid.is_sheet() ? closest_features<ClosestToSheet>(file->solid, t, reach + padding)
+                             : closest_features<ClosestFeatures>(file->solid, t, reach + padding);
+  return within(reach, found, padding);
 }
 
 void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double reach,
@@ -162,7 +231,7 @@ void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double rea
     if (ridge.angle < sharp) return;
     const Vector3 along = ridge.ends[1] - ridge.ends[0];
     if (std::abs(normal.dot(along)) > square * along.norm()) return;
-    if (normal.dot(ridge.normal) <= 0) return;
+    if (!file->solid.is_sheet() && normal.dot(ridge.normal) <= 0) return;
     visit(ridge.ends[0], ridge.ends[1], padding);
   });
 }

@@ -36,6 +36,11 @@ double angle_at(const Vector3& corner, const Vector3& a, const Vector3& b) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
+/// Of a directed edge.
+std::uint64_t key_of(int from, int to) {
+  return static_cast<std::uint64_t>(from) << 32 | static_cast<std::uint32_t>(to);
+}
+
 /// Corner of a triangle that is neither of these two.
 const Vector3& corner_beside(const std::array<Vector3, 3>& t, const Vector3& a, const Vector3& b) {
   return t[0] != a && t[0] != b ? t[0] : (t[1] != a && t[1] != b ? t[1] : t[2]);
@@ -66,9 +71,11 @@ void Volume::add(const Vector3& a, const Vector3& b, const Vector3& c) {
 
 bool Volume::is_none() const { return !(std::abs(sum) > least_volume * parts); }  // so NaN is none
 
-Solid::Solid(const TriangleSoup& soup) {
+Solid::Solid(const TriangleSoup& soup, Bounds bounds) : is_sheet_(bounds == Bounds::sheet) {
   weld(soup);
-  connect();
+  if (!is_sheet_) orient();
+  add_faces();
+  is_sheet_ ? connect_sheet() : connect();
   std::vector<Box> boxes;
   for (const Corners& corners : corners_) {
     Box box;
@@ -83,7 +90,7 @@ Solid::Solid(const TriangleSoup& soup) {
   ridge_tree_ = NearestTree(boxes);
   wrap_faces();
   build_grid();
-  thickness_ = measure_thickness();
+  thickness_ = is_sheet_ ? 0 : measure_thickness();
 }
 
 void Solid::weld(const TriangleSoup& soup) {
@@ -101,8 +108,10 @@ void Solid::weld(const TriangleSoup& soup) {
     if (at(a) == at(b) || at(b) == at(c) || at(c) == at(a)) continue;
     triangles_.push_back({at(a), at(b), at(c)});
   }
-  if (triangles_.empty()) throw InvalidValue({}, "no triangles", "a closed surface");
+  if (triangles_.empty()) throw InvalidValue({}, "no triangles", "a surface");
+}
 
+void Solid::orient() {
   Volume volume;
   for (const auto& [a, b, c] : triangles_) {
     const auto at = [&](int i) -> Vector3 {
@@ -114,45 +123,53 @@ void Solid::weld(const TriangleSoup& soup) {
     for (auto& [a, b, c] : triangles_) std::swap(b, c);
   }
   if (volume.is_none()) {
-    throw InvalidValue({}, "a surface without a volume inside", "a solid");
+    throw InvalidValue({}, "a surface without a volume inside",
+                       "a solid, or a sheet with a thickness");
+  }
+}
+
+void Solid::add_faces() {
+  vertex_normals_.assign(vertices_.size(), Vector3::Zero());
+  for (const std::array<int, 3>& triangle : triangles_) {
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] = vertices_[static_cast<std::size_t>(triangle[k])];
+    }
+    corners_.push_back(corners);
+    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    const Vector3 none = Vector3::Zero();
+    faces_.push_back({normal.stableNormalized(), {none, none, none}});
+    for (std::size_t k = 0; k < 3; ++k) {
+      vertex_normals_[static_cast<std::size_t>(triangle[k])] +=
+          angle_at(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]) * faces_.back().normal;
+    }
   }
 }
 
 void Solid::connect() {
   const auto at = [&](int i) -> const Vector3& { return vertices_[static_cast<std::size_t>(i)]; };
-  vertex_normals_.assign(vertices_.size(), Vector3::Zero());
   std::unordered_map<std::uint64_t, std::pair<int, int>> sides;  // of directed edges: face, corner
-  const auto key = [](int from, int to) {
-    return static_cast<std::uint64_t>(from) << 32 | static_cast<std::uint32_t>(to);
-  };
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    Corners corners;
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = at(triangles_[t][k]);
-    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    corners_.push_back(corners);
-    const Vector3 none = Vector3::Zero();
-    faces_.push_back({normal.stableNormalized(), {none, none, none}});
     for (std::size_t k = 0; k < 3; ++k) {
       const int from = triangles_[t][k], to = triangles_[t][(k + 1) % 3];
-      vertex_normals_[static_cast<std::size_t>(from)] +=
-          angle_at(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]) * faces_[t].normal;
       const std::pair<int, int> side(static_cast<int>(t), static_cast<int>(k));
-      if (sides.emplace(key(from, to), side).second) continue;
-      throw InvalidValue({},
-                         "more than two triangles, or two of opposite sense, at the edge from " +
-                             in_words(at(from)) + " to " + in_words(at(to)),
-                         "each edge between two triangles of one sense");
+      if (sides.emplace(key_of(from, to), side).second) continue;
+      throw InvalidValue(
+          {},
+          "more than two triangles, or two of opposite sense, at the edge from " +
+              in_words(at(from)) + " to " + in_words(at(to)),
+          "each edge between two triangles of one sense, or a sheet with a thickness");
     }
   }
   std::vector<std::array<int, 3>> beyond(faces_.size());  // faces across the edge from corner k on
   for (std::size_t t = 0; t < faces_.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int from = triangles_[t][k], to = triangles_[t][(k + 1) % 3];
-      const auto other = sides.find(key(to, from));
+      const auto other = sides.find(key_of(to, from));
       if (other == sides.end()) {
         throw InvalidValue(
             {}, "a hole at the edge from " + in_words(at(from)) + " to " + in_words(at(to)),
-            "a closed surface");
+            "a closed surface, or a sheet with a thickness");
       }
       beyond[t][k] = other->second.first;
       faces_[t].edge_normals[k] =
@@ -168,19 +185,58 @@ void Solid::find_ridges(const std::vector<std::array<int, 3>>& beyond) {
       const Vector3 &a = corners_[t][k], &b = corners_[t][(k + 1) % 3];
       const auto other = static_cast<std::size_t>(beyond[t][k]);
       if (other < t) continue;  // each edge once
-      const auto end_normal = [&](std::size_t corner) {
-        return vertex_normals_[static_cast<std::size_t>(triangles_[t][corner])];
-      };
-      const Vector3 first = end_normal(k), last = end_normal((k + 1) % 3);
       const Vector3 &n = faces_[t].normal, &m = faces_[other].normal;
       const Vector3 along = (b - a).stableNormalized();
       const double angle = std::atan2(n.cross(m).dot(along), n.dot(m));  // outwards
       if (!(angle > flat)) continue;
-      ridges_.push_back({{a, b}, n + m, {first, last}, angle});
+      add_ridge(t, k, n + m, angle);
       sharpest_ = std::max(sharpest_, angle);
       curvature_ = std::max(curvature_, angle / width_across(corners_[t], corners_[other], a, b));
     }
   }
+}
+
+/// An edge of a sheet may lie at any number of triangles, of either sense.
+void Solid::connect_sheet() {
+  std::unordered_map<std::uint64_t, std::vector<std::pair<std::size_t, std::size_t>>> sides;
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangles_[t][k], triangles_[t][(k + 1) % 3]);
+      sides[key_of(low, high)].push_back({t, k});
+    }
+  }
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangles_[t][k], triangles_[t][(k + 1) % 3]);
+      const auto& all = sides[key_of(low, high)];
+      for (const auto& side : all) faces_[t].edge_normals[k] += faces_[side.first].normal;
+      if (all.front() != std::pair(t, k)) continue;  // each edge once
+      double angle = M_PI;
+      if (all.size() == 2) {
+        const Vector3 &n = faces_[t].normal, &m = faces_[all[1].first].normal;
+        angle = std::atan2(n.cross(m).norm(), std::abs(n.dot(m)));
+        const Vector3 &a = corners_[t][k], &b = corners_[t][(k + 1) % 3];
+        const Vector3 into = corner_beside(corners_[t], a, b) - a;
+        const Vector3 other = corner_beside(corners_[all[1].first], a, b) - a;
+        const Vector3 along = (b - a).stableNormalized();
+        const bool is_folded =
+            (into - along.dot(into) * along).dot(other - along.dot(other) * along) > 0;
+        if (is_folded) angle = M_PI - angle;
+      }
+      if (angle > flat) add_ridge(t, k, faces_[t].edge_normals[k], angle);
+    }
+  }
+}
+
+void Solid::add_ridge(std::size_t face, std::size_t corner, const Vector3& normal, double angle) {
+  const std::size_t next = (corner + 1) % 3;
+  const auto end_normal = [&](std::size_t k) {
+    return vertex_normals_[static_cast<std::size_t>(triangles_[face][k])];
+  };
+  ridges_.push_back({{corners_[face][corner], corners_[face][next]},
+                     normal,
+                     {end_normal(corner), end_normal(next)},
+                     angle});
 }
 
 double Solid::dip(double edge) const {

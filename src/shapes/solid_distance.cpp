@@ -136,7 +136,7 @@ std::pair<double, Vector3> Solid::distance(const Vector3& point) const {
 std::pair<double, Vector3> Solid::signed_distance(const Nearest& nearest) const {
   const Vector3 normal = normal_at(nearest);
   const double value = std::sqrt(nearest.squared);
-  const double sign = nearest.gap.dot(normal) < 0 ? -1 : 1;
+  const double sign = !is_sheet_ && nearest.gap.dot(normal) < 0 ? -1 : 1;
   if (value > smallest * radius_) return {sign * value, sign / value * nearest.gap};
   const Vector3 unit = normal.stableNormalized();
   return {sign * value, unit.isZero(0) ? Vector3::UnitZ() : unit};
@@ -273,7 +273,7 @@ void Solid::build_grid() {
   }
   first_of_.back() = static_cast<int>(candidates_.size());
   count_steps();
-  forget_steps_inside();
+  if (!is_sheet_) forget_steps_inside();
 }
 
 /// Neighbours without candidates are on one side: there is no surface between them.

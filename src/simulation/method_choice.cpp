@@ -32,6 +32,9 @@ constexpr double horizon = 0.5;
 constexpr double point_cost = 1.6e-8;
 constexpr double surface_cost = 1.3e-7;
 
+/// Costs up to this many times each other are the same, as far as those tell.
+constexpr double alike = 1.5;
+
 /// What errors depend on.
 struct Motion {
   double size;      // of the cloth [m]
@@ -42,7 +45,6 @@ struct Motion {
   double swing;     // frequency of a sheet that swings about one edge [rad/s]
   double loaded;    // share of the horizon in which something holds the cloth
   bool held;        // whether something does, sooner or later
-  double velocity;  // rms over the horizon of its velocity in the fall before [m/s]
   double buckling;  // rate at which an upright column that stands on something buckles [1/s]
   double folded;    // rms over the cloth of how far it has folded when that ends [m]
   bool rings;       // with fast waves, in which errors grow
@@ -62,20 +64,16 @@ double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders
   return std::max(room, 0.0);
 }
 
-/// A free cloth falls with drag, v = g (1 - exp(-c t)) / c, until it lands: frames of `frame` [s].
-void add_fall(double room, double frame, Motion& m) {
+/// A free cloth falls with drag, exactly in all methods, until it lands: share of the horizon that
+/// is left then, in frames of `frame` [s].
+double share_after_fall(double room, double frame, const Motion& m) {
   const int samples = static_cast<int>(std::ceil(horizon / frame));
-  m.loaded = 0;
-  double velocity2 = 0;
   for (int i = 1; i <= samples; ++i) {
-    const Drag drag(m.drag, i * horizon / samples);
-    if (m.gravity * drag.fall >= room) {
-      m.loaded = 1 - (i - 1.0) / samples;
-      break;
+    if (m.gravity * Drag(m.drag, i * horizon / samples).fall >= room) {
+      return 1 - (i - 1.0) / samples;
     }
-    velocity2 += std::pow(m.gravity * drag.distance, 2) / samples;
   }
-  m.velocity = std::sqrt(velocity2);
+  return 0;
 }
 
 /// A column that stands on something has no stiffness across: under the weight W above it a link
@@ -113,7 +111,7 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   } else if (m.gravity > 0) {
     const double room = room_below(cloth, colliders);
     m.held = std::isfinite(room);
-    add_fall(room, 1 / spec.frames_per_second, m);
+    m.loaded = share_after_fall(room, 1 / spec.frames_per_second, m);
     add_buckling(cloth, std::abs(extent.dot(spec.gravity)) / m.gravity, m);
   }
   return m;
@@ -128,6 +126,7 @@ struct Candidate {
   const char* method;
   bool takes_impulses;
   bool damps_fast_waves;
+  bool softens;  // leaves springs softer than they are, which the error of positions hardly tells
   double (*error)(const Motion&, double h);
   double (*cost)(double springs, double points);
 };
@@ -157,28 +156,27 @@ double rk4_error(const Motion& m, double h) {
   return under_load(m, h, waves);
 }
 
-/// Between first order, where impulses or the start restart it, and second: fitted. The first step
-/// of a fall, implicit Euler's, puts it half a step ahead.
+/// Between first order, where impulses or the start restart it, and second: fitted.
 double bdf2_error(const Motion& m, double h) {
-  const double held = 0.056 * m.gravity * std::pow(h, 1.3) * horizon;
-  return under_load(m, h, held) + (m.velocity > 0 ? m.gravity * h * h / 2 : 0);
+  return under_load(m, h, 0.056 * m.gravity * std::pow(h, 1.3) * horizon);
 }
 
 /// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted, and there to
-/// stay however late it lands. A fall is half a step ahead.
+/// stay however late it lands.
 double xpbd_error(const Motion& m, double h) {
   const double held = 0.035 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
-  return (m.held ? held : 0) + h / 2 * m.velocity;
+  return m.held ? held : 0;
 }
 
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
-      {VelocityVerlet::name, true, false, verlet_error,
+      {VelocityVerlet::name, true, false, false, verlet_error,
        [](double s, double) { return 0.9e-9 * s; }},
-      {RungeKutta4::name, false, false, rk4_error, [](double s, double) { return 3.8e-9 * s; }},
-      {Xpbd::name, true, true, xpbd_error, [](double s, double) { return 1.4e-8 * s; }},
+      {RungeKutta4::name, false, false, false, rk4_error,
+       [](double s, double) { return 3.8e-9 * s; }},
+      {Xpbd::name, true, true, true, xpbd_error, [](double s, double) { return 1.4e-8 * s; }},
       // Two factorisations of the grid's matrix a step.
-      {Bdf2::name, false, true, bdf2_error,
+      {Bdf2::name, false, true, false, bdf2_error,
        [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},
   };
   return all;
@@ -297,29 +295,47 @@ bool explicit_or_cheaper(const Offer& a, const Offer& b) {
   return a.is_explicit != b.is_explicit ? a.is_explicit : cheaper(a, b);
 }
 
+using Offers = std::vector<Offer>::iterator;
+
+template <bool (*is_better)(const Offer&, const Offer&)>
+Offers best(Offers begin, Offers end) {
+  return std::min_element(begin, end, is_better);
+}
+
+/// The cheapest; where that softens springs, one that does not for the same cost, as far as one can
+/// tell.
+Offers cheapest_and_stiff(Offers begin, Offers end) {
+  const Offers cheapest = best<cheaper>(begin, end);
+  if (!cheapest->candidate->softens) return cheapest;
+  const double most = alike * cheapest->cost;
+  const Offers stiff = std::stable_partition(
+      begin, end, [=](const Offer& o) { return o.cost <= most && !o.candidate->softens; });
+  return best<cheaper>(begin, stiff == begin ? end : stiff);
+}
+
 /// The first rule that is for any offer takes the best of those.
 struct Rule {
   Reason reason;
   bool (*is_for)(const Offer&);
-  bool (*is_better)(const Offer&, const Offer&);
+  Offers (*best_of)(Offers, Offers);
 };
 
 constexpr Rule rules[] = {
     {Reason::error_unforetold, [](const Offer& o) { return !o.error && o.real_time; },
-     explicit_or_cheaper},
+     best<explicit_or_cheaper>},
     {Reason::cheapest_within_tolerance, [](const Offer& o) { return o.accurate && o.real_time; },
-     cheaper},
-    {Reason::most_accurate_in_real_time, [](const Offer& o) { return o.real_time; }, finer},
-    {Reason::none_in_real_time, [](const Offer&) { return true; }, cheaper},
+     cheapest_and_stiff},
+    {Reason::most_accurate_in_real_time, [](const Offer& o) { return o.real_time; }, best<finer>},
+    {Reason::none_in_real_time, [](const Offer&) { return true; }, best<cheaper>},
 };
 
 MethodChoice choice_among(std::vector<Offer> offers) {
   for (const Rule& rule : rules) {
     const auto end = std::stable_partition(offers.begin(), offers.end(), rule.is_for);
     if (end == offers.begin()) continue;
-    const Offer& best = *std::min_element(offers.begin(), end, rule.is_better);
-    return {best.candidate->method, best.substeps, rule.reason,
-            best.real_time,         best.error,    best.cost};
+    const Offer& taken = *rule.best_of(offers.begin(), end);
+    return {taken.candidate->method, taken.substeps, rule.reason,
+            taken.real_time,         taken.error,    taken.cost};
   }
   return {VelocityVerlet::name, 1, Reason::none_stable, false};
 }

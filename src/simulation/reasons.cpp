@@ -35,6 +35,8 @@ const char* clause_of(Reason reason) {
              "ask for more than it grants";
     case Reason::passes_ran_out:
       return "passes ran out before every spring was within its strain limit";
+    case Reason::crosses_itself:
+      return "the cloth crosses itself since its state was set, which untangle may mend:";
   }
   assert(false);
   return "";

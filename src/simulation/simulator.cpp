@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
 #include "simulator_impl.h"
 
@@ -50,6 +51,13 @@ StepReport Simulator::Impl::step() {
   state.time = last_good.time + dt;
   report.contacts = collider_contacts.count();
   if (self_contacts) report.contacts += self_contacts->count();
+  if (given_crossings > 0) {
+    report.crossings = given_crossings = count_intersections(cloth, state.positions);
+  }
+  if (given_crossings > 0) {
+    report.reasons.add(Reason::crosses_itself,
+                       std::to_string(given_crossings) + " pairs of triangles");
+  }
   return report;
 }
 

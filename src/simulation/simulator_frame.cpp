@@ -270,7 +270,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
 
   if (has_air()) blow(h);
-  const Loads loads{scene.simulation.gravity};
+  const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
   const Cloth& inert = weigh(h);
   if (&inert == &weighed) {
     report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(h));

@@ -131,6 +131,7 @@ struct Simulator::Impl {
     last_substep = 0;
     forget();
     disturbed = is_given = false;
+    given_crossings = 0;
   }
 
   /// The cloth as the scene has it, without what is attached: the method is chosen for that, so
@@ -191,6 +192,9 @@ struct Simulator::Impl {
   /// Throws InvalidValue and changes nothing where the numbers are not those of such a scene.
   void read(const std::vector<double>&);
   void set_state(const State&, const std::vector<double>& memory);
+  /// Counts what crosses in a state that was given, or takes it apart where the scene asks for it.
+  void look_for_crossings();
+  Untangled untangle();
 
   /// Holds the pins alone.
   static void hold_pins(Cloth&);
@@ -320,7 +324,10 @@ struct Simulator::Impl {
   /// Do pins or colliders ask for more than the limit grants? Then tension has no end.
   bool is_pulled_without_end() const;
   /// Can the cloth touch anything in this frame?
-  bool touches() const { return self_contacts || (!course.is_apart && has_colliders()); }
+  bool touches() const { return self_contacts || touches_others(); }
+  bool touches_others() const { return !course.is_apart && has_colliders(); }
+  /// Is no point pinned or attached?
+  bool is_free() const { return (cloth.inv_mass.array() > 0).all(); }
   bool has_colliders() const {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
@@ -367,6 +374,7 @@ struct Simulator::Impl {
   FrameCourse course;
   bool disturbed = false;   // by a jump since the last frame
   bool is_given = false;    // state that was set: it may be anything
+  int given_crossings = 0;  // of triangles, left of such a state
   Points sought_at;         // positions when contacts were sought that others went on with
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]

@@ -53,6 +53,7 @@ void Simulator::set(const LiveSpec& live) {
   validate(spec);
   Cloth cloth = make_grid(spec, live.simulation.gravity.norm());
   const bool springs_changed = !join_alike(impl_->cloth, cloth);
+  const bool keeps_apart_anew = cloth.self_collision != impl_->cloth.self_collision;
   impl_->grips.hold(cloth);
   impl_->check_feasible(live.simulation, cloth, {"ks"});
 
@@ -79,6 +80,7 @@ void Simulator::set(const LiveSpec& live) {
   }
   impl_->choose(method_changed);
   impl_->disturbed = true;
+  if (keeps_apart_anew) impl_->look_for_crossings();
   if (springs_changed) ++impl_->topology_seq;
 }
 

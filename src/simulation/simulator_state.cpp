@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "clothsim/dynamics/cloth_watch.h"
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/saved.h"
 #include "simulator_impl.h"
@@ -153,7 +154,31 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     state.positions.row(i) = last.positions.row(i);
     state.velocities.row(i) = last.velocities.row(i);
   }
+  look_for_crossings();
 }
+
+void Simulator::Impl::look_for_crossings() {
+  given_crossings = 0;
+  if (cloth.self_collision != SelfCollision::surface) return;
+  if (scene.cloth.untangle) {
+    untangle();
+  } else {
+    given_crossings = count_intersections(cloth, state.positions);
+  }
+}
+
+Untangled Simulator::Impl::untangle() {
+  const Untangled result = clothsim::untangle(cloth, colliders, state.positions, is_interrupted);
+  if (result.before > 0) {
+    forget();
+    disturbed = is_given = true;
+  }
+  given_crossings = cloth.self_collision == SelfCollision::surface ? result.left : 0;
+  return result;
+}
+
+int Simulator::given_crossings() const { return impl_->given_crossings; }
+Untangled Simulator::untangle() { return impl_->untangle(); }
 
 void Simulator::load(const Scene& scene) {
   auto loaded = std::make_unique<Impl>(scene);
@@ -177,7 +202,7 @@ std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(
       Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
             impl_->grips, impl_->collider_wrenches, impl_->pushes, impl_->last_substep,
-            frame_duration(), impl_->scene.simulation.gravity});
+            impl_->given_crossings, frame_duration(), impl_->scene.simulation.gravity});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -232,6 +257,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->collider_wrenches = saved.collider_wrenches;
   impl_->pushes = saved.forces;
   impl_->last_substep = saved.last_substep;
+  impl_->given_crossings = saved.given_crossings;
   if (saved.frame_duration == frame_duration()) return;
   for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
 }

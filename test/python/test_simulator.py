@@ -137,6 +137,34 @@ def test_crossing_triangles_are_found():
     assert pairs.max() < len(simulator.topology["triangles"])
 
 
+def crossed(simulator):
+    positions = simulator.positions.copy()
+    over = positions[:, 0] > 0.5
+    positions[over, 0] = 1 - positions[over, 0]
+    positions[over, 2] += 0.04 + 0.1 * np.sin(2 * np.pi * positions[over, 1]) * (0.5 - positions[over, 0])
+    return positions
+
+
+def test_a_state_that_crosses_itself_is_told_of_and_taken_apart():
+    scene = free(20, self_collision="surface", thickness=0.005)
+    simulator = Simulator(scene)
+    with pytest.warns(UserWarning, match=r"crosses itself in \d+ pairs"):
+        simulator.set_state(positions=crossed(simulator))
+    pairs = len(simulator.intersections())
+    report = simulator.step(1)
+    assert pairs > 0 and report.crossings > 0 and f"{report.crossings} pairs" in report.reason
+    before, left = simulator.untangle()
+    assert before == report.crossings and left == 0 == len(simulator.intersections())
+    assert simulator.step(1).crossings == 0 and simulator.untangle() == (0, 0)
+
+    scene["cloth"]["untangle"] = True
+    simulator = Simulator(scene)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulator.set_state(positions=crossed(simulator))
+    assert len(simulator.intersections()) == 0
+
+
 def test_contacts_tell_where_the_cloth_lies():
     simulator = Simulator({**free(10, origin=[0, 0, 0.001]), "colliders": [
         {"shape": "plane", "name": "ground"}, {"shape": "sphere", "center": [0, 0, 9]}]})

@@ -10,6 +10,7 @@ import numpy as np
 import rospy
 import rostest
 from dynamic_reconfigure.client import Client
+from std_srvs.srv import Trigger
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import GetState, LoadScene, RestoreState, SaveState, SetState
@@ -123,6 +124,24 @@ class State(unittest.TestCase):
             self.assertFalse(answer.success, message)
             self.assertIn(message, answer.message)
             self.assertEqual(self.get(), good, message)
+
+    def test_a_state_that_crosses_itself(self):
+        state = self.get()
+        folded = np.reshape(state.positions, (N, 3)).copy()
+        over = folded[:, 1] > 0.5
+        folded[over, 1] = 1 - folded[over, 1]
+        folded[over, 2] += 0.05 + 0.16 * np.sin(2 * np.pi * folded[over, 0]) * (0.5 - folded[over, 1])
+        state.positions = folded.ravel().tolist()
+        state.memory = []
+        answer = call("/clothsim/set_state", SetState, state)
+        self.assertTrue(answer.success)
+        self.assertRegex(answer.message, r"crosses itself in \d+ pairs of triangles")
+
+        answer = call("/clothsim/untangle", Trigger)
+        self.assertTrue(answer.success, answer.message)
+        self.assertRegex(answer.message, r"^[1-9]\d* pairs of triangles crossed, 0 do now$")
+        answer = call("/clothsim/set_state", SetState, self.get())
+        self.assertEqual((answer.success, answer.message), (True, ""))
 
     def test_save_run_restore_run(self):
         self.cloth.step(FRAMES)

@@ -199,6 +199,32 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
   }
 }
 
+/// A cloth that hangs by one corner slows down and then moves on for most of a minute. It comes
+/// down: what it loses of its energy is what drag takes, and nothing else gives or takes any.
+TEST(OneCorner, MovesOnForAsMuchAsItsWeightGivesToDrag) {
+  Scene scene;
+  scene.cloth.pinned = {{0, 0, ""}};
+  scene.cloth.material.strain_limit.reset();
+  Simulator simulator(scene);
+  for (int frame = 0; frame < 450; ++frame) simulator.step();
+  const Cloth& cloth = simulator.cloth();
+  const Loads loads{scene.simulation.gravity};
+  const auto power = [&] { return 2 * cloth.damping * kinetic_energy(cloth, simulator.state()); };
+  const double start = total_energy(cloth, loads, simulator.state());
+  const double height = simulator.state().positions.col(2).mean();
+  double taken = 0, last = power();
+  for (int frame = 0; frame < 25 * 90; ++frame) {
+    simulator.step();
+    taken += (last + power()) / 2 * simulator.frame_duration();
+    last = power();
+  }
+  EXPECT_GT(rms_velocity(simulator.state()), 2e-3);
+  EXPECT_LT(simulator.state().positions.col(2).mean(), height);
+  const double lost = start - total_energy(cloth, loads, simulator.state());
+  EXPECT_GT(lost, 0.1);  // [J] of 280
+  EXPECT_NEAR(lost, taken, 1e-3 * lost);
+}
+
 TEST(TautCloth, RestsBetweenFourPins) {
   // Its tension is many times its weight. Passes in one order, with momentum, never came to an end.
   for (const double limit : {0.01, 0.02, 0.03}) {

@@ -190,6 +190,12 @@ const Drop mesh_drops[] = {
     {"finger_upside_down",
      above(mesh_shape(finger_soup()), turned({0.51, 0.49, 0.9}, M_PI, {1, 0, 0}))},
     {"ball_of_facets", above(mesh_shape(globe_soup(0.2, 6)), {Vector3(0.5, 0.5, 0.6)})},
+    {"square_sheet",
+     above(sheet_shape(square_soup(0.4), 0.004), turned({0.5, 0.5, 0.8}, 0.3, {1, 0.3, 0}))},
+    {"sheet_on_edge",
+     above(sheet_shape(square_soup(0.4), 0.004), turned({0.5, 0.5, 0.6}, 1.5, {1, 0.3, 0}))},
+    {"bowl", above(sheet_shape(above_z(globe_soup(0.3, 4), 0.05), 0.004),
+                   turned({0.5, 0.5, 0.9}, M_PI, {1, 0, 0}))},
 };
 
 INSTANTIATE_TEST_SUITE_P(Meshes, DroppedOn, ::testing::ValuesIn(mesh_drops),

@@ -259,6 +259,42 @@ TEST_F(Simulate, CountsTrianglesThatCross) {
   EXPECT_GT(YAML::Load(result.out)["intersecting_pairs"].as<int>(), 100);
 }
 
+TEST_F(Simulate, TellsOfAStateThatCrossesItselfAndTakesItApart) {
+  // A towel whose right half lies on the left one, and at its free edge below it.
+  const fs::path folded = write("folded.py", R"(
+import sys
+import numpy as np
+n = 12
+x, y = np.meshgrid(np.linspace(0, 0.4, n), np.linspace(0, 0.4, n))
+z = np.full_like(x, 0.01)
+over = x > 0.2
+z[over] += 0.01 - 0.02 * np.maximum(0, x[over] - 0.3) / 0.1
+x[over] = 0.4 - x[over]
+np.savez(sys.argv[1], positions=np.stack([x, y, z], axis=-1).reshape(-1, 3), velocities=np.zeros((n * n, 3)))
+)");
+  const std::string state = (folder_ / "folded.npz").string();
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + folded.string() + " " + state).c_str()), 0);
+  const std::string towel =
+      write("towel.yaml",
+            "cloth: {width: 0.4, height: 0.4, columns: 12, rows: 12, thickness: 0.002, "
+            "self_collision: surface}\n")
+          .string();
+  const std::string arguments = towel + " --seconds 0.1 --from " + state;
+
+  const Result crossed = run(arguments);
+  EXPECT_EQ(crossed.exit_code, 0);
+  EXPECT_NE(crossed.err.find("simulate: the state crosses itself in "), std::string::npos);
+  EXPECT_NE(crossed.err.find("cloth.untangle=true"), std::string::npos);
+  EXPECT_GT(YAML::Load(crossed.out)["intersecting_pairs"].as<int>(), 0);
+  EXPECT_NE(YAML::Load(crossed.out)["reason"].as<std::string>().find("crosses itself"),
+            std::string::npos);
+
+  const Result apart = run(arguments + " --set cloth.untangle=true");
+  EXPECT_EQ(apart.exit_code, 0);
+  EXPECT_EQ(apart.err, "");
+  EXPECT_EQ(YAML::Load(apart.out)["intersecting_pairs"].as<int>(), 0);
+}
+
 TEST_F(Simulate, RoundsToWholeFrames) {
   for (const auto& [seconds, frames] :
        {std::pair("1e-6", 1), std::pair("0.016", 1), std::pair("0.02", 2), std::pair("1", 90)}) {

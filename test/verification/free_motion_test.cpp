@@ -58,6 +58,41 @@ TYPED_TEST(FreeMotion, FreeFallIsAParabola) {
   EXPECT_LT(state.velocities.leftCols(2).norm(), rounding);
 }
 
+TYPED_TEST(FreeMotion, WhereGravityActsAloneAFallIsExact) {
+  // z = z0 - g t^2 / 2 and v = -g t, in steps of a tenth of a second, too, where these are stable.
+  const double longest = TypeParam::stability_limit < 10 ? 2e-3 : 0.1;
+  const ClothSpec spec = square_spec(6);
+  const Cloth cloth = make_grid(spec);
+  for (const double h : {1e-3, longest}) {
+    State state = start_state(spec, cloth, 1);
+    TypeParam method;
+    const int steps = static_cast<int>(std::lround(1 / h));
+    run(method, cloth, Loads{{0, 0, -g}, true}, h, steps, state);
+    Points exact = cloth.rest_positions;
+    exact.col(2).array() -= g / 2;
+    EXPECT_LT(farthest(state.positions, exact), 1e-10) << h;
+    EXPECT_NEAR(state.velocities(7, 2), -g, 1e-10) << h;
+  }
+}
+
+TYPED_TEST(FreeMotion, WhereGravityActsAloneAFallWithDragIsExactOrOfSecondOrder) {
+  // z = -(g / c)(t - (1 - exp(-c t)) / c).
+  constexpr bool is_second_order =
+      TypeParam::order > 1 && !std::is_same_v<TypeParam, VelocityVerlet>;
+  const double c = 5.4, t = 1;
+  ClothSpec spec = square_spec(4);
+  spec.material.damping = c;
+  const Cloth cloth = make_grid(spec);
+  const double way = (t + std::expm1(-c * t) / c) / c;
+  for (const double h : {1e-3, 1e-2}) {
+    State state = start_state(spec, cloth, 1);
+    TypeParam method;
+    run(method, cloth, Loads{{0, 0, -g}, true}, h, static_cast<int>(std::lround(t / h)), state);
+    const double most = is_second_order ? g * c * c * h * h : 1e-10;
+    EXPECT_NEAR(state.positions(5, 2), 1 - g * way, most) << h;
+  }
+}
+
 TYPED_TEST(FreeMotion, FallWithDragNearsItsEndSpeed) {
   // m z'' = -m g - c m z': v = -(g / c)(1 - exp(-c t)). A symmetric split of drag and gravity
   // would make g / c off by the factor (c h / 2) / sinh(c h / 2) = 1 - (c h)^2 / 24 + ..., and z by

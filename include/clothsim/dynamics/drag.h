@@ -28,8 +28,14 @@ struct Drag {
   }
 };
 
+/// Where loads act alone, adds to positions what an exact fall with drag has in a step of h [s]
+/// beyond h v, by the velocity v at the step's end: by that alone a cloth falls g h t / 2 too deep
+/// in a time t. To be called at the step's start. What is held needs h v, or it would hang off.
+void add_fall(const Cloth&, const Loads&, double h, State&);
+
 /// First half of the methods of implicit Euler's family: a step of h [s] without springs,
-/// v = v exp(-c h) + g (1 - exp(-c h)) / c, then x += h v. Pins keep their velocity.
+/// v = v exp(-c h) + g (1 - exp(-c h)) / c, then x += h v, but for add_fall(). Pins keep their
+/// velocity.
 void coast(const Cloth&, const Loads&, double h, State&);
 
 /// Inertia m_i / (h (1 - exp(-c h)) / c) [N/m] of the points against springs that move them after

@@ -9,6 +9,7 @@ namespace clothsim {
 /// What acts on a cloth from outside, apart from drag (a property of the cloth) and contact.
 struct Loads {
   Vector3 gravity{0, 0, -9.8};  // [m/s^2]
+  bool acts_alone = false;      // nothing holds the cloth: methods let it fall exactly
 };
 
 /// Writes gravity and the forces of springs and bends [N] at `positions` to `forces`, both N x 3.

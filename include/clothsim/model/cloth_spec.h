@@ -70,6 +70,7 @@ struct ClothSpec {
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   SelfCollision self_collision = SelfCollision::off;
   double friction = 0.3;  // Coulomb's coefficient of the cloth on itself
+  bool untangle = false;  // takes apart a state that is set and crosses itself
 };
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).

@@ -5,6 +5,7 @@
 #include <clothsim/SaveState.h>
 #include <clothsim/SetState.h>
 #include <ros/node_handle.h>
+#include <std_srvs/Trigger.h>
 
 #include <cstdint>
 #include <functional>
@@ -20,7 +21,7 @@
 
 namespace clothsim_ros {
 
-/// The services ~get_state, ~set_state, ~save_state and ~restore_state.
+/// The services ~get_state, ~set_state, ~save_state, ~restore_state and ~untangle.
 class StateServices {
  public:
   /// All given must outlive this, `paused`, which tells of the simulation, too. States may take
@@ -52,6 +53,7 @@ class StateServices {
   bool set(clothsim::SetState::Request&, clothsim::SetState::Response&);
   bool save(clothsim::SaveState::Request&, clothsim::SaveState::Response&);
   bool restore(clothsim::RestoreState::Request&, clothsim::RestoreState::Response&);
+  bool untangle(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
 
   clothsim::Simulator& simulator_;
   StepTargets& targets_;

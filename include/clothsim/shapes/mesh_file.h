@@ -11,7 +11,7 @@
 
 namespace clothsim {
 
-/// A solid, and the file that it is from.
+/// A solid or a sheet, and the file that it is from.
 struct MeshFile {
   Solid solid;
   std::string uri;         // that others find it by, as RViz does: package:// or file://
@@ -30,10 +30,12 @@ TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
 /// hold of the same file, unchanged, is shared.
 std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const std::filesystem::path&,
                                                              const std::string& uri,
-                                                             const Vector3& scale);
+                                                             const Vector3& scale,
+                                                             Bounds = Bounds::solid);
 
-/// The same of a file in which none do; throws InvalidValue, without a key, where some do.
+/// The same of a file in which none do; throws InvalidValue, without a key, where some do. Of a
+/// sheet they may.
 std::shared_ptr<const MeshFile> read_mesh_file(const std::filesystem::path&, const std::string& uri,
-                                               const Vector3& scale);
+                                               const Vector3& scale, Bounds = Bounds::solid);
 
 }  // namespace clothsim

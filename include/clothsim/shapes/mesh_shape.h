@@ -8,7 +8,8 @@ namespace clothsim {
 
 struct MeshFile;
 
-/// A solid of triangles in its own frame, grown by a padding with round edges.
+/// A solid of triangles in its own frame, or a sheet of them, grown by a padding with round edges:
+/// of a sheet to both sides.
 struct MeshShape {
   static constexpr const char* name = "mesh";
   std::shared_ptr<const MeshFile> file;  // never null where distances are asked for

@@ -30,7 +30,12 @@ struct Volume {
   bool is_none() const;
 };
 
-/// A solid within a closed surface of triangles. Distances are exact, up to rounding.
+/// What triangles bound: a solid that they enclose, or nothing, as a sheet that is open to both
+/// sides.
+enum class Bounds { solid, sheet };
+
+/// A solid within a closed surface of triangles, or the surface alone. Distances are exact, up to
+/// rounding. Those from a sheet are never negative.
 ///
 /// A grid of cells lists, for each about the surface, the triangles that can be nearest to a point
 /// in it, nearest first; elsewhere a tree of boxes finds it. Outside, the grid also knows how many
@@ -39,8 +44,8 @@ struct Volume {
 /// computation using the angle weighted pseudonormal").
 class Solid {
  public:
-  /// An edge at which the surface bends outwards, with the normals of itself and its ends: sums of
-  /// those of the faces there, of any length.
+  /// An edge at which the surface bends outwards, of a sheet to either side or where it ends, with
+  /// the normals of itself and its ends: sums of those of the faces there, of any length.
   struct Ridge {
     std::array<Vector3, 2> ends;  // [m]
     Vector3 normal;
@@ -50,11 +55,13 @@ class Solid {
 
   /// Vertices at one place become one. Throws InvalidValue, without a key, unless the surface is
   /// finite, closed and of one sense, each edge between two triangles, with a volume inside. One
-  /// that is inside out is turned.
-  explicit Solid(const TriangleSoup&);
+  /// that is inside out is turned. A sheet need not be any of this but finite.
+  explicit Solid(const TriangleSoup&, Bounds = Bounds::solid);
 
-  /// Signed distance from the surface and the unit normal into free space. Where the nearest point
-  /// is not one alone, it is one of those possible.
+  bool is_sheet() const { return is_sheet_; }
+
+  /// Signed distance from the surface and the unit normal into free space, of a sheet away from it.
+  /// Where the nearest point is not one alone, it is one of those possible.
   std::pair<double, Vector3> distance(const Vector3& point) const;
 
   /// The triangles that are nearest to a place, with which those of places beside it are found.
@@ -150,7 +157,11 @@ class Solid {
   };
 
   void weld(const TriangleSoup&);
+  void orient();
+  void add_faces();
   void connect();
+  void connect_sheet();
+  void add_ridge(std::size_t face, std::size_t corner, const Vector3& normal, double angle);
   void find_ridges(const std::vector<std::array<int, 3>>& beyond);
   double band() const;
   void build_grid();
@@ -176,6 +187,7 @@ class Solid {
   int cell_of(const Vector3& point) const;
   Vector3 center_of(int cell) const;
 
+  bool is_sheet_;
   std::vector<Vector3> vertices_;
   std::vector<std::array<int, 3>> triangles_;
   std::vector<Corners> corners_;  // of the triangles: apart from the normals, which few ask for

@@ -23,6 +23,7 @@ enum class Reason {
   newton_ran_out,
   limit_yields,
   passes_ran_out,
+  crosses_itself,
 };
 
 /// Reasons for programs to ask for, and in words.

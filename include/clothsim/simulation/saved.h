@@ -18,6 +18,7 @@ struct Simulator::Saved {
   std::vector<Wrench> collider_wrenches;
   Points forces;          // from outside [N], no rows: none
   double last_substep;    // [s]
+  int given_crossings;    // see Simulator::given_crossings()
   double frame_duration;  // [s]
   Vector3 gravity;        // [m/s^2]
 };

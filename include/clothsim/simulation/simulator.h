@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/constraints/untangle.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 #include "clothsim/scene/scene.h"
@@ -34,6 +35,7 @@ struct StepReport {
   int pinched = 0;           // points that two colliders leave no room, most in a substep
   int pinched_point = -1;    // one of them
   int slipping = 0;          // of the pinched that friction could hold: pulled out, last substep
+  int crossings = 0;         // pairs of triangles, see Simulator::given_crossings()
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.
@@ -79,6 +81,15 @@ class Simulator {
   /// 1e12 m, velocities of 1000 m/s or more, a pin farther than 1 um from where it is, and the
   /// memory of another cloth or method.
   void set_state(const State& state, const std::vector<double>& memory = {});
+
+  /// Pairs of triangles that cross since a state was set, or since surfaces were to keep apart, as
+  /// of the last frame: with self collision of surfaces, which keeps apart what does not cross. Of
+  /// a scene that asks for it (ClothSpec::untangle) they are taken apart then: these are left.
+  int given_crossings() const;
+
+  /// Takes the cloth apart where it crosses itself, see clothsim::untangle(); velocities stay. Goes
+  /// on as after set_state() without a memory, where it has moved anything.
+  Untangled untangle();
 
   /// A copy of all that moves, colliders, pins and attached points too, to come back to and go on
   /// to the same bits. Live values stay as they are; where springs, the

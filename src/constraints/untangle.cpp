@@ -1,0 +1,307 @@
+#include "clothsim/constraints/untangle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "clothsim/geometry/crossing_contours.h"
+#include "clothsim/shapes/shape.h"
+
+namespace clothsim {
+namespace {
+
+/// Passes, at most: crossings of small depth take up to 50.
+constexpr int most_passes = 200;
+
+/// Way of a point towards the surface that it goes back through, in a pass, and beyond it, of the
+/// shortest edge: little against what parts one layer from the next but one.
+constexpr double most_way = 0.2;
+constexpr double beyond = 0.02;
+
+/// What a point goes of the mean way of its neighbours, and over how many cells they take it along:
+/// so that the cloth bends where it moves, and does not crease.
+constexpr double passed_on = 0.9;
+constexpr int most_rounds = 8;
+
+/// Sine of an edge's angle with a triangle, at least, by which a contour becomes shorter.
+constexpr double least_sine = 0.1;
+
+/// A contour that divides no surface must become shorter by this share of their way at each
+/// crossing: less is that of a straight one, which does not tell.
+constexpr double least_shortening = 0.2;
+
+/// Points of a surface on either side of a contour.
+struct PartSizes {
+  std::array<int, 2> below_and_above;  // what it crosses, by the normal there
+  bool are_divided;                    // or they hang together beside an end of the contour
+};
+
+/// Counts the points of a surface beside a contour, each on the side that it is nearer to along the
+/// surface: where the contour divides the surface, those of the parts.
+class PartCounter {
+ public:
+  explicit PartCounter(const SurfaceEdges& surface)
+      : surface_(surface), sides_(surface.of_point.size()), is_cut_(surface.edges.size()) {}
+
+  /// `cuts`: edges that the contour crosses, and whether their first ends are above.
+  PartSizes count(const std::vector<std::pair<int, bool>>& cuts) {
+    std::fill(sides_.begin(), sides_.end(), none);
+    sizes_ = {{0, 0}, true};
+    reached_.clear();
+    for (const auto& [edge, is_above] : cuts) {
+      is_cut_[static_cast<std::size_t>(edge)] = true;
+      reach(surface_[edge].points[0], is_above);
+      reach(surface_[edge].points[1], !is_above);
+    }
+    for (std::size_t next = 0; next < reached_.size(); ++next) {
+      const int from = reached_[next];
+      for (const int edge : surface_.of_point[static_cast<std::size_t>(from)]) {
+        if (is_cut_[static_cast<std::size_t>(edge)]) continue;
+        for (const int point : surface_[edge].points) reach(point, side(from));
+      }
+    }
+    for (const auto& cut : cuts) is_cut_[static_cast<std::size_t>(cut.first)] = false;
+    return sizes_;
+  }
+
+ private:
+  static constexpr int none = -1;
+
+  int& side(int point) { return sides_[static_cast<std::size_t>(point)]; }
+
+  void reach(int point, int from) {
+    if (side(point) != none) {
+      sizes_.are_divided = sizes_.are_divided && side(point) == from;
+      return;
+    }
+    side(point) = from;
+    ++sizes_.below_and_above[static_cast<std::size_t>(from)];
+    reached_.push_back(point);
+  }
+
+  const SurfaceEdges& surface_;
+  std::vector<int> sides_;  // of points
+  std::vector<bool> is_cut_;
+  PartSizes sizes_{};
+  std::vector<int> reached_;
+};
+
+/// Ways of points, each the mean of those that are asked of it.
+class Ways {
+ public:
+  explicit Ways(const Cloth& cloth)
+      : cloth_(cloth),
+        sums_(Points::Zero(cloth.num_points(), 3)),
+        weights_(Scalars::Zero(cloth.num_points())) {}
+
+  /// Asks for `way` [m] of a point against a place on a triangle, shared by what they weigh.
+  void ask(int point, const std::array<int, 3>& triangle, const std::array<double, 3>& weights,
+           const Vector3& way) {
+    double mobility = cloth_.inv_mass[point];
+    for (std::size_t k = 0; k < 3; ++k) {
+      mobility += weights[k] * weights[k] * cloth_.inv_mass[triangle[k]];
+    }
+    if (mobility == 0) return;
+    add(point, 1, way / mobility);
+    for (std::size_t k = 0; k < 3; ++k) add(triangle[k], weights[k], -way / mobility);
+  }
+
+  /// What all go, with those beside them.
+  Points spread(const SurfaceEdges& surface) const {
+    Points ways = sums_;
+    for (int i = 0; i < ways.rows(); ++i) ways.row(i) /= std::max(1.0, weights_[i]);
+    for (int round = 0; round < most_rounds; ++round) {
+      const Points last = ways;
+      for (int i = 0; i < ways.rows(); ++i) {
+        if (weights_[i] > 0 || cloth_.inv_mass[i] == 0) continue;
+        const std::vector<int>& edges = surface.of_point[static_cast<std::size_t>(i)];
+        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+        for (const int edge : edges) {
+          const auto& [a, b] = surface[edge].points;
+          sum += last.row(a == i ? b : a);
+        }
+        ways.row(i) = passed_on / static_cast<double>(edges.size()) * sum;
+      }
+    }
+    return ways;
+  }
+
+ private:
+  void add(int point, double weight, const Vector3& push) {
+    if (weight == 0 || cloth_.inv_mass[point] == 0) return;
+    sums_.row(point) += weight * cloth_.inv_mass[point] * push.transpose();
+    weights_[point] += weight;
+  }
+
+  const Cloth& cloth_;
+  Points sums_;
+  Scalars weights_;
+};
+
+/// A cloth's surface where it is now.
+class Surface {
+ public:
+  Surface(const Cloth& cloth, const SurfaceEdges& edges, const Points& positions)
+      : cloth_(cloth), edges_(edges), positions_(positions) {}
+
+  const SurfaceEdges& edges() const { return edges_; }
+  const Cloth& cloth() const { return cloth_; }
+
+  /// From the first to the second end of the edge.
+  Vector3 along(const EdgeCrossing& c) const {
+    return row(positions_, edges_[c.edge].points[1]) - row(positions_, edges_[c.edge].points[0]);
+  }
+
+  /// Is the edge's first end above the triangle?
+  bool is_above(const EdgeCrossing& c) const { return c.normal.dot(along(c)) < 0; }
+
+  /// Of the edge's triangles, unit.
+  Vector3 normal_at(const EdgeCrossing& c) const {
+    Vector3 sum = Vector3::Zero();
+    for (const int triangle : edges_[c.edge].triangles) {
+      if (triangle >= 0) sum += normal_of(triangle);
+    }
+    return sum.stableNormalized();
+  }
+
+  /// By how much the contour becomes shorter there as the edge goes along a direction, as its
+  /// product with this: both triangles of the edge end their stretches of the contour there.
+  Vector3 shortening(const EdgeCrossing& c) const {
+    const Vector3 direction = along(c).stableNormalized();
+    const Vector3 place = row(positions_, edges_[c.edge].points[0]) + c.share * along(c);
+    Vector3 into = Vector3::Zero();  // the stretches
+    for (const int triangle : edges_[c.edge].triangles) {
+      if (triangle < 0) continue;
+      Vector3 middle = Vector3::Zero();
+      for (const int i : cloth_.triangles[static_cast<std::size_t>(triangle)]) {
+        middle += row(positions_, i) / 3;
+      }
+      const Vector3 stretch = normal_of(triangle).cross(c.normal).stableNormalized();
+      const Vector3 inwards = middle - place - direction.dot(middle - place) * direction;
+      into += stretch.dot(inwards) < 0 ? Vector3(-stretch) : stretch;
+    }
+    const double sine = direction.dot(c.normal);
+    const double kept = std::copysign(std::max(std::abs(sine), least_sine), sine);
+    return into - into.dot(direction) / kept * c.normal;
+  }
+
+ private:
+  Vector3 normal_of(int triangle) const {
+    const auto& [i, j, k] = cloth_.triangles[static_cast<std::size_t>(triangle)];
+    const Vector3 corner = row(positions_, i);
+    return (row(positions_, j) - corner).cross(row(positions_, k) - corner).stableNormalized();
+  }
+
+  const Cloth& cloth_;
+  const SurfaceEdges& edges_;
+  const Points& positions_;
+};
+
+/// By surface, whether what goes back is its part above the other one, or that below.
+std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingContour& contour,
+                                     PartCounter& counter) {
+  double facing = 0;  // above 0: both surfaces face one way
+  double rise = 0;    // of the first above the second by which the contour becomes shorter
+  std::array<PartSizes, 2> sizes{};
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < 2; ++s) {
+    std::vector<std::pair<int, bool>> cuts;
+    for (const EdgeCrossing& c : contour[s]) {
+      cuts.push_back({c.edge, surface.is_above(c)});
+      const Vector3 normal = surface.normal_at(c), shortening = surface.shortening(c);
+      facing += normal.dot(c.normal);
+      rise += s == 0 ? shortening.dot(c.normal) : -shortening.dot(normal);
+    }
+    count += cuts.size();
+    constexpr int endless = std::numeric_limits<int>::max();
+    sizes[s] = cuts.empty() ? PartSizes{{endless, endless}, false} : counter.count(cuts);
+  }
+
+  // The parts on one flank of the contour belong together: of surfaces that face one way, what is
+  // above the second and what is below the first.
+  const bool is_turned = facing > 0;
+  const auto parts_on = [&](bool flank) { return std::array<bool, 2>{flank, flank != is_turned}; };
+  if (!sizes[0].are_divided && !sizes[1].are_divided &&
+      std::abs(rise) > least_shortening * static_cast<double>(count)) {
+    return parts_on(rise < 0);
+  }
+  const auto size_on = [&](bool flank) {
+    const auto [first, second] = parts_on(flank);
+    return std::minmax({sizes[0].below_and_above[first], sizes[1].below_and_above[second]});
+  };
+  return parts_on(size_on(true) < size_on(false));
+}
+
+/// Ways that take a cloth apart a little, of edges of a length [m].
+Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& contours,
+                  double edge_length) {
+  Ways ways(surface.cloth());
+  PartCounter counter(surface.edges());
+  for (const CrossingContour& contour : contours) {
+    const std::array<bool, 2> is_part_above = parts_to_go_back(surface, contour, counter);
+    for (std::size_t s = 0; s < 2; ++s) {
+      for (const EdgeCrossing& c : contour[s]) {
+        const bool is_first = surface.is_above(c) == is_part_above[s];
+        const double depth =
+            std::abs(c.normal.dot(surface.along(c))) * (is_first ? c.share : 1 - c.share);
+        const double way = (std::min(depth / edge_length, most_way) + beyond) * edge_length;
+        ways.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
+                 surface.cloth().triangles[static_cast<std::size_t>(c.triangle)], c.weights,
+                 (is_part_above[s] ? -way : way) * c.normal);
+      }
+    }
+  }
+  return ways.spread(surface.edges());
+}
+
+/// Puts points that are in a collider on its surface.
+void keep_out(const Cloth& cloth, const std::vector<MovingCollider>& colliders, Points& positions) {
+  for (const MovingCollider& collider : colliders) {
+    if (!collider.enabled()) continue;
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      const Vector3 local = to_local(collider.pose(), row(positions, i));
+      const Distance distance = signed_distance(collider.shape(), local, local);
+      if (cloth.inv_mass[i] == 0 || !(distance.value < 0)) continue;
+      positions.row(i) -=
+          (collider.pose().orientation * (distance.value * distance.normal)).transpose();
+    }
+  }
+}
+
+double shortest_edge(const Cloth& cloth, const SurfaceEdges& surface) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& [points, triangles] : surface.edges) {
+    const Vector3 along =
+        row(cloth.rest_positions, points[1]) - row(cloth.rest_positions, points[0]);
+    shortest = std::min(shortest, along.norm());
+  }
+  return shortest;
+}
+
+}  // namespace
+
+Untangled untangle(const Cloth& cloth, const std::vector<MovingCollider>& colliders,
+                   Points& positions, const std::function<bool()>& is_interrupted) {
+  std::vector<TrianglePair> pairs = find_intersections(cloth, positions);
+  Untangled result{static_cast<int>(pairs.size()), static_cast<int>(pairs.size())};
+  if (pairs.empty()) return result;
+
+  const SurfaceEdges edges(cloth);
+  const double edge_length = shortest_edge(cloth, edges);
+  Points now = positions;
+  for (int pass = 0; pass < most_passes && result.left > 0; ++pass) {
+    if (is_interrupted && is_interrupted()) break;
+    const auto contours = find_contours(cloth, edges, pairs, now);
+    now += ways_apart({cloth, edges, now}, contours, edge_length);
+    keep_out(cloth, colliders, now);
+    pairs = find_intersections(cloth, now);
+    if (static_cast<int>(pairs.size()) >= result.left) continue;
+    result.left = static_cast<int>(pairs.size());
+    positions = now;
+  }
+  return result;
+}
+
+}  // namespace clothsim
