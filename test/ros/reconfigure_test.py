@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
 from clothsim.msg import ClothTopology
-from cloth_client import PATIENCE, Cloth, Recorder, call, content, positions, velocities
+from cloth_client import PATIENCE, Cloth, Recorder, call, content, positions, velocities, wait_for
 
 DEFAULTS = {
     "ks": 5000.0, "density": 150.0, "damping": 5.4, "structural": True, "shear": True,
@@ -77,8 +77,8 @@ class Reconfigure(unittest.TestCase):
         answer = call("/clothsim/reset_values", Trigger)
         self.assertTrue(answer.success, answer.message)
         self.assertIn("light/intensity 3", answer.message)
-        self.assertEqual(self.values(self.client.get_configuration()), DEFAULTS)
-        self.assertEqual(light.get_configuration(timeout=PATIENCE)["intensity"], intensity)
+        wait_for(lambda: self.values(self.client.get_configuration()) == DEFAULTS, "the scene's values")
+        wait_for(lambda: light.get_configuration()["intensity"] == intensity, "the scene's light")
         light.close()
         self.assertEqual(rospy.get_param("/clothsim/ks"), 5000.0)
         self.assertEqual(call("/clothsim/reset", Trigger).message, "at the scene's start")
