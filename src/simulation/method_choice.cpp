@@ -273,12 +273,12 @@ MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
   const double limit = stability_limit_of(spec.method);
   MethodChoice choice{spec.method, usual_substeps(limit, spec, cloth, colliders),
                       Reason::named_by_scene};
-  const auto alike = [&](const Candidate& c) {
+  const auto steps_alike = [&](const Candidate& c) {
     if (spec.method == ImplicitEuler::name) return c.method == Bdf2::name;
     if (spec.method == SymplecticEuler::name) return c.method == VelocityVerlet::name;
     return c.method == spec.method;
   };
-  const auto candidate = std::find_if(candidates().begin(), candidates().end(), alike);
+  const auto candidate = std::find_if(candidates().begin(), candidates().end(), steps_alike);
   const double steps = spec.frames_per_second * spec.substeps.value_or(choice.least_substeps);
   choice.predicted_cost =
       steps * candidate->cost(cloth.num_springs() + cloth.num_bends(), cloth.num_points());
