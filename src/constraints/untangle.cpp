@@ -15,9 +15,11 @@ namespace {
 /// Passes, at most: crossings of small depth take up to 50.
 constexpr int most_passes = 200;
 
-/// Way of a point towards the surface that it goes back through, in a pass, and beyond it, of the
-/// shortest edge: little against what parts one layer from the next but one.
+/// Way of a point towards the surface that it goes back through, in a pass, of the
+/// shortest edge: little against the distance from one layer to the next but one.
 constexpr double most_way = 0.2;
+
+/// Way of such a point beyond that surface, of the shortest edge: it ends clearly on its own side.
 constexpr double beyond = 0.02;
 
 /// What a point goes of the mean way of its neighbours, and over how many cells they take it along:
@@ -34,7 +36,7 @@ constexpr double least_shortening = 0.2;
 
 /// Points of a surface on either side of a contour.
 struct PartSizes {
-  std::array<int, 2> below_and_above;  // what it crosses, by the normal there
+  std::array<int, 2> below_and_above;  // of the surface that it crosses, by the normal there
   bool are_divided;                    // or they hang together beside an end of the contour
 };
 

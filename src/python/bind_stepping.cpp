@@ -15,7 +15,7 @@ SceneObject to_scene(const py::object& object) {
   return py::cast<SceneObject>(scene);
 }
 
-/// Warns of what is hardly meant; Python tells each text once a place.
+/// Warns of values that are hardly meant; Python tells each text once a place.
 const SceneObject& with_warnings(const SceneObject& scene) {
   for (const std::string& line : clothsim::doubts(scene.yaml, scene.scene)) {
     if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw py::error_already_set();

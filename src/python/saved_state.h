@@ -7,7 +7,7 @@
 
 namespace clothsim_python {
 
-/// clothsim.SavedState: a copy of all that moves, and what it is of.
+/// clothsim.SavedState: a copy of all that moves, and its scene.
 struct SavedState {
   std::shared_ptr<const SceneObject> scene;
   clothsim::LiveSpec values;  // when it was made

@@ -64,7 +64,7 @@ void check_ending(const fs::path& path, const std::string& name) {
       "package://PACKAGE/path, file:///path or an absolute path, which ends in .yaml");
 }
 
-/// The file of that name, and what it holds.
+/// The file of that name, and its content.
 GivenScene open_file(const std::string& name) {
   GivenScene given;
   clothsim::inside(file_key, [&] {

@@ -141,7 +141,7 @@ struct ViewReconfigure::Impl {
                       [&server = servers.back()] { server.reset(); }});
   }
 
-  /// A namespace, and what its server does.
+  /// A namespace, and the work of its server.
   struct Space {
     std::string ns;
     std::function<std::vector<std::string>()> changed;

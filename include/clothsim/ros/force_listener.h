@@ -14,8 +14,8 @@
 namespace clothsim_ros {
 
 /// Sets forces on points from ~forces, in the axes of any tf frame as it is when the message comes.
-/// What it takes stands in ~changes. Logs what it refuses: a frame without a transform, points that
-/// are none, numbers out of range.
+/// ~changes tells of each one taken. Logs each one refused: a frame without a transform, points
+/// that are none, numbers out of range.
 class ForceListener {
  public:
   /// All must outlive this.

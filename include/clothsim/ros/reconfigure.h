@@ -33,7 +33,7 @@ class Reconfigure {
   /// Those that differ from the scene's, as "name value".
   std::vector<std::string> changed() const;
 
-  /// Takes back what requests have changed. Throws what the simulator throws.
+  /// Takes back the changes of requests. Throws the simulator's exceptions.
   void reset();
 
  private:

@@ -13,7 +13,7 @@
 
 namespace clothsim_ros {
 
-/// A scene with what it was read from.
+/// A scene with its sources.
 struct GivenScene {
   clothsim::Scene scene;
   YAML::Node yaml;

@@ -27,7 +27,7 @@ class FrameMotion {
   const Pose& pose() const { return pose_; }
   const Twist& twist() const { return twist_; }
 
-  /// For an archive that writes or reads what it is called with.
+  /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(pose_, twist_, way_, frames_, done_);
@@ -66,7 +66,7 @@ class DrivenFrames {
   /// To be called when the simulator was reset or loaded anew.
   void reset() { driven_.clear(); }
 
-  /// For an archive that writes or reads what it is called with.
+  /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(driven_);

@@ -28,7 +28,7 @@ class MotionPlayer {
   /// When the last entry has its effect [s].
   double duration() const { return duration_; }
 
-  /// How far it has come, for an archive that writes or reads what it is called with. The motions
+  /// How far it has come, for an archive that writes or reads its arguments. The motions
   /// themselves are the scene's.
   template <class Archive>
   void serialize(Archive& archive) {

@@ -25,7 +25,7 @@ class PoseWay {
 
   const Pose& end() const { return end_; }
 
-  /// For an archive that writes or reads what it is called with.
+  /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(start_, end_, position_, turn_, duration_);

@@ -72,7 +72,7 @@ class Grips {
   /// The points of grips that pull harder than they hold.
   std::vector<int> torn() const;
 
-  /// For an archive that writes or reads what it is called with.
+  /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(all_);

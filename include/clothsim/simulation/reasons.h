@@ -41,7 +41,7 @@ class Reasons {
   /// A sentence, a clause for each in the order that they came.
   const std::string& text() const { return text_; }
 
-  /// For an archive that writes or reads what it is called with.
+  /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(all_, text_);
