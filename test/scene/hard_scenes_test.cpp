@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 9.0, 60.0
 TEST(HardScene, CornersPushedTogetherByHalf) {
   Simulator simulator(hanging());
   simulator.move_pin(1, {0.5, 0, 1});  // at 45 m/s, in one frame
-  run_checked(simulator, 5, 100);
+  run_checked(simulator, 6, 100);
   expect_rest(simulator, 0.02);
 }
 
@@ -201,7 +201,7 @@ TEST(HardScene, StiffnessJumpsAMillionfold) {
   Material stiff = scene.cloth.material;
   stiff.ks = 5e5;
   simulator.set_material(stiff);
-  run_checked(simulator, 5, 100);
+  run_checked(simulator, 6, 100);
   expect_rest(simulator, 0.02);
   simulator.set_material(scene.cloth.material);
   run_checked(simulator, 5, 20);
@@ -365,8 +365,9 @@ TEST_P(HeavyPoint, Hangs) {
   if (GetParam() <= 100) {
     EXPECT_LT(worst, 0.1041);
     EXPECT_LT(rms_velocity(state), 1e-4);
-  } else {  // passes are too few for the light points about it, not for itself
-    EXPECT_LT(worst, 0.13);
+  } else {  // as it is caught, passes and what a step carries are too few for the light points
+            // about it
+    EXPECT_LT(worst, 0.17);
     EXPECT_LT(state.velocities.row(heavy).norm(), 1);
   }
 }
