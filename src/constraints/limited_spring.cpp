@@ -121,12 +121,10 @@ template <typename Point>
   }
 }
 
-/// Gives springs these masses, 0 where none acts, and kicks, up to `most` [m/s].
+/// Gives springs these masses, 0 where none acts, and kicks.
 [[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass,
-                                         const LooseVector& kick, double most) {
-  const Vector bound = {most, most, most, most};
-  const Vector bounded = kick < bound ? kick : bound;
-  vector(s.kick) = vector(s.before) = mass > 0 ? bounded : Vector{};
+                                         const LooseVector& kick) {
+  vector(s.kick) = vector(s.before) = mass > 0 ? kick : Vector{};
   vector(s.mass) = mass;
 }
 
@@ -147,13 +145,11 @@ template <typename Point>
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void resume_springs(LimitStep step, double scale, std::size_t fours, FourSprings* springs,
-                    double* kicks, double* masses, Quad* velocities) {
-  const Vector bound = {step.most_kept, step.most_kept, step.most_kept, step.most_kept};
+void resume_springs(double scale, std::size_t fours, FourSprings* springs, double* kicks,
+                    double* masses, Quad* velocities) {
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
-    const Vector scaled = scale * vector(s.kick);
-    const Vector kick = scaled < bound ? scaled : bound;
+    const Vector kick = scale * vector(s.kick);
     vector(s.kick) = four_at(kicks, i) = kick;
     four_at(masses, i) = vector(s.mass);
     give(s, kick, Ends(s, velocities));
@@ -166,8 +162,7 @@ void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSpring
   const auto [positions, velocities, before, longest, kicks, masses] = turn;
   const double back = step.reach * step.h;
   const double rate = 1 / step.h;
-  const double share =
-      step.insistence * std::min(step.rate * step.h, most_of_violation) / (1 + 3 * step.active);
+  const double share = std::min(step.rate * step.h, most_of_violation) / (1 + 3 * step.active);
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.
@@ -188,7 +183,7 @@ void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSpring
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
     const Vector mass = is_long ? 1 / (w_a + w_b) : zero;
-    carry(s, mass, four_at(kicks, i) * (four_at(masses, i) / mass), step.most_kept);
+    carry(s, mass, four_at(kicks, i) * (four_at(masses, i) / mass));
     vector(s.share) = w_a * mass;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A

@@ -14,6 +14,9 @@ namespace {
 /// edge e does so by e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
 constexpr double highest_lift = 1.0 / 16;
 
+/// Stretch beyond the strain limit that springs may have for a while.
+constexpr double usual_excess = 0.05;
+
 void move_into(const Pose& pose, const Points& points, Points& local) {
   const Eigen::Matrix3d turn = pose.orientation.toRotationMatrix();
   local.noalias() = (points.rowwise() - pose.position.transpose()) * turn;
@@ -55,7 +58,7 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   // only where they stretch further.
   static const double usual_limit = Material().strain_limit.value();
   const double limit = cloth.strain_limit.value_or(usual_limit);
-  return (1 + std::max(limit + overpulled, stretch)) * edge;
+  return (1 + std::max(limit + usual_excess, stretch)) * edge;
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch, bool pinched) {

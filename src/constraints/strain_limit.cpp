@@ -15,11 +15,6 @@
 namespace clothsim {
 namespace {
 
-/// How much of a step's doubt one that can be met takes back once the limit yields. It settles
-/// where most can. Half as much each time it has yielded again and got no nearer: what shakes as it
-/// is tried, comes to rest.
-constexpr double relief = 0.1;
-
 /// Rate [1/s] at which impulses work off a violation, where drag is faster.
 constexpr double violation_rate = 5;
 
@@ -28,8 +23,19 @@ constexpr double violation_rate = 5;
 /// x), and grows where rate > c.
 constexpr double drag_share = 0.95;
 
-/// Springs that a point may have: four of each of three families.
-enum { springs_of_a_point = 12 };
+/// Strength of the limit, as x = h^2 sum(T / l) / m of a point, of the impulses that a step begins
+/// with: neighbours that tension swings against each other are stable below it.
+constexpr double most_tension = 2;
+
+/// The same of a spring in the passes, as h^2 T / (m l).
+constexpr double most_in_passes = 8;
+
+/// Times as much as a step of h [s] bears that is longer than the longest: such are steps of
+/// implicit methods, which damp what swings, and a tension is the same force in them.
+double times_carried(double h) {
+  const double longer = std::max(h / longest_step, 1.0);
+  return longer * longer;
+}
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
@@ -85,8 +91,8 @@ void StrainLimit::add_impulses(double scale, Points& sum) const {
   });
 }
 
-double StrainLimit::tension_frequency() const {
-  // omega^2 = sum T / (m l), with T h / m what an end takes of the kick.
+/// By point of touched_, sum of h T / (m l) [1/s] of the impulses: h omega^2.
+std::vector<double> StrainLimit::tension_across() const {
   std::vector<double> across(touched_.size() + 1, 0.0);
   for (std::size_t i = 0; i < fours(); ++i) {
     const FourSprings& s = active_[i];
@@ -97,35 +103,31 @@ double StrainLimit::tension_frequency() const {
       across[index(FourSprings::point(s.b[k]))] += both - of_a;
     }
   }
+  return across;
+}
+
+double StrainLimit::tension_frequency() const {
+  const std::vector<double> across = tension_across();
   const double largest = *std::max_element(across.begin(), across.end());
   return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
 }
 
-bool StrainLimit::outruns_steps() const {
-  // Neighbours that swing against each other do so at sqrt(2) times that, and where they get over 2
-  // in a step, fly from side to side.
-  return step_.h * tension_frequency() > M_SQRT2;
-}
-
-void StrainLimit::learn(double violation) {
-  const bool yielded = yields();
-  if (violation > 0) {
-    // Where springs are twice their length, patience would fling the cloth about.
-    const double haste = yielded ? 1 : std::max(violation / overpulled, 1.0);
-    doubt_ = std::min(doubt_ + haste * step_.h, 2 * patience);
-  } else {
-    doubt_ = std::max(doubt_ - (yielded ? trust_ * relief : 1) * step_.h, 0.0);
-    if (doubt_ == 0) try_anew();
+/// Cuts the impulses, before they are made `scale` times as large for a step as much longer, to
+/// those that it can carry.
+void StrainLimit::bound_impulses(double scale) {
+  const std::vector<double> across = tension_across();
+  const double h = scale * step_.h;
+  const double most = most_tension * times_carried(h) / (scale * h);
+  gives_way_ = *std::max_element(across.begin(), across.end()) > most;
+  if (!gives_way_) return;
+  for (std::size_t i = 0; i < fours(); ++i) {
+    FourSprings& s = active_[i];
+    for (std::size_t k = 0; k < FourSprings::count; ++k) {
+      const double x = std::max(across[index(FourSprings::point(s.a[k]))],
+                                across[index(FourSprings::point(s.b[k]))]);
+      if (x > most) s.kick[k] *= most / x;
+    }
   }
-  if (!yielded && yields()) {
-    const bool gets_nearer = least_unmet_ == 0 || violation < least_unmet_;
-    trust_ = gets_nearer ? 1 : trust_ / 2;
-    if (gets_nearer) least_unmet_ = violation;
-  }
-}
-
-double StrainLimit::insistence() const {
-  return yields() ? std::exp2((patience - doubt_) / longest_step) : 1;
 }
 
 void StrainLimit::take_over(StrainLimit&& last) {
@@ -135,7 +137,6 @@ void StrainLimit::take_over(StrainLimit&& last) {
   last.inertia_ = std::move(inertia_);
   *this = std::move(last);
   longest_ = longest;
-  try_anew();
   for (std::size_t i = 0; i < ids_.size(); ++i) {
     if (ids_[i] >= 0) lengths_[i] = longest_ * constraint(ids_[i]).rest_length;
   }
@@ -147,17 +148,14 @@ void StrainLimit::reset() {
   close_active();
   inertia_.reset();
   step_ = {};
-  doubt_ = 0;
-  try_anew();
+  gives_way_ = false;
   momentum_ = 1;
   wake();
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
-  memory.add(doubt_);
-  memory.add(trust_);
-  memory.add(least_unmet_);
+  memory.add(gives_way_);
   memory.add(momentum_);
   std::size_t pulling = 0;
   for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
@@ -176,9 +174,7 @@ void StrainLimit::write(MemoryWriter& memory) const {
 void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
-  doubt_ = std::clamp(memory.number(), 0.0, 2 * patience);
-  trust_ = std::clamp(memory.number(), 0.0, 1.0);
-  least_unmet_ = std::max(memory.number(), 0.0);
+  gives_way_ = memory.index(2) == 1;
   momentum_ = std::max(1.0, memory.number());
   std::fill(flags_.begin(), flags_.end(), 0);
   struct Kept {
@@ -220,18 +216,12 @@ void StrainLimit::read(MemoryReader& memory) {
 
 void StrainLimit::predict(double h, double reach, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
-  // Of neighbours that stay, T swings a point across a spring at omega^2 = T / (m l), and h^2
-  // omega^2 is the kick T h / m over the speed l / h. Where the limit yields, what all springs of a
-  // point keep adds up to h omega = 1, which a step follows, and what they give to 2, where it
-  // would fly from side to side: with no bound on a step's own, collider and limit outdo each
-  // other.
-  const double speed = yields() ? shortest_ / h : std::numeric_limits<double>::infinity();
-  step_ = {h, reach, 0, 0, insistence(), speed / springs_of_a_point};
-  most_kick_ = 4 * step_.most_kept;
+  if (scale > 0) bound_impulses(scale);
+  step_ = {h, reach, 0, 0};
+  most_kick_ = most_in_passes * times_carried(h) * shortest_ / h;
   slack_ -= h;
   std::fill(given_.begin(), given_.end(), Quad{});
-  resume_springs(step_, scale, fours(), active_.data(), kicks_.data(), masses_.data(),
-                 given_.data());
+  resume_springs(scale, fours(), active_.data(), kicks_.data(), masses_.data(), given_.data());
   const double way = reach * h;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const int point = touched_[i];
@@ -346,7 +336,7 @@ StrainLimit::Passes StrainLimit::pass(double enough, int least, int most, Moment
     if (passes.count == least) momentum = Momentum();
     extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
     const PassChange change = sweep_active(momentum.share(), passes.count >= least, workers);
-    if (!yields()) momentum.next(change.descent);  // towards what cannot be met it overshoots
+    if (!gives_way_) momentum.next(change.descent);  // towards what cannot be met it overshoots
     passes = {passes.count + 1, step_.h * change.largest};
   } while (passes.count < most && (passes.count < least || passes.change > enough));
   return passes;
@@ -388,7 +378,6 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double reach, double 
 
 void StrainLimit::learn_tension() {
   inertia_.fade();
-  if (yields()) return inertia_.reset();  // what it gives then is bounded to what steps can follow
   tensions_.assign(touched_.size() + 1, 0.0);
   add_tensions(active_.data(), lengths_.data(), fours(), tensions_.data());
   for (std::size_t i = 0; i < touched_.size(); ++i) {

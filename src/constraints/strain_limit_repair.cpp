@@ -35,7 +35,7 @@ bool StrainLimit::holds(double tolerance) const {
 
 int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
                          const Workers& workers) {
-  if (yields() || is_slack() || holds(tolerance)) return 0;
+  if (gives_way_ || is_slack() || holds(tolerance)) return 0;
   flag_longer_than(longest_ + tolerance, positions, workers);
   bool any = false;
   for_each_flagged([&](int id) { any = add_over(cloth, id, tolerance, positions) || any; });

@@ -62,6 +62,7 @@ void check_pins(const ClothSpec& spec) {
                              "a point other than that of item " + std::to_string(first->second));
         }
         check_frame(pin.frame);
+        if (pin.strength) check_range("strength", *pin.strength, strength_range);
       });
     });
   }
@@ -127,6 +128,7 @@ void validate(const ClothSpec& spec) {
   check_size(spec);
   check_range("origin", spec.origin, origin_range);
   check_pins(spec);
+  if (spec.pin_strength) check_range("pin_strength", *spec.pin_strength, strength_range);
   validate(spec.material);
   check_shear(spec);
   validate_contact(spec.thickness, spec.friction);

@@ -62,7 +62,7 @@ void serialize(Archive& archive, clothsim::Grip::Held& held) {
 
 template <class Archive>
 void serialize(Archive& archive, clothsim::Grip& grip) {
-  archive(grip.held, grip.pose, grip.tear_force, grip.wrench);
+  archive(grip.held, grip.pose, grip.tear_force, grip.strength, grip.wrench, grip.lag);
 }
 
 template <class Archive>
@@ -109,7 +109,7 @@ void serialize(Archive& archive, clothsim::StepReport& report) {
   archive(report.method, report.substeps, report.predicted_error, report.reasons, report.recoveries,
           report.sweeps, report.corrections, report.worst_stretch, report.contacts,
           report.added_mass, report.ran_out, report.held_back, report.pinched, report.pinched_point,
-          report.slipping, report.crossings);
+          report.slipping, report.lagging, report.crossings);
 }
 
 template <class Archive>

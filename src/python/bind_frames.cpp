@@ -41,18 +41,17 @@ std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::ob
                        "points or a radius, one of the two");
   }
   if (!radius) return to_indices(points, "points");
-  return clothsim::free_points_near(run.simulator.cloth(), run.simulator.state().positions,
-                                    pose.position, *radius);
+  return run.simulator.free_points_near(pose.position, *radius);
 }
 
 std::vector<int> attach(Simulation& simulation, const std::string& frame, const py::object& pose,
                         const py::object& points, std::optional<double> radius,
-                        std::optional<double> tear_force) {
+                        std::optional<double> tear_force, std::optional<double> strength) {
   check_name(frame);
   return simulation.with([&](Run& run) {
     const clothsim::Pose at = pose.is_none() ? pose_now(run, frame) : to_pose(pose, "pose");
     const std::vector<int> held = chosen(run, at, points, radius);
-    run.simulator.attach(frame, at, held, tear_force);
+    run.simulator.attach(frame, at, held, {tear_force, strength});
     if (!pose.is_none()) place(run, frame, at);
     return held;
   });
@@ -91,7 +90,18 @@ py::dict grips(Simulation& simulation) {
       all[py::str(frame)] =
           py::dict(py::arg("pose") = to_array(grip.pose), py::arg("points") = points,
                    py::arg("force") = to_array(grip.wrench.force),
-                   py::arg("torque") = to_array(grip.wrench.torque));
+                   py::arg("torque") = to_array(grip.wrench.torque), py::arg("lag") = grip.lag);
+    }
+    return all;
+  });
+}
+
+py::list holders(Simulation& simulation) {
+  return simulation.with([](Run& run) {
+    py::list all;
+    for (const clothsim::HolderReport& holder : run.simulator.holders()) {
+      all.append(py::dict(py::arg("name") = holder.name, py::arg("strength") = holder.strength,
+                          py::arg("force") = holder.force, py::arg("lag") = holder.lag));
     }
     return all;
   });
@@ -137,10 +147,12 @@ void bind_frames(SimulationClass& simulator) {
            "colliders that follow it; makes a new one known. Raises InvalidValue.")
       .def("attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
            py::arg("points") = py::none(), py::arg("radius") = py::none(),
-           py::arg("tear_force") = py::none(),
+           py::arg("tear_force") = py::none(), py::arg("strength") = py::none(),
            "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
            "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
-           "`tear_force` [N] it lets go. Returns the points. Raises InvalidValue and changes "
+           "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
+           "lag behind their places; None: three weights of the cloth and what stretches the "
+           "points' springs to their limit. Returns the points. Raises InvalidValue and changes "
            "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),
            "Lets go the points of a frame, or `points`; all that are attached where neither is "
@@ -148,8 +160,14 @@ void bind_frames(SimulationClass& simulator) {
       .def_property_readonly(
           "grips", &grips,
           "What is attached, by frame: {'pose': [7], 'points': list, 'force': "
-          "[3] [N], 'torque': [3] [N m] about the frame's origin}, in the world: "
-          "what the cloth did to the frame in the last frame of simulation.")
+          "[3] [N], 'torque': [3] [N m] about the frame's origin, 'lag': [m] of the point that is "
+          "farthest behind its place}, in the world: what the cloth did to the frame in the last "
+          "frame of simulation.")
+      .def_property_readonly(
+          "holders", &holders,
+          "All that hold points, pins and then grips: a list of {'name': of the frame or 'pin "
+          "[column, row]', 'strength': [N] that it can pull with, 'force': [N] that it pulls with, "
+          "the mean of the last frame, 'lag': [m] behind its place}.")
       .def("enable_collider", &enable_collider, py::arg("name"), py::arg("enabled") = true,
            "Turns a collider on or off. Turned on within the cloth, it pushes that out gently. "
            "Raises InvalidValue.")

@@ -31,6 +31,8 @@ void bind_reports(py::module_& module) {
       .def_readonly("pinched", &StepReport::pinched, "Points that two colliders leave no room.")
       .def_readonly("slipping", &StepReport::slipping,
                     "Those of them that are pulled with more than friction holds.")
+      .def_readonly("lagging", &StepReport::lagging,
+                    "Points behind the places of the pins and grips that hold them.")
       .def_readonly("crossings", &StepReport::crossings,
                     "Pairs of triangles that cross since a state was set, see set_state().")
       .def(py::pickle(

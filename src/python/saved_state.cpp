@@ -35,7 +35,8 @@ SavedState read_state(const std::string& bytes, Run& run) {
       saved->collider_wrenches.size() != saved->colliders.size()) {
     throw clothsim::InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
-  saved->grips.hold(saved->cloth);
+  saved->grips.for_each_held(
+      [&](int, int point, const clothsim::Vector3&) { saved->cloth.inv_mass[point] = 0; });
   return state;
 }
 

@@ -157,9 +157,18 @@ clothsim::Colliders to_colliders_msg(const clothsim::Simulator& simulator,
     msg.colliders.push_back(collider);
   }
 
+  const std::vector<clothsim::HolderReport> holders = simulator.holders();
+  auto holder = holders.begin();
+  const auto tell = [&](clothsim::HeldPoints& held) {
+    held.strength = holder->strength;
+    held.force = std::max(held.force, holder->force);
+    held.lag = std::max(held.lag, holder->lag);
+    ++holder;
+  };
   std::map<std::string, clothsim::HeldPoints> pinned;  // by frame
   for (const clothsim::Pin& pin : scene.cloth.pinned) {
     pinned[pin.frame].points.push_back(pin.row * scene.cloth.columns + pin.column);
+    tell(pinned[pin.frame]);
   }
   for (auto& [frame, held] : pinned) {
     held.frame = frame;
@@ -171,6 +180,7 @@ clothsim::Colliders to_colliders_msg(const clothsim::Simulator& simulator,
     held.frame = frame;
     for (const clothsim::Grip::Held& point : grip.held) held.points.push_back(point.point);
     held.tear_force = grip.tear_force.value_or(0);
+    tell(held);
     msg.held.push_back(held);
   }
   return msg;

@@ -23,6 +23,12 @@ using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
 
 constexpr std::uint32_t queue_size = 1;
 
+/// How far behind its place a pin or a grip has to be to be told of [m].
+constexpr double told_lag = 1e-3;
+
+/// Share of its strength with which a holder pulls with all that it has: the rest rubs.
+constexpr double nearly_all = 0.85;
+
 constexpr const char* no_clock = "waits for /clock: /use_sim_time is true, but no time has come";
 
 /// The level of a value that is to be at least, or at most, its limit.
@@ -125,6 +131,21 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   }
 }
 
+/// The holder that is farthest behind its place, in words, and how many lag.
+void fill_holders(const std::vector<clothsim::HolderReport>& holders, Wrapper& out) {
+  const auto last = std::max_element(holders.begin(), holders.end(),
+                                     [](const auto& a, const auto& b) { return a.lag < b.lag; });
+  const auto count = std::count_if(holders.begin(), holders.end(),
+                                   [](const auto& holder) { return holder.lag > told_lag; });
+  out.add("holders that lag", count);
+  if (count == 0) return;
+  const bool is_overpowered = last->force > nearly_all * last->strength;
+  out.mergeSummaryf(DiagnosticStatus::WARN, "%s lags by %.0f mm: it pulls with %s%.3g N%s",
+                    last->name.c_str(), 1e3 * last->lag, is_overpowered ? "all its " : "",
+                    is_overpowered ? last->strength : last->force,
+                    is_overpowered ? "" : ", and a collider or the cloth itself is in the way");
+}
+
 void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
   const std::string key = "tf age of " + frame.frame + " [s]";
   if (!frame.seen) {
@@ -159,6 +180,7 @@ void fill(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper& out
   if (!status.failure.empty()) out.mergeSummary(DiagnosticStatus::ERROR, status.failure);
   fill_speed(status, limits.speed, out);
   fill_step(status, limits, out);
+  fill_holders(status.holders, out);
   fill_frames(status.frames, limits.tf_age, out);
 }
 

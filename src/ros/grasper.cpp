@@ -183,13 +183,14 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     }
     std::vector<int> points(request.points.begin(), request.points.end());
     if (points.empty()) {
-      points = free_points_near(simulator_.cloth(), simulator_.state().positions,
-                                frame.pose()->position, request.radius);
+      points = simulator_.free_points_near(frame.pose()->position, request.radius);
     }
 
     std::optional<double> tear_force;
     if (request.tear_force != 0) tear_force = request.tear_force;
-    simulator_.attach(request.frame, *frame.pose(), points, tear_force);
+    std::optional<double> strength;
+    if (request.strength != 0) strength = request.strength;
+    simulator_.attach(request.frame, *frame.pose(), points, {tear_force, strength});
     follow_grips();
     look_up();
     changes_.follow(frame);
@@ -197,6 +198,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     change.frame = request.frame;
     change.points.assign(points.begin(), points.end());
     change.tear_force = request.tear_force;
+    change.strength = request.strength;
     changes_.publish("attach", change);
     points = sorted(points);
     response.points.assign(points.begin(), points.end());

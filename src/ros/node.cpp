@@ -232,6 +232,7 @@ void Node::publish_diagnostics() {
   if (!paused_) status.factor_reached = rate_.take(pacer_.seconds());
   status.time = time_.take();
   status.report = report_;
+  status.holders = simulator_.holders();
   status.strain_limit = simulator_.scene().cloth.material.strain_limit;
   if (simulator_.cloth().self_collision != clothsim::SelfCollision::off) {
     status.intersecting_pairs =

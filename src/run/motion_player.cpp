@@ -118,10 +118,8 @@ void MotionPlayer::attach(const AttachPoints& asked, Simulator& simulator) const
                        "a frame that has set out for a key frame, or that a collider follows");
   }
   std::vector<int> points = asked.points;
-  if (points.empty())
-    points = free_points_near(simulator.cloth(), simulator.state().positions, pose->position,
-                              asked.radius);
-  simulator.attach(asked.frame, *pose, points, asked.tear_force);
+  if (points.empty()) points = simulator.free_points_near(pose->position, asked.radius);
+  simulator.attach(asked.frame, *pose, points, {asked.tear_force, asked.strength});
 }
 
 }  // namespace clothsim

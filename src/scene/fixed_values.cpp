@@ -51,7 +51,11 @@ void add(const ClothSpec& cloth, Lines& lines) {
   lines.add("cloth", cloth.material.fabric ? "a fabric" : "springs");
   std::string pins;
   for (const Pin& pin : cloth.pinned) {
-    pins += '[' + join({std::to_string(pin.column), std::to_string(pin.row), pin.frame}) + ']';
+    const std::optional<double> strength = pin.strength ? pin.strength : cloth.pin_strength;
+    pins += '[' +
+            join({std::to_string(pin.column), std::to_string(pin.row), pin.frame,
+                  strength ? text(*strength) : "usual strength"}) +
+            ']';
   }
   lines.add("cloth.pinned", pins);
 }

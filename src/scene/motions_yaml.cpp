@@ -49,7 +49,8 @@ std::vector<Field> fields(KeyFrameFile& file) { return {{"frame", into(file.fram
 std::vector<Field> fields(AttachPoints& attach) {
   return {{"points", into_points(attach.points)},
           {"radius", into(attach.radius)},
-          {"tear_force", into(attach.tear_force)}};
+          {"tear_force", into(attach.tear_force)},
+          {"strength", into(attach.strength)}};
 }
 
 std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points(detach.points)}}; }

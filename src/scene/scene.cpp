@@ -77,6 +77,7 @@ void validate(const AttachPoints& attach, const Scene& scene) {
                        "one of the two");
   }
   if (attach.tear_force) check_range("tear_force", *attach.tear_force, tear_force_range);
+  if (attach.strength) check_range("strength", *attach.strength, strength_range);
 }
 
 void validate(const DetachPoints& detach, const Scene& scene) {

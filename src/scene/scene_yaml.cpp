@@ -51,7 +51,8 @@ Pin read_pin(const YAML::Node& node) {
                      read_grid_point(point, pin);
                      has_point = true;
                    }},
-                  {"frame", into(pin.frame)}});
+                  {"frame", into(pin.frame)},
+                  {"strength", into(pin.strength)}});
   if (!has_point) throw InvalidValue({"point"}, "nothing", "[column, row]");
   return pin;
 }
@@ -77,6 +78,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
       {"orientation", read_orientation},
       {"origin", into(cloth.origin)},
       {"pinned", read_pins},
+      {"pin_strength", into(cloth.pin_strength)},
       {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
       {"ks", into(material.ks)},
       {"untangle", into(cloth.untangle)},

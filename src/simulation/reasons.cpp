@@ -31,8 +31,7 @@ const char* clause_of(Reason reason) {
     case Reason::newton_ran_out:
       return "Newton's method ran out of iterations";
     case Reason::limit_yields:
-      return "the strain limit yields: passes ran out step after step, as where pins or colliders "
-             "ask for more than it grants";
+      return "the strain limit yields: colliders or holders pull with more than a step can carry";
     case Reason::passes_ran_out:
       return "passes ran out before every spring was within its strain limit";
     case Reason::crosses_itself:

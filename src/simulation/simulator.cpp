@@ -44,7 +44,7 @@ StepReport Simulator::Impl::step() {
   allow_work(dt);
   StepReport report = succeed(last_good);
 
-  arrive(last_good);
+  arrive();
   is_given = disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
   if (weighs_colliders) finish_colliders(dt);
@@ -58,21 +58,23 @@ StepReport Simulator::Impl::step() {
     report.reasons.add(Reason::crosses_itself,
                        std::to_string(given_crossings) + " pairs of triangles");
   }
+  report.lagging = holders.slipping();
   return report;
 }
 
 StepReport Simulator::Impl::succeed(const State& last_good) {
   const std::vector<MovingCollider> last_colliders = colliders;
+  const Holders last_holders = holders;
   const bool was_disturbed = disturbed;
   const auto take_back = [&] {
     state = last_good;
     colliders = last_colliders;
+    holders = last_holders;
+    follow_holders();
     disturbed = was_disturbed;
     forget_constraints();
     energy_watch.restart();
   };
-  // What is asked of the limit may be at fault, where it is not too few substeps.
-  bool may_give_way = strain_limit && !scene.simulation.substeps;
   bool may_be_apart = true;
   for (StepReport report;;) {
     Outcome outcome;
@@ -83,7 +85,6 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
       throw;
     }
     if (outcome == Outcome::good) return report;
-    const bool is_met = !strain_limit || !strain_limit->is_in_doubt();
     take_back();
     if (outcome == Outcome::went_too_far) {
       may_be_apart = false;
@@ -93,10 +94,7 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
       forget();
       throw too_much_work(state.time, report);
     }
-    if (may_give_way && (!is_met || is_overpulled(report))) {
-      may_give_way = false;
-      strain_limit->give_way();
-    } else if (!recover()) {
+    if (!recover()) {
       forget();
       throw no_cloth(state.time, report);
     }
@@ -104,10 +102,10 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
   }
 }
 
-void Simulator::Impl::arrive(const State& before) {
+void Simulator::Impl::arrive() {
+  holders.end_frame(state);
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    arrive_at(pin_targets[i], pin_point(i), before, state);
-    state.velocities.row(pin_point(i)).setZero();
+    if (holders.sticks(i)) state.velocities.row(pin_point(i)).setZero();
   }
   for (MovingCollider& collider : colliders) collider.arrive();
 }
@@ -161,7 +159,8 @@ void Simulator::place_pin(int index, const Vector3& position) {
   check_place(position);
   const auto pin = static_cast<std::size_t>(index);
   impl_->pin_targets.at(pin) = position;
-  impl_->state.positions.row(impl_->pin_point(pin)) = position.transpose();
+  impl_->holders.place(pin, position, impl_->state);
+  impl_->follow_holders();
   impl_->disturbed = true;
 }
 

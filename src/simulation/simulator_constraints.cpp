@@ -34,10 +34,6 @@ constexpr double motion_precision = 2.5;
 /// curvature leaves over: at 0.1 % it is as much, for seven to nine times the passes.
 constexpr double folding_precision = 4;
 
-/// Stretch over the strain limit by which a step has not met it: passes to a close tolerance run
-/// out where nothing is asked that cannot be.
-const double least_violation = SimulationSpec().strain_tolerance;
-
 /// Mean square of `count` numbers beyond their mean.
 CLOTHSIM_TARGET_CLONES
 double variance(int count, const double* numbers) {
@@ -86,25 +82,18 @@ double least_spacing(const Cloth& cloth) {
   return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
 }
 
-/// Change in a last pass by which it has met the limit, where passes go on to `enough` [m]: a close
-/// tolerance makes them run out where nothing is asked that cannot be.
-double met_by(double enough, const Cloth& cloth) {
-  return std::max(enough, least_violation / precision * least_spacing(cloth));
-}
-
 }  // namespace
 
 void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
   const double reach =
       std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
-  const bool yields = strain_limit && strain_limit->yields();
-  const double tolerance =
-      std::max(scene.simulation.strain_tolerance, yields ? least_violation : 0.0);
+  const double tolerance = scene.simulation.strain_tolerance;
   const double length = tolerance * least_spacing(cloth);  // [m]
   if (strain_limit) {
     // A frame ends within the limit, and nobody knows how fast colliders push out what is in them.
     if (course.left <= h || course.recovers) strain_limit->wake();
     strain_limit->predict(h, reach, state);
+    course.gives_way = course.gives_way || strain_limit->gives_way();
   }
   if (!touches()) return limit_alone(inert, h, reach, length, report);
 
@@ -119,18 +108,19 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // Impulses that keep points off colliders, the cloth off itself and springs within their limit:
   // first those of the last step, so that springs are held where all of them lead.
   seeks ? begin_contact(step, report) : go_on_in_contact(step);
+  holders.warm_start(cloth, step, state);
   follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
   if (seeks) course.closeness = precision_of(h, tolerance, length);
-  const bool solved = solve(seeks, report);
+  solve(seeks, report);
   follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts && seeks) by_impulses = state.positions;
 
   // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(cloth, solved, report);
+  if (strain_limit) repair(cloth, report);
   if (!colliders.empty()) {
     seeks ? collider_contacts.correct(colliders, cloth, start, state.positions)
           : collider_contacts.correct_near(colliders, cloth, start, state.positions);
@@ -172,7 +162,7 @@ void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
   report.held_back += held_back;
   // Not where more is asked of the limit than it can grant, nor where fingers hold on.
   const bool may_repair =
-      strain_limit && !strain_limit->is_in_doubt() && collider_contacts.pinches().count() == 0;
+      strain_limit && !strain_limit->gives_way() && collider_contacts.pinches().count() == 0;
   if (held_back > 0 && may_repair) repair_beside_held(step, report);
 }
 
@@ -192,7 +182,7 @@ void Simulator::Impl::repair_beside_held(const ContactStep& step, StepReport& re
 }
 
 int Simulator::Impl::most_limit_sweeps() const {
-  return strain_limit && strain_limit->yields() ? passes_in_vain : max_sweeps;
+  return strain_limit && strain_limit->gives_way() ? passes_in_vain : max_sweeps;
 }
 
 void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, double length,
@@ -203,7 +193,7 @@ void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, do
   report.sweeps += passes.count;
   strain_limit->inertia().give_back(cloth, h, reach, state);
   strain_limit->learn_tension();
-  repair(inert, passes.change <= met_by(length / precision_alone, cloth), report);
+  repair(inert, report);
 }
 
 void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report) {
@@ -239,7 +229,7 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
   return result;
 }
 
-bool Simulator::Impl::solve(bool seeks, StepReport& report) {
+void Simulator::Impl::solve(bool seeks, StepReport& report) {
   const Precision& small = course.closeness;
   // One pass solves points on colliders, which are alone, where kept impulses have the rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
@@ -264,7 +254,9 @@ bool Simulator::Impl::solve(bool seeks, StepReport& report) {
       folding = self_contacts->sweep(small.unseen_fold, state.velocities, workers);
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
     }
-    const double touching = collider_contacts.sweep(state.velocities);
+    const double touching =
+        std::max(collider_contacts.sweep(state.velocities),
+                 holders.any_slips() ? course.h * holders.solve_pass(state.velocities) : 0);
     if (!colliders.empty()) spend(1);
     // What fingers hold, or the cloth itself, does not wait for springs.
     if (!self_contacts && pinches.count() == 0) touched = touching;
@@ -275,7 +267,6 @@ bool Simulator::Impl::solve(bool seeks, StepReport& report) {
   }
   report.sweeps += sweeps;
   report.slipping = pinches.slipping();
-  return stretching <= met_by(small.stretch, cloth);
 }
 
 int Simulator::Impl::shorten(const Cloth& inert, int most, StepReport& report) {
@@ -285,29 +276,9 @@ int Simulator::Impl::shorten(const Cloth& inert, int most, StepReport& report) {
   return passes;
 }
 
-void Simulator::Impl::repair(const Cloth& inert, bool solved, StepReport& report) {
+void Simulator::Impl::repair(const Cloth& inert, StepReport& report) {
   const int passes = shorten(inert, max_corrections, report);
-  const bool ran_out = passes == max_corrections;
-  course.repairs_ran_out = course.repairs_ran_out || ran_out;
-  const double least = std::max(scene.simulation.strain_tolerance, least_violation);
-  double unmet = 0;
-  if (ran_out || !solved) {
-    unmet = strain_limit->violation(inert, least, state.positions, workers);
-  }
-  // A scene that names few substeps may have them.
-  if (!scene.simulation.substeps && is_unmet(solved, passes > 0, report)) {
-    unmet = std::max(unmet, least);
-  }
-  strain_limit->learn(unmet);
-}
-
-/// Repairs hide what velocities have not met, and a tension by which points fly from side to side.
-/// Where it yields, or fingers pull, either is borne with.
-bool Simulator::Impl::is_unmet(bool solved, bool repaired, const StepReport& report) const {
-  if (strain_limit->yields() || report.pinched > 0) {
-    return !solved && strain_limit->outruns_steps();
-  }
-  return !solved || (repaired && touches() && strain_limit->outruns_steps());
+  course.repairs_ran_out = course.repairs_ran_out || passes == max_corrections;
 }
 
 }  // namespace clothsim

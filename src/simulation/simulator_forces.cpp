@@ -15,7 +15,7 @@ constexpr Range force_range{-1e6, 1e6, "N"};
 void Simulator::Impl::push(const Cloth& inert, double h) {
   if (pushes.rows() == 0) return;
   state.velocities += h * (pushes.array().colwise() * inert.inv_mass.array()).matrix();
-  if (!grips.empty()) impulses += h * pushes;
+  if (!holders.empty()) impulses += h * pushes;
   // It takes such points by implicit Euler's formula: all of them, or momentum does not balance.
   if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->forget();
 }

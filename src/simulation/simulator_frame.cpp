@@ -14,6 +14,8 @@
 namespace clothsim {
 namespace {
 
+const std::vector<MovingCollider> no_colliders;
+
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
 bool are_near(const double* numbers, Eigen::Index count) {
@@ -61,18 +63,9 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
 }
 
 void Simulator::Impl::set_out() {
-  for (std::size_t i = 0; i < pin_targets.size(); ++i) {
-    const int point = pin_point(i);
-    state.velocities.row(point) =
-        (pin_targets[i].transpose() - state.positions.row(point)) / course.dt;
-  }
-  grips.set_out(course.dt, state);
+  if (!holders.empty()) holders.begin_frame(hold_targets(), course.dt, state);
   if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
-  if (strain_limit && strain_limit->is_in_doubt() && !(is_still() && is_held())) {
-    strain_limit->try_anew();
-  }
   if (strain_limit) strain_limit->set_out(speed_given());
-  if (!grips.empty()) impulses.setZero(cloth.num_points(), 3);
   if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
 }
 
@@ -80,11 +73,6 @@ double Simulator::Impl::speed_given() const {
   const double by_air = has_air() ? air_speed() : 0;
   return (scene.simulation.gravity.norm() + course.push) * course.dt + course.approach_speed +
          by_air;
-}
-
-bool Simulator::Impl::is_held() const {
-  return (touches() && collider_contacts.count() > 0) ||
-         (strain_limit->yields() && are_pulled_taut(cloth, state.positions));
 }
 
 bool Simulator::Impl::is_still() const {
@@ -149,33 +137,22 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
     report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
                                                    std::to_string(report.substeps) + " substeps");
   }
-  if (strain_limit && strain_limit->yields()) {
-    report.reasons.add(Reason::limit_yields);
-  } else if (course.repairs_ran_out || is_overpulled(report)) {
-    report.reasons.add(Reason::passes_ran_out);
-  }
+  if (course.gives_way) report.reasons.add(Reason::limit_yields);
+  if (course.repairs_ran_out) report.reasons.add(Reason::passes_ran_out);
 }
 
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
-  // Where pins or fingers ask for all that the strain limit grants, it pulls without end. That is
-  // no fault of the method, but for speeds that no pull explains. A limit that yields stands for
-  // it, too.
-  const bool may_be_pulled = strain_limit && !report.reasons.has(Reason::beyond_stability) &&
+  // A limit that gives way pulls with more than a step can carry: no fault of the method, but for
+  // speeds that no pull explains.
+  const bool may_be_pulled = course.gives_way && !report.reasons.has(Reason::beyond_stability) &&
                              longest_row(state.velocities) < fastest_given;
-  const bool yields = strain_limit && strain_limit->yields();
-  bool is_driven =
-      disturbed || (may_be_pulled && (yields || (is_overpulled(report) && report.pinched > 0)));
-  if (!is_driven) {
-    if (energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
-                             course.recovers ? recovery_speed : 0, course.wind.norm(),
-                             work_of_pushes(course.dt, before))) {
-      return true;
-    }
-    is_driven = may_be_pulled && (are_pulled_taut(cloth, before.positions) ||
-                                  are_pulled_taut(cloth, state.positions));
+  if (disturbed || may_be_pulled) {
+    energy_watch.restart();
+    return true;
   }
-  if (is_driven) energy_watch.restart();
-  return is_driven;
+  return energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
+                              course.recovers ? recovery_speed : 0, course.wind.norm(),
+                              work_of_pushes(course.dt, before) + holders.work());
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -195,30 +172,17 @@ int Simulator::Impl::substeps_under_tension(double dt, int least) const {
   if (collider_contacts.recovers()) {
     return std::max(least, substeps_at_weight(cloth, gravity, dt));
   }
-  if (strain_limit->yields()) {
-    return substeps_at_tension(cloth, gravity, strain_limit->tension_frequency(), dt, least);
-  }
   const TensionInertia& inertia = strain_limit->inertia();
   if (touches()) {
-    const bool is_smooth = !self_contacts && !collider_contacts.has_edges(colliders, cloth);
+    const bool is_smooth =
+        !self_contacts && !holders.any_slips() && !collider_contacts.has_edges(colliders, cloth);
     return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least, is_smooth);
   }
-  const int needed = substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
-  if (needed == least) return least;
-  const int at_weight = std::max(least, substeps_at_weight(cloth, gravity, dt));
-  return needed > at_weight && is_pulled_without_end() ? at_weight : needed;
-}
-
-bool Simulator::Impl::is_pulled_without_end() const {
-  return worst_stretch(cloth, state.positions) > *cloth.strain_limit + overpulled ||
-         are_pulled_taut(cloth, state.positions);
+  return substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
-  const int least = method->choice.least_substeps;
-  const int needed = substeps_at_parting(cloth, state.velocities, dt, least);
-  // Where it is pulled without end springs part the faster the shorter the steps.
-  return needed == least || is_pulled_without_end() ? 1 : needed;
+  return substeps_at_parting(cloth, state.velocities, dt, method->choice.least_substeps);
 }
 
 bool Simulator::Impl::is_out_of_reach() {
@@ -261,12 +225,21 @@ const Cloth& Simulator::Impl::weigh(double h) {
 }
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
+  course.h = h;
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
     start_velocities = state.velocities;
     if (self_contacts && course.served > 0 && course.since == 0) sought_at = start;
     course.since += h;
+  }
+  if (!holders.empty()) {
+    impulses.resize(cloth.num_points(), 3);
+    holders.clear_rows(impulses);
+    const bool seen = !course.is_apart && has_colliders();
+    if (holders.begin_substep(h, cloth, seen ? colliders : no_colliders, state.positions)) {
+      follow_holders();
+    }
   }
 
   if (has_air()) blow(h);
@@ -285,7 +258,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
   if (touches() && course.served == 0 && !is_good(state)) return false;  // numbers to sort by
   if (strain_limit || touches()) constrain(inert, h, report);
-  if (!grips.empty()) add_impulses(h);
+  if (!holders.empty()) judge_holders(h);
   if (weighs_colliders) add_collider_impulses(h);
   return !budget.is_spent();
 }
@@ -301,7 +274,7 @@ double Simulator::Impl::stretch_after(double h) const {
 void Simulator::Impl::blow(double h) {
   const Points& forces = air.compute(cloth, scene.cloth.material.drag, course.wind, state, workers);
   state.velocities += h * (forces.array().colwise() * cloth.inv_mass.array()).matrix();
-  if (!grips.empty()) impulses += h * forces;
+  if (!holders.empty()) impulses += h * forces;
 }
 
 }  // namespace clothsim

@@ -1,6 +1,8 @@
 // Points of the cloth that are attached to frames while it moves, and what it does to frames and
 // colliders.
 
+#include <algorithm>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -10,6 +12,8 @@
 namespace clothsim {
 
 namespace {
+
+constexpr Range radius_range{0, 1e6, "m"};
 
 /// Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
 /// forces through the substep they would be that much larger.
@@ -23,31 +27,52 @@ void Simulator::Impl::hold_pins(Cloth& cloth) {
 }
 
 void Simulator::Impl::hold_points() {
-  hold_pins(cloth);
-  grips.hold(cloth);
-
-  // Constraints weigh by inverse mass, and leave out pairs that are held on both sides.
-  std::optional<StrainLimit> last_limit = std::move(strain_limit);
-  build_strain_limit();
-  if (last_limit && strain_limit) strain_limit->take_over(std::move(*last_limit));
+  std::vector<Hold> holds;
+  std::vector<std::optional<double>> strengths;
+  for (std::size_t i = 0; i < scene.cloth.pinned.size(); ++i) {
+    holds.push_back({pin_point(i), static_cast<int>(strengths.size())});
+    const std::optional<double>& own = scene.cloth.pinned[i].strength;
+    strengths.push_back(own ? own : scene.cloth.pin_strength);
+  }
+  const int first_grip = static_cast<int>(strengths.size());
+  grips.for_each_held([&](int grip, int point, const Vector3&) {
+    holds.push_back({point, first_grip + grip});
+  });
+  for (const auto& [frame, grip] : grips.all()) strengths.push_back(grip.strength);
+  holders.hold(holds, strengths, cloth, scene.simulation.gravity.norm(), state.positions);
+  follow_holders();
   if (self_contacts) self_contacts->seek_anew();
   disturbed = true;
 }
 
-void Simulator::Impl::add_impulses(double h) {
-  if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
-    solver->add_reactions(cloth, h, impulses);  // as far as it solved
-  } else {
-    grips.add_spring_impulses(cloth, h, state, impulses);
-  }
+void Simulator::Impl::follow_holders() {
+  for (int i = 0; i < cloth.num_points(); ++i) cloth.inv_mass[i] = 1 / cloth.mass[i];
+  holders.apply(cloth);
+  course.served = course.planned = 0;
+}
+
+std::vector<Vector3> Simulator::Impl::hold_targets() const {
+  std::vector<Vector3> targets = pin_targets;
+  grips.for_each_held([&](int, int, const Vector3& place) { targets.push_back(place); });
+  return targets;
+}
+
+void Simulator::Impl::judge_holders(double h) {
   const double scale = as_force(cloth, h);
-  if (strain_limit) strain_limit->add_impulses(scale, impulses);
-  if (self_contacts) self_contacts->add_impulses(scale, impulses);
+  if (holders.any_sticks()) {
+    if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
+      solver->add_reactions(cloth, h, impulses);  // as far as it solved
+    } else {
+      holders.add_spring_impulses(cloth, h, state, impulses);
+    }
+    if (strain_limit) strain_limit->add_impulses(scale, impulses);
+    if (self_contacts) self_contacts->add_impulses(scale, impulses);
+  }
+  if (holders.judge(cloth, h, scale, scene.simulation.gravity, impulses, state)) follow_holders();
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {
-  grips.arrive(before, state);
-  grips.weigh(cloth, scene.simulation.gravity, dt, impulses, before, state);
+  grips.measure(cloth, dt, holders, pin_targets.size(), before, state);
   const std::vector<int> torn = grips.torn();
   if (torn.empty()) return;
   grips.detach(torn);
@@ -67,10 +92,52 @@ void Simulator::Impl::finish_colliders(double dt) {
 }
 
 void Simulator::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
-                       std::optional<double> tear_force) {
+                       const GripForces& forces) {
   check_place(pose);
-  impl_->grips.attach(frame, pose, points, tear_force, impl_->cloth, impl_->state.positions);
+  impl_->grips.attach(frame, pose, points, forces, impl_->holders, impl_->state.positions);
   impl_->hold_points();
+}
+
+std::vector<int> Simulator::free_points_near(const Vector3& position, double radius) const {
+  check_range("radius", radius, radius_range);
+  std::vector<int> free;
+  bool is_any_held = false;
+  for (int i = 0; i < cloth().num_points(); ++i) {
+    if ((row(state().positions, i) - position).norm() > radius) continue;
+    const bool is_held = impl_->holders.holds(i);
+    is_any_held = is_any_held || is_held;
+    if (!is_held) free.push_back(i);
+  }
+  if (!free.empty()) return free;
+  throw InvalidValue(
+      {"radius"},
+      to_text(radius) + (is_any_held ? " with none but points inside that are held already"
+                                     : " with no point inside"),
+      "one about a free point of the cloth");
+}
+
+std::vector<HolderReport> Simulator::holders() const {
+  const Holders& holders = impl_->holders;
+  std::vector<HolderReport> reports;
+  const auto add = [&](const std::string& name, std::size_t first, std::size_t count) {
+    const int number = static_cast<int>(reports.size());
+    HolderReport report{name, holders.point(first), holders.strength(number),
+                        holders.force(number, frame_duration()), 0};
+    for (std::size_t i = first; i < first + count; ++i) {
+      report.lag = std::max(report.lag, holders.lag(i, state().positions));
+    }
+    reports.push_back(report);
+  };
+  std::size_t next = 0;
+  for (const Pin& pin : scene().cloth.pinned) {
+    add("pin [" + std::to_string(pin.column) + ", " + std::to_string(pin.row) + "]", next, 1);
+    ++next;
+  }
+  for (const auto& [frame, grip] : grips()) {
+    add(frame, next, grip.held.size());
+    next += grip.held.size();
+  }
+  return reports;
 }
 
 void Simulator::detach(const std::vector<int>& points) {

@@ -80,6 +80,7 @@ struct Precision {
 /// What one try of a frame goes by.
 struct FrameCourse {
   double dt = 0;           // [s]
+  double h = 0;            // of the substep at hand [s]
   double left = 0;         // of it, with the substep at hand [s]
   double motion_step = 0;  // what all but the springs ask for [s]
   // Of substeps that go on with what an earlier one found, see simulator_search.cpp.
@@ -99,6 +100,7 @@ struct FrameCourse {
   double push = 0;               // most that forces from outside give a point [m/s^2]
   bool recovers = false;         // colliders have pushed out what was in them
   bool repairs_ran_out = false;  // before all springs were within their limit
+  bool gives_way = false;        // the strain limit, in any substep
 };
 
 /// How a try of a frame ended.
@@ -112,16 +114,15 @@ struct Simulator::Impl {
   explicit Impl(const Scene&);
 
   void reset() {
-    if (!grips.empty()) {
-      grips.clear();
-      hold_points();
-    }
     const State first = start_state(scene.cloth, cloth, scene.simulation.seed);
     state = first;  // into the same memory
     pin_targets.resize(scene.cloth.pinned.size());
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();
     }
+    grips.clear();
+    holders = {};
+    hold_points();
     for (std::size_t i = 0; i < colliders.size(); ++i) {
       colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
       colliders[i].enable(scene.colliders[i].enabled);
@@ -200,13 +201,17 @@ struct Simulator::Impl {
   static void hold_pins(Cloth&);
   /// To be called when other points are attached.
   void hold_points();
-  /// Adds to `impulses` what a substep of h [s] gave.
-  void add_impulses(double h);
+  /// To be called when points that are held stick or slip: each of which has another mass then.
+  void follow_holders();
+  /// Where pins and grips are to be as the frame ends [m], as holders have them.
+  std::vector<Vector3> hold_targets() const;
+  /// After a substep of h [s]: what holds on, what gives way.
+  void judge_holders(double h);
   /// Adds to `collider_impulses` what a substep of h [s] gave.
   void add_collider_impulses(double h);
   /// Weighs what colliders carry after a frame of dt [s].
   void finish_colliders(double dt);
-  /// Weighs what grips carry after a frame of dt [s], and lets go what has torn off.
+  /// Measures what grips carry after a frame of dt [s], and lets go what has torn off.
   void finish_grips(double dt, const State& before);
 
   /// Throws where `auto` cannot choose a step for a cloth, naming the value that `key` leads to.
@@ -224,9 +229,9 @@ struct Simulator::Impl {
   Outcome frame(bool may_be_apart, const State& before, StepReport&);
   /// Pins and what is attached set out for where they must be at the frame's end.
   void set_out();
-  /// Pins and colliders arrive there, to the last bit. Pins that the cloth itself blocks stop
-  /// short.
-  void arrive(const State& before);
+  /// Pins and colliders arrive there, to the last bit. Pins that slip, or that the cloth itself
+  /// blocks, stop short.
+  void arrive();
   /// Substeps that the frame begins with.
   int first_substeps();
   /// False where the state has left the finite numbers, or the budget is spent.
@@ -238,10 +243,6 @@ struct Simulator::Impl {
   void tell_reasons(StepReport&) const;
   /// Can what has driven the frame explain its end?
   bool is_explained(const State& before, const StepReport&);
-  /// Are springs so far over their limit that pins or colliders must be asking for it?
-  bool is_overpulled(const StepReport& report) const {
-    return cloth.strain_limit && report.worst_stretch > *cloth.strain_limit + overpulled;
-  }
   /// Gets ready to try a failed frame again. False where nothing is left to try.
   bool recover();
   /// False where the state has left the finite numbers, or the budget is spent.
@@ -274,9 +275,8 @@ struct Simulator::Impl {
   void begin_contact(const ContactStep&, StepReport&);
   /// How closely to solve a step of h [s], to a `tolerance` of strain and its `length` [m].
   Precision precision_of(double h, double tolerance, double length) const;
-  /// Passes over all constraints until they change next to nothing. Whether those of the strain
-  /// limit do.
-  bool solve(bool seeks, StepReport&);
+  /// Passes over all constraints until they change next to nothing.
+  void solve(bool seeks, StepReport&);
   /// Passes over the strain limit in a substep, at most.
   int most_limit_sweeps() const;
   /// Takes from the frame's budget so many visits to each point.
@@ -300,14 +300,11 @@ struct Simulator::Impl {
   double air_speed() const { return course.wind.norm() + longest_row(state.velocities); }
   /// Shortens the springs that are over their limit. Returns the passes taken, at most `most`.
   int shorten(const Cloth&, int most, StepReport&);
-  /// Shortens what is left over its limit, of which the limit learns; `solved`: whether its
-  /// impulses could be found.
-  void repair(const Cloth&, bool solved, StepReport&);
+  /// Shortens what is left over its limit.
+  void repair(const Cloth&, StepReport&);
   /// Holds back what would cross itself, and repairs what hangs on that.
   void guard(const ContactStep&, StepReport&);
   void repair_beside_held(const ContactStep&, StepReport&);
-  /// Has a step asked of the limit what it cannot grant, whatever springs look like?
-  bool is_unmet(bool solved, bool repaired, const StepReport&) const;
   /// Sets the budget of a frame of dt [s], with all that is tried but Newton's steps, of which the
   /// method has a most of its own.
   void allow_work(double dt);
@@ -321,13 +318,11 @@ struct Simulator::Impl {
   int substeps_under_tension(double dt, int least) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
-  /// Do pins or colliders ask for more than the limit grants? Then tension has no end.
-  bool is_pulled_without_end() const;
   /// Can the cloth touch anything in this frame?
-  bool touches() const { return self_contacts || touches_others(); }
+  bool touches() const { return self_contacts || touches_others() || holders.any_slips(); }
   bool touches_others() const { return !course.is_apart && has_colliders(); }
   /// Is no point pinned or attached?
-  bool is_free() const { return (cloth.inv_mass.array() > 0).all(); }
+  bool is_free() const { return holders.empty(); }
   bool has_colliders() const {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
@@ -341,9 +336,6 @@ struct Simulator::Impl {
   bool is_still() const;
   /// What gravity, colliders and air may give a point in this frame, at most [m/s].
   double speed_given() const;
-  /// Do colliders touch the cloth, or pins pull it taut? What the limit cannot grant while they are
-  /// still, it never can.
-  bool is_held() const;
   /// Fastest that the cloth and a collider it may reach in a frame move against each other [m/s].
   double contact_speed() const;
 
@@ -360,6 +352,7 @@ struct Simulator::Impl {
   Workers workers;
   std::vector<Vector3> pin_targets;
   Grips grips;
+  Holders holders;  // of pins, then grips
   bool weighs_colliders = false;
   std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where these are weighed
   std::vector<Wrench> collider_wrenches;  // of the last frame
@@ -380,7 +373,7 @@ struct Simulator::Impl {
   Points start_velocities;  // the same [m/s]
   Points followed;          // velocities that have moved the points, where contact needs them
   Points by_impulses;       // positions before repairs and push-outs, with self contact
-  Points impulses;          // that points had from others in this frame, with grips [N s]
+  Points impulses;          // that points which are held had from others in a substep [N s]
 };
 
 }  // namespace clothsim

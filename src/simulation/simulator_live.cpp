@@ -54,7 +54,7 @@ void Simulator::set(const LiveSpec& live) {
   Cloth cloth = make_grid(spec, live.simulation.gravity.norm());
   const bool springs_changed = !join_alike(impl_->cloth, cloth);
   const bool keeps_apart_anew = cloth.self_collision != impl_->cloth.self_collision;
-  impl_->grips.hold(cloth);
+  impl_->holders.apply(cloth);
   impl_->check_feasible(live.simulation, cloth, {"ks"});
 
   impl_->renew_self_contacts(impl_->cloth, cloth);
@@ -79,7 +79,7 @@ void Simulator::set(const LiveSpec& live) {
     impl_->strain_limit->take_over(std::move(*last_limit));
   }
   impl_->choose(method_changed);
-  impl_->disturbed = true;
+  impl_->hold_points();
   if (keeps_apart_anew) impl_->look_for_crossings();
   if (springs_changed) ++impl_->topology_seq;
 }

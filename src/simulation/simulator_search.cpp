@@ -16,7 +16,8 @@
 namespace clothsim {
 
 bool Simulator::Impl::is_settled() const {
-  return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled();
+  return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled() &&
+         !holders.any_slips();
 }
 
 void Simulator::Impl::plan_search(double h) {

@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Counts up when the numbers that make up a memory change.
-enum { memory_version = 14 };
+enum { memory_version = 15 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -73,6 +73,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
   if (self_contacts) self_contacts->write(memory);
+  holders.write(memory);
 }
 
 bool Simulator::Impl::fits(const std::vector<double>& memory) const {
@@ -113,12 +114,16 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   read_contacts.read(memory, colliders.size(), cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
   if (read_self_contacts) read_self_contacts->read(memory);
+  Holders read_holders = holders;
+  read_holders.read(memory);
   memory.finish();
 
   method = std::move(read_method);
   strain_limit = std::move(read_limit);
   collider_contacts = std::move(read_contacts);
   self_contacts = std::move(read_self_contacts);
+  holders = std::move(read_holders);
+  follow_holders();
   disturbed = read_disturbed;
   is_given = read_given;
   energy_watch = read_energy_watch;
@@ -131,8 +136,18 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     throw InvalidValue({"time"}, to_text(given.time),
                        "a number from 0 to below " + to_text(farthest) + " [s]");
   }
+  // The points that stick are those of the memory, at its end.
+  Holders given_holders = holders;
+  if (memory.size() >= holders.memory_size()) {
+    const auto size = static_cast<std::ptrdiff_t>(holders.memory_size());
+    const std::vector<double> last(memory.end() - size, memory.end());
+    MemoryReader reader(last);
+    given_holders.read(reader);
+  }
+  Cloth held_cloth = cloth;
+  given_holders.apply(held_cloth);
   for (int i = 0; i < cloth.num_points(); ++i) {
-    if (cloth.inv_mass[i] > 0) continue;
+    if (held_cloth.inv_mass[i] > 0) continue;
     const Vector3 here = given.positions.row(i).transpose();
     const Vector3 held = state.positions.row(i).transpose();
     if ((here - held).norm() > written_rounding) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <set>
 
 #include "clothsim/constraints/tension_inertia.h"
 #include "clothsim/dynamics/spectrum.h"
@@ -30,10 +28,6 @@ constexpr double touching_limit = 0.5;
 /// Inertia that tension adds at most, of the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
 /// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
 constexpr double most_added = 0.015;
-
-/// Of what a straight line of springs can reach; a way with corners reaches further. From there on
-/// tension is over six times the weight.
-constexpr double taut = 0.999;
 
 /// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
 /// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
@@ -93,25 +87,6 @@ int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, 
   const double on_either_side = std::sqrt(2) * weight_frequency(cloth, gravity);
   const double most = TensionInertia::share_at(on_either_side, dt);
   return std::max(least, whole_steps(std::sqrt(std::min(share, most) / most_added)));
-}
-
-bool are_pulled_taut(const Cloth& cloth, const Points& positions) {
-  // Any way through free cloth begins and ends at held points beside free ones.
-  std::set<int> held;
-  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
-    if (cloth.inv_mass[a] == 0 && cloth.inv_mass[b] > 0) held.insert(a);
-    if (cloth.inv_mass[b] == 0 && cloth.inv_mass[a] > 0) held.insert(b);
-  });
-  const double reach = taut * (1 + cloth.strain_limit.value());
-  for (auto first = held.begin(); first != held.end(); ++first) {
-    for (auto second = std::next(first); second != held.end(); ++second) {
-      const int a = *first, b = *second;
-      const double apart = (positions.row(b) - positions.row(a)).norm();
-      const double at_rest = (cloth.rest_positions.row(b) - cloth.rest_positions.row(a)).norm();
-      if (apart > reach * at_rest) return true;
-    }
-  }
-  return false;
 }
 
 }  // namespace clothsim

@@ -153,7 +153,9 @@ void Caller::set_simulation() {
 void Caller::attach() {
   std::optional<double> tear_force;
   if (draw_.happens(0.3)) tear_force = is_hostile() ? hostile() : draw_.decades(0.01, 1000);
-  simulator_.attach(draw_.one_of(frames), pose(), points(), tear_force);
+  std::optional<double> strength;
+  if (draw_.happens(0.3)) strength = is_hostile() ? hostile() : draw_.decades(0.01, 1000);
+  simulator_.attach(draw_.one_of(frames), pose(), points(), {tear_force, strength});
 }
 
 void Caller::step() {

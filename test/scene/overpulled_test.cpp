@@ -1,5 +1,5 @@
-// Cloths that are asked for more than their strain limit grants: they stretch by their own
-// stiffness and are still, instead of shaking at metres a second, and hang as ever when let go.
+// Cloths that are asked for more than their strain limit grants: pins give way and lag, the cloth
+// keeps its limit and is still, and it hangs as ever when let go.
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
@@ -35,7 +35,7 @@ void expect_as_ever(Simulator& simulator) {
 /// Pins apart by a share of the cloth's width, at a strain tolerance.
 class PinsApart : public ::testing::TestWithParam<std::tuple<double, double>> {};
 
-TEST_P(PinsApart, StretchTheClothWhichIsStill) {
+TEST_P(PinsApart, LagAndTheClothIsStill) {
   const auto& [share, tolerance] = GetParam();
   Scene scene = hanging();
   scene.simulation.strain_tolerance = tolerance;
@@ -50,11 +50,12 @@ TEST_P(PinsApart, StretchTheClothWhichIsStill) {
   run_on(simulator, 1);
   pull(0, share);
   const StepReport report = run_on(simulator, 4);
-  EXPECT_TRUE(yields(report)) << report.reasons.text();
-  EXPECT_GT(report.worst_stretch, share);
-  const double still = share < 1 ? 0.01 : 0.05;
-  EXPECT_LT(rms_velocity(simulator.state()), still);
-  EXPECT_LT(fastest(simulator.state()), 5 * still);
+  EXPECT_GT(report.lagging, 0);
+  EXPECT_LT(report.worst_stretch, 0.105);
+  EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
+  for (const HolderReport& pin : simulator.holders()) {
+    EXPECT_LE(pin.force, pin.strength * (1 + 1e-9)) << pin.name;
+  }
 
   pull(share, 0);
   expect_as_ever(simulator);
@@ -97,9 +98,11 @@ TEST_P(BallAgainst, AHeldClothStretchesItWhichIsStill) {
   };
   lift_to(1.25, speed);
   const StepReport report = run_on(simulator, 4);
-  EXPECT_TRUE(yields(report)) << report.reasons.text();
-  EXPECT_LT(rms_velocity(simulator.state()), 0.02);
-  EXPECT_LT(fastest(simulator.state()), 0.1);
+  EXPECT_GT(report.lagging, 0);
+  // The pins of a border bear more together than steps can carry: the limit gives way, and trembles.
+  const double still = border ? 0.04 : 0.02;
+  EXPECT_LT(rms_velocity(simulator.state()), still);
+  EXPECT_LT(fastest(simulator.state()), 5 * still);
   EXPECT_LT(deepest_penetration(simulator), 1e-3);
 
   lift_to(0.2, 0.5);
@@ -161,7 +164,7 @@ TEST(Overpulled, ASmallStiffClothIsStillWhereAPinIsFar) {
   Simulator simulator(scene);
   simulator.move_pin(2, {0.017, 0.104, 0.92});  // four times as far from the next pin, in a frame
   const StepReport report = run_on(simulator, 5);
-  EXPECT_TRUE(yields(report)) << report.reasons.text();
+  EXPECT_GT(report.lagging, 0);
   EXPECT_LT(rms_velocity(simulator.state()), 0.1);
 }
 
@@ -218,8 +221,10 @@ TEST_P(TiltedBox, UnderASoftHeavyClothStretchesItLittleMoreThanItsLimit) {
 INSTANTIATE_TEST_SUITE_P(Tilts, TiltedBox, ::testing::Values(0.2, 0.5, 0.9));
 
 TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
-  // Cells four times as long as at rest, of which a rod a quarter as thick comes in the middle.
+  // Cells four times as long as at rest, by pins of any strength, of which a rod a quarter as thick
+  // comes in the middle.
   Scene scene = hanging(10);
+  scene.cloth.pin_strength = strength_range.max;
   scene.cloth.pinned.clear();
   for (const int row : {0, 9}) {
     for (int column = 0; column < 10; ++column) scene.cloth.pinned.push_back({column, row, ""});

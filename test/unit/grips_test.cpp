@@ -36,7 +36,7 @@ void hold_corners(Simulator& simulator) {
 TEST(Grips, FreePointsNearAPlaceAreThoseThatNothingHolds) {
   Simulator simulator(free_cloth());
   const auto near = [&](double radius, const Vector3& place = Vector3(0, 0, 1)) {
-    return free_points_near(simulator.cloth(), simulator.state().positions, place, radius);
+    return simulator.free_points_near(place, radius);
   };
   const double spacing = 1.0 / 9;
   EXPECT_EQ(near(1.01 * spacing), (std::vector<int>{0, 1, 10}));
@@ -50,7 +50,7 @@ TEST(Grips, FreePointsNearAPlaceAreThoseThatNothingHolds) {
 
 TEST(Grips, PointsKeepTheirOffsetsInTheFrame) {
   Simulator simulator(free_cloth());
-  simulator.attach("hand", at(0.1, 0, 1), {0, 1, 10});
+  simulator.attach("hand", at(0.1, 0, 1), {0, 1, 10}, {{}, strength_range.max});
   simulator.step();
   EXPECT_EQ(simulator.state().positions.row(0), simulator.cloth().rest_positions.row(0));
 
@@ -105,8 +105,9 @@ TEST(Grips, MomentumBalancesHoweverFewStepsXpbdTakes) {
       if (is_fabric) scene.cloth.material.fabric = {{600, 450}, 25, {1e-3, 1e-3}, {1e-4, 1e-2}};
       scene.simulation.substeps = substeps;
       Simulator simulator(scene);
-      simulator.attach("hand", at(0, 0, 1), {0, 1});
-      simulator.attach("other", at(0, 0.1, 1), {10});  // with springs between the hands
+      const GripForces rigid{{}, strength_range.max};
+      simulator.attach("hand", at(0, 0, 1), {0, 1}, rigid);
+      simulator.attach("other", at(0, 0.1, 1), {10}, rigid);  // with springs between the hands
       const double mass = simulator.cloth().mass.sum();
       for (int i = 1; i <= 30; ++i) {
         simulator.move_grip("hand", at(0.2 * std::sin(0.1 * i), 0, 1));
@@ -169,8 +170,8 @@ TEST(Grips, ForceOfAnAccelerationIsThatOfTheMassMoved) {
 
 TEST(Grips, TearOffAboveTheForce) {
   Simulator simulator(free_cloth());
-  simulator.attach("weak", at(0, 0, 1), {0, 1}, 10);
-  simulator.attach("strong", at(1, 0, 1), {9}, 1e4);
+  simulator.attach("weak", at(0, 0, 1), {0, 1}, {10, {}});
+  simulator.attach("strong", at(1, 0, 1), {9}, {1e4, {}});
   run(simulator, 2);
   EXPECT_EQ(simulator.grips().count("weak"), 0u);
   EXPECT_EQ(simulator.grips().count("strong"), 1u);
@@ -280,7 +281,7 @@ TEST(Grips, RefuseAndChangeNothing) {
   const auto refused = [&](const std::vector<int>& points, std::optional<double> tear_force,
                            const std::string& message) {
     try {
-      simulator.attach("right", at(1, 0, 1), points, tear_force);
+      simulator.attach("right", at(1, 0, 1), points, {tear_force, {}});
       ADD_FAILURE() << "accepted: " << message;
     } catch (const InvalidValue& error) {
       EXPECT_EQ(std::string(error.what()).find(message), 0u) << error.what();

@@ -26,7 +26,7 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 }
 
 constexpr const char* cloth_keys =
-    "width, height, columns, rows, orientation, origin, pinned, springs, ks, untangle, fabric, "
+    "width, height, columns, rows, orientation, origin, pinned, pin_strength, springs, ks, untangle, fabric, "
     "self_collision, density, damping, drag, strain_limit, thickness, friction, "
     "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
 
@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.springs.bend: got an unknown key, expected one of structural, shear, "
                 "bending"},
         Mistake{"cloth.pinned.1.link=hand",
-                "cloth.pinned.1.link: got an unknown key, expected one of point, frame"},
+                "cloth.pinned.1.link: got an unknown key, expected one of point, frame, strength"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got an unknown key, expected one of name, shape, friction, "
                 "frame, enabled, pose, point, normal, two_sided"},

@@ -71,7 +71,7 @@ std::string urdf_file() {
 
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
-    {{"cloth.pinned"}, "cloth: {pinned: [{", "}]}"},
+    {{"cloth.pinned"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
     {{"cloth.springs"}, "cloth: {springs: {", "}}"},
     {{"colliders", "colliders: sphere"}, "{cloth: {}, colliders: [{shape: sphere, ", "}]}"},
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},

@@ -35,15 +35,13 @@ struct alignas(32) FourSprings {
 struct LimitStep {
   double h;
   double reach;
-  double active;      // share of all springs that are at their limit
-  double rate;        // at which a violation is worked off [1/s]
-  double insistence;  // share of what is worked off a violation where the limit can be met
-  double most_kept;   // of a kick that the step begins with [m/s]
+  double active;  // share of all springs that are at their limit
+  double rate;    // at which a violation is worked off [1/s]
 };
 
-/// Makes kicks `scale` times as large, up to step.most_kept, gives them to the points, and keeps
-/// what makes their impulses: `kicks` [m/s] and `masses` [kg] by spring.
-void resume_springs(LimitStep, double scale, std::size_t fours, FourSprings* springs, double* kicks,
+/// Makes kicks `scale` times as large, gives them to the points, and keeps what makes their
+/// impulses: `kicks` [m/s] and `masses` [kg] by spring.
+void resume_springs(double scale, std::size_t fours, FourSprings* springs, double* kicks,
                     double* masses, Quad* velocities);
 
 /// What turns springs' impulses into their present directions. Positions, with inverse masses, and

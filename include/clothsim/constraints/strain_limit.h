@@ -22,10 +22,6 @@ namespace clothsim {
 /// yet not further, or springs that hold others up go slack.
 inline constexpr double precision = 20;
 
-/// Stretch over the strain limit [of a rest length] that pins or colliders must be asking for:
-/// others' pulls make less.
-inline constexpr double overpulled = 0.05;
-
 /// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
 ///
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
@@ -40,11 +36,9 @@ inline constexpr double overpulled = 0.05;
 /// What a shock leaves over the limit beyond a tolerance is taken out of positions alone: the
 /// velocities have been solved already, and following this too would shake a soft cloth for ever.
 ///
-/// Pins, fingers and colliders can ask for more than the limit grants. Passes run out then, step
-/// after step, and kept impulses grow without end. After some such steps the limit yields, until
-/// passes do again: it works off less and less of what springs are over it, repairs none, and gives
-/// impulses from which a step does not swing. Springs then stretch by their own stiffness. Where it
-/// is held to that by what stands still, it tries again less and less often.
+/// The limit has a strength: the impulses that a step begins with are no more than it can carry, or
+/// they would throw points from side to side. Where that bites, springs stretch beyond their limit,
+/// by their own stiffness, and the step repairs none.
 ///
 /// Only springs at the limit are swept; all are checked. Springs are swept by colour, no two of a
 /// colour sharing a point, so the result does not depend on how a colour is split over threads.
@@ -105,7 +99,7 @@ class StrainLimit {
   void learn_tension();
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
-  /// in at most `most` passes; none where the limit yields. Returns the passes taken.
+  /// in at most `most` passes; none where the limit gives way. Returns the passes taken.
   int correct(const Cloth& cloth, double tolerance, int most, Points& positions,
               const Workers& = {});
 
@@ -114,28 +108,8 @@ class StrainLimit {
   double violation(const Cloth& cloth, double tolerance, const Points& positions,
                    const Workers& = {});
 
-  /// Do the impulses let points swing faster than steps can follow? They grow so where pins or
-  /// colliders ask for more than the limit grants, though repairs may hide it.
-  bool outruns_steps() const;
-
-  /// Learns from a step what violation passes that ran out have left, 0 where they did not: to be
-  /// called once after each.
-  void learn(double violation);
-
-  /// Soon tries again what it could not grant: what asks for it has moved.
-  void try_anew() {
-    trust_ = 1;
-    least_unmet_ = 0;
-  }
-
-  /// Yields from now on, until passes do again.
-  void give_way() { doubt_ = 2 * patience; }
-
-  /// Was more asked of it of late than it could grant?
-  bool is_in_doubt() const { return doubt_ > 0; }
-
-  /// Is more asked of it than it can grant?
-  bool yields() const { return doubt_ > patience; }
+  /// Have impulses reached its strength in the last step?
+  bool gives_way() const { return gives_way_; }
 
   /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
   /// springs between neighbours that stay: omega^2 = sum T / (m l).
@@ -176,11 +150,6 @@ class StrainLimit {
     std::uint64_t second;  // bits of those of the direction's second colour
   };
 
-  /// Time in which no step can meet the limit before it yields [s]: no shock lasts so long. Less,
-  /// the further a spring is over it. Beyond, what is worked off falls to a half in each longest
-  /// step, for as long again at most.
-  static constexpr double patience = 0.1;
-
   struct Constraint {
     int a;
     int b;
@@ -209,7 +178,8 @@ class StrainLimit {
   void for_each_active(Visitor&& visit) const;
   void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
                      const Points* before);
-  double insistence() const;
+  std::vector<double> tension_across() const;
+  void bound_impulses(double scale);
   bool is_slack() const { return slack_ > step_.h; }
   double slack(const Cloth&, const State&) const;
   bool find_active(const Points& positions, const Workers&);
@@ -231,15 +201,13 @@ class StrainLimit {
   bool find_over_again(const Cloth&, double tolerance, const Points& positions);
   void list_springs_of_points(const Cloth&);
 
-  double longest_;          // 1 + limit
-  double shortest_;         // rest length [m]
-  LimitStep step_{};        // that the impulses belong to
-  double trust_ = 1;        // share of the relief that it takes, see strain_limit.cpp
-  double least_unmet_ = 0;  // violation at which it began to yield since try_anew(); 0: it did not
-  double doubt_ = 0;        // time of steps that could not meet it, less others [s]
-  double momentum_ = 1;     // strength that solve() ended with
-  double most_kick_ = 0;    // of this step, see FourSprings [m/s]
-  double slack_ = 0;        // time until a spring may reach its limit [s]
+  double longest_;        // 1 + limit
+  double shortest_;       // rest length [m]
+  LimitStep step_{};      // that the impulses belong to
+  double momentum_ = 1;   // strength that solve() ended with
+  double most_kick_ = 0;  // of this step, see FourSprings [m/s]
+  bool gives_way_ = false;
+  double slack_ = 0;  // time until a spring may reach its limit [s]
   double others_ = std::numeric_limits<double>::infinity();  // see set_out() [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;  // in the order of cloth.springs

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -46,6 +47,7 @@ struct Pin {
   int column = 0;
   int row = 0;
   std::string frame;  // tf frame the pin follows with its start offset; empty: it stays
+  std::optional<double> strength{};  // [N] that it pulls with at most; empty: pin_strength
 };
 
 enum class Orientation { horizontal, vertical };
@@ -66,12 +68,16 @@ struct ClothSpec {
   Orientation orientation = Orientation::horizontal;
   Vector3 origin{0, 0, 1};  // [m] of point (0, 0)
   std::vector<Pin> pinned;
+  std::optional<double> pin_strength;  // [N] of pins without their own; empty: default_strength()
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   SelfCollision self_collision = SelfCollision::off;
   double friction = 0.3;  // Coulomb's coefficient of the cloth on itself
   bool untangle = false;  // takes apart a state that is set and crosses itself
 };
+
+/// Force [N] that a pin or a grip pulls with at most.
+inline constexpr Range strength_range{1e-9, 1e12, "N"};
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);

@@ -21,7 +21,8 @@ struct NodeStatus {
   double factor_asked = 1;               // 0: as fast as possible
   std::optional<double> factor_reached;  // empty: nothing to measure
   TimeShares::Shares time;
-  clothsim::StepReport report;            // of the last frame
+  clothsim::StepReport report;  // of the last frame
+  std::vector<clothsim::HolderReport> holders;
   std::optional<double> strain_limit;     // empty: off
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;

@@ -43,6 +43,7 @@ struct AttachPoints {
   std::vector<int> points;           // empty: those free within `radius` of the frame
   double radius = 0;                 // [m]
   std::optional<double> tear_force;  // [N]
+  std::optional<double> strength;    // [N]
 };
 
 /// A frame lets go.

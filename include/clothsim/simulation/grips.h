@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/constraints/holders.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 #include "clothsim/model/wrench.h"
@@ -12,9 +13,11 @@
 
 namespace clothsim {
 
-/// Puts a point that a frame brought from where it was `before` to `target` [m] there to the last
-/// bit. One that was held back on its way stays where it is.
-void arrive_at(const Vector3& target, int point, const State& before, State&);
+/// Forces that bound a grip.
+struct GripForces {
+  std::optional<double> tear_force;  // [N]
+  std::optional<double> strength;    // [N]
+};
 
 /// Points of a cloth that a frame carries about, as a hand does.
 struct Grip {
@@ -25,25 +28,22 @@ struct Grip {
   std::vector<Held> held;
   Pose pose;                         // of the frame, at the end of the next frame of simulation
   std::optional<double> tear_force;  // [N] beyond which it lets go; empty: never
-  Wrench wrench;  // that the cloth put on the frame, about its origin: mean of the last step
+  std::optional<double> strength;    // [N] that it pulls with at most; empty: default_strength()
+  Wrench wrench;   // that the cloth put on the frame, about its origin: mean of the last step
+  double lag = 0;  // of the point that is farthest behind its place in the frame [m]
 };
 
-/// The points within `radius` [m] of `position` that nothing holds, ascending. Throws InvalidValue
-/// with the key {"radius"} where there is none, and for a radius that is no number from 0 to 1e6.
-std::vector<int> free_points_near(const Cloth&, const Points& positions, const Vector3& position,
-                                  double radius);
-
-/// All grips of a simulation, by the name of their frame. Held points are of infinite mass and move
-/// in a straight line through each frame of simulation.
+/// All grips of a simulation, by the name of their frame. Each of their points moves in a straight
+/// line through each frame of simulation.
 class Grips {
  public:
   const std::map<std::string, Grip>& all() const { return all_; }
   bool empty() const { return all_.empty(); }
 
-  /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"} and changes nothing: for a
-  /// point that is none of the cloth's, or is held already.
+  /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"}, {"strength"} and changes
+  /// nothing: for a point that is none of the cloth's, or that `holders` have already.
   void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
-              std::optional<double> tear_force, const Cloth&, const Points& positions);
+              const GripForces&, const Holders& holders, const Points& positions);
 
   /// Throws InvalidValue with the key {"points", "3"} for a point that is not attached.
   void detach(const std::vector<int>& points);
@@ -52,22 +52,20 @@ class Grips {
 
   void clear() { all_.clear(); }
 
-  /// Takes the mass of held points from the cloth.
-  void hold(Cloth&) const;
+  /// Calls visit(number of the grip, point, where it is to be [m]) for all points, in an order that
+  /// stays while nothing is attached or detached.
+  template <typename Visit>
+  void for_each_held(Visit&& visit) const {
+    int number = 0;
+    for (const auto& [frame, grip] : all_) {
+      for (const Grip::Held& held : grip.held) visit(number, held.point, place(grip, held));
+      ++number;
+    }
+  }
 
-  /// Gives held points the velocities that bring them where they must be in dt [s].
-  void set_out(double dt, State&) const;
-
-  /// Puts held points there, to the last bit, but for those held back on their way.
-  void arrive(const State& before, State&) const;
-
-  /// Sets wrenches after a step of dt [s] in which the cloth gave its points `impulses` [N s], N
-  /// x 3.
-  void weigh(const Cloth&, const Vector3& gravity, double dt, const Points& impulses,
-             const State& before, const State& after);
-
-  /// Adds what springs and bends give the held points in h [s] in `state`.
-  void add_spring_impulses(const Cloth&, double h, const State&, Points& impulses) const;
+  /// Sets wrenches and lags after a step of dt [s]. `first`: of the grips' points in `holders`.
+  void measure(const Cloth&, double dt, const Holders& holders, std::size_t first,
+               const State& before, const State& after);
 
   /// The points of grips that pull harder than they hold.
   std::vector<int> torn() const;

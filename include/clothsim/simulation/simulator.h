@@ -36,6 +36,16 @@ struct StepReport {
   int pinched_point = -1;    // one of them
   int slipping = 0;          // of the pinched that friction could hold: pulled out, last substep
   int crossings = 0;         // pairs of triangles, see Simulator::given_crossings()
+  int lagging = 0;           // points behind the places of the pins and grips that hold them
+};
+
+/// How a pin or a grip holds on, over the last step.
+struct HolderReport {
+  std::string name;  // of the grip's frame, or "pin [column, row]"
+  int first_point;   // of its points
+  double strength;   // [N] that it can pull with
+  double force;      // [N] that it pulls with, the mean over the step
+  double lag;        // [m] of the point that is farthest behind its place; 0 where it sticks
 };
 
 /// Owns all state of a scene and advances it frame by frame. Not thread-safe.
@@ -147,12 +157,18 @@ class Simulator {
   void place_pin(int index, const Vector3& position);
 
   /// From the next frame on, `points` follow a frame of that name, now at `pose`, with the offsets
-  /// that they have in it. Beyond `tear_force` [N] on the frame, the mean of one step(), it lets go
-  /// of all its points; of calls for one frame the last one's holds. Until reset(). Throws
-  /// InvalidValue with the keys {"points", "3"} or {"tear_force"} and changes nothing: without
+  /// that they have in it, as long as the cloth pulls with less than the grip's strength: see
+  /// Holders. Beyond the tear force on the frame, the mean of one step(), it lets go of all its
+  /// points; of calls for one frame the last one's forces hold. Until reset(). Throws InvalidValue
+  /// with the keys {"points", "3"}, {"tear_force"} or {"strength"} and changes nothing: without
   /// points, for points that are none, given twice, pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
-              std::optional<double> tear_force = {});
+              const GripForces& forces = {});
+
+  /// The points within `radius` [m] of `position` that nothing holds, ascending. Throws
+  /// InvalidValue with the key {"radius"} where there is none, and for a radius that is no number
+  /// from 0 to 1e6.
+  std::vector<int> free_points_near(const Vector3& position, double radius) const;
 
   /// Lets points go, with the velocity they have. Throws InvalidValue for one that is not attached.
   void detach(const std::vector<int>& points);
@@ -160,6 +176,10 @@ class Simulator {
   /// Moves the frame to `target` during the next frame of simulation, each of its points in a
   /// straight line.
   void move_grip(const std::string& frame, const Pose& target);
+
+  /// All that hold points: pins as in the scene, then grips by frame. Zero forces before the first
+  /// step().
+  std::vector<HolderReport> holders() const;
 
   /// By frame, with what the cloth did to it in the last step().
   const std::map<std::string, Grip>& grips() const;

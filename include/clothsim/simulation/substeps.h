@@ -51,8 +51,4 @@ int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, 
 /// than the limit grants, tension has no end. At least `least`.
 int substeps_at_share(const Cloth&, const Vector3& gravity, double share, double dt, int least = 1);
 
-/// Do two points that are held ask for all that the strain limit grants, within 1 %, or more? Then
-/// it pulls without end, and springs part the faster the shorter the steps. Needs a strain limit.
-bool are_pulled_taut(const Cloth&, const Points& positions);
-
 }  // namespace clothsim

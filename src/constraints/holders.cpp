@@ -1,0 +1,345 @@
+#include "clothsim/constraints/holders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/dynamics/drag.h"
+#include "clothsim/dynamics/springs.h"
+
+namespace clothsim {
+namespace {
+
+/// Weights of the cloth that a holder bears unless told otherwise. A cloth that falls from level
+/// into its pins pulls each with up to 1.4, a hand that shakes it at 2 g feels as much.
+constexpr double borne_weights = 3;
+
+/// Stretch up to which it pulls a cloth without strain limit.
+constexpr double usual_stretch = 0.1;
+
+/// Share f of the strength that rubs where a point slips.
+constexpr double slip_friction = 0.1;
+
+/// Time [s] in which a point that has slipped comes back, where that takes less than
+/// recovery_speed.
+constexpr double return_time = 0.1;
+
+/// Distance from its target at which a point sticks again, of the shortest spring.
+constexpr double stick_share = 1e-3;
+
+Vector3 shortened(const Vector3& v, double most) {
+  const double length = v.norm();
+  return length > most ? Vector3(most / length * v) : v;
+}
+
+/// Is a point where it was to be, but for the roundings of some thousand steps?
+bool is_at(const Vector3& x, const Vector3& place) {
+  constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
+  return (x - place).norm() <= rounding * std::max({1.0, x.norm(), place.norm()});
+}
+
+}  // namespace
+
+void Holders::hold(const std::vector<Hold>& holds,
+                   const std::vector<std::optional<double>>& strengths, const Cloth& cloth,
+                   double gravity, const Points& positions) {
+  const std::vector<Point> last = std::move(points_);
+  points_.clear();
+  for (const Hold& h : holds) {
+    const auto known = std::find_if(last.begin(), last.end(),
+                                    [&](const Point& p) { return p.hold.point == h.point; });
+    if (known != last.end()) {
+      points_.push_back(*known);
+      points_.back().hold = h;
+      continue;
+    }
+    Point p;
+    p.hold = h;
+    p.start = p.target = row(positions, h.point);
+    points_.push_back(p);
+  }
+  of_holder_.assign(strengths.size(), {});
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    points_[i].mass = cloth.mass[points_[i].hold.point];
+    of_holder_[static_cast<std::size_t>(points_[i].hold.holder)].push_back(i);
+  }
+  stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
+  list_springs(cloth);
+  const double weight = cloth.mass.sum() * std::max(gravity, least_gravity);
+  std::vector<double> usual(strengths.size(), borne_weights * weight);
+  for (const Spring& s : springs_) {
+    const auto holder = static_cast<std::size_t>(points_[s.point].hold.holder);
+    usual[holder] += s.stiffness * cloth.strain_limit.value_or(usual_stretch) * s.rest_length;
+  }
+  strengths_.clear();
+  for (std::size_t k = 0; k < strengths.size(); ++k) {
+    strengths_.push_back(strengths[k].value_or(usual[k]));
+  }
+  count_slipping();
+}
+
+double Holders::force(int holder, double dt) const {
+  double sum = 0;
+  for (const std::size_t i : of_holder_[static_cast<std::size_t>(holder)]) {
+    sum += points_[i].frame_impulse.norm() / dt;
+  }
+  return sum;
+}
+
+double Holders::work() const {
+  double sum = 0;
+  for (const Point& p : points_) sum += p.slips ? p.work : 0;
+  return sum;
+}
+
+bool Holders::holds(int point) const {
+  return std::any_of(points_.begin(), points_.end(),
+                     [&](const Point& p) { return p.hold.point == point; });
+}
+
+void Holders::list_springs(const Cloth& cloth) {
+  springs_.clear();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const int i = points_[k].hold.point;
+    for (const PairBand& band : cloth.pairs) {
+      for (const int first : {i, i - band.offset}) {
+        if (first < 0 || first >= static_cast<int>(band.bend.size())) continue;
+        const double spring = band.spring.size() == 0 ? 0 : band.spring[first];
+        if (spring == 0 && band.bend[first] == 0) continue;
+        const int other = first == i ? i + band.offset : first;
+        springs_.push_back({k, other, spring, band.rest_length, band.bend[first]});
+      }
+    }
+    if (!cloth.pairs.empty()) continue;
+    for (const SpringRun& run : cloth.springs) {
+      for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
+        if (first < run.first || first >= run.first + run.count) continue;
+        const int other = first == i ? i + run.offset : first;
+        springs_.push_back({k, other, run.stiffness, run.rest_length, 0});
+      }
+    }
+  }
+}
+
+void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& state,
+                                  Points& impulses) const {
+  const auto& [of_springs, of_bends] = cloth.internal_damping;
+  for (const Spring& s : springs_) {
+    const Point& p = points_[s.point];
+    if (p.slips) continue;
+    const int i = p.hold.point;
+    const Vector3 d = row(state.positions, s.other) - row(state.positions, i);
+    const Vector3 rate = row(state.velocities, s.other) - row(state.velocities, i);
+    Vector3 force = s.bend * (d + of_bends * rate);
+    const double length = d.norm();
+    if (length > 0) {
+      const Vector3 u = d / length;
+      force += s.stiffness * (length - s.rest_length + of_springs * u.dot(rate)) * u;
+    }
+    impulses.row(i) += h * force.transpose();
+  }
+}
+
+void Holders::clear_rows(Points& impulses) const {
+  for (const Point& p : points_) impulses.row(p.hold.point).setZero();
+}
+
+void Holders::count_slipping() {
+  slipping_ = static_cast<std::size_t>(
+      std::count_if(points_.begin(), points_.end(), [](const Point& p) { return p.slips; }));
+}
+
+void Holders::apply(Cloth& cloth) const {
+  for (const Point& p : points_) {
+    cloth.inv_mass[p.hold.point] = p.slips ? 1 / cloth.mass[p.hold.point] : 0;
+  }
+}
+
+/// Where the holder has the point now.
+Vector3 Holders::place_now(const Point& p) const {
+  const double left = dt_ - p.begun;
+  return left > 0 ? Vector3(p.start + (elapsed_ - p.begun) / left * (p.target - p.start)) : p.start;
+}
+
+void Holders::begin_frame(const std::vector<Vector3>& targets, double dt, State& state) {
+  dt_ = dt;
+  elapsed_ = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    Point& p = points_[i];
+    p.start = p.slips ? p.target : row(state.positions, p.hold.point);
+    p.begun = 0;
+    p.target = targets[i];
+    p.frame_impulse.setZero();
+    p.work = 0;
+    if (!p.slips) state.velocities.row(p.hold.point) = (p.target - p.start).transpose() / dt;
+  }
+}
+
+void Holders::end_frame(State& state) const {
+  for (const Point& p : points_) {
+    if (p.slips || !is_at(row(state.positions, p.hold.point), p.target)) continue;
+    state.positions.row(p.hold.point) = p.target.transpose();
+  }
+}
+
+void Holders::place(std::size_t hold, const Vector3& target, State& state) {
+  Point& p = points_[hold];
+  p.start = p.target = target;
+  p.slips = false;
+  state.positions.row(p.hold.point) = target.transpose();
+  count_slipping();
+}
+
+void Holders::release(Point& p, double most, const Vector3& impulse) {
+  p.slips = true;
+  p.most = most;
+  p.impulse = impulse;
+}
+
+bool Holders::begin_substep(double h, const Cloth& cloth,
+                            const std::vector<MovingCollider>& colliders, const Points& positions) {
+  elapsed_ += h;
+  bool changes = false;
+  for (Point& p : points_) {
+    const Vector3 x = row(positions, p.hold.point);
+    p.is_touched = std::any_of(colliders.begin(), colliders.end(), [&](const MovingCollider& c) {
+      if (!c.reaches({x, x}, 2 * cloth.offset)) return false;
+      const Vector3 local = to_local(c.pose(), x);
+      return signed_distance(c.shape(), local, local).value < cloth.offset;
+    });
+    if (!p.is_touched || p.slips) continue;
+    release(p, strengths_[static_cast<std::size_t>(p.hold.holder)], Vector3::Zero());
+    changes = true;
+  }
+  if (changes) count_slipping();
+  return changes;
+}
+
+void Holders::warm_start(const Cloth& cloth, const ContactStep& step, State& state) {
+  const double scale = h_ > 0 ? step.h / h_ : 0;
+  h_ = step.h;
+  time_ = Drag(cloth.damping, h_).distance;
+  if (!any_slips()) return;
+  for (Point& p : points_) {
+    if (!p.slips) continue;
+    const int i = p.hold.point;
+    p.carried = (p.target - p.start) / (dt_ - p.begun);
+    const Vector3 x = row(state.positions, i) - step.reach * step.h * row(step.drifted, i);
+    const Vector3 way = place_now(p) - x;
+    const double distance = way.norm();
+    p.want = distance > 0 ? Vector3(std::min(1 / return_time, recovery_speed / distance) * way)
+                          : Vector3::Zero();
+    p.impulse = shortened(scale * p.impulse, p.most * time_);
+    state.velocities.row(i) += cloth.inv_mass[i] * p.impulse.transpose();
+  }
+}
+
+double Holders::solve_pass(Points& velocities) {
+  double largest = 0;
+  for (Point& p : points_) {
+    if (!p.slips) continue;
+    const double strongest = p.most * time_, returning = (1 - slip_friction) * strongest;
+    const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
+    // The impulse that leaves it at rest on its holder: does it pull towards the target?
+    const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
+    const Vector3 impulse = leaves ? shortened(rest, strongest)
+                                   : shortened(rest + p.mass * p.want, returning);
+    const Vector3 change = (impulse - p.impulse) / p.mass;
+    p.impulse = impulse;
+    velocities.row(p.hold.point) += change.transpose();
+    largest = std::max(largest, change.norm());
+  }
+  return largest;
+}
+
+bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& gravity,
+                    const Points& impulses, State& state) {
+  for (Point& p : points_) {
+    const int i = p.hold.point;
+    const Vector3 v = row(state.velocities, i);
+    if (p.slips) {
+      p.given = -scale * p.impulse;
+    } else {
+      p.given = row(impulses, i) + h * p.mass * (gravity - cloth.damping * v);
+    }
+    p.frame_impulse += p.given;
+    p.work += std::abs(p.given.dot(v));
+  }
+
+  bool changes = false;
+  for (std::size_t k = 0; k < strengths_.size(); ++k) {
+    changes = give_way(of_holder_[k], strengths_[k], h) || changes;
+  }
+  for (Point& p : points_) {
+    const Vector3 x = row(state.positions, p.hold.point), place = place_now(p);
+    if (!p.slips) {
+      if (is_at(x, place)) continue;
+      release(p, p.most, -p.given);  // the cloth was in its way
+    } else {
+      const bool holds = p.impulse.norm() < (1 - slip_friction) * p.most * time_;
+      if (p.is_touched || !holds || (place - x).norm() > stick_distance_) continue;
+      p.slips = false;
+      p.start = x;
+      p.begun = elapsed_;
+      const double left = dt_ - elapsed_;
+      if (left > h / 2) state.velocities.row(p.hold.point) = (p.target - x).transpose() / left;
+    }
+    changes = true;
+  }
+  if (changes) count_slipping();
+  return changes;
+}
+
+/// Shares a holder's strength among its points: each bears what pulls it up to a most that is the
+/// same for all, so that the sum is the strength.
+bool Holders::give_way(const std::vector<std::size_t>& points, double strength, double h) {
+  std::vector<double> loads;  // [N] of those that stick
+  for (const std::size_t i : points) {
+    if (!points_[i].slips) loads.push_back(points_[i].given.norm() / h);
+  }
+  std::sort(loads.begin(), loads.end());
+  double left = strength;
+  std::size_t sharers = points.size();
+  for (const double load : loads) {
+    if (load * static_cast<double>(sharers) > left) break;
+    left -= load;
+    --sharers;
+  }
+  const double most =
+      sharers > 0 ? left / static_cast<double>(sharers) : std::numeric_limits<double>::infinity();
+  bool changes = false;
+  for (const std::size_t i : points) {
+    Point& p = points_[i];
+    p.most = sharers > 0 ? most : strength;
+    if (p.slips || p.given.norm() <= most * h) continue;
+    release(p, most, shortened(-p.given, most * h));
+    changes = true;
+  }
+  return changes;
+}
+
+void Holders::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  for (const Point& p : points_) {
+    memory.add(p.slips);
+    memory.add(p.most);
+    memory.add(p.impulse);
+    memory.add(p.target);
+  }
+}
+
+std::size_t Holders::memory_size() const { return 1 + points_.size() * (1 + 1 + 3 + 3); }
+
+void Holders::read(MemoryReader& memory) {
+  h_ = std::max(0.0, memory.number());
+  for (Point& p : points_) {
+    p.slips = memory.index(2) == 1;
+    p.most = std::max(0.0, memory.number());
+    p.impulse = memory.vector();
+    p.target = memory.vector();
+  }
+  count_slipping();
+}
+
+}  // namespace clothsim
