@@ -12,8 +12,9 @@ namespace clothsim {
 namespace {
 
 /// Weights of the cloth that a holder bears unless told otherwise. A cloth that falls from level
-/// into its pins pulls each with up to 1.4, a hand that shakes it at 2 g feels as much.
-constexpr double borne_weights = 3;
+/// into its pins pulls each with up to 1.4, a frame that turns one by a right angle in a third of a
+/// second with 5.
+constexpr double borne_weights = 10;
 
 /// Stretch up to which it pulls a cloth without strain limit.
 constexpr double usual_stretch = 0.1;
@@ -28,9 +29,24 @@ constexpr double return_time = 0.1;
 /// Distance from its target at which a point sticks again, of the shortest spring.
 constexpr double stick_share = 1e-3;
 
+/// Speed from which a held point presses on a collider [m/s]: slower are roundings of a frame that
+/// carries both.
+constexpr double least_approach = 1e-6;
+
 Vector3 shortened(const Vector3& v, double most) {
   const double length = v.norm();
   return length > most ? Vector3(most / length * v) : v;
+}
+
+/// Does a point that a holder moves at velocity `v` [m/s] press on a collider, which it touches?
+bool is_pressed_into(const MovingCollider& collider, const Vector3& x, const Vector3& v,
+                     double offset) {
+  if (!collider.reaches({x, x}, 2 * offset)) return false;
+  const Vector3 local = to_local(collider.pose(), x);
+  const Distance distance = signed_distance(collider.shape(), local, local);
+  if (distance.value >= offset) return false;
+  const Vector3 normal = collider.pose().orientation * distance.normal;
+  return normal.dot(v - collider.velocity_at(x)) < -least_approach;
 }
 
 /// Is a point where it was to be, but for the roundings of some thousand steps?
@@ -156,6 +172,10 @@ void Holders::apply(Cloth& cloth) const {
   }
 }
 
+Vector3 Holders::velocity_now(const Point& p) const {
+  return (p.target - p.start) / (dt_ - p.begun);
+}
+
 /// Where the holder has the point now.
 Vector3 Holders::place_now(const Point& p) const {
   const double left = dt_ - p.begun;
@@ -203,12 +223,10 @@ bool Holders::begin_substep(double h, const Cloth& cloth,
   bool changes = false;
   for (Point& p : points_) {
     const Vector3 x = row(positions, p.hold.point);
-    p.is_touched = std::any_of(colliders.begin(), colliders.end(), [&](const MovingCollider& c) {
-      if (!c.reaches({x, x}, 2 * cloth.offset)) return false;
-      const Vector3 local = to_local(c.pose(), x);
-      return signed_distance(c.shape(), local, local).value < cloth.offset;
+    p.is_pressed = std::any_of(colliders.begin(), colliders.end(), [&](const MovingCollider& c) {
+      return is_pressed_into(c, x, velocity_now(p), cloth.offset);
     });
-    if (!p.is_touched || p.slips) continue;
+    if (!p.is_pressed || p.slips) continue;
     release(p, strengths_[static_cast<std::size_t>(p.hold.holder)], Vector3::Zero());
     changes = true;
   }
@@ -224,7 +242,7 @@ void Holders::warm_start(const Cloth& cloth, const ContactStep& step, State& sta
   for (Point& p : points_) {
     if (!p.slips) continue;
     const int i = p.hold.point;
-    p.carried = (p.target - p.start) / (dt_ - p.begun);
+    p.carried = velocity_now(p);
     const Vector3 x = row(state.positions, i) - step.reach * step.h * row(step.drifted, i);
     const Vector3 way = place_now(p) - x;
     const double distance = way.norm();
@@ -243,8 +261,8 @@ double Holders::solve_pass(Points& velocities) {
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
     // The impulse that leaves it at rest on its holder: does it pull towards the target?
     const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
-    const Vector3 impulse = leaves ? shortened(rest, strongest)
-                                   : shortened(rest + p.mass * p.want, returning);
+    const Vector3 impulse =
+        leaves ? shortened(rest, strongest) : shortened(rest + p.mass * p.want, returning);
     const Vector3 change = (impulse - p.impulse) / p.mass;
     p.impulse = impulse;
     velocities.row(p.hold.point) += change.transpose();
@@ -268,9 +286,6 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
   }
 
   bool changes = false;
-  for (std::size_t k = 0; k < strengths_.size(); ++k) {
-    changes = give_way(of_holder_[k], strengths_[k], h) || changes;
-  }
   for (Point& p : points_) {
     const Vector3 x = row(state.positions, p.hold.point), place = place_now(p);
     if (!p.slips) {
@@ -278,7 +293,7 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
       release(p, p.most, -p.given);  // the cloth was in its way
     } else {
       const bool holds = p.impulse.norm() < (1 - slip_friction) * p.most * time_;
-      if (p.is_touched || !holds || (place - x).norm() > stick_distance_) continue;
+      if (p.is_pressed || !holds || (place - x).norm() > stick_distance_) continue;
       p.slips = false;
       p.start = x;
       p.begun = elapsed_;
@@ -287,6 +302,10 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
     }
     changes = true;
   }
+  for (std::size_t k = 0; k < strengths_.size(); ++k) {
+    changes = give_way(of_holder_[k], strengths_[k], h) || changes;
+  }
+  h_ = h;
   if (changes) count_slipping();
   return changes;
 }

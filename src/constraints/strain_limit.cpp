@@ -106,12 +106,6 @@ std::vector<double> StrainLimit::tension_across() const {
   return across;
 }
 
-double StrainLimit::tension_frequency() const {
-  const std::vector<double> across = tension_across();
-  const double largest = *std::max_element(across.begin(), across.end());
-  return step_.h > 0 ? std::sqrt(largest / step_.h) : 0;
-}
-
 /// Cuts the impulses, before they are made `scale` times as large for a step as much longer, to
 /// those that it can carry.
 void StrainLimit::bound_impulses(double scale) {

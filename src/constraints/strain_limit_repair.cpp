@@ -57,17 +57,8 @@ int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, P
   return sweeps;
 }
 
-double StrainLimit::violation(const Cloth& cloth, double tolerance, const Points& positions,
-                              const Workers& workers) {
-  flag_longer_than(longest_ + tolerance, positions, workers);
-  double worst = 0;
-  for_each_flagged([&](int id) {
-    const Constraint c = constraint(id);
-    if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return;
-    const double length = (row(positions, c.b) - row(positions, c.a)).norm();
-    worst = std::max(worst, length / c.rest_length - longest_);
-  });
-  return worst;
+bool StrainLimit::is_beyond_repair(double stretch) const {
+  return 1 + stretch > beyond_repair * longest_;
 }
 
 /// Puts a spring on its list if it is to be repaired. Is it?

@@ -151,7 +151,7 @@ void bind_frames(SimulationClass& simulator) {
            "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
            "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
            "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
-           "lag behind their places; None: three weights of the cloth and what stretches the "
+           "lag behind their places; None: ten weights of the cloth and what stretches the "
            "points' springs to their limit. Returns the points. Raises InvalidValue and changes "
            "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),

@@ -138,7 +138,10 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
                                                    std::to_string(report.substeps) + " substeps");
   }
   if (course.gives_way) report.reasons.add(Reason::limit_yields);
-  if (course.repairs_ran_out) report.reasons.add(Reason::passes_ran_out);
+  if (course.repairs_ran_out ||
+      (strain_limit && strain_limit->is_beyond_repair(report.worst_stretch))) {
+    report.reasons.add(Reason::passes_ran_out);
+  }
 }
 
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
@@ -176,9 +179,15 @@ int Simulator::Impl::substeps_under_tension(double dt, int least) const {
   if (touches()) {
     const bool is_smooth =
         !self_contacts && !holders.any_slips() && !collider_contacts.has_edges(colliders, cloth);
-    return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, least, is_smooth);
+    return substeps_at_tension(cloth, strongest_pull(), inertia.frequency(cloth), dt, least,
+                               is_smooth);
   }
   return substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
+}
+
+double Simulator::Impl::strongest_pull() const {
+  const double weight = cloth.mass.sum() * scene.simulation.gravity.norm();
+  return holders.any_slips() ? std::max(weight, holders.strongest()) : weight;
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {

@@ -238,6 +238,8 @@ struct Simulator::Impl {
   bool take_substeps(int steps, const State& before, StepReport&);
   /// After a step of h [s] in which points were held back: do layers that no two colliders press
   /// together go farther than they are thick?
+  /// That a point of the cloth may bear [N]: its weight, or the strength of a holder that slips.
+  double strongest_pull() const;
   bool outruns_contacts(double h, const StepReport&) const;
   /// Why the frame was as it was.
   void tell_reasons(StepReport&) const;

@@ -29,12 +29,15 @@ constexpr double touching_limit = 0.5;
 /// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
 constexpr double most_added = 0.015;
 
-/// Frequency [rad/s] across the springs of a point that carry the whole cloth's weight, as the
-/// strain limit can make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
-double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
+/// Frequency [rad/s] across the springs of a point that carry `pull` [N], as the strain limit can
+/// make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
+double pull_frequency(const Cloth& cloth, double pull) {
   if (!cloth.strain_limit || cloth.springs.empty()) return 0;
-  return std::sqrt(cloth.mass.sum() * gravity.norm() * cloth.inv_mass.maxCoeff() /
-                   shortest_rest_length(cloth));
+  return std::sqrt(pull * cloth.inv_mass.maxCoeff() / shortest_rest_length(cloth));
+}
+
+double weight_frequency(const Cloth& cloth, const Vector3& gravity) {
+  return pull_frequency(cloth, cloth.mass.sum() * gravity.norm());
 }
 
 int whole_steps(double steps) {
@@ -73,11 +76,11 @@ int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
   return whole_steps(dt * weight_frequency(cloth, gravity));
 }
 
-int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt,
-                        int least, bool is_smooth) {
+int substeps_at_tension(const Cloth& cloth, double pull, double frequency, double dt, int least,
+                        bool is_smooth) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
-  if (dt * frequency <= limit * least) return least;  // the weight looks at all points
-  const double most = weight_frequency(cloth, gravity);
+  if (dt * frequency <= limit * least) return least;  // by far the cheaper look
+  const double most = pull_frequency(cloth, pull);
   return std::max(least, whole_steps(dt * (std::min(frequency, most) / limit)));
 }
 

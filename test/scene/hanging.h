@@ -36,6 +36,14 @@ inline int run_checked(Simulator& simulator, double seconds, double speed_limit)
   return recoveries;
 }
 
+/// Runs until every holder has its points where they are to be.
+inline void run_until_held(Simulator& simulator, double most_seconds) {
+  const int frames = static_cast<int>(std::lround(most_seconds * 90));
+  for (int frame = 0; frame < frames && simulator.step().lagging > 0; ++frame) {
+  }
+  for (const HolderReport& holder : simulator.holders()) EXPECT_EQ(holder.lag, 0) << holder.name;
+}
+
 /// Runs with nothing driven: no frame may make energy of nothing, as a cloth does that trembles or
 /// blows up.
 inline StepReport run_undriven(Simulator& simulator, double seconds) {

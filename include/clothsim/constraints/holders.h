@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -31,15 +32,14 @@ struct Hold {
 ///   F from (1 - f) S to S while it stays behind its target, at rest relative to the holder,
 ///   F up to (1 - f) S     while it comes back, at a speed of (distance / return_time) at most.
 ///
-/// A held point that a collider touches has its mass, too, and is held by the same law: the
-/// collider is the stronger of both.
+/// A held point that is moved against a collider slips, too: the collider is the stronger of both.
 class Holders {
  public:
   /// Holds these points, of holders with `strengths` [N]. Points that were held before go on as
-  /// they are; others stick where they are. A holder that names no strength bears three times the
-  /// weight of the cloth, as a robot that lifts and shakes it does, and what stretches all springs
-  /// of its points to their strain limit, or by a tenth where there is none: a cloth that is
-  /// light and stiff is pulled with more than its weight.
+  /// they are; others stick where they are. A holder that names no strength bears ten times the
+  /// weight of the cloth, as a robot that lifts, shakes and swings it does, and what stretches all
+  /// springs of its points to their strain limit, or by a tenth where there is none: a cloth that
+  /// is light and stiff is pulled with more than its weight.
   void hold(const std::vector<Hold>&, const std::vector<std::optional<double>>& strengths,
             const Cloth&, double gravity, const Points& positions);
 
@@ -57,7 +57,7 @@ class Holders {
   void place(std::size_t hold, const Vector3& target, State&);
 
   /// To be called as a substep of h [s] begins, with colliders as they will be at its end. Has
-  /// points that these touch slip. Whether what sticks has changed.
+  /// points slip that are pressed against these. Whether what sticks has changed.
   bool begin_substep(double h, const Cloth&, const std::vector<MovingCollider>&,
                      const Points& positions);
 
@@ -83,6 +83,8 @@ class Holders {
 
   std::size_t count() const { return points_.size(); }
   double strength(int holder) const { return strengths_[static_cast<std::size_t>(holder)]; }
+  /// The largest strength of a holder [N].
+  double strongest() const { return *std::max_element(strengths_.begin(), strengths_.end()); }
   int point(std::size_t hold) const { return points_[hold].hold.point; }
   bool sticks(std::size_t hold) const { return !points_[hold].slips; }
   /// Impulse [N s] that the cloth put on the holder through this point in the frame, without that
@@ -108,7 +110,7 @@ class Holders {
     Vector3 start;   // where it was to be as the frame began [m]
     Vector3 target;  // and is to be as it ends [m]
     bool slips = false;
-    bool is_touched = false;   // by a collider
+    bool is_pressed = false;   // against a collider
     double most = 0;           // that it may be pulled with [N]
     double begun = 0;          // when it was at `start`, in the frame [s]
     Vector3 impulse{0, 0, 0};  // on the point in the last substep [N s]
@@ -131,6 +133,7 @@ class Holders {
 
   void list_springs(const Cloth&);
   Vector3 place_now(const Point&) const;
+  Vector3 velocity_now(const Point&) const;
   static void release(Point&, double most, const Vector3& impulse);
   bool give_way(const std::vector<std::size_t>& of_holder, double strength, double h);
   void count_slipping();

@@ -103,17 +103,11 @@ class StrainLimit {
   int correct(const Cloth& cloth, double tolerance, int most, Points& positions,
               const Workers& = {});
 
-  /// How far springs are over their limit at most, of their rest length; 0 where none is by more
-  /// than `tolerance`.
-  double violation(const Cloth& cloth, double tolerance, const Points& positions,
-                   const Workers& = {});
+  /// Does correct() leave a spring of this stretch alone, since it would fling its ends?
+  bool is_beyond_repair(double stretch) const;
 
   /// Have impulses reached its strength in the last step?
   bool gives_way() const { return gives_way_; }
-
-  /// Highest frequency [rad/s] at which the last step's impulses T h let a point swing across its
-  /// springs between neighbours that stay: omega^2 = sum T / (m l).
-  double tension_frequency() const;
 
   /// Was no spring at its limit in the last step?
   bool is_idle() const { return num_active_ == 0; }

@@ -38,10 +38,11 @@ int substeps_at_parting(const Cloth&, const Points& velocities, double dt, int l
 int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
 
 /// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
-/// lets points swing at `frequency` [rad/s]; at least `least`. Half as many where all it touches
+/// lets points swing at `frequency` [rad/s], but not more than `pull` [N] on the springs of one point
+/// asks for; at least `least`. Half as many where all it touches
 /// `is_smooth`: edges, fingers and other layers do not hold a point across its springs. At most
 /// max_substeps.
-int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt,
+int substeps_at_tension(const Cloth&, double pull, double frequency, double dt,
                         int least = 1, bool is_smooth = false);
 
 /// Substeps in which the inertia that tension adds, `share` of the cloth's mass in a step as long
