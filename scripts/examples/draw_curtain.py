@@ -5,8 +5,8 @@ Each ring is a tf frame that a pin of the scene follows. The rings move by the s
 
     roslaunch clothsim curtain.launch
 
-Parameters: ~gathered (0.6), the share of its width that the curtain is drawn to; ~depth [m] (0.025), how far
-every other ring stands before and behind the rod then; ~amplitude [m] (0.15) and ~period [s] (5) of the slide.
+Parameters: ~gathered (0.6), final width of the curtain as a share of its width; ~depth [m] (0.025), distance of
+every other ring before and behind the rod then; ~amplitude [m] (0.15) and ~period [s] (5) of the slide.
 """
 
 import math
@@ -19,12 +19,12 @@ from std_msgs.msg import Header
 from clothsim.msg import ClothState
 
 RATE = 90      # [Hz] of the broadcasts
-WAIT = 0.5     # [s] in which the node hears of the rings where they are
-GATHERING = 2  # [s] that the curtain takes to be drawn together
+WAIT = 0.5     # [s] at the start, so that the node receives the rings' initial frames
+GATHERING = 2  # [s] until the curtain is drawn together
 
 
 def ease(share):
-    """From 0 to 1 as the share of a motion's time does, at rest at both ends."""
+    """Maps the share of a motion's time to 0 to 1, with zero velocity at both ends."""
     return (1 - math.cos(math.pi * min(max(share, 0.0), 1.0))) / 2
 
 
@@ -35,7 +35,7 @@ class Rings:
         pins = [pin for pin in cloth["pinned"] if isinstance(pin, dict) and "frame" in pin]
         if not pins:
             raise SystemExit("~scene/cloth/pinned of clothsim: got no pin with a frame, expected the rings")
-        # Where each hangs along the rod, from its middle [m].
+        # Position of each ring along the rod, from its middle [m].
         self.places = {pin["frame"]: pin["point"][0] * cell - cloth["width"] / 2 for pin in pins}
         self.gathered = rospy.get_param("~gathered", 0.6)
         self.depth = rospy.get_param("~depth", 0.025)
@@ -43,11 +43,11 @@ class Rings:
         self.period = rospy.get_param("~period", 5.0)
         self.world = rospy.get_param("~world_frame", rospy.get_param("clothsim/world_frame", "map"))
         self.time = 0.0                                       # of the simulation [s]
-        self.start = {frame: (0.0, 0.0) for frame in self.places}  # x and y at that of the run [m]
+        self.start = {frame: (0.0, 0.0) for frame in self.places}  # x and y at the start of the run [m]
         rospy.Subscriber("clothsim/state", ClothState, self.hear, queue_size=1)
 
     def hear(self, state):
-        if state.time < self.time:  # the run begins anew, with the rings where they are
+        if state.time < self.time:  # the run restarts, with the rings at their present places
             self.start = {frame: self.place(frame) for frame in self.places}
         self.time = state.time
 
@@ -77,7 +77,7 @@ def main():
     rate = rospy.Rate(RATE)
     while not rospy.is_shutdown():
         now = rospy.Time.now()
-        if now > last:  # listeners drop a second transform of one time
+        if now > last:  # listeners drop a second transform with the same stamp
             broadcaster.sendTransform(list(rings.transforms(now)))
             last = now
         rate.sleep()

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Fits a fabric to a measurement of a real cloth, by scipy's least squares: docs/fitting.md tells how to measure.
+"""Fits a fabric to a measurement of a real cloth, by scipy's least squares: docs/fitting.md describes the experiment.
 
-    fit_fabric.py                  # to a measurement that it makes up
+    fit_fabric.py                  # to a synthetic measurement
     fit_fabric.py markers.csv      # to yours, a .csv or an .npz
 
-A strip is held by its upper edge, let go from the horizontal, and swings until it nearly rests. Then a weight is let
-down on its lower edge. Stretch shows in the weight's way down, bending in how the strip rolls, damping and drag in how the
-swing dies away.
+A strip is held by its upper edge, released from the horizontal, and swings until it nearly rests. Then a weight is
+lowered onto its lower edge. Stretch follows from the lowering of the weight, bending from the strip's curvature, damping
+and drag from the decay of the swings.
 """
 
 import argparse
@@ -20,18 +20,18 @@ import scipy.spatial
 import clothsim
 
 COLUMNS, ROWS = 6, 15
-SCENE = {  # the strip that was measured: its size, weight and shear, by ruler, scale and table; for clouds its stretch
+SCENE = {  # the measured strip: its size, weight and shear, by ruler, scale and table; for clouds its stretch
     "cloth": {"width": 0.15, "height": 0.42, "columns": COLUMNS, "rows": ROWS, "density": 0.187,
               "stretch_stiffness": [60, 60], "shear_stiffness": 15, "bending_stiffness": [1e-5, 1e-5],
               "thickness": 0.0005, "pinned": [[column, 0] for column in range(COLUMNS)]},
-    # Steps that do not depend on what is sought, so that the residual is smooth; air that is still.
+    # Steps that do not depend on the sought values, so that the residual is smooth; still air.
     "simulation": {"method": "verlet", "substeps": 40, "wind": [0, 0, 0]},
 }
-WEIGHT, HUNG_AT, TAKES = 0.3, 2.0, 0.5  # [N] on the lower edge, let down at a time within a time [s]
+WEIGHT, HUNG_AT, TAKES = 0.3, 2.0, 0.5  # [N] on the lower edge, begin and duration of its lowering [s]
 NOISE = 1e-3  # [m] of a measurement
-BESIDE = np.geomspace(0.75, 1.33, 8)  # shares of a value that was found, at which a better one may be
+BESIDE = np.geomspace(0.75, 1.33, 8)  # multiples of a found value, at which a better one may be
 
-# By live value: what is set for a number that is sought, first guess, least and most.
+# By live value: its value for a sought number, first guess, lower and upper bound.
 SOUGHT = {
     "stretch_stiffness": (lambda x: [x, x], 100.0, 20.0, 500.0),  # [N/m]
     "bending_stiffness": (lambda x: [x, x], 3e-5, 1e-6, 3e-4),  # [N m]
@@ -42,9 +42,9 @@ TRUTH = {"stretch_stiffness": 60.0, "bending_stiffness": 1.2e-5, "internal_dampi
 
 
 class Measurement:
-    """Rows of `times` [K] [s] and `points` [K, 3] [m]; of markers also where they are on the cloth, `uv`
-    [K, 2] in [0, 1] from the held edge's first corner. Without uv the points are of a cloud, which does not
-    tell of stretch."""
+    """Rows of `times` [K] [s] and `points` [K, 3] [m]; for markers also their coordinates on the cloth, `uv`
+    [K, 2] in [0, 1] from the held edge's first corner. Without uv the points are those of a cloud, which does
+    not show stretch."""
 
     def __init__(self, times, points, uv=None):
         seen = np.isfinite(points).all(axis=1)
@@ -55,7 +55,7 @@ class Measurement:
     @classmethod
     def load(cls, path):
         """CSV with the header time,x,y,z or time,u,v,x,y,z, or NPZ with times [T], positions [T, M, 3]
-        and, of markers, uv [M, 2]."""
+        and, for markers, uv [M, 2]."""
         if pathlib.Path(path).suffix == ".npz":
             with np.load(path) as file:
                 positions, times = file["positions"], file["times"]
@@ -73,7 +73,7 @@ class Measurement:
 
 
 def weights_of(uv):
-    """How much of each point of the grid a place on the cloth has, [K, N]: bilinear."""
+    """Bilinear weights of the grid's points at places on the cloth, [K, N]."""
     weights = np.zeros((len(uv), ROWS * COLUMNS))
     place = np.clip(uv, 0, 1) * [COLUMNS - 1, ROWS - 1]
     cell = np.minimum(place.astype(int), [COLUMNS - 2, ROWS - 2])
@@ -86,14 +86,14 @@ def weights_of(uv):
 
 
 class Model:
-    """The experiment, again and again in one simulator."""
+    """Runs the experiment repeatedly in one simulator."""
 
     def __init__(self):
         self.simulator = clothsim.Simulator(SCENE)
         self.start = self.simulator.save()
         self.weight = np.zeros((ROWS * COLUMNS, 3))
         self.weight[-COLUMNS:, 2] = -WEIGHT / COLUMNS
-        across, along = np.linspace(0, 1, 31), np.linspace(0, 1, 85)  # of a cloud the nearest counts, some 5 mm off
+        across, along = np.linspace(0, 1, 31), np.linspace(0, 1, 85)  # for the nearest to a cloud's point, 5 mm apart
         self.surface = weights_of(np.stack(np.meshgrid(across, along), axis=-1).reshape(-1, 2))
 
     def run(self, values, times):
@@ -113,7 +113,7 @@ class Model:
             yield share * before + (1 - share) * after
 
     def residual(self, values, measured):
-        """[m], of a marker each component, of a cloud's point how far the cloth is away."""
+        """Residual [m]: each component of a marker's position, distance of a cloud's point from the cloth."""
         times, first = np.unique(measured.times, return_index=True)
         parts = np.split(measured.points, first[1:])
         places = np.split(measured.uv, first[1:]) if measured.uv is not None else [None] * len(parts)
@@ -127,17 +127,17 @@ class Model:
 
 
 def fit(measured):
-    """The values that reproduce it best, and a standard deviation of each."""
-    # A cloth that slides along itself looks the same in a cloud, but for its edge.
+    """The values that reproduce the measurement best, and a standard deviation of each."""
+    # In a cloud, a cloth that slides along itself looks the same, except at its edge.
     names = [name for name in SOUGHT if measured.uv is not None or name != "stretch_stiffness"]
     model = Model()
 
-    def residual(logarithms):  # positive, and of one scale
+    def residual(logarithms):  # of the values, which makes them positive and of the same scale
         return model.residual(dict(zip(names, np.exp(logarithms))), measured)
     start, least, most = np.log([SOUGHT[name][1:] for name in names]).T
     while True:
         found = scipy.optimize.least_squares(residual, start, diff_step=1e-3, bounds=(least, most))
-        # A strip that bounces once too often looks right, too: a better start may be beside what was found.
+        # A strip with one swing too many is a local minimum: a better start may be beside the found value.
         beside = [found.x + way * np.log(factor) for way in np.eye(len(names)) for factor in BESIDE]
         beside = [x for x in beside if (x >= least).all() and (x <= most).all()]
         costs = [np.square(residual(x)).sum() / 2 for x in beside]
@@ -165,8 +165,8 @@ def made_up(kind="markers", seed=1):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("measurement", nargs="?", help=".csv or .npz; none: it makes one up")
-    parser.add_argument("--cloud", action="store_true", help="make up a point cloud, not markers")
+    parser.add_argument("measurement", nargs="?", help=".csv or .npz; none: a synthetic one")
+    parser.add_argument("--cloud", action="store_true", help="synthetic point cloud instead of markers")
     arguments = parser.parse_args()
     if arguments.measurement:
         measured, truth = Measurement.load(arguments.measurement), {}

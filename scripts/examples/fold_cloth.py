@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Two hands take a cloth by two corners, lift them, fold it in half and lay it down.
 
-A hand is nothing but a tf frame. Made for config/scenes/grasp.yaml and towel.yaml, square cloths with
-a corner at the origin. ~side [m] is that of the cloth, 1 if it is not set:
+A hand is only a tf frame. The script is made for config/scenes/grasp.yaml and towel.yaml, square cloths with a
+corner at the origin. ~side [m] is the side of the cloth, by default 1:
 
     roslaunch clothsim grasp.launch
     roslaunch clothsim towel.launch
@@ -19,18 +19,18 @@ from clothsim.msg import ClothState
 from clothsim.srv import Attach, Detach
 
 HANDS = {"left_hand": 0.0, "right_hand": 1.0}  # tf frame: x of its corner, of the side
-GRASP = 0.02  # the hands take what is this near, of the side
+GRASP = 0.02  # radius within which a hand takes points, as a share of the side
 SPEED = 0.5  # [m/s] in simulated time
 RATE = 90  # [Hz] of the broadcasts at least
 
-# Where both hands go, y and z, of the side: up, over the middle, down beside the far edge.
+# Targets of both hands, y and z, as shares of the side: up, over the middle, down beside the far edge.
 TAKE = (0.0, 0.0)
 PATH = [(0.0, 0.1), (0.15, 0.4), (0.5, 0.55), (0.85, 0.4), (1.01, 0.1), (1.03, 0.04)]
 
 
 class Hands:
-    """Both at the same y and z. They move with the simulation, by its time, and are broadcast all the
-    time, as by a robot, also while a call waits."""
+    """Both hands, at the same y and z. They move in simulated time, and are broadcast all the time, as by a
+    robot, also during a service call."""
 
     def __init__(self):
         self.world = rospy.get_param("clothsim/world_frame", "map")
@@ -51,7 +51,7 @@ class Hands:
 
     def send(self, _event=None):
         with self.lock:
-            # Listeners drop a second transform of one time.
+            # Listeners drop a second transform with the same stamp.
             self.stamp = max(rospy.Time.now(), self.stamp + rospy.Duration(0, 1000))
             transforms = []
             for frame, x in HANDS.items():
@@ -65,7 +65,7 @@ class Hands:
             self.broadcaster.sendTransform(transforms)
 
     def next_time(self):
-        """Simulated [s], after another frame."""
+        """Waits for the next frame and returns its simulated time [s]."""
         with self.frame_came:
             while not self.frame_came.wait(0.1):
                 if rospy.is_shutdown():
@@ -73,7 +73,7 @@ class Hands:
             return self.time
 
     def passed(self, duration):
-        """The simulated time since the call [s], frame by frame, until it is `duration`."""
+        """Yields the simulated time since the call [s], frame by frame, until `duration`."""
         begin, passed = self.next_time(), 0.0
         while passed < duration:
             passed = min(self.next_time() - begin, duration)
@@ -84,7 +84,7 @@ class Hands:
             pass
 
     def go(self, target):
-        """In a straight line at SPEED."""
+        """Moves in a straight line at SPEED."""
         start, duration = self.place, math.dist(self.place, target) * self.side / SPEED
         for passed in self.passed(duration):
             self.place = tuple(a + (b - a) * passed / duration for a, b in zip(start, target))
@@ -107,7 +107,7 @@ def main():
 
     for place in PATH[:3]:
         hands.go(place)
-    hands.wait(2)  # it hangs still
+    hands.wait(2)  # the cloth hangs still
     for frame in HANDS:
         wrench = rospy.wait_for_message("clothsim/wrench/" + frame, WrenchStamped)
         rospy.loginfo("%s carries %.2f N", frame, -wrench.wrench.force.z)

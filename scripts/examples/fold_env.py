@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Two grippers fold a towel: environments of Gymnasium's API, one and many at once.
+"""Two grippers fold a towel: environments of Gymnasium's API, for one towel and for many at once.
 
     env = FoldEnv()
     observation, info = env.reset(seed=1)
@@ -49,15 +49,15 @@ SCENE = {
     "colliders": [{"name": "table", "shape": "plane", "friction": 0.8}],
 }
 VIEW = {"eye": [0.3, -0.6, 0.7], "target": [0.3, 0.35, 0.1]}
-GRIPPERS = {"left": (0.0, 0.0, 0.02), "right": (0.6, 0.0, 0.02)}  # frame: where it starts [m]
-OFF = 0.01  # that a gripper starts beside that at most, along each axis [m]
-REACH = 0.03  # a gripper takes what is this near [m]
-STEP = 0.04  # that it goes in a step at most, along each axis [m]
+GRIPPERS = {"left": (0.0, 0.0, 0.02), "right": (0.6, 0.0, 0.02)}  # frame: initial position [m]
+OFF = 0.01  # largest offset of the initial position, along each axis [m]
+REACH = 0.03  # radius within which a gripper takes points [m]
+STEP = 0.04  # largest motion of a gripper in a step, along each axis [m]
 FRAMES = 9  # of simulation a step, 0.1 s
 LOWEST, HIGHEST = (-0.5, -0.5, 0.0), (1.1, 1.1, 0.5)  # corners of the space of the grippers [m]
-FARTHEST = 2.0  # of all that is observed [m]: further than a towel in a gripper's hand reaches
-FOLDED = 0.8  # counts as folded: layers that are thick do not get to 1
-LONGEST = 100  # steps
+FARTHEST = 2.0  # bound of all observations [m], beyond the reach of a towel held by a gripper
+FOLDED = 0.8  # score of a folded towel: thick layers do not reach 1
+LONGEST = 100  # steps of an episode
 
 ACTIONS = Box(-1, 1, (2, 4), np.float32)
 OBSERVATIONS = Box(-FARTHEST, FARTHEST, (25 * 25 * 3 + 2 * 3 + 2,), np.float32)
@@ -65,21 +65,22 @@ METADATA = {"render_modes": ["rgb_array"], "render_fps": 10}
 
 
 def batch(space, count):
-    """The space of `count` at once."""
+    """The space of `count` environments."""
     return Box(np.min(space.low), np.max(space.high), (count, *space.shape), space.dtype)
 
 
 class Towel:
-    """A towel, two grippers and the score, without the time that passes in a step.
+    """A towel, two grippers and the score. The caller steps the simulation.
 
     Observation: points [N, 3], grippers [2, 3] [m] and whether each holds [2], in one row. Action
-    [2, 4] in [-1, 1]: for each gripper its way as a share of STEP, and above 0 to hold. Reward: what
-    the fold got better, `info["fold"]`: 0 as it lay at first, 1 with one half on the other."""
+    [2, 4] in [-1, 1]: for each gripper its motion as a share of STEP, and a value above 0 to hold.
+    Reward: increase of the score `info["fold"]`, which is 0 at the start and 1 with one half on the
+    other."""
 
     def __init__(self, start=None):
         self.simulator = clothsim.Simulator(SCENE)
         if start is None:
-            self.simulator.step(45)  # it comes to rest
+            self.simulator.step(45)  # the towel comes to rest
         else:
             self.simulator.restore(start)
         self.start = start or self.simulator.save()
@@ -88,7 +89,7 @@ class Towel:
         self.apart = self.distance()
 
     def distance(self):
-        """Between a point of one half and where it would lie on the other, on average [m]."""
+        """Mean distance between points of one half and their counterparts on the other [m]."""
         points = self.simulator.positions
         return np.linalg.norm(points[self.half] - points[self.other], axis=1).mean()
 
@@ -100,7 +101,7 @@ class Towel:
         return np.concatenate([points, self.places.ravel(), self.holds]).astype(np.float32)
 
     def reset(self, random, options=None):
-        """`random` is a generator: the grippers start within OFF of their places, or within
+        """`random` is a generator: the grippers start within OFF of their initial positions, or within
         options["off"] [m]."""
         off = (options or {}).get("off", OFF)
         self.simulator.restore(self.start)
@@ -116,13 +117,13 @@ class Towel:
             try:
                 self.simulator.attach(frame, radius=REACH)
             except clothsim.InvalidValue:
-                return  # there is no cloth
+                return  # no cloth within reach
         elif self.holds[index] and not wanted:
             self.simulator.detach(frame)
         self.holds[index] = wanted
 
     def act(self, action):
-        """Grips and lets go; returns where the frames are to be after the step."""
+        """Grips and releases; returns the targets of the frames for the step."""
         action = np.clip(np.asarray(action, dtype=float).reshape(2, 4), -1, 1)
         for index, frame in enumerate(GRIPPERS):
             self.grip(index, frame, action[index, 3] > 0)
@@ -131,7 +132,7 @@ class Towel:
         return dict(zip(GRIPPERS, self.places))
 
     def outcome(self, diverged):
-        """What Gymnasium's step() returns. A towel that `diverged` ends its episode."""
+        """The result of Gymnasium's step(). A towel that `diverged` ends its episode."""
         fold, last = self.fold(), self.last
         self.last = fold
         terminated = bool(fold > FOLDED and not self.holds.any())
@@ -173,8 +174,8 @@ class FoldEnv(Env):
 
 
 class FoldVectorEnv(VectorEnv):
-    """Many towels, stepped by all cores. A towel whose episode has ended starts anew in the step after
-    that, whatever its action (AutoresetMode.NEXT_STEP)."""
+    """Many towels, stepped by all cores. A towel whose episode has ended is reset in the following step,
+    whatever its action (AutoresetMode.NEXT_STEP)."""
 
     metadata = {**METADATA, **AUTORESET}
     single_action_space = ACTIONS
@@ -193,7 +194,8 @@ class FoldVectorEnv(VectorEnv):
         self.ended = np.zeros(num_envs, dtype=bool)
 
     def reset(self, *, seed=None, options=None):
-        """`seed` is one for each, or an int: then towel i has seed + i, as with SyncVectorEnv."""
+        """`seed` is a list with one for each towel, or an int: then towel i has seed + i, as in
+        SyncVectorEnv."""
         super().reset(seed=seed if seed is None or np.isscalar(seed) else seed[0])
         seeds = np.arange(self.num_envs) + seed if np.isscalar(seed) else seed
         if seeds is not None:
@@ -226,7 +228,7 @@ class FoldVectorEnv(VectorEnv):
         return observation, 0.0, False, False, info
 
     def gather(self, infos):
-        """A mask beside each key tells which towels have it, as in Gymnasium."""
+        """A mask beside each key marks the towels that have it, as in Gymnasium."""
         return {"fold": np.array([info["fold"] for info in infos]),
                 "_fold": np.ones(self.num_envs, dtype=bool)}
 

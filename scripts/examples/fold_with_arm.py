@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""An arm picks a towel up near its front edge, weighs it, folds it, lays it down and lets go.
+"""An arm picks up a towel near its front edge, weighs it, folds it, lays it down and lets go.
 
-Nothing is attached: two fingers close on a ridge of the cloth, and friction holds it. The arm is
-config/robots/arm.urdf. This script tells the ways of its joints, robot_state_publisher makes tf frames of them, and the
-links follow those. Places are in the arm's own frame, arm_base, x ahead. The towel is ~side [m] long, its front edge
-~distance [m] ahead:
+No point is attached: two fingers close on a ridge of the cloth, and friction holds it. The arm is
+config/robots/arm.urdf. This script publishes the positions of its joints, robot_state_publisher broadcasts their tf
+frames, and the links follow those. Positions are in the arm's own frame, arm_base, x ahead. The towel is ~side [m]
+long, and its front edge is ~distance [m] ahead:
 
     roslaunch clothsim arm.launch
 """
@@ -18,19 +18,19 @@ from sensor_msgs.msg import JointState
 from clothsim.msg import ClothState, Contacts
 
 JOINTS = ("pan", "shoulder", "elbow", "wrist", "roll", "finger_a", "finger_b")
-# Of the arm [m]: the shoulder above the ground, both its long links, from the wrist to the tips of the fingers.
+# Lengths of the arm [m]: shoulder above the ground, both long links, wrist to the tips of the fingers.
 SHOULDER, UPPER_ARM, FOREARM, HAND = 0.35, 0.45, 0.45, 0.20
 
-OPEN, CLOSED = 0.05, 0.001  # between the fingers [m]
-RIDGE = 0.03  # behind the edge, where they close [m]
+OPEN, CLOSED = 0.05, 0.001  # gap between the fingers [m]
+RIDGE = 0.03  # distance behind the edge at which the fingers close [m]
 TOUCH = 0.0015  # tips above the table [m]: half into the cloth's upper side, so that they take it along
 RELEASE = 0.03  # tips above the table [m], above the layers
 HANG = 0.07  # more than the towel's length, so that it hangs free [m]
 
 
 def inverse_kinematics(x, y, z, between):
-    """Angles [rad] and ways [m] of the joints, in the order of JOINTS, that bring the tips of fingers which point down
-    to a place [m], with so much between them [m]. The blades stay square to the x axis."""
+    """Positions of the joints, in the order of JOINTS [rad] or [m], that put the tips of fingers which point down
+    at a place [m], with this gap between them [m]. The blades stay perpendicular to the x axis."""
     ahead, up = math.hypot(x, y), z + HAND - SHOULDER  # of the wrist, seen from the shoulder
     cosine = (ahead**2 + up**2 - UPPER_ARM**2 - FOREARM**2) / (2 * UPPER_ARM * FOREARM)
     if abs(cosine) > 1:
@@ -41,12 +41,12 @@ def inverse_kinematics(x, y, z, between):
 
 
 def line(start, end):
-    """Where the arm is, (x, y, z, between), by the share of its way."""
+    """Pose of the arm, (x, y, z, gap), by the share of its path."""
     return lambda share: tuple(a + share * (b - a) for a, b in zip(start, end))
 
 
 def arc(start, end):
-    """A quarter of an ellipse, which begins ahead and ends downwards."""
+    """A quarter of an ellipse, which begins horizontally and ends vertically downwards."""
     def place(share):
         angle = share * math.pi / 2
         straight = line(start, end)
@@ -55,8 +55,8 @@ def arc(start, end):
 
 
 def moves(edge, side):
-    """Two lists of (seconds, way): to where the towel hangs still, and on until it lies."""
-    take, lay = edge + RIDGE, edge + 0.62 * side  # below where it hangs
+    """Two lists of (seconds, path): until the towel hangs freely, and from there until it lies folded."""
+    take, lay = edge + RIDGE, edge + 0.62 * side  # x of the grasp, and of the hanging towel
     half, hung = (take, 0, side / 2, CLOSED), (lay, 0, side + HANG, CLOSED)
     lowered, back = (lay, 0, side, CLOSED), (lay - 0.6 * side, 0, 0.4 * side, CLOSED)
     over = (lay - 0.055, 0, RELEASE, CLOSED)
@@ -70,7 +70,7 @@ def moves(edge, side):
 
 
 class Arm:
-    """It moves with the simulation, by its time, and tells its joints all the time, as a robot does."""
+    """Moves in simulated time, and publishes its joints all the time, as a robot does."""
 
     def __init__(self, start):
         self.lock = threading.Lock()
@@ -93,7 +93,7 @@ class Arm:
             self.publisher.publish(message)
 
     def next_time(self):
-        """Simulated [s], after another frame."""
+        """Waits for the next frame and returns its simulated time [s]."""
         with self.frame_came:
             while not self.frame_came.wait(0.1):
                 if rospy.is_shutdown():
@@ -101,7 +101,7 @@ class Arm:
             return self.time
 
     def go(self, way, duration):
-        """Along a way, which begins and ends at rest."""
+        """Moves along a path, with zero velocity at both ends."""
         begin, passed = self.next_time(), 0.0
         while passed < duration:
             passed = min(self.next_time() - begin, duration)
@@ -122,7 +122,7 @@ def main():
     for duration, way in lay_down:
         arm.go(way, duration)
     rospy.loginfo("the towel is folded")
-    rospy.spin()  # a robot that says no more where it is would be missed
+    rospy.spin()  # keeps publishing: without the joints the tf frames would be lost
     arm.timer.shutdown()
     arm.timer.join()
 

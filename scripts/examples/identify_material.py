@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Finds stiffness and damping of a cloth from a recording of its motion, by scipy's least squares.
 
-The recording is made here, with noise as of a motion capture: times [T] [s] and markers
+The recording is synthetic, with noise as from a motion capture: times [T] [s] and markers
 [T, M, 3] [m], those of some points of a cloth that swings from two corners.
 """
 
@@ -13,7 +13,7 @@ import clothsim
 SCENE = {
     "cloth": {"columns": 15, "rows": 15, "pinned": [[0, 0], [14, 0]], "density": 0.3,
               "strain_limit": "off"},
-    # Steps that do not depend on what is sought, so that the residual is smooth.
+    # Steps that do not depend on the sought values, so that the residual is smooth.
     "simulation": {"method": "verlet", "substeps": 20},
 }
 MARKERS = [104, 112, 119, 210, 217, 224]  # points
@@ -43,10 +43,10 @@ class Model:
 
 
 def identify(recording):
-    """The values that reproduce it best, and one standard deviation of each."""
+    """The values that reproduce the recording best, and one standard deviation of each."""
     model = Model()
 
-    def residual(logarithms):  # positive, and of one scale
+    def residual(logarithms):  # of the values, which makes them positive and of the same scale
         return (model.motion(*np.exp(logarithms)) - recording).ravel()
     found = scipy.optimize.least_squares(residual, np.log(list(GUESS.values())), diff_step=1e-4,
                                          bounds=np.log([LEAST, MOST]))

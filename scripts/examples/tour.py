@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A tour of the Python module in cells, as a notebook has them: run it as a whole, or cell by cell.
 
-Each cell ends with what it shows.
+Each cell ends with its result.
 """
 
 # %% A scene is a file, a text or a dict, with the same keys and the same strict reader.
@@ -28,7 +28,7 @@ from_dict = Scene(from_file.to_dict())
 assert repr(from_file) == repr(from_text) == repr(from_dict)
 print(from_file)
 
-# %% What cannot be is refused by the key that it has in the scene.
+# %% An invalid value is refused with its key in the scene.
 try:
     Scene({"cloth": {"ks": "soft"}})
 except InvalidValue as error:
@@ -44,14 +44,14 @@ assert (positions[:, 2] < before[:, 2]).any() and not positions.flags.writeable
 assert np.array_equal(Simulator(from_dict).step(30).substeps, last.substeps)
 print(last, positions.shape, np.abs(velocities).max())
 
-# %% To set them checks them.
+# %% Set values are checked.
 try:
     simulator.positions = np.full_like(positions, np.nan)
 except InvalidValue as error:
     print(error)
 simulator.velocities = velocities + [0, 0, 0.5]
 
-# %% What the cloth is.
+# %% Topology of the cloth.
 topology = simulator.topology
 assert topology["triangles"].shape == (2 * 24 * 24, 3)
 print({key: getattr(value, "shape", value) for key, value in topology.items()})
@@ -60,7 +60,7 @@ print({key: getattr(value, "shape", value) for key, value in topology.items()})
 simulator.set(ks=2000, damping=10, collider_friction={"sphere": 0.8})
 simulator.step(60)
 
-# %% Save, go on, come back, go on: the same bits. Also by the numbers alone, elsewhere.
+# %% A restored state continues bit-identically. So do its plain numbers in another simulator.
 saved, memory, time = simulator.save(), simulator.memory, simulator.time
 here = positions.copy(), velocities.copy()
 simulator.step(10)
@@ -75,7 +75,7 @@ elsewhere.step(10)
 assert np.array_equal(elsewhere.positions, later)
 print("the same bits, twice;", saved.nbytes, "bytes")
 
-# %% What the cloth does to the sphere, and where it crosses itself.
+# %% Force of the cloth on the sphere, and self-intersections.
 simulator.weighs_colliders = True
 simulator.step(120)
 touch = simulator.contacts["sphere"]
@@ -84,7 +84,7 @@ assert touch["count"] > 0 and 0 < -touch["force"][2] < 3 * weight
 assert len(simulator.intersections()) == simulator.report["intersecting_pairs"]
 print("bears", -touch["force"][2] / weight, "of the weight with", touch["count"], "places")
 
-# %% A hand takes a corner, carries it and lets go; the sphere goes.
+# %% A hand takes a corner, carries it and lets go; the sphere is turned off.
 corner = positions[0].copy()
 simulator.attach("hand", corner, points=[0])
 simulator.step(45, targets={"hand": corner + [0, 0, 0.4]})
@@ -121,7 +121,7 @@ assert arrays.shape == (4, 625, 3) and arrays is batch.step()
 assert np.array_equal(arrays[2], crowd[2].positions)
 print(arrays.shape, "by", batch.threads, "threads")
 
-# %% All of it is documented, with shapes and units.
+# %% Everything is documented, with shapes and units.
 for name in dir(Simulator):
     assert name.startswith("_") or getattr(Simulator, name).__doc__
 print(clothsim.Simulator.positions.__doc__)

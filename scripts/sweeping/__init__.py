@@ -1,1 +1,1 @@
-"""What rosrun clothsim sweep is made of: the plan of cases, running them here or by Slurm, the table."""
+"""The parts of rosrun clothsim sweep: the plan of cases, their runs on this machine or by Slurm, the table."""

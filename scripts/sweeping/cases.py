@@ -1,4 +1,4 @@
-"""Runs cases, each in a folder that is there when the case is done."""
+"""Runs cases, each in a folder that gets its name when the case is done."""
 
 import collections.abc
 import importlib.util
@@ -19,10 +19,10 @@ from sweeping.plan import VIEW
 RESULT = "result.json"
 INTERRUPTED = 130  # exit code of simulate and film
 
-# A line of what went wrong, in the table.
+# Length of an error message in the table.
 LONGEST_MESSAGE = 500
 
-# Of a simulation that is killed, and the pause before the next [s].
+# Attempts at a simulation that is killed, and the pause before the next attempt [s].
 MOST_ATTEMPTS = 3
 PAUSE = 2.0
 
@@ -35,7 +35,7 @@ class Store:
         self.cases = self.folder / "cases"
 
     def open(self, plan):
-        """Claims the folder for a sweep; what another one left there is not touched."""
+        """Claims the folder for a sweep; results of another sweep are not touched."""
         self.cases.mkdir(parents=True, exist_ok=True)
         mark = self.folder / "sweep.json"
         ours = {"fingerprint": plan.fingerprint(), "cases": len(plan.cases)}
@@ -49,7 +49,7 @@ class Store:
         return self.cases / ("%06d" % number)
 
     def done(self):
-        """Numbers of the cases that are done, also those that failed."""
+        """Numbers of the cases that are done, including those that failed."""
         return {int(entry.name) for entry in os.scandir(self.cases) if entry.name.isdigit()}
 
     def result(self, number):
@@ -59,7 +59,7 @@ class Store:
         shutil.rmtree(self.path(number))
 
     def forget_unfinished(self):
-        """What runs that were killed have left, once all cases are done."""
+        """Removes the leftovers of killed runs, once all cases are done."""
         for entry in os.scandir(self.cases):
             if entry.name.startswith("."):
                 shutil.rmtree(entry.path, ignore_errors=True)
@@ -111,7 +111,7 @@ def as_plain(value):
 
 
 def measured(case, part):
-    """What the user's measure() says of a case. Raises what that raises, or TypeError."""
+    """The results of the user's measure() for a case. Raises its exceptions, or TypeError."""
     values = load_measure(case.measure)(part)
     if not isinstance(values, collections.abc.Mapping):
         raise TypeError("measure: got %r, expected a dict" % (values,))
@@ -119,7 +119,7 @@ def measured(case, part):
 
 
 def keep(case, store, part, result):
-    """Puts a finished case, in its folder `part`, where all look for it."""
+    """Moves the folder `part` of a finished case to its final place."""
     (part / RESULT).write_text(json.dumps(result))
     try:
         part.rename(store.path(case.number))
@@ -136,7 +136,7 @@ def part_of(case, store):
 
 
 def fail(case, store, message):
-    """Keeps a case that nobody could run to its end. Its result."""
+    """Stores a case as failed with a message, and returns its result."""
     part = part_of(case, store)
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir()
@@ -145,8 +145,8 @@ def fail(case, store, message):
 
 
 def run_program(case, part):
-    """Runs it in an empty folder. One that was killed may have been in the way of others, for memory,
-    or this process may be about to be killed as well: it is given a pause and tried again."""
+    """Runs a case in an empty folder. A run that is killed, for example for lack of memory, is tried again
+    after a pause, as this process may be about to be killed as well."""
     for attempt in range(MOST_ATTEMPTS):
         time.sleep(attempt * PAUSE)
         shutil.rmtree(part, ignore_errors=True)
@@ -161,7 +161,7 @@ def run_program(case, part):
 
 
 def run_case(case, store):
-    """Runs a case, unless another process is faster. Its result, or None where it was interrupted."""
+    """Runs a case, unless another process is faster. Returns its result, or None after an interrupt."""
     begin = time.monotonic()
     part = part_of(case, store)
     run = run_program(case, part)

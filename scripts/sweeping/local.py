@@ -8,10 +8,10 @@ from joblib.externals.loky.process_executor import BrokenProcessPool
 
 from sweeping.cases import Case, fail, run_case
 
-# A case whose worker dies so often is at fault itself.
+# A case whose worker dies this many times counts as failed.
 MOST_ATTEMPTS = 3
 
-# Cases that wait in the pool for each worker: none is idle, and little is lost when it breaks.
+# Cases in the pool for each worker: enough that no worker is idle, few enough to lose little if the pool breaks.
 AHEAD = 4
 
 
@@ -24,7 +24,7 @@ def run_here(program, plan, store, numbers, jobs, progress):
     def submit(pool):
         while waiting and len(running) < AHEAD * jobs:
             number = waiting[0]
-            is_suspect = attempts[number] == MOST_ATTEMPTS - 1  # tried once more, alone
+            is_suspect = attempts[number] == MOST_ATTEMPTS - 1  # the last attempt runs alone
             if is_suspect and running:
                 return
             waiting.popleft()
@@ -48,7 +48,7 @@ def run_here(program, plan, store, numbers, jobs, progress):
                     progress(result)
                 submit(pool)
         except BrokenProcessPool:
-            # A worker was killed: all that ran begins anew.
+            # A worker was killed: all running cases start again.
             done, again = store.done(), []
             for number in running.values():
                 if number in done:

@@ -9,14 +9,14 @@ import pathlib
 import yaml
 
 MOST_CASES = 1_000_000
-VIEW = "view."  # begins the keys of the view; all others are of the scene
+VIEW = "view."  # prefix of the keys of the view; all others are keys of the scene
 DRAWN = ("random", "log_random", "latin", "log_latin")
 SPACED = ("range", "log_range")
 KINDS = ("list", *SPACED, *DRAWN, "choices")
 
 
 class BadSweep(Exception):
-    """What the user gave and cannot be used: key, got, expected."""
+    """An invalid value in a sweep file: key, got, expected."""
 
     def __init__(self, key, got, expected):
         super().__init__("%s: got %s, expected %s" % (key, got, expected))
@@ -89,7 +89,7 @@ class Axis:
         return first, last
 
     def read_keys(self, name, keys):
-        """Which keys take the value, each times a factor; none: it has their name."""
+        """The keys that the axis sets, each with a factor; without `keys`, the key of the axis's name."""
         if self.kind == "choices":
             if keys is not None:
                 raise BadSweep("axes.%s.keys" % name, shown(keys), "none beside choices")
@@ -124,7 +124,7 @@ class Axis:
 
 
 class Plan:
-    """A sweep: what each case sets. Equal files give equal plans."""
+    """A sweep with the settings of each case. Equal files give equal plans."""
 
     KEYS = ("scene", "seconds", "every", "from", "set", "axes", "samples", "seed", "measure",
             "view", "video")
@@ -163,8 +163,8 @@ class Plan:
         return path
 
     def make_cases(self, samples):
-        """Of each case the value of each axis. The grid of what is listed, crossed with one design of
-        what is drawn."""
+        """The value of each axis in each case: the grid of the listed axes, crossed with one design of the
+        random axes."""
         grid = [axis for axis in self.axes if axis.values is not None]
         drawn = [axis for axis in self.axes if axis.values is None]
         if not drawn and samples is not None:
@@ -182,10 +182,10 @@ class Plan:
         return cases
 
     def draw(self, axes, count):
-        """`count` samples of the axes: those of Latin hypercubes together, the others independent."""
+        """`count` samples of the axes, jointly for Latin hypercubes, independently for the others."""
         if not axes:
             return [{}]
-        import numpy as np  # a second, which the tasks of most sweeps do without
+        import numpy as np  # imported here, as it takes a second and most sweeps do not need it
         from scipy.stats import qmc
         latin = [axis for axis in axes if axis.kind.endswith("latin")]
         plain = [axis for axis in axes if axis not in latin]
@@ -200,7 +200,7 @@ class Plan:
                 for i in range(count)]
 
     def draws(self):
-        """Whether cases are drawn: it names a view, a key of it or a video."""
+        """Whether cases are drawn: the sweep names a view, a key of the view or a video."""
         keys = {*self.common}.union(*(axis.all_keys() for axis in self.axes))
         return bool(self.view or self.video or any(key.startswith(VIEW) for key in keys))
 
@@ -212,7 +212,7 @@ class Plan:
         return settings
 
     def fingerprint(self):
-        """Of all that results depend on: another one is another sweep."""
+        """A hash of everything that results depend on; a sweep with another hash is another sweep."""
         digest = hashlib.sha256(json.dumps(self.sweep, sort_keys=True, default=str).encode())
         for path in (self.scene, self.start, self.measure, self.view):
             digest.update(path.read_bytes() if path else b"")

@@ -1,4 +1,4 @@
-"""A progress bar with rate and time left, on terminals alone."""
+"""A progress bar with rate and time left, on terminals only."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""Runs cases as job arrays of Slurm: submits, follows, submits what was lost again."""
+"""Runs cases as job arrays of Slurm: submits and follows them, and submits lost cases again."""
 
 import json
 import shlex
@@ -8,13 +8,13 @@ import time
 
 from sweeping.cases import write_whole
 
-# Rounds of a case that is lost again and again, by the failure of nodes or the time limit.
+# Largest number of submissions of a case that is lost by failing nodes or the time limit.
 MOST_ROUNDS = 5
 
-# Slurm's own default of MaxArraySize, where it does not say.
+# Slurm's default MaxArraySize, if scontrol does not report it.
 USUAL_ARRAY = 1001
 
-# Times in a row that squeue may fail, as while the controller restarts.
+# Consecutive failures of squeue that are tolerated, as while the controller restarts.
 PATIENCE = 30
 
 
@@ -42,7 +42,7 @@ class Slurm:
         self.mark = self.folder / "jobs.json"
 
     def run(self, numbers, progress):
-        """Has the cases run. Those that are lost in every round are told at the end."""
+        """Runs the cases. Those lost in every round are reported at the end."""
         self.folder.mkdir(exist_ok=True)
         total = len(numbers)
         for round_number in range(MOST_ROUNDS):
@@ -85,14 +85,14 @@ class Slurm:
         return jobs
 
     def jobs_underway(self):
-        """Of a run of this program that has ended before them."""
+        """Jobs still running from an earlier run of this program, which was interrupted."""
         if not self.mark.exists():
             return []
         jobs = json.loads(self.mark.read_text())
         return jobs if self.count(jobs) else []
 
     def count(self, jobs):
-        """How many tasks wait or run; None where Slurm does not answer."""
+        """Number of tasks that wait or run; None if Slurm does not answer."""
         run = call("squeue", "--noheader", "--array", "--format=%T", "--jobs=" + ",".join(jobs))
         if run.returncode != 0:
             # Jobs that ended a while ago are no longer known.
@@ -122,7 +122,7 @@ class Slurm:
             time.sleep(self.options.poll)
 
     def states(self, jobs):
-        """How tasks ended, where Slurm keeps account of it."""
+        """Final states of the tasks, if Slurm has accounting."""
         run = call("sacct", "--noheader", "--parsable2", "--allocations", "--format=State",
                    "--jobs=" + ",".join(jobs))
         names = sorted({line.split()[0] for line in run.stdout.splitlines() if line.strip()})

@@ -18,10 +18,10 @@ constexpr std::uint32_t queue = 10;
 
 }  // namespace
 
-CameraTopics::CameraTopics(const ros::NodeHandle& node,
+CameraTopics::CameraTopics(const ros::NodeHandle& node, const std::string& name,
                            const std::function<void()>& subscriber_came)
-    : transport_(ros::NodeHandle(node, "camera")) {
-  ros::NodeHandle camera(node, "camera");
+    : transport_(ros::NodeHandle(node, name)) {
+  ros::NodeHandle camera(node, name);
   const std::array<std::string, 6> names = {"color", "depth", "mask", "uv", "normals", "flow"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     topics_[i].image = transport_.advertise(names[i] + "/image_raw", queue,

@@ -232,7 +232,9 @@ std::set<std::string> lost_frames(const NodeStatus& status) {
     if (frame.lost) lost.insert(frame.frame);
   };
   std::for_each(status.frames.begin(), status.frames.end(), add);
-  if (status.camera.frame) add(*status.camera.frame);
+  for (const CameraStatus& camera : status.cameras) {
+    if (camera.frame) add(*camera.frame);
+  }
   return lost;
 }
 
@@ -274,7 +276,9 @@ void Diagnostics::publish(const NodeStatus& status) {
     array.status.push_back(out);
   };
   add("simulation", [&](Wrapper& out) { fill(status, limits_, out); });
-  add("camera", [&](Wrapper& out) { fill_camera(status.camera, limits_, out); });
+  for (const CameraStatus& camera : status.cameras) {
+    add(camera.name, [&](Wrapper& out) { fill_camera(camera, limits_, out); });
+  }
   publisher_.publish(array);
 }
 

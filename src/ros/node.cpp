@@ -51,11 +51,8 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
       grasper_(node_, simulator_, tf_, changes_, pacer_, parameters_.jump_speed),
       outputs_(node_, simulator_, parameters_.world_frame, pacer_.now()),
       contact_topics_(node_, simulator_, parameters_.world_frame),
-      photographer_(with_full_name(node_, "camera/",
-                                   [this] {
-                                     return Photographer(node_, simulator_, tf_, parameters_.view,
-                                                         parameters_.image_folders, pacer_.now());
-                                   })),
+      cameras_(node_, parameters_.cameras, simulator_, tf_, parameters_.image_folders,
+               pacer_.now()),
       state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_, paused_,
                       parameters_.save_limit, [this] { jump(); }),
       stress_topic_(node_, simulator_, parameters_.world_frame),
@@ -82,11 +79,14 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
 void Node::serve_live_values() {
   changes_.set_scene(clothsim::fixed_values(simulator_.scene()));
   reconfigure_.emplace(node_, simulator_, changes_);
-  view_reconfigure_.emplace(node_, photographer_, simulator_.scene());
+  view_reconfigure_.emplace(node_, cameras_, simulator_.scene());
 }
 
 void Node::warn_of_ignored(const ParameterTexts& given) const {
   KnownParameters known{parameter_names(), reconfigure_->names()};
+  for (const clothsim::NamedView& camera : parameters_.cameras) {
+    known.read.push_back(camera.name);  // image_transport keeps its parameters below that
+  }
   const std::vector<std::string>& of_view = view_reconfigure_->names();
   known.live.insert(known.live.end(), of_view.begin(), of_view.end());
   warn_of_ignored_parameters(node_, known, given);
@@ -191,13 +191,13 @@ void Node::publish_frame(const ros::Time& stamp) {
   targets_.broadcast(stamp);
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
-  photographer_.update(stamp);
+  cameras_.update(stamp);
 }
 
 void Node::refresh() {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   outputs_.refresh();
-  photographer_.refresh(paused_);
+  cameras_.refresh(paused_);
 }
 
 void Node::jump() {
@@ -241,7 +241,7 @@ void Node::publish_diagnostics() {
   status.frames = follower_.status();
   near_frames_.warn(status.frames, tf_);
   for (const FrameStatus& frame : grasper_.status()) status.frames.push_back(frame);
-  status.camera = photographer_.status();
+  status.cameras = cameras_.status();
   diagnostics_.publish(status);
 }
 

@@ -89,21 +89,22 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
   changes_.publish("enable_collider", change);
   simulator_.enable_collider(static_cast<int>(collider - colliders.begin()), request.enabled);
   outputs_.redraw();
-  photographer_.redraw();
+  cameras_.redraw();
   response.success = true;
   return true;
 }
 
 void Node::start_with(const clothsim::Scene& scene) {
-  const clothsim::View live_view = photographer_.view();
-  clothsim::inside("camera", [&] {
-    const clothsim::View view = clothsim::without_missing_colliders(parameters_.view, scene);
-    go_on_beside([&] { photographer_.set_view(view); });  // which may read large images
-  });
+  const std::vector<clothsim::View> live_views = cameras_.views();
+  std::vector<clothsim::View> views;
+  for (const clothsim::NamedView& camera : parameters_.cameras) {
+    views.push_back(clothsim::without_missing_colliders(camera.view, scene));
+  }
+  go_on_beside([&] { cameras_.set_views(views); });  // which may read large images
   try {
     clothsim::inside("scene", [&] { simulator_.load(scene); });
   } catch (const clothsim::InvalidValue&) {
-    photographer_.set_view(live_view);
+    cameras_.set_views(live_views);
     throw;
   }
 }
@@ -133,6 +134,16 @@ bool Node::load_scene(clothsim::LoadScene::Request& request,
   return true;
 }
 
+std::vector<std::string> Node::followed_frames() const {
+  std::vector<std::string> names;
+  for (const FrameStatus& frame : follower_.status()) names.push_back(frame.frame);
+  for (const FrameStatus& frame : grasper_.status()) names.push_back(frame.frame);
+  for (const clothsim::View& view : cameras_.views()) {
+    if (!view.frame.empty()) names.push_back(view.frame);
+  }
+  return names;
+}
+
 bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& response) {
   if (!paused_) {
     response.message = "the simulation is running: pause it first";
@@ -143,7 +154,7 @@ bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& resp
       throw clothsim::InvalidValue({"frames"}, std::to_string(request.frames),
                                    "a whole number from 1 to " + std::to_string(most_frames));
     }
-    targets_.aim(request, simulator_);
+    targets_.aim(request, simulator_, followed_frames());
   } catch (const clothsim::InvalidValue& error) {
     response.message = error.message("", "/");
     return true;
@@ -164,10 +175,10 @@ std::string Node::simulate_frames(const clothsim::Step::Request& request) {
     if (!is_running()) return "the node is shutting down";
     targets_.advance();
     if (!simulate_frame(Turn::now)) return failure_;
-    photographer_.wait();  // no picture is dropped, so that each run has the same ones
+    cameras_.wait();  // no picture is dropped, so that each run has the same ones
     publish_diagnostics();
   }
-  photographer_.finish();
+  cameras_.finish();
   return "";
 }
 

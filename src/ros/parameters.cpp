@@ -95,19 +95,52 @@ YAML::Node without_topics(YAML::Node camera) {
   return camera;
 }
 
+/// One of ~cameras, whose topics are below `camera_NAME`: no other name of the node begins so.
+clothsim::NamedView read_other_camera(const YAML::Node& given,
+                                      const std::vector<clothsim::NamedView>& others) {
+  clothsim::NamedView camera = clothsim::read_camera(given, others.front().view);
+  const std::string name = camera.name;
+  camera.name = "camera_" + name;
+  std::string mistake;
+  if (name.empty() || name.find('/') != std::string::npos ||
+      !ros::names::validate(camera.name, mistake)) {
+    throw InvalidValue({"name"}, '"' + name + '"', "letters, digits and underscores, such as left");
+  }
+  for (const clothsim::NamedView& other : others) {
+    if (other.name == camera.name) {
+      throw InvalidValue({"name"}, '"' + name + '"', "a name that no camera before it has");
+    }
+  }
+  return camera;
+}
+
+void read_cameras(const ros::NodeHandle& node, NodeParameters& parameters) {
+  YAML::Node camera(YAML::NodeType::Map);
+  read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
+  clothsim::inside("camera", [&] {
+    const clothsim::View view = clothsim::read_view(without_topics(camera));
+    clothsim::check_colliders(view, parameters.scene);
+    if (view.egl_device) clothsim::check_egl_device(*view.egl_device);
+    parameters.cameras = {{"camera", view}};
+  });
+  read_optional(node, "cameras", [&](const YAML::Node& given) {
+    clothsim::read_list(given, [&](const YAML::Node& item) {
+      const clothsim::NamedView other = read_other_camera(item, parameters.cameras);
+      if (other.view.egl_device) {
+        clothsim::inside("egl_device", [&] { clothsim::check_egl_device(*other.view.egl_device); });
+      }
+      parameters.cameras.push_back(other);
+    });
+  });
+}
+
 NodeParameters read(const ros::NodeHandle& node) {
   NodeParameters parameters;
   const GivenScene given_scene = read_first_scene(node);
   parameters.scene = given_scene.scene;
   parameters.scene_yaml = given_scene.yaml;
 
-  YAML::Node camera(YAML::NodeType::Map);
-  read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
-  clothsim::inside("camera", [&] {
-    parameters.view = clothsim::read_view(without_topics(camera));
-    clothsim::check_colliders(parameters.view, parameters.scene);
-    if (parameters.view.egl_device) clothsim::check_egl_device(*parameters.view.egl_device);
-  });
+  read_cameras(node, parameters);
 
   read_optional(node, "image_folders", [&](const YAML::Node& given) {
     clothsim::read_list(given, [&](const YAML::Node& item) {
@@ -184,10 +217,10 @@ NodeParameters read_parameters(const ros::NodeHandle& node) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"scene",           "scene_file",  "scene_folder",      "camera",
-          "image_folders",   "diagnostics", "diagnostic_period", "world_frame",
-          "realtime_factor", "jump_speed",  "save_limit",        "paused",
-          "publish_clock"};
+  return {"scene",       "scene_file",      "scene_folder", "camera",
+          "cameras",     "image_folders",   "diagnostics",  "diagnostic_period",
+          "world_frame", "realtime_factor", "jump_speed",   "save_limit",
+          "paused",      "publish_clock"};
 }
 
 std::string read_cloth_parameter(const ros::NodeHandle& node) {

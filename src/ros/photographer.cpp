@@ -14,11 +14,11 @@ namespace {
 /// Frames come at multiples of their duration; sums of these are exact to this [s].
 constexpr double time_tolerance = 1e-6;
 
-/// `/a/clothsim` carries its camera on `a_clothsim_camera_optical`.
-std::string own_frame_name(const ros::NodeHandle& node) {
+/// `/a/clothsim` carries `camera` on `a_clothsim_camera_optical`.
+std::string own_frame_name(const ros::NodeHandle& node, const std::string& camera) {
   std::string name = node.getNamespace().substr(1);
   std::replace(name.begin(), name.end(), '/', '_');
-  return name + "_camera_optical";
+  return name + '_' + camera + "_optical";
 }
 
 clothsim::ImageFolders with_own(std::vector<std::string> folders) {
@@ -28,17 +28,20 @@ clothsim::ImageFolders with_own(std::vector<std::string> folders) {
 
 }  // namespace
 
-Photographer::Photographer(const ros::NodeHandle& node, const clothsim::Simulator& simulator,
-                           TfListener& tf, const clothsim::View& view,
-                           std::vector<std::string> image_folders, const ros::Time& now)
-    : simulator_(simulator),
+Photographer::Photographer(const ros::NodeHandle& node, const clothsim::NamedView& camera,
+                           const clothsim::Simulator& simulator, TfListener& tf,
+                           Broadcast broadcast, std::vector<std::string> image_folders,
+                           const ros::Time& now)
+    : name_(camera.name),
+      simulator_(simulator),
       tf_(tf),
+      broadcast_(std::move(broadcast)),
       images_(clothsim::textures_folder(), with_own(std::move(image_folders))),
       shaders_(clothsim::shaders_folder()),
-      own_frame_(own_frame_name(node)),
+      own_frame_(own_frame_name(node, name_)),
       stamp_(now),
-      topics_(node, [this] { redraw(); }) {
-  set_view(view);
+      topics_(node, name_, [this] { redraw(); }) {
+  set_view(camera.view);
   adopt();
 }
 
@@ -168,19 +171,19 @@ std_msgs::Header Photographer::header() const {
 void Photographer::broadcast_own_frame() {
   const clothsim::Pose& pose = prepared_.camera.pose;
   if (frame_ && frame_->pose()) return;
-  if (broadcast_ && same(*broadcast_, pose)) return;
-  if (!broadcaster_) broadcaster_.emplace();
+  if (own_pose_ && same(*own_pose_, pose)) return;
   geometry_msgs::TransformStamped msg;
   msg.header.stamp = stamp_;
   msg.header.frame_id = tf_.world_frame();
   msg.child_frame_id = own_frame_;
   msg.transform = to_transform_msg(pose);
-  broadcaster_->sendTransform(msg);
-  broadcast_ = pose;
+  broadcast_(msg);
+  own_pose_ = pose;
 }
 
 CameraStatus Photographer::status() {
   CameraStatus status;
+  status.name = name_;
   if (renderer_) status.render = renderer_->status();
   status.subscribed = topics_.wanted();
   if (frame_) status.frame = frame_->status();
@@ -193,7 +196,8 @@ CameraStatus Photographer::status() {
   if (drawn + dropped > 0) status.drawn_share = drawn / static_cast<double>(drawn + dropped);
 
   const std::string& failure = status.render.failure;
-  if (failure != logged_ && !failure.empty()) ROS_WARN("No images: %s", failure.c_str());
+  if (failure != logged_ && !failure.empty())
+    ROS_WARN("No images of %s: %s", name_.c_str(), failure.c_str());
   logged_ = failure;
   return status;
 }

@@ -45,7 +45,7 @@ StepTargets::Target StepTargets::read(const clothsim::Step::Request& request,
   clothsim::inside("child_frame_id", [&] {
     if (frame.empty()) throw InvalidValue({}, "nothing", "the name of a frame");
     clothsim::check_frame(frame);
-    if (tf_.is_above_world(frame)) {
+    if (tf_.carries(frame, tf_.world_frame())) {
       throw InvalidValue({}, '"' + frame + '"', "a frame that " + tf_.world_frame() + " is not in");
     }
   });
@@ -84,8 +84,8 @@ clothsim::FrameMotion StepTargets::start(const Target& target,
       clothsim::followed_pose(target.frame, simulator).value_or(target.target.pose));
 }
 
-void StepTargets::aim(const clothsim::Step::Request& request,
-                      const clothsim::Simulator& simulator) {
+void StepTargets::aim(const clothsim::Step::Request& request, const clothsim::Simulator& simulator,
+                      const std::vector<std::string>& followed) {
   tf_.receive();
   tf_.hold();
   if (!request.twists.empty() && request.twists.size() != request.targets.size()) {
@@ -114,7 +114,7 @@ void StepTargets::aim(const clothsim::Step::Request& request,
         [this](const ros::SingleSubscriberPublisher& listener) { listener.publish(message()); });
   }
   for (const auto& [frame, motion] : motions) {
-    tell_stranger(frame, simulator);
+    tell_stranger(frame, followed);
     motions_.insert_or_assign(frame, motion);
     begin_.emplace(frame, motion.pose());
     moving_.push_back(frame);
@@ -122,17 +122,20 @@ void StepTargets::aim(const clothsim::Step::Request& request,
   }
 }
 
-void StepTargets::tell_stranger(const std::string& frame, const clothsim::Simulator& simulator) {
-  std::vector<std::string> followed;
-  for (const clothsim::ColliderSpec& c : simulator.scene().colliders) followed.push_back(c.frame);
-  for (const clothsim::Pin& pin : simulator.scene().cloth.pinned) followed.push_back(pin.frame);
-  for (const auto& [name, grip] : simulator.grips()) followed.push_back(name);
-  if (std::find(followed.begin(), followed.end(), frame) != followed.end()) return;
+void StepTargets::tell_stranger(const std::string& frame,
+                                const std::vector<std::string>& followed) {
+  const bool is_followed = std::any_of(followed.begin(), followed.end(), [&](const auto& child) {
+    return tf_.carries(frame, child);
+  });
+  if (is_followed || !strangers_.insert(frame).second) return;
+  const std::string told =
+      "~step moves frame " + frame + ", which no collider, pin, attached point or camera follows";
   const std::string meant = clothsim::nearest_word(frame, followed);
-  if (meant.empty() || !strangers_.insert(frame).second) return;
-  ROS_WARN(
-      "~step moves frame %s, which no collider, pin or attached point follows; did you mean %s?",
-      frame.c_str(), meant.c_str());
+  if (meant.empty()) {
+    ROS_INFO("%s yet", told.c_str());  // a hand may come before it takes hold
+  } else {
+    ROS_WARN("%s; did you mean %s?", told.c_str(), meant.c_str());
+  }
 }
 
 void StepTargets::advance() {

@@ -114,10 +114,9 @@ std::optional<clothsim::Pose> TfListener::pose(const std::string& frame) const {
   return std::nullopt;
 }
 
-bool TfListener::is_above_world(const std::string& frame) const {
-  std::string at = world_frame_;
-  while (at != frame) {
-    if (!buffer_._getParent(at, ros::Time(0), at)) return false;
+bool TfListener::carries(const std::string& frame, std::string child) const {
+  while (child != frame) {
+    if (!buffer_._getParent(child, ros::Time(0), child)) return false;
   }
   return true;
 }

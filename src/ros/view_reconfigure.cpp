@@ -98,16 +98,27 @@ const auto to_view = [](const auto& config, auto& value) { value = config; };
 }  // namespace
 
 struct ViewReconfigure::Impl {
-  Impl(const ros::NodeHandle& node_handle, Photographer& p, const clothsim::Scene& scene)
-      : node(node_handle), photographer(p) {
+  using Change = std::function<void(View&)>;
+
+  Impl(const ros::NodeHandle& node_handle, Cameras& c, const clothsim::Scene& scene)
+      : node(node_handle), cameras(c) {
     node.setCallbackQueue(&queue);
-    add(light, "light", [](LightConfig& config, View& view, auto direction) {
+    const auto looks = [this](const Change& change) { cameras.change_looks(change); };
+    add(light, "light", looks, 0, [](LightConfig& config, View& view, auto direction) {
       visit_light(config, view, direction);
     });
-    add(viewpoint, "viewpoint", [](ViewpointConfig& config, View& view, auto direction) {
-      visit_viewpoint(config, view, direction);
-    });
-    add(shading, "shading/cloth", [](ShadingConfig& config, View& view, auto direction) {
+    const std::vector<std::string> names_of_cameras = cameras.names();
+    for (std::size_t i = 0; i < names_of_cameras.size(); ++i) {
+      const std::string& camera = names_of_cameras[i];
+      const std::string ns = i == 0 ? "viewpoint" : camera + "/viewpoint";
+      const auto one = [this, camera](const Change& change) {
+        cameras.change_view(camera, change);
+      };
+      add(viewpoint, ns, one, i, [](ViewpointConfig& config, View& view, auto direction) {
+        visit_viewpoint(config, view, direction);
+      });
+    }
+    add(shading, "shading/cloth", looks, 0, [(ShadingConfig& config, View& view, auto direction) {
       visit_look(config, view.cloth, direction);
     });
 
@@ -119,20 +130,22 @@ struct ViewReconfigure::Impl {
         const auto look = view.colliders.emplace(name, view.collider).first;
         visit_collider(config, look->second, direction);
       };
-      add(shading, "shading/" + in_ros[i], visit);
+      add(shading, "shading/" + in_ros[i], looks, 0, visit);
     }
     spinner.start();
   }
 
-  /// Serves what `visit` visits in namespace `ns`.
-  template <class Generated, class Visit>
-  void add(std::list<LiveValues<Generated>>& servers, const std::string& ns, Visit visit) {
+  /// Serves what `visit` visits in namespace `ns`. `apply` changes views with it, of which `camera`
+  /// has the first values.
+  template <class Generated, class Apply, class Visit>
+  void add(std::list<LiveValues<Generated>>& servers, const std::string& ns, Apply apply,
+           std::size_t camera, Visit visit) {
     for (const std::string& name : LiveValues<Generated>::names()) names.push_back(ns + '/' + name);
     Generated start = Generated::__getDefault__();
-    View view = photographer.view();
+    View view = cameras.views()[camera];
     visit(start, view, to_config);
-    servers.emplace_back(ros::NodeHandle(node, ns), start, [this, visit](Generated config) {
-      photographer.change_view([&](View& changed) {
+    servers.emplace_back(ros::NodeHandle(node, ns), start, [apply, visit](Generated config) {
+      apply([&](View& changed) {
         visit(config, changed, to_view);
         clothsim::validate(changed);
       });
@@ -150,7 +163,7 @@ struct ViewReconfigure::Impl {
 
   ros::CallbackQueue queue;  // of calls that may read images, which frames do not wait for
   ros::NodeHandle node;
-  Photographer& photographer;
+  Cameras& cameras;
   std::vector<std::string> names;
   std::vector<Space> spaces;
   std::list<LiveValues<LightConfig>> light;
@@ -159,9 +172,9 @@ struct ViewReconfigure::Impl {
   ros::AsyncSpinner spinner{1, &queue};          // last: it serves the others
 };
 
-ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Photographer& photographer,
+ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Cameras& cameras,
                                  const clothsim::Scene& scene)
-    : impl_(std::make_unique<Impl>(node, photographer, scene)) {}
+    : impl_(std::make_unique<Impl>(node, cameras, scene)) {}
 
 ViewReconfigure::~ViewReconfigure() = default;
 

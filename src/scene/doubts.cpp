@@ -1,7 +1,9 @@
 #include "clothsim/scene/doubts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <variant>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
@@ -88,8 +90,23 @@ int count_inside(const ColliderSpec& collider, const Points& points) {
                                         [](double d) { return d < -written_rounding; }));
 }
 
+/// Triangles with corners on both sides of a plane.
+int count_parted(const ColliderSpec& collider, const Cloth& cloth, const Points& points) {
+  const Pose pose = collider.pose * collider.offset;
+  const auto height = [&](int i) { return to_local(pose, points.row(i)).z(); };
+  return static_cast<
+      int>(std::count_if(cloth.triangles.begin(), cloth.triangles.end(), [&](const auto& corners) {
+    const std::array<double, 3> z = {height(corners[0]), height(corners[1]), height(corners[2])};
+    return *std::min_element(z.begin(),
+                             z.end())<-written_rounding&& * std::max_element(z.begin(), z.end())>
+        written_rounding;
+  }));
+}
+
 /// Triangles that reach into it, as a thin one between the points passes through the cloth.
 int count_crossed(const ColliderSpec& collider, const Cloth& cloth, const Points& points) {
+  const Plane* plane = std::get_if<Plane>(&collider.shape);
+  if (plane && plane->two_sided) return count_parted(collider, cloth, points);
   const Pose pose = collider.pose * collider.offset;
   int crossed = 0;
   for (const auto& corners : cloth.triangles) {

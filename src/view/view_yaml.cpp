@@ -95,43 +95,70 @@ void read_noise(const YAML::Node& node, DepthNoise& noise) {
   read_map(node, {{"sigma", into(noise.sigma)}, {"seed", into(noise.seed)}});
 }
 
+/// The camera and its place.
+std::vector<Field> viewpoint_fields(View& view, Intrinsics& intrinsics) {
+  Camera& camera = view.camera;
+  return {{"width", into(camera.width)},
+          {"height", into(camera.height)},
+          {"field_of_view", into_optional(intrinsics.field_of_view)},
+          {"fx", into_optional(intrinsics.fx)},
+          {"fy", into_optional(intrinsics.fy)},
+          {"cx", into_optional(intrinsics.cx)},
+          {"cy", into_optional(intrinsics.cy)},
+          {"near", into(camera.near)},
+          {"far", into(camera.far)},
+          {"depth_noise", [&](const YAML::Node& node) { read_noise(node, camera.depth_noise); }},
+          {"eye", into(view.eye)},
+          {"target", into(view.target)},
+          {"frame", into(view.frame)},
+          {"rate", into(view.rate)},
+          {"each_step", into(view.each_step)},
+          {"samples", into(view.samples)},
+          {"egl_device", [&](const YAML::Node& node) { view.egl_device = read_int(node); }}};
+}
+
 }  // namespace
 
 View read_view(const YAML::Node& root) {
   View view;
-  Camera& camera = view.camera;
   Intrinsics intrinsics;
   YAML::Node named;  // read last, as they start from the look of all colliders
-  read_map(root,
-           {{"width", into(camera.width)},
-            {"height", into(camera.height)},
-            {"field_of_view", into_optional(intrinsics.field_of_view)},
-            {"fx", into_optional(intrinsics.fx)},
-            {"fy", into_optional(intrinsics.fy)},
-            {"cx", into_optional(intrinsics.cx)},
-            {"cy", into_optional(intrinsics.cy)},
-            {"near", into(camera.near)},
-            {"far", into(camera.far)},
-            {"depth_noise", [&](const YAML::Node& node) { read_noise(node, camera.depth_noise); }},
-            {"eye", into(view.eye)},
-            {"target", into(view.target)},
-            {"frame", into(view.frame)},
-            {"rate", into(view.rate)},
-            {"each_step", into(view.each_step)},
-            {"samples", into(view.samples)},
-            {"egl_device", [&](const YAML::Node& node) { view.egl_device = read_int(node); }},
-            {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},
-            {"shadows", into(view.light.shadows)},
-            {"background", into(view.background)},
-            {"sky", into(view.sky)},
-            {"cloth", [&](const YAML::Node& node) { read_map(node, look_fields(view.cloth)); }},
-            {"collider", [&](const YAML::Node& node) { read_collider_look(node, view.collider); }},
-            {"colliders", [&](const YAML::Node& node) { named = node; }}});
+  std::vector<Field> fields = viewpoint_fields(view, intrinsics);
+  const std::vector<Field> looks = {
+      {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},
+      {"shadows", into(view.light.shadows)},
+      {"background", into(view.background)},
+      {"sky", into(view.sky)},
+      {"cloth", [&](const YAML::Node& node) { read_map(node, look_fields(view.cloth)); }},
+      {"collider", [&](const YAML::Node& node) { read_collider_look(node, view.collider); }},
+      {"colliders", [&](const YAML::Node& node) { named = node; }}};
+  fields.insert(fields.end(), looks.begin(), looks.end());
+  read_map(root, fields);
   if (named.IsDefined() && !named.IsNull())
     inside("colliders", [&] { read_colliders(named, view); });
   intrinsics.apply(camera);
   validate(view);
   return view;
+}
+
+NamedView read_camera(const YAML::Node& root, const View& looks) {
+  NamedView camera;
+  View& view = camera.view;
+  view.light = looks.light;
+  view.background = looks.background;
+  view.sky = looks.sky;
+  view.cloth = looks.cloth;
+  view.collider = looks.collider;
+  view.colliders = looks.colliders;
+  view.egl_device = looks.egl_device;
+
+  Intrinsics intrinsics;
+  std::vector<Field> fields = viewpoint_fields(view, intrinsics);
+  fields.insert(fields.begin(), {"name", into(camera.name)});
+  read_map(root, fields);
+  intrinsics.apply(view.camera);
+  validate(view);
+  return camera;
 }
 
 void validate(const View& view) {

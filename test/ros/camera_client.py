@@ -25,10 +25,10 @@ class Frame:
 
 
 class Camera:
-    """The image topics of a clothsim node."""
+    """The image topics of a camera of a clothsim node."""
 
-    def __init__(self, name="/clothsim", kinds=KINDS):
-        topic = name + "/camera/%s/%s"
+    def __init__(self, name="/clothsim", kinds=KINDS, camera="camera"):
+        topic = name + "/" + camera + "/%s/%s"
         self._images = {k: Recorder(topic % (k, "image_raw"), Image) for k in kinds}
         self._infos = {k: Recorder(topic % (k, "camera_info"), CameraInfo) for k in kinds}
 
@@ -76,10 +76,10 @@ class Status:
 
 
 class CameraDiagnostics:
-    """The node's status `camera` of /diagnostics."""
+    """The node's status of a camera in /diagnostics."""
 
-    def __init__(self, name="clothsim"):
-        self._name = name + ": camera"
+    def __init__(self, name="clothsim", camera="camera"):
+        self._name = name + ": " + camera
         self._recorder = Recorder("/diagnostics", DiagnosticArray)
 
     def next(self, condition=lambda status: True, what="of the camera"):

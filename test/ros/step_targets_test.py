@@ -178,15 +178,17 @@ class StepTargets(unittest.TestCase):
             self.assertEqual(go_on(), expected)
 
     def test_says_which_frame_nothing_follows(self):
-        """Once, and only where one of nearly that name is followed; a hand to be attached later is none."""
+        """Once, with a name that it is near to. A hand to be attached later is none to warn of."""
         log = Recorder("/rosout", Log)
         wait_for(log.connected, "the node's log")
         for _ in range(2):
             self.cloth.step(1, [make_transform(frame, (9, 9, 9)) for frame in ("bal", "Tip", "gripper")])
-        log.wait("the warning", lambda m: "frame Tip" in m.msg)
-        told = [m.msg for m in log.all() if "~step moves frame" in m.msg]
-        self.assertEqual(told, ["~step moves frame %s, which no collider, pin or attached point follows; did you "
-                                "mean %s?" % pair for pair in (("Tip", "tip"), ("bal", "ball"))])
+        log.wait("the message", lambda m: "frame gripper" in m.msg)
+        told = [(m.level, m.msg) for m in log.all() if "~step moves frame" in m.msg]
+        message = "~step moves frame %s, which no collider, pin, attached point or camera follows%s"
+        self.assertEqual(told, [(Log.WARN, message % ("Tip", "; did you mean tip?")),
+                                (Log.WARN, message % ("bal", "; did you mean ball?")),
+                                (Log.INFO, message % ("gripper", " yet"))])
         log.close()
 
     def test_refused(self):

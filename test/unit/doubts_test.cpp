@@ -66,6 +66,12 @@ TEST(Doubts, ClothThatStartsInACollider) {
                 after),
       Lines{"1 of 200 triangles of the cloth start in collider rod; did you mean another "
             "cloth.origin?"});
+  EXPECT_EQ(doubts_of(before +
+                      "{shape: plane, name: sheet, point: [0.25, 0, 0], normal: [1, 0, 0], "
+                      "two_sided: true}" +
+                      after),
+            Lines{"20 of 200 triangles of the cloth start in collider sheet; did you mean another "
+                  "cloth.origin?"});
   for (const char* apart :
        {"{shape: plane, point: [0, 0, 1]}", "{shape: plane, point: [0, 0, 2], two_sided: true}",
         "{shape: sphere, center: [0.5, 0.5, 1], radius: 0.15, enabled: false}",

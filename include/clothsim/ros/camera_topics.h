@@ -12,12 +12,13 @@
 
 namespace clothsim_ros {
 
-/// The topics ~camera/color, depth, mask, uv, normals and flow, each with image_raw, by
-/// image_transport, and camera_info; and ~camera/visible_points.
+/// The topics of a camera, below its name: color, depth, mask, uv, normals and flow, each with
+/// image_raw, by image_transport, and camera_info; and visible_points.
 class CameraTopics {
  public:
   /// `subscriber_came` is called with the node's other callbacks.
-  CameraTopics(const ros::NodeHandle&, const std::function<void()>& subscriber_came);
+  CameraTopics(const ros::NodeHandle&, const std::string& camera,
+               const std::function<void()>& subscriber_came);
 
   /// The images that somebody listens to.
   clothsim::WantedImages wanted() const;

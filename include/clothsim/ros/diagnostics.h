@@ -26,7 +26,7 @@ struct NodeStatus {
   std::optional<double> strain_limit;     // empty: off
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
   std::vector<FrameStatus> frames;
-  CameraStatus camera;
+  std::vector<CameraStatus> cameras;
 };
 
 /// Sends a NodeStatus to /diagnostics, and tells the log what is new in it.

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/cameras.h"
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/choice_log.h"
 #include "clothsim/ros/contact_topics.h"
@@ -26,7 +27,6 @@
 #include "clothsim/ros/outputs.h"
 #include "clothsim/ros/pacer.h"
 #include "clothsim/ros/parameters.h"
-#include "clothsim/ros/photographer.h"
 #include "clothsim/ros/reconfigure.h"
 #include "clothsim/ros/state_services.h"
 #include "clothsim/ros/step_targets.h"
@@ -82,6 +82,8 @@ class Node {
   /// and what may not be meant.
   void warn_of_scene(const YAML::Node& given) const;
   void publish_diagnostics();
+  /// Frames of tf that carry colliders, points or cameras.
+  std::vector<std::string> followed_frames() const;
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
   bool reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&);
@@ -112,7 +114,7 @@ class Node {
   Grasper grasper_;
   Outputs outputs_;
   ContactTopics contact_topics_;
-  Photographer photographer_;
+  Cameras cameras_;
   std::optional<Reconfigure> reconfigure_;           // of the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
   RateMeter rate_;

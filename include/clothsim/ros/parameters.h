@@ -12,16 +12,16 @@
 #include "clothsim/ros/diagnostic_limits.h"
 #include "clothsim/scene/scene.h"
 #include "clothsim/scene/yaml_values.h"
-#include "clothsim/view/view.h"
+#include "clothsim/view/view_yaml.h"
 
 namespace clothsim_ros {
 
 /// What the node reads from the parameter server at its start.
 struct NodeParameters {
   clothsim::Scene scene;
-  YAML::Node scene_yaml;                   // that it was read from
-  clothsim::View view;                     // of ~camera
-  std::vector<std::string> image_folders;  // that its images may come from, beside the package's
+  YAML::Node scene_yaml;                     // that it was read from
+  std::vector<clothsim::NamedView> cameras;  // ~camera, then those of ~cameras
+  std::vector<std::string> image_folders;    // that its images may come from, beside the package's
   DiagnosticLimits limits;
   double diagnostic_period = 1;  // [s]
   std::string world_frame = "map";

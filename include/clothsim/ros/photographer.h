@@ -1,8 +1,8 @@
 #pragma once
 
+#include <geometry_msgs/TransformStamped.h>
 #include <ros/node_handle.h>
 #include <ros/time.h>
-#include <tf2_ros/static_transform_broadcaster.h>
 
 #include <functional>
 #include <mutex>
@@ -16,11 +16,13 @@
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/view/snapshot_maker.h"
+#include "clothsim/view/view_yaml.h"
 
 namespace clothsim_ros {
 
-/// What the camera does, for the diagnostics.
+/// What a camera does, for the diagnostics.
 struct CameraStatus {
+  std::string name;
   clothsim::RenderStatus render;
   clothsim::WantedImages subscribed;
   std::optional<double> rate;  // [Hz] of pictures since the last status; empty: too little time
@@ -28,15 +30,22 @@ struct CameraStatus {
   std::optional<FrameStatus> frame;   // that carries the camera
 };
 
-/// Takes pictures of a simulation and publishes them. Until somebody subscribes there is neither
-/// render thread nor OpenGL. To be used in the thread that serves the node's callbacks, but for
-/// view(), set_view() and change_view(), which any thread may call.
+/// A camera that takes pictures of a simulation and publishes them. Until somebody subscribes there
+/// is neither render thread nor OpenGL. To be used in the thread that serves the node's callbacks,
+/// but for view(), set_view() and change_view(), which any thread may call.
 class Photographer {
  public:
-  /// Simulator and `tf` must outlive this. Images come from the package and `image_folders`. `now`
-  /// is the stamp of the simulator's state. Throws InvalidValue for a view that cannot be drawn.
-  Photographer(const ros::NodeHandle&, const clothsim::Simulator&, TfListener& tf,
-               const clothsim::View&, std::vector<std::string> image_folders, const ros::Time& now);
+  /// Tells tf a static transform.
+  using Broadcast = std::function<void(const geometry_msgs::TransformStamped&)>;
+
+  /// Simulator and `tf` must outlive this. `camera` has the name of its topics and its view. Images
+  /// come from the package and `image_folders`. `now` is the stamp of the simulator's state. Throws
+  /// InvalidValue for a view that cannot be drawn.
+  Photographer(const ros::NodeHandle&, const clothsim::NamedView& camera,
+               const clothsim::Simulator&, TfListener& tf, Broadcast,
+               std::vector<std::string> image_folders, const ros::Time& now);
+
+  const std::string& name() const { return name_; }
 
   /// The one that was set last.
   clothsim::View view() const;
@@ -85,8 +94,10 @@ class Photographer {
   std_msgs::Header header() const;
   void broadcast_own_frame();
 
+  std::string name_;
   const clothsim::Simulator& simulator_;
   TfListener& tf_;
+  Broadcast broadcast_;
   std::mutex change_mutex_;  // held while images are read
   clothsim::ImageStore images_;
   mutable std::mutex newest_mutex_;  // held for a moment only
@@ -96,10 +107,9 @@ class Photographer {
   clothsim::PreparedView prepared_;
   clothsim::SnapshotMaker snapshots_;
   std::string shaders_;
-  std::optional<TfFrame> frame_;  // that carries the camera
-  std::string own_frame_;         // of the camera while no other one carries it
-  std::optional<tf2_ros::StaticTransformBroadcaster> broadcaster_;
-  std::optional<clothsim::Pose> broadcast_;  // pose of own_frame_ that tf knows
+  std::optional<TfFrame> frame_;            // that carries the camera
+  std::string own_frame_;                   // of the camera while no other one carries it
+  std::optional<clothsim::Pose> own_pose_;  // of own_frame_, as tf knows it
 
   ros::Time stamp_;               // of the simulator's state
   bool taken_ = false;            // there is a picture of it, or one on its way, or none is wanted

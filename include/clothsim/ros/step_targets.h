@@ -23,8 +23,10 @@ class StepTargets {
   /// `tf` must outlive this. `node`: whose queue serves those who begin to listen.
   StepTargets(const ros::NodeHandle& node, TfListener& tf) : tf_(tf), node_(node) {}
 
-  /// Sets out for the targets of a call. Throws InvalidValue and changes nothing.
-  void aim(const clothsim::Step::Request&, const clothsim::Simulator&);
+  /// Sets out for the targets of a call. `followed`: frames that something of the node follows; a
+  /// target that carries none of them is logged, once. Throws InvalidValue and changes nothing.
+  void aim(const clothsim::Step::Request&, const clothsim::Simulator&,
+           const std::vector<std::string>& followed);
 
   /// Hands the poses at the end of the next frame of simulation to tf.
   void advance();
@@ -52,8 +54,7 @@ class StepTargets {
   Target read(const clothsim::Step::Request&, std::size_t index) const;
   clothsim::FrameMotion start(const Target&, const clothsim::Simulator&) const;
   void put(const std::string& frame, const clothsim::Pose&);
-  /// Tells of a frame that nothing follows, once.
-  void tell_stranger(const std::string& frame, const clothsim::Simulator&);
+  void tell_stranger(const std::string& frame, const std::vector<std::string>& followed);
   tf2_msgs::TFMessage message() const;
 
   TfListener& tf_;

@@ -52,8 +52,8 @@ class TfListener {
   /// The latest of the frame in the world; empty: there is none that is usable.
   std::optional<clothsim::Pose> pose(const std::string& frame) const;
 
-  /// Whether the world is that frame, or in it.
-  bool is_above_world(const std::string& frame) const;
+  /// Whether `child` is that frame, or carried by it.
+  bool carries(const std::string& frame, std::string child) const;
 
   const std::string& world_frame() const { return world_frame_; }
   std::optional<double> lost_after() const { return lost_after_; }

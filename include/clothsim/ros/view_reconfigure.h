@@ -6,18 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/ros/photographer.h"
+#include "clothsim/ros/cameras.h"
 #include "clothsim/scene/scene.h"
 
 namespace clothsim_ros {
 
-/// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider,
-/// ~light and ~viewpoint. Changes hold from the next picture on. A thread of its own serves them,
-/// so that the simulation does not wait while images are read.
+/// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider
+/// and ~light, which all cameras see; ~viewpoint of ~camera, ~camera_NAME/viewpoint of others.
+/// Changes hold from the next picture on. A thread of its own serves them, so that the simulation
+/// does not wait while images are read.
 class ViewReconfigure {
  public:
-  /// Starts from the photographer's view. The photographer must outlive this.
-  ViewReconfigure(const ros::NodeHandle&, Photographer&, const clothsim::Scene&);
+  /// Starts from the cameras' views. The cameras must outlive this.
+  ViewReconfigure(const ros::NodeHandle&, Cameras&, const clothsim::Scene&);
   ~ViewReconfigure();
 
   /// Of the values, below the node's, such as "light/intensity".
@@ -26,7 +27,7 @@ class ViewReconfigure {
   /// Those that differ from the start's, as "light/intensity 3".
   std::vector<std::string> changed();
 
-  /// Takes back what requests have changed; may read images. Throws what the photographer throws.
+  /// Takes back what requests have changed; may read images. Throws what the cameras throw.
   void reset();
 
  private:
