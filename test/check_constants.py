@@ -30,7 +30,7 @@ CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char|i
 # A number of structure.
 ENUMERATOR = re.compile(r"enum(?: : [\w:]+)? \{ (?P<name>\w+) = (?P<value>\d+) \};")
 # These share their words with a number that has a unit, and have none.
-PURE = {"most_of_violation", "margin", "lift"}
+PURE = {"max_violation_share", "margin", "lift"}
 # Not that of a function of the number.
 UNIT = re.compile(r"(?<!\) )\[((?:1/|k?)(?:m|s|g|N|J|K|Hz|rad|bytes)\b[\w/^ ]*)\]")
 

@@ -40,17 +40,18 @@ struct Drift {
         velocities(from.simulator.state().velocities),
         state(from.simulator.state()),
         h(from.h),
-        reach(VelocityVerlet::reach(from.simulator.cloth().damping, h)) {
+        displacement_factor(
+            VelocityVerlet::displacement_factor(from.simulator.cloth().damping, h)) {
     state.velocities.col(2).array() -= 9.8 * h;
     state.positions += h * state.velocities;
   }
-  ContactStep step() const { return {h, reach, start, velocities, alone}; }
+  ContactStep step() const { return {h, displacement_factor, start, velocities, alone}; }
 
   Points start;
   Points velocities;
   State state;
   double h;
-  double reach;
+  double displacement_factor;
 };
 
 /// Self contact of a substep: what is near, four sweeps.
@@ -61,8 +62,8 @@ void whole_step(benchmark::State& run, SelfCollision kind) {
   for (auto _ : run) {
     Drift drift(scene);
     const double start = cpu_seconds();
-    contacts.begin(cloth, drift.step(), drift.state);
-    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(0, drift.state.velocities);
+    contacts.prepare(cloth, drift.step(), drift.state);
+    for (int pass = 0; pass < 4; ++pass) contacts.solve_pass(0, drift.state.velocities);
     contacts.guard(cloth, drift.step(), Points(drift.state.positions), drift.state);
     run.SetIterationTime(cpu_seconds() - start);
   }
@@ -85,9 +86,9 @@ void collider_step(benchmark::State& run, const std::string& name) {
   for (auto _ : run) {
     Drift drift(lying);
     const double start = cpu_seconds();
-    contacts.begin(colliders, cloth, drift.step(), drift.state);
-    for (int sweep = 0; sweep < 4; ++sweep) contacts.sweep(drift.state.velocities);
-    contacts.correct(colliders, cloth, drift.start, drift.state.positions);
+    contacts.prepare(colliders, cloth, drift.step(), drift.state);
+    for (int pass = 0; pass < 4; ++pass) contacts.solve_pass(drift.state.velocities);
+    contacts.project_positions(colliders, cloth, drift.start, drift.state.positions);
     run.SetIterationTime(cpu_seconds() - start);
   }
   run.counters["contacts"] = contacts.count();
@@ -137,7 +138,7 @@ void surface_narrow_phase(benchmark::State& run) {
 /// A substep whose contacts have been found.
 struct Begun {
   Begun() : contacts(cloth, SelfCollision::surface), drift(settled(SelfCollision::surface)) {
-    contacts.begin(cloth, drift.step(), drift.state);
+    contacts.prepare(cloth, drift.step(), drift.state);
   }
   const Cloth& cloth = settled(SelfCollision::surface).simulator.cloth();
   SelfContacts contacts;
@@ -149,7 +150,7 @@ void surface_response(benchmark::State& run) {
   Begun step;
   for (auto _ : run) {
     constexpr double none_left_out = -1;
-    benchmark::DoNotOptimize(step.contacts.sweep(none_left_out, step.drift.state.velocities));
+    benchmark::DoNotOptimize(step.contacts.solve_pass(none_left_out, step.drift.state.velocities));
   }
   run.counters["contacts"] = step.contacts.count();
   count_points(run, step.cloth);

@@ -22,17 +22,17 @@ void strain_limit(benchmark::State& run) {
   State state = scene.simulator.state();
   StrainLimit limit(cloth);
   VelocityVerlet method;
-  const double reach = VelocityVerlet::reach(cloth.damping, scene.h);
+  const double displacement_factor = VelocityVerlet::displacement_factor(cloth.damping, scene.h);
   Points predicted;
   for (auto _ : run) {
     method.step(cloth, Loads(), scene.h, state);
     const double start = cpu_seconds();
-    limit.predict(scene.h, reach, state);
+    limit.warm_start(scene.h, displacement_factor, state);
     predicted = state.velocities;
-    limit.begin(cloth, reach, state);
-    for (int sweep = 0; sweep < 4; ++sweep) limit.sweep(state.velocities);
-    state.positions += reach * scene.h * (state.velocities - predicted);
-    limit.correct(cloth, 0.004, 200, state.positions);
+    limit.prepare(cloth, displacement_factor, state);
+    for (int pass = 0; pass < 4; ++pass) limit.solve_pass(state.velocities);
+    state.positions += displacement_factor * scene.h * (state.velocities - predicted);
+    limit.project_positions(cloth, 0.004, 200, state.positions);
     run.SetIterationTime(cpu_seconds() - start);
   }
   count_points(run, cloth);

@@ -8,14 +8,15 @@ namespace clothsim {
 namespace {
 
 CLOTHSIM_TARGET_CLONES
-void find_changed(int begin, int end, Eigen::Index count, double least, const double* __restrict v,
-                  double* __restrict seen, std::int64_t* __restrict marked,
-                  std::int64_t* __restrict changed) {
+void find_changed(int begin, int end, Eigen::Index count, double min_change,
+                  const double* __restrict v, double* __restrict seen,
+                  std::int64_t* __restrict marked, std::int64_t* __restrict changed) {
   const double *const vx = v, *const vy = v + count, *const vz = v + 2 * count;
   double *const sx = seen, *const sy = seen + count, *const sz = seen + 2 * count;
   for (Eigen::Index i = begin; i < end; ++i) {
-    const bool differs = (std::abs(vx[i] - sx[i]) > least) | (std::abs(vy[i] - sy[i]) > least) |
-                         (std::abs(vz[i] - sz[i]) > least);
+    const bool differs = (std::abs(vx[i] - sx[i]) > min_change) |
+                         (std::abs(vy[i] - sy[i]) > min_change) |
+                         (std::abs(vz[i] - sz[i]) > min_change);
     const std::int64_t is_changed = marked[i] | std::int64_t{differs};
     sx[i] = is_changed ? vx[i] : sx[i];
     sy[i] = is_changed ? vy[i] : sy[i];
@@ -33,9 +34,9 @@ void ChangedPoints::mark_all(int count) {
   changed_.resize(marked_.size());
 }
 
-void ChangedPoints::look(const Points& velocities, double least, const Workers& workers) {
-  workers.share(static_cast<int>(velocities.rows()), [&](int begin, int end) {
-    find_changed(begin, end, velocities.rows(), least, velocities.data(), seen_.data(),
+void ChangedPoints::look(const Points& velocities, double min_change, const Workers& workers) {
+  workers.parallel_for(static_cast<int>(velocities.rows()), [&](int begin, int end) {
+    find_changed(begin, end, velocities.rows(), min_change, velocities.data(), seen_.data(),
                  marked_.data(), changed_.data());
   });
 }

@@ -15,8 +15,8 @@ double farthest_from(const Vector3& origin, const Points& points) {
 
 }  // namespace
 
-void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                             const ContactStep& step, State& state) {
+void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                               const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
   stretch_ = step.stretch;
@@ -25,12 +25,12 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   is_restored_pinched_ = false;
   pinches_.start_over(h_, step.gravity);
   recovers_ = false;
-  pace_ = step.pace;
+  recovery_factor_ = step.recovery_factor;
   if (colliders.empty()) return;
 
-  std::vector<Caught> caught = find(colliders, cloth, step, state);
-  if (caught.size() > 1) find_pinched(colliders, cloth, step, caught);
-  for (const Caught& c : caught) {
+  std::vector<Penetration> penetrations = find(colliders, cloth, step, state);
+  if (penetrations.size() > 1) find_pinched(colliders, cloth, step, penetrations);
+  for (const Penetration& c : penetrations) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
     if (c.depth() > safe_depth(collider.shape())) {
@@ -39,28 +39,28 @@ void ColliderContacts::begin(const std::vector<MovingCollider>& colliders, const
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
 
-  resume(cloth, scale, state);
-  faces_.resume(state.positions, state.velocities);
-  pinches_.sweep(state.velocities);
+  warm_start(cloth, scale, state);
+  faces_.warm_start(state.positions, state.velocities);
+  pinches_.solve_pass(state.velocities);
 }
 
-double ColliderContacts::Caught::depth() const {
+double ColliderContacts::Penetration::depth() const {
   double deepest = 0;
   for (const auto& point : points) deepest = std::max(deepest, point.second);
-  for (const CaughtFace& face : faces) deepest = std::max(deepest, face.depth);
+  for (const PenetratingFace& face : faces) deepest = std::max(deepest, face.depth);
   return deepest;
 }
 
-std::vector<ColliderContacts::Caught> ColliderContacts::find(
+std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     const std::vector<MovingCollider>& colliders, const Cloth& cloth, const ContactStep& step,
     State& state) {
-  sides_.resize(colliders.size());
-  travel_.begin(step.start, state.positions);
+  caches_.resize(colliders.size());
+  motion_bound_.begin(step.start, state.positions);
   local_.edge = longest_edge_within_limit(cloth, step.stretch);
   const double speed = longest_row(state.velocities), drift = longest_row(step.drifted);
-  std::vector<Caught> result;
+  std::vector<Penetration> result;
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
-    Side& s = side(k);
+    ColliderCache& s = cache(k);
     s.slots.start_over();
     s.way_out.reset();
     s.near.clear();
@@ -70,18 +70,18 @@ std::vector<ColliderContacts::Caught> ColliderContacts::find(
       s.is_clear = false;
       continue;
     }
-    Caught caught{k, {}, {}};
-    find_at(s, collider, cloth, step, speed, drift, state, caught);
-    if (!s.near.empty() || s.has_faces) result.push_back(std::move(caught));
+    Penetration penetration{k, {}, {}};
+    find_at(s, collider, cloth, step, speed, drift, state, penetration);
+    if (!s.near.empty() || s.has_faces) result.push_back(std::move(penetration));
   }
   return result;
 }
 
-void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
+void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider, const Cloth& cloth,
                                const ContactStep& step, double speed, double drift, State& state,
-                               Caught& caught) {
-  if (!s.room.is_of(ContactSlots::num_blocks(cloth))) {
-    s.room.reset(ContactSlots::num_blocks(cloth));
+                               Penetration& penetration) {
+  if (!s.sleep_bounds.is_of(ContactSlots::num_blocks(cloth))) {
+    s.sleep_bounds.reset(ContactSlots::num_blocks(cloth));
   }
   follow(s, collider, state.positions);
 
@@ -89,9 +89,9 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   const Clearance keeps = clearance(collider.shape(), cloth, step.stretch, has_pinched_);
   const double of_surface = s.moved / step.h;
   const double margin = step.h * (speed + of_surface) + step.way + keeps.points;
-  const double to_middle = step.reach * step.h * (drift + of_surface);
+  const double to_middle = step.displacement_factor * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
-  s.room.find_near(travel_.total(), near, s.near);
+  s.sleep_bounds.find_near(motion_bound_.total(), near, s.near);
   if (keeps.faces && std::isinf(local_.edge)) {
     local_.edge = longest_edge(state.positions, cloth.triangles);
   }
@@ -108,33 +108,35 @@ void ColliderContacts::find_at(Side& s, const MovingCollider& collider, const Cl
   s.within = near;
   find_points(s, collider, cloth, step, state);
   if (s.is_close) {
-    const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, near));
+    const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, near));
     for (const Span& span : s.near) {
       const int end = ContactSlots::end_of(span.end - 1, cloth);
       for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
-        if (cloth.inv_mass[i] > 0) look_closely(s, i, seeker, step, state, caught);
+        if (cloth.inv_mass[i] > 0) look_closely(s, i, detector, step, state, penetration);
       }
     }
   }
   if (s.has_faces) {
-    faces_.find({caught.collider, collider, cloth, step, margin, local_, state, caught.faces});
+    faces_.find(
+        {penetration.collider, collider, cloth, step, margin, local_, state, penetration.faces});
   }
 }
 
-void ColliderContacts::find_points(Side& s, const MovingCollider& collider, const Cloth& cloth,
-                                   const ContactStep& step, const State& state) {
-  const ContactSlots::Seeker seeker(collider, s.keeps, s.asked(collider, cloth, s.within));
-  for (const Span& span : s.near) s.slots.find(span, seeker, cloth, step, state);
+void ColliderContacts::find_points(ColliderCache& s, const MovingCollider& collider,
+                                   const Cloth& cloth, const ContactStep& step,
+                                   const State& state) {
+  const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, s.within));
+  for (const Span& span : s.near) s.slots.find(span, detector, cloth, step, state);
 }
 
 bool ColliderContacts::is_settled() const { return !recovers_ && pinches_.count() == 0; }
 
-void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                             const ContactStep& step, State& state) {
+void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                               const ContactStep& step, State& state) {
   const bool has_faces = faces_.size() > 0;
   faces_.start_over(h_);
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    Side& s = sides_[k];
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    ColliderCache& s = caches_[k];
     if (!colliders[k].enabled()) continue;
     follow(s, colliders[k], state.positions);
     if (!s.near.empty()) {
@@ -142,139 +144,148 @@ void ColliderContacts::go_on(const std::vector<MovingCollider>& colliders, const
       find_points(s, colliders[k], cloth, step, state);
     }
     if (!has_faces || !s.has_faces) continue;
-    Caught caught{static_cast<int>(k), {}, {}};
+    Penetration penetration{static_cast<int>(k), {}, {}};
     local_.place(colliders[k], step.start, state.positions);
     local_.place_middle(colliders[k], step, state.positions);
-    faces_.find_again(
-        {caught.collider, colliders[k], cloth, step, s.within, local_, state, caught.faces});
-    recovers_ = recovers_ || caught.depth() > 0;
+    faces_.find_again({penetration.collider, colliders[k], cloth, step, s.within, local_, state,
+                       penetration.faces});
+    recovers_ = recovers_ || penetration.depth() > 0;
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
-  resume(cloth, 1, state);
-  faces_.resume(state.positions, state.velocities);
+  warm_start(cloth, 1, state);
+  faces_.warm_start(state.positions, state.velocities);
 }
 
-void ColliderContacts::resume(const Cloth& cloth, double scale, State& state) {
-  for (Side& s : sides_) {
+void ColliderContacts::warm_start(const Cloth& cloth, double scale, State& state) {
+  for (ColliderCache& s : caches_) {
     s.slots.close();
-    for (const int block : s.slots.active()) s.room.wake(block);  // what touches, does not sleep
-    s.slots.resume(cloth, scale, state.velocities);
+    for (const int block : s.slots.active()) {
+      s.sleep_bounds.wake(block);  // what touches, does not sleep
+    }
+    s.slots.warm_start(cloth, scale, state.velocities);
   }
 }
 
-Asked ColliderContacts::Side::asked(const MovingCollider& collider, const Cloth& cloth,
-                                    double reach) {
+Asked ColliderContacts::ColliderCache::asked(const MovingCollider& collider, const Cloth& cloth,
+                                             double distance) {
   if (!std::holds_alternative<MeshShape>(collider.shape())) return {};
   neighbourhoods.resize(static_cast<std::size_t>(cloth.num_points()));
-  return {reach, neighbourhoods.data()};
+  return {distance, neighbourhoods.data()};
 }
 
-void ColliderContacts::follow(Side& s, const MovingCollider& collider,
+void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
                               const Points& positions) const {
-  const bool turns = collider.last_turn() > 0 ||
-                     collider.pose().orientation.coeffs() != s.room.pose().orientation.coeffs();
+  const bool turns = collider.last_turn() > 0 || collider.pose().orientation.coeffs() !=
+                                                     s.sleep_bounds.pose().orientation.coeffs();
   const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
-  const double jumped = s.room.follow(collider.previous(), radius) + travel_.between_steps();
-  s.moved = s.room.follow(collider.pose(), radius);
+  const double jumped =
+      s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
+  s.moved = s.sleep_bounds.follow(collider.pose(), radius);
   s.is_clear = s.is_clear && jumped < may_sink;
-  s.is_close = !s.is_clear || travel_.in_step() + s.moved > safe_depth(collider.shape());
+  s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
 }
 
-bool ColliderContacts::is_near_faces(const Side& s, const Clearance& keeps, double reach) const {
-  return keeps.faces && s.room.is_near(travel_.total(), reach + local_.edge / std::sqrt(3));
+bool ColliderContacts::is_near_faces(const ColliderCache& s, const Clearance& keeps,
+                                     double distance) const {
+  return keeps.faces &&
+         s.sleep_bounds.is_near(motion_bound_.total(), distance + local_.edge / std::sqrt(3));
 }
 
-double ColliderContacts::sweep(Points& velocities) {
+double ColliderContacts::solve_pass(Points& velocities) {
   double residual2 = 0;
-  for (Side& s : sides_) residual2 = std::max(residual2, s.slots.sweep(s.friction, velocities));
-  const double on_faces = faces_.sweep(velocities);
-  return std::max({std::sqrt(residual2), on_faces, pinches_.sweep(velocities)}) * h_;
+  for (ColliderCache& s : caches_) {
+    residual2 = std::max(residual2, s.slots.solve_pass(s.friction, velocities));
+  }
+  const double on_faces = faces_.solve_pass(velocities);
+  return std::max({std::sqrt(residual2), on_faces, pinches_.solve_pass(velocities)}) * h_;
 }
 
-void ColliderContacts::correct(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                               const Points& start, Points& positions) {
-  pinches_.correct(start, positions);
-  travel_.go_on(start, positions);
-  correct_all(colliders, cloth, start, positions);
+void ColliderContacts::project_positions(const std::vector<MovingCollider>& colliders,
+                                         const Cloth& cloth, const Points& start,
+                                         Points& positions) {
+  pinches_.project_positions(start, positions);
+  motion_bound_.update(start, positions);
+  project_all(colliders, cloth, start, positions);
 }
 
-void ColliderContacts::correct_near(const std::vector<MovingCollider>& colliders,
+void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const Points& start, Points& positions) {
-  travel_.add(longest_way(start, positions));
+  motion_bound_.add(longest_way(start, positions));
   for (std::size_t k = 0; k < colliders.size(); ++k) {
-    Side& s = sides_[k];
+    ColliderCache& s = caches_[k];
     if (s.near.empty()) continue;
-    const ContactSlots::Seeker seeker(colliders[k], s.keeps,
-                                      s.asked(colliders[k], cloth, 2 * s.keeps));
+    const ContactSlots::Detector detector(colliders[k], s.keeps,
+                                          s.asked(colliders[k], cloth, 2 * s.keeps));
     double longest = 0;
     for (const Span& span : s.near) {
       const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
-      double least[Span::longest];
-      longest =
-          std::max(longest, ContactSlots::push_out(span, seeker, free, start, positions, least));
+      double min_distances[Span::longest];
+      longest = std::max(longest, ContactSlots::project_positions(span, detector, free, start,
+                                                                  positions, min_distances));
     }
     moved_out(k, longest);
   }
-  travel_.end(positions);
+  motion_bound_.end(positions);
 }
 
 void ColliderContacts::moved_out(std::size_t collider, double way) {
-  travel_.add(way);
+  motion_bound_.add(way);
   // It may have been moved into another one.
   for (std::size_t other = 0; other < collider && way >= may_sink; ++other) {
-    sides_[other].is_clear = false;
+    caches_[other].is_clear = false;
   }
 }
 
-void ColliderContacts::correct_again(const std::vector<MovingCollider>& colliders,
+void ColliderContacts::project_again(const std::vector<MovingCollider>& colliders,
                                      const Cloth& cloth, const Points& start, Points& positions) {
-  travel_.begin(start, positions);
-  correct_all(colliders, cloth, start, positions);
+  motion_bound_.begin(start, positions);
+  project_all(colliders, cloth, start, positions);
 }
 
-void ColliderContacts::correct_all(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+void ColliderContacts::project_all(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                    const Points& start, Points& positions) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (!colliders[k].enabled()) continue;
-    moved_out(k, correct_at(sides_[k], colliders[k], cloth, start, positions));
+    moved_out(k, project_at(caches_[k], colliders[k], cloth, start, positions));
   }
-  travel_.end(positions);
+  motion_bound_.end(positions);
 }
 
-double ColliderContacts::correct_at(Side& s, const MovingCollider& collider, const Cloth& cloth,
-                                    const Points& start, Points& positions) {
+double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& collider,
+                                    const Cloth& cloth, const Points& start, Points& positions) {
   const Clearance keeps = clearance(collider.shape(), cloth, stretch_, has_pinched_);
-  s.room.find_near(travel_.total(), 2 * keeps.points, s.inside);
-  s.is_close = s.is_close || travel_.in_step() + s.moved > safe_depth(collider.shape());
+  s.sleep_bounds.find_near(motion_bound_.total(), 2 * keeps.points, s.inside);
+  s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
-  const ContactSlots::Seeker seeker(collider, keeps.points,
-                                    s.asked(collider, cloth, 2 * keeps.points));
+  const ContactSlots::Detector detector(collider, keeps.points,
+                                        s.asked(collider, cloth, 2 * keeps.points));
   double longest = 0;
   for (const Span& span : s.inside) {
     const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
-    double free[Span::longest * ContactSlots::block], least[Span::longest];
+    double free[Span::longest * ContactSlots::block], min_distances[Span::longest];
     if (s.is_close || pinches_.count() > 0) {
-      const double way = correct_closely(s, span, seeker, cloth, start, positions, free);
+      const double way = project_closely(s, span, detector, cloth, start, positions, free);
       longest = std::max(longest, way);
       can_move = free;
     }
-    const double way = ContactSlots::push_out(span, seeker, can_move, start, positions, least);
+    const double way =
+        ContactSlots::project_positions(span, detector, can_move, start, positions, min_distances);
     longest = std::max(longest, way);
     for (int b = span.begin; b < span.end; ++b) {
-      const double nearest = least[b - span.begin];
-      if (!s.slots.has_active(b)) s.room.keep(b, nearest, travel_.total());
+      const double nearest = min_distances[b - span.begin];
+      if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest, motion_bound_.total());
       // A pin in the solid may be let go.
       if (nearest < may_sink && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
     }
   }
   if (is_near_faces(s, keeps, keeps.points)) {
-    longest = std::max(longest, correct_faces(s, collider, cloth, start, positions));
+    longest = std::max(longest, project_faces(s, collider, cloth, start, positions));
   }
   return longest;
 }
 
-double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, const Cloth& cloth,
-                                       const Points& start, Points& positions) {
+double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& collider,
+                                       const Cloth& cloth, const Points& start, Points& positions) {
   std::vector<char> held = pinches_.held();
   if (s.way_out) {
     held.resize(s.leaves.size());
@@ -283,7 +294,7 @@ double ColliderContacts::correct_faces(Side& s, const MovingCollider& collider, 
   }
   local_.place(collider, start, positions);
   std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-  faces_.correct(collider, cloth, pace_ * h_, held, local_, moved);
+  faces_.project_positions(collider, cloth, recovery_factor_ * h_, held, local_, moved);
   double longest = 0;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!moved[static_cast<std::size_t>(i)]) continue;
@@ -305,13 +316,13 @@ bool ColliderContacts::has_edges(const std::vector<MovingCollider>& colliders,
 
 int ColliderContacts::count() const {
   int points = 0;
-  for (const Side& s : sides_) points += s.slots.count();
+  for (const ColliderCache& s : caches_) points += s.slots.count();
   return points + faces_.count() + pinches_.count();
 }
 
 void ColliderContacts::reset() {
-  sides_.clear();
-  travel_ = {};
+  caches_.clear();
+  motion_bound_ = {};
   faces_.reset();
   pinches_.start_over(0);
   is_restored_pinched_ = false;
@@ -323,10 +334,10 @@ void ColliderContacts::reset() {
 void ColliderContacts::write(MemoryWriter& memory) const {
   memory.add(h_);
   int points = 0;
-  for (const Side& s : sides_) points += s.slots.count();
+  for (const ColliderCache& s : caches_) points += s.slots.count();
   memory.add(points);
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    sides_[k].slots.for_each_held([&](int point, const ContactImpulse& impulse) {
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    caches_[k].slots.for_each_held([&](int point, const ContactImpulse& impulse) {
       memory.add(static_cast<double>(k));
       memory.add(point);
       impulse.write(memory);
@@ -340,10 +351,10 @@ void ColliderContacts::write(MemoryWriter& memory) const {
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
   reset();
-  sides_.resize(colliders);
+  caches_.resize(colliders);
   h_ = std::max(0.0, memory.number());
   for (std::size_t left = memory.count(); left > 0; --left) {
-    ContactSlots& slots = side(memory.index(colliders)).slots;
+    ContactSlots& slots = cache(memory.index(colliders)).slots;
     const int point = memory.index(static_cast<std::size_t>(cloth.num_points()));
     if (!slots.fits(cloth)) slots.reset(cloth);
     ContactImpulse impulse;

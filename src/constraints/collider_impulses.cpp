@@ -8,12 +8,12 @@
 namespace clothsim {
 namespace {
 
-constexpr int most = ContactSlots::block;
+constexpr int block_size = ContactSlots::block;
 
 /// Sums by lane, each going its own way.
 struct LaneSums {
-  std::array<std::array<double, most>, 3> impulse{};  // [N s]
-  std::array<std::array<double, most>, 3> moment{};   // about the origin [N m s]
+  std::array<std::array<double, block_size>, 3> impulse{};  // [N s]
+  std::array<std::array<double, block_size>, 3> moment{};   // about the origin [N m s]
 };
 
 /// Adds the impulses on the points of these blocks, none of which ends beyond `mass` and `x`.
@@ -24,14 +24,17 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
   LaneSums s = sums;
   for (std::size_t k = 0; k < count; ++k) {
     const ContactSlots::Block& b = slots[blocks[k]];
-    const int first = blocks[k] * most;
+    const int first = blocks[k] * block_size;
 #pragma GCC ivdep
-    for (int lane = 0; lane < most; ++lane) {
+    for (int lane = 0; lane < block_size; ++lane) {
       const auto l = static_cast<std::size_t>(lane);
       const int i = first + lane;
-      const double fx = mass[i] * (b.push[lane] * b.normal.x[lane] + b.drag.x[lane]);
-      const double fy = mass[i] * (b.push[lane] * b.normal.y[lane] + b.drag.y[lane]);
-      const double fz = mass[i] * (b.push[lane] * b.normal.z[lane] + b.drag.z[lane]);
+      const double fx =
+          mass[i] * (b.normal_impulse[lane] * b.normal.x[lane] + b.friction_impulse.x[lane]);
+      const double fy =
+          mass[i] * (b.normal_impulse[lane] * b.normal.y[lane] + b.friction_impulse.y[lane]);
+      const double fz =
+          mass[i] * (b.normal_impulse[lane] * b.normal.z[lane] + b.friction_impulse.z[lane]);
       const double rx = x.x[i] - ox, ry = x.y[i] - oy, rz = x.z[i] - oz;
       s.impulse[0][l] += fx;
       s.impulse[1][l] += fy;
@@ -44,10 +47,10 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
   sums = s;
 }
 
-Vector3 total(const std::array<std::array<double, most>, 3>& lanes) {
+Vector3 total(const std::array<std::array<double, block_size>, 3>& lanes) {
   Vector3 sum;
   for (int axis = 0; axis < 3; ++axis) {
-    sum[axis] = Eigen::Map<const Eigen::Array<double, most, 1>>(
+    sum[axis] = Eigen::Map<const Eigen::Array<double, block_size, 1>>(
                     lanes[static_cast<std::size_t>(axis)].data())
                     .sum();
   }
@@ -81,7 +84,7 @@ void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, co
                                 double scale, const Points& positions,
                                 std::vector<Wrench>& sums) const {
   for (const Contact& c : list_.contacts()) {
-    if (c.impulse.push == 0) continue;
+    if (c.impulse.normal_impulse == 0) continue;
     const auto collider = static_cast<std::size_t>(collider_of(c));
     const Vector3& origin = colliders[collider].pose().position;
     const Vector3 impulse = scale * c.impulse.total();
@@ -111,8 +114,8 @@ void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const C
 void ColliderContacts::add_impulses(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, double scale, const Points& positions,
                                     std::vector<Wrench>& sums) const {
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    sides_[k].slots.add_impulses(cloth, scale, colliders[k].pose().position, positions, sums[k]);
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    caches_[k].slots.add_impulses(cloth, scale, colliders[k].pose().position, positions, sums[k]);
   }
   faces_.add_impulses(colliders, cloth, scale, positions, sums);
   pinches_.add_impulses(colliders, cloth, scale, positions, sums);

@@ -84,15 +84,16 @@ Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& wa
 
 }  // namespace
 
-void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& seeker,
-                                    const ContactStep& step, State& state, Caught& caught) {
-  const MovingCollider& collider = seeker.collider;
+void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots::Detector& detector,
+                                    const ContactStep& step, State& state,
+                                    Penetration& penetration) {
+  const MovingCollider& collider = detector.collider;
   const Shape& shape = collider.shape();
   const Vector3 from = to_local(collider.previous(), row(step.start, i));
   Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
   // A point that may have passed through goes on along the surface from where it came in.
-  const auto entry = swept_entry(collider, from, to, seeker.offset);
+  const auto entry = swept_entry(collider, from, to, detector.offset);
   if (entry) {
     to = entry->end;
     state.positions.row(i) = to_world(collider.pose(), to).transpose();
@@ -106,28 +107,29 @@ void ColliderContacts::look_closely(Side& s, int i, const ContactSlots::Seeker& 
   }
 
   // The gap this step would leave if the point only followed the surface.
-  const Vector3 normal = seeker.frame.turn * d.normal;
+  const Vector3 normal = detector.frame.turn * d.normal;
   const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
   const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
   const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
-  const double gap = d.value - seeker.offset - step.reach * step.h * drift;
-  const double slowest = entry ? 0 : -std::max(gap, 0.0) / step.h;
+  const double gap = d.value - detector.offset - step.displacement_factor * step.h * drift;
+  const double target_velocity = entry ? 0 : -std::max(gap, 0.0) / step.h;
   // The impulse that ends its approach will carry it on to there.
   if (entry && drift < 0)
-    state.positions.row(i) += step.reach * step.h * drift * normal.transpose();
+    state.positions.row(i) += step.displacement_factor * step.h * drift * normal.transpose();
 
-  if (!s.slots.is_held(i) && rate >= slowest && gap > 0) {
+  if (!s.slots.is_held(i) && rate >= target_velocity && gap > 0) {
     if (s.slots.touches(i)) s.slots.remove(i);
     return;
   }
-  if (depth > 0) caught.points.emplace_back(i, depth);
-  s.slots.put(i, normal, surface_velocity, slowest + step.pace * way_out_speed(depth));
+  if (depth > 0) penetration.points.emplace_back(i, depth);
+  s.slots.put(i, normal, surface_velocity,
+              target_velocity + step.recovery_factor * way_out_speed(depth));
 }
 
 ColliderContacts::Touched ColliderContacts::touched_by(int number, const Cloth& cloth,
                                                        const Points& positions) {
   Touched result;
-  const ContactSlots& slots = side(number).slots;
+  const ContactSlots& slots = cache(number).slots;
   slots.for_each_touching_both(slots, [&](int i) {
     result.normals.extend(slots.normal(i));
     result.places.extend(row(positions, i));
@@ -141,75 +143,81 @@ ColliderContacts::Touched ColliderContacts::touched_by(int number, const Cloth& 
   return result;
 }
 
-Jaw ColliderContacts::jaw_of(int number, const MovingCollider& collider, const Cloth& cloth) {
-  Jaw jaw{collider, clearance(collider.shape(), cloth, stretch_, has_pinched_).points, {}};
-  const ContactSlots& slots = side(number).slots;
+ContactManifold ColliderContacts::manifold_of(int number, const MovingCollider& collider,
+                                              const Cloth& cloth) {
+  ContactManifold manifold{
+      collider, clearance(collider.shape(), cloth, stretch_, has_pinched_).points, {}};
+  const ContactSlots& slots = cache(number).slots;
   slots.for_each_touching_both(slots, [&](int i) {
-    jaw.footholds.push_back({Foothold::no_triangle, {i, i, i}, {1, 0, 0}, slots.normal(i), 0});
+    manifold.contact_points.push_back(
+        {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, slots.normal(i), 0});
   });
-  faces_.for_each_on(
-      number, [&](int triangle, const auto& weights, const Vector3& normal, double distance) {
-        jaw.footholds.push_back({triangle, cloth.triangles[static_cast<std::size_t>(triangle)],
-                                 weights, normal, distance});
-      });
-  return jaw;
+  faces_.for_each_on(number, [&](int triangle, const auto& weights, const Vector3& normal,
+                                 double distance) {
+    manifold.contact_points.push_back(
+        {triangle, cloth.triangles[static_cast<std::size_t>(triangle)], weights, normal, distance});
+  });
+  return manifold;
 }
 
 void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                             const ContactStep& step, const std::vector<Caught>& caught) {
+                             const ContactStep& step,
+                             const std::vector<Penetration>& penetrations) {
   std::vector<Touched> touched;
-  for (const Caught& c : caught) touched.push_back(touched_by(c.collider, cloth, step.start));
+  for (const Penetration& c : penetrations) {
+    touched.push_back(touched_by(c.collider, cloth, step.start));
+  }
   const auto can_hold = [&](const Touched& a, const Touched& b) {
     // Points of round shapes may stand off a little more than the offset.
-    const double reach = 2 * Stacks::reach(cloth, cloth.offset);
-    return can_face(a.normals, b.normals) && a.places.exteriorDistance(b.places) <= reach;
+    const double max_distance = 2 * Stacks::max_layer_height(cloth, cloth.offset);
+    return can_face(a.normals, b.normals) && a.places.exteriorDistance(b.places) <= max_distance;
   };
-  std::map<std::size_t, Jaw> jaws;  // of those that face another one
-  const auto jaw = [&](std::size_t k) -> const Jaw& {
-    const int number = caught[k].collider;
+  std::map<std::size_t, ContactManifold> manifolds;  // of those that face another one
+  const auto manifold = [&](std::size_t k) -> const ContactManifold& {
+    const int number = penetrations[k].collider;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(number)];
-    if (jaws.count(k) == 0) jaws.emplace(k, jaw_of(number, collider, cloth));
-    return jaws.at(k);
+    if (manifolds.count(k) == 0) manifolds.emplace(k, manifold_of(number, collider, cloth));
+    return manifolds.at(k);
   };
-  for (std::size_t l = 1; l < caught.size(); ++l) {
+  for (std::size_t l = 1; l < penetrations.size(); ++l) {
     for (std::size_t k = l; k-- > 0;) {
       if (!can_hold(touched[k], touched[l])) continue;
-      stacks_.pinch(jaw(k), jaw(l), cloth, step.start, step.h, step.touches, pinches_);
+      stacks_.pinch(manifold(k), manifold(l), cloth, step.start, step.h, step.touches, pinches_);
     }
   }
 }
 
 void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const ContactStep& step,
-                                    std::vector<Caught>& caught) {
-  pinch(colliders, cloth, step, caught);
+                                    std::vector<Penetration>& penetrations) {
+  pinch(colliders, cloth, step, penetrations);
   if (pinches_.count() == 0) return;
 
   // Nothing else pushes them about.
-  for (Side& s : sides_) {
+  for (ColliderCache& s : caches_) {
     s.slots.for_each_touching_both(s.slots, [&](int point) {
       if (pinches_.holds(point)) s.slots.remove(point);
     });
   }
-  faces_.leave_to(pinches_, colliders, cloth, step);
+  faces_.release_pinched(pinches_, colliders, cloth, step);
   const auto drop = [](auto& list, const auto& is_held) {
     list.erase(std::remove_if(list.begin(), list.end(), is_held), list.end());
   };
-  for (Caught& c : caught) {
+  for (Penetration& c : penetrations) {
     drop(c.points, [&](const auto& point) { return pinches_.holds(point.first); });
-    drop(c.faces, [&](const CaughtFace& f) {
+    drop(c.faces, [&](const PenetratingFace& f) {
       return pinches_.holds_any(cloth.triangles[static_cast<std::size_t>(f.triangle)]);
     });
   }
 }
 
-void ColliderContacts::escape(const Caught& caught, const MovingCollider& collider,
+void ColliderContacts::escape(const Penetration& penetration, const MovingCollider& collider,
                               const Cloth& cloth, const ContactStep& step,
                               const Points& positions) {
-  Side& s = side(caught.collider);
+  ColliderCache& s = cache(penetration.collider);
   s.leaves.assign(static_cast<std::size_t>(cloth.num_points()), 0);
-  for (const auto& point : caught.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
-  for (const CaughtFace& face : caught.faces) {
+  for (const auto& point : penetration.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
+  for (const PenetratingFace& face : penetration.faces) {
     for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
       s.leaves[static_cast<std::size_t>(i)] = 1;
     }
@@ -220,16 +228,18 @@ void ColliderContacts::escape(const Caught& caught, const MovingCollider& collid
 
   // All its points go that way, those outside too.
   const Vector3 direction = collider.pose().orientation * *s.way_out;
-  const double speed = step.pace * recovery_speed;
+  const double speed = step.recovery_factor * recovery_speed;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
     s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);
   }
-  for (const CaughtFace& face : caught.faces) faces_.redirect(face.contact, direction, speed);
+  for (const PenetratingFace& face : penetration.faces) {
+    faces_.redirect(face.contact, direction, speed);
+  }
 }
 
-double ColliderContacts::correct_closely(Side& s, const Span& span,
-                                         const ContactSlots::Seeker& seeker, const Cloth& cloth,
+double ColliderContacts::project_closely(ColliderCache& s, const Span& span,
+                                         const ContactSlots::Detector& detector, const Cloth& cloth,
                                          const Points& start, Points& positions, double* free) {
   double longest = 0;
   const int first = ContactSlots::first_of(span.begin);
@@ -237,7 +247,7 @@ double ColliderContacts::correct_closely(Side& s, const Span& span,
     double& is_free = free[i - first];
     is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
     if (!s.is_close || is_free == 0) continue;
-    const auto way = correct_closely(s, i, seeker, start, positions);
+    const auto way = project_closely(s, i, detector, start, positions);
     if (!way) continue;
     longest = std::max(longest, *way);
     is_free = 0;
@@ -245,22 +255,24 @@ double ColliderContacts::correct_closely(Side& s, const Span& span,
   return longest;
 }
 
-std::optional<double> ColliderContacts::correct_closely(Side& s, int i,
-                                                        const ContactSlots::Seeker& seeker,
+std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
+                                                        const ContactSlots::Detector& detector,
                                                         const Points& start, Points& positions) {
-  const MovingCollider& collider = seeker.collider;
+  const MovingCollider& collider = detector.collider;
   const Vector3 from = to_local(collider.previous(), row(start, i));
   Vector3 to = to_local(collider.pose(), row(positions, i));
-  const auto entry = swept_entry(collider, from, to, seeker.offset);
+  const auto entry = swept_entry(collider, from, to, detector.offset);
   if (entry) to = entry->end;
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
     const double way = s.way_out->dot(to - from);
-    to += std::max(0.0, pace_ * recovery_speed * h_ - way) * *s.way_out;
+    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - way) * *s.way_out;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;
-    to += std::max(0.0, required_distance(before, seeker.offset, pace_ * h_) - d.value) * d.normal;
+    to +=
+        std::max(0.0, required_distance(before, detector.offset, recovery_factor_ * h_) - d.value) *
+        d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= may_sink;

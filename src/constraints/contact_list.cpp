@@ -28,7 +28,7 @@ void Contact::set_mass() {
   mass = inv_mass > 0 ? 1 / inv_mass : 0;
 }
 
-void Contact::weigh(const Cloth& cloth) {
+void Contact::compute_effective_mass(const Cloth& cloth) {
   for (std::size_t k = 0; k < 4; ++k) moves[k] = weights[k] * cloth.inv_mass[points[k]];
   set_mass();
 }
@@ -58,24 +58,25 @@ ContactList::Last::Last(const ContactList& list, std::uint64_t first)
 
 const Contact* ContactList::Last::of(std::uint64_t key) {
   while (next_ != end_ && next_->key < key) ++next_;
-  return next_ != end_ && next_->key == key && next_->impulse.push > 0 ? &*next_ : nullptr;
+  return next_ != end_ && next_->key == key && next_->impulse.normal_impulse > 0 ? &*next_
+                                                                                 : nullptr;
 }
 
 void ContactList::add(const std::vector<Contact>& contacts) {
   contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
 }
 
-void ContactList::resume(const Points& positions, Points& velocities) {
+void ContactList::warm_start(const Points& positions, Points& velocities) {
   group(positions);
-  resume(scale_, velocities);
+  warm_start(scale_, velocities);
 }
 
-void ContactList::resume(double scale, Points& velocities) {
+void ContactList::warm_start(double scale, Points& velocities) {
   if (contacts_.empty()) return;
   changed_.mark_all(static_cast<int>(velocities.rows()));
   for (Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
-    c.impulse.resume(scale);
+    if (c.impulse.normal_impulse == 0) continue;
+    c.impulse.warm_start(scale);
     c.give(c.impulse.total(), velocities);
   }
 }
@@ -129,44 +130,46 @@ void ContactList::group(const Points& positions) {
   }
 }
 
-double ContactList::sweep(double precision, Points& velocities, const Workers& workers) {
+double ContactList::solve_pass(double precision, Points& velocities, const Workers& workers) {
   if (contacts_.empty()) return 0;
-  const double least = unseen_share * precision;
-  changed_.look(velocities, least, workers);
+  const double min_change = unseen_share * precision;
+  changed_.look(velocities, min_change, workers);
   changes_.assign(groups_.size(), 0);
   int first = 0;
   for (const int end : stages_) {
-    const auto sweep_groups = [&](int from, int to) {
+    const auto solve_groups = [&](int from, int to) {
       for (int k = first + from; k < first + to; ++k) {
         const auto group = static_cast<std::size_t>(k);
-        changes_[group] = sweep_group(groups_[group], least, velocities);
+        changes_[group] = solve_group(groups_[group], min_change, velocities);
       }
     };
-    workers.share(end - first, sweep_groups, 1, Workers::uneven);
+    workers.parallel_for(end - first, solve_groups, 1, Workers::uneven);
     first = end;
   }
   return *std::max_element(changes_.begin(), changes_.end());
 }
 
-double ContactList::sweep_group(const std::vector<Place>& places, double least,
+double ContactList::solve_group(const std::vector<Place>& places, double min_change,
                                 Points& velocities) {
   double residual2 = 0;
   for (const Place& place : places) {
     if (!changed_.any(place.points)) continue;
     Contact& c = contacts_[static_cast<std::size_t>(place.contact)];
     const Vector3 v = weighted_sum(c.points, c.weights, velocities);
-    if (c.impulse.push == 0 && c.impulse.normal.dot(v) >= c.impulse.slowest) continue;
+    if (c.impulse.normal_impulse == 0 && c.impulse.normal.dot(v) >= c.impulse.target_velocity) {
+      continue;
+    }
     if (c.mass == 0) continue;
     const Vector3 change = c.impulse.update(v, c.mass);
     c.give(change, velocities);
     const double change2 = change.squaredNorm(), mass2 = c.mass * c.mass;
-    if (change2 > least * least * mass2) changed_.mark(c.points);
+    if (change2 > min_change * min_change * mass2) changed_.mark(c.points);
     if (change2 > residual2 * mass2) residual2 = change2 / mass2;
   }
   return std::sqrt(residual2);
 }
 
-void ContactList::leave_to(const Pinches& pinches, double strongest, Points& velocities) {
+void ContactList::release_pinched(const Pinches& pinches, double strongest, Points& velocities) {
   for (Contact& c : contacts_) {
     int points = 0, held = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -186,8 +189,9 @@ void ContactList::leave_to(const Pinches& pinches, double strongest, Points& vel
 }
 
 int ContactList::count() const {
-  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
-                                        [](const Contact& c) { return c.impulse.push > 0; }));
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), [](const Contact& c) {
+    return c.impulse.normal_impulse > 0;
+  }));
 }
 
 void ContactList::reset() {
@@ -200,7 +204,7 @@ void ContactList::write(MemoryWriter& memory) const {
   memory.add(h_);
   memory.add(count());
   for (const Contact& c : contacts_) {
-    if (c.impulse.push == 0) continue;
+    if (c.impulse.normal_impulse == 0) continue;
     std::uint64_t rest = c.key;
     for (int k = 0; k < key_parts; ++k) {
       memory.add(static_cast<double>(rest >> (64 - key_bits)));

@@ -11,7 +11,7 @@ namespace clothsim {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int most = ContactSlots::block;
+constexpr int block_size = ContactSlots::block;
 using Triples = ContactSlots::Triples;
 using Block = ContactSlots::Block;
 
@@ -29,15 +29,15 @@ CLOTHSIM_TARGET_CLONES
 void go_back(int count, double way, const Motion& motion, PointRun x, PointRun drifted,
              Block* slots, MutablePointRun from) {
   const Vector3 v = motion.velocity, w = motion.angular, origin = motion.origin;
-  for (int first = 0; first < count; first += most, ++slots) {
+  for (int first = 0; first < count; first += block_size, ++slots) {
     Block& s = *slots;
-    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+    for_each_lane(std::min(block_size, count - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double rx = x.x[i] - origin[0], ry = x.y[i] - origin[1], rz = x.z[i] - origin[2];
       const double ux = v[0] + (w[1] * rz - w[2] * ry);
       const double uy = v[1] + (w[2] * rx - w[0] * rz);
       const double uz = v[2] + (w[0] * ry - w[1] * rx);
-      const double back = s.push[lane] > 0 ? way : 0;
+      const double back = s.normal_impulse[lane] > 0 ? way : 0;
       s.surface.x[lane] = ux;
       s.surface.y[lane] = uy;
       s.surface.z[lane] = uz;
@@ -68,52 +68,52 @@ void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
   const double h = a.h, way = a.way, offset = a.offset;
   const PointRun n = a.normal, v = a.velocity, drifted = a.drifted;
   const double *const inv_mass = a.inv_mass, *const distance = a.distance;
-  for (int first = 0; first < count; first += most, ++slots, ++touching) {
+  for (int first = 0; first < count; first += block_size, ++slots, ++touching) {
     Block& s = *slots;
     long here = 0;
-    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+    for_each_lane(std::min(block_size, count - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double ux = s.surface.x[lane], uy = s.surface.y[lane], uz = s.surface.z[lane];
       const double rate = n.x[i] * (v.x[i] - ux) + n.y[i] * (v.y[i] - uy) + n.z[i] * (v.z[i] - uz);
       const double drift = n.x[i] * (drifted.x[i] - ux) + n.y[i] * (drifted.y[i] - uy) +
                            n.z[i] * (drifted.z[i] - uz);
-      const bool held = s.push[lane] > 0;
+      const bool held = s.normal_impulse[lane] > 0;
       const double gap = distance[i] - offset - (held ? 0 : way * drift);
-      const double least = -(gap > 0 ? gap : 0) / h;
+      const double target = -(gap > 0 ? gap : 0) / h;
       // Others may yet push a point on the surface into it.
-      const bool touches = (inv_mass[i] > 0) & (held | (rate < least) | (gap <= 0));
+      const bool touches = (inv_mass[i] > 0) & (held | (rate < target) | (gap <= 0));
       s.normal.x[lane] = n.x[i];
       s.normal.y[lane] = n.y[i];
       s.normal.z[lane] = n.z[i];
-      s.slowest[lane] = touches ? least : -infinity;
+      s.target_velocity[lane] = touches ? target : -infinity;
       here += touches;
     });
     *touching = here;
   }
 }
 
-/// ContactImpulse::resume() of these blocks, and what it gives to velocities.
+/// ContactImpulse::warm_start() of these blocks, and what it gives to velocities.
 CLOTHSIM_TARGET_CLONES
-void resume_all(const std::vector<int>& blocks, int points, double scale, const double* inv_mass,
-                Block* slots, MutablePointRun v) {
+void warm_start_blocks(const std::vector<int>& blocks, int points, double scale,
+                       const double* inv_mass, Block* slots, MutablePointRun v) {
   for (const int b : blocks) {
     Block& s = slots[b];
-    const int first = b * most;
-    for_each_lane(std::min(most, points - first), [&](int lane) CLOTHSIM_INLINE {
+    const int first = b * block_size;
+    for_each_lane(std::min(block_size, points - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double kept = inv_mass[i] > 0 ? scale : 0;
-      const double push = kept * s.push[lane];
+      const double normal_impulse = kept * s.normal_impulse[lane];
       const double nx = s.normal.x[lane], ny = s.normal.y[lane], nz = s.normal.z[lane];
-      const double dx = kept * s.drag.x[lane], dy = kept * s.drag.y[lane],
-                   dz = kept * s.drag.z[lane];
+      const double dx = kept * s.friction_impulse.x[lane], dy = kept * s.friction_impulse.y[lane],
+                   dz = kept * s.friction_impulse.z[lane];
       const double along = nx * dx + ny * dy + nz * dz;
-      s.push[lane] = push;
-      s.drag.x[lane] = dx - along * nx;
-      s.drag.y[lane] = dy - along * ny;
-      s.drag.z[lane] = dz - along * nz;
-      v.x[i] += push * nx + s.drag.x[lane];
-      v.y[i] += push * ny + s.drag.y[lane];
-      v.z[i] += push * nz + s.drag.z[lane];
+      s.normal_impulse[lane] = normal_impulse;
+      s.friction_impulse.x[lane] = dx - along * nx;
+      s.friction_impulse.y[lane] = dy - along * ny;
+      s.friction_impulse.z[lane] = dz - along * nz;
+      v.x[i] += normal_impulse * nx + s.friction_impulse.x[lane];
+      v.y[i] += normal_impulse * ny + s.friction_impulse.y[lane];
+      v.z[i] += normal_impulse * nz + s.friction_impulse.z[lane];
       s.left.x[lane] = std::numeric_limits<double>::quiet_NaN();
     });
   }
@@ -129,29 +129,29 @@ void resume_all(const std::vector<int>& blocks, int points, double scale, const 
   const double vy = v.y[i] - s.surface.y[i];
   const double vz = v.z[i] - s.surface.z[i];
   const double rate = nx * vx + ny * vy + nz * vz;
-  const double wanted = s.push[i] + (s.slowest[i] - rate);
-  const double push = wanted > 0 ? wanted : 0;
+  const double wanted = s.normal_impulse[i] + (s.target_velocity[i] - rate);
+  const double normal_impulse = wanted > 0 ? wanted : 0;
 
-  double dx = s.drag.x[i] - (vx - rate * nx);
-  double dy = s.drag.y[i] - (vy - rate * ny);
-  double dz = s.drag.z[i] - (vz - rate * nz);
-  const double strongest = friction * push;
+  double dx = s.friction_impulse.x[i] - (vx - rate * nx);
+  double dy = s.friction_impulse.y[i] - (vy - rate * ny);
+  double dz = s.friction_impulse.z[i] - (vz - rate * nz);
+  const double max_friction = friction * normal_impulse;
   const double length2 = dx * dx + dy * dy + dz * dz;
-  const double shrunk = strongest / std::sqrt(length2);
-  const double share = length2 > strongest * strongest ? shrunk : 1;
+  const double shrunk = max_friction / std::sqrt(length2);
+  const double share = length2 > max_friction * max_friction ? shrunk : 1;
   dx *= share;
   dy *= share;
   dz *= share;
 
   const bool rests = (v.x[i] == s.left.x[i]) & (v.y[i] == s.left.y[i]) & (v.z[i] == s.left.z[i]);
-  const double more = push - s.push[i];
-  const double cx = rests ? 0 : more * nx + dx - s.drag.x[i];
-  const double cy = rests ? 0 : more * ny + dy - s.drag.y[i];
-  const double cz = rests ? 0 : more * nz + dz - s.drag.z[i];
-  s.push[i] = rests ? s.push[i] : push;
-  s.drag.x[i] = rests ? s.drag.x[i] : dx;
-  s.drag.y[i] = rests ? s.drag.y[i] : dy;
-  s.drag.z[i] = rests ? s.drag.z[i] : dz;
+  const double more = normal_impulse - s.normal_impulse[i];
+  const double cx = rests ? 0 : more * nx + dx - s.friction_impulse.x[i];
+  const double cy = rests ? 0 : more * ny + dy - s.friction_impulse.y[i];
+  const double cz = rests ? 0 : more * nz + dz - s.friction_impulse.z[i];
+  s.normal_impulse[i] = rests ? s.normal_impulse[i] : normal_impulse;
+  s.friction_impulse.x[i] = rests ? s.friction_impulse.x[i] : dx;
+  s.friction_impulse.y[i] = rests ? s.friction_impulse.y[i] : dy;
+  s.friction_impulse.z[i] = rests ? s.friction_impulse.z[i] : dz;
   s.left.x[i] = v.x[i] += cx;
   s.left.y[i] = v.y[i] += cy;
   s.left.z[i] = v.z[i] += cz;
@@ -171,10 +171,10 @@ using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias
   const Bits differ =
       (bits(v.x) ^ bits(s.left.x)) | (bits(v.y) ^ bits(s.left.y)) | (bits(v.z) ^ bits(s.left.z));
   std::uint64_t changed = 0;
-  for (int i = 0; i < most; ++i) changed |= differ[i];
+  for (int i = 0; i < block_size; ++i) changed |= differ[i];
   if (changed == 0) return;
 #pragma GCC ivdep
-  for (int i = 0; i < most; ++i) {
+  for (int i = 0; i < block_size; ++i) {
     const double change2 = update(s, friction, v, i);
     largest[i] = change2 > largest[i] ? change2 : largest[i];
   }
@@ -185,7 +185,7 @@ CLOTHSIM_TARGET_CLONES
 void update_blocks(const int* blocks, std::size_t count, double friction, Block* slots,
                    MutablePointRun v, double* largest) {
   for (std::size_t k = 0; k < count; ++k) {
-    const int first = blocks[k] * most;
+    const int first = blocks[k] * block_size;
     update_block(slots[blocks[k]], friction, {v.x + first, v.y + first, v.z + first}, largest);
   }
 }
@@ -195,8 +195,8 @@ void update_blocks(const int* blocks, std::size_t count, double friction, Block*
 CLOTHSIM_TARGET_CLONES
 void lift_out(int count, double offset, const double* free, const double* distance, PointRun n,
               MutablePointRun x, double* highest) {
-  for (int first = 0; first < count; first += most) {
-    for_each_lane(std::min(most, count - first), [&](int lane) CLOTHSIM_INLINE {
+  for (int first = 0; first < count; first += block_size) {
+    for_each_lane(std::min(block_size, count - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double missing = offset - distance[i];
       const double way = (free[i] > 0) & (missing > 0) ? missing : 0;
@@ -210,50 +210,50 @@ void lift_out(int count, double offset, const double* free, const double* distan
 
 /// Distances and normals of the points of a span.
 struct SpanDistances {
-  static constexpr int room = Span::longest * most;
+  static constexpr int capacity = Span::longest * block_size;
 
-  double value[room];
-  double x[room];
-  double y[room];
-  double z[room];
+  double value[capacity];
+  double x[capacity];
+  double y[capacity];
+  double z[capacity];
 
   MutablePointRun normals() { return {x, y, z}; }
 };
 
 }  // namespace
 
-ContactSlots::Seeker::Seeker(const MovingCollider& c, double kept, const Asked& all)
+ContactSlots::Detector::Detector(const MovingCollider& c, double kept, const Asked& all)
     : collider(c), frame(c.pose()), before(c.previous()), offset(kept), asked_(all) {}
 
-Asked ContactSlots::Seeker::asked(int first) const {
+Asked ContactSlots::Detector::asked(int first) const {
   return {asked_.near, asked_.neighbourhoods ? asked_.neighbourhoods + first : nullptr};
 }
 
 void ContactSlots::reset(const Cloth& cloth) {
   points_ = cloth.num_points();
   Block empty{};
-  std::fill(std::begin(empty.slowest), std::end(empty.slowest), -infinity);
+  std::fill(std::begin(empty.target_velocity), std::end(empty.target_velocity), -infinity);
   blocks_.assign(static_cast<std::size_t>(num_blocks(cloth)), empty);
   is_active_.assign(blocks_.size(), 0);
   active_.clear();
 }
 
-void ContactSlots::find(const Span& span, const Seeker& seeker, const Cloth& cloth,
+void ContactSlots::find(const Span& span, const Detector& detector, const Cloth& cloth,
                         const ContactStep& step, const State& state) {
   const int first = first_of(span.begin), count = end_of(span.end - 1) - first;
-  const MovingCollider& collider = seeker.collider;
-  const double way = step.reach * step.h;
+  const MovingCollider& collider = detector.collider;
+  const double way = step.displacement_factor * step.h;
   const PointRun drifted = run_from(step.drifted, first);
-  double x[SpanDistances::room], y[SpanDistances::room], z[SpanDistances::room];
+  double x[SpanDistances::capacity], y[SpanDistances::capacity], z[SpanDistances::capacity];
   SpanDistances distances;
-  go_back(count, way, {collider.velocity(), collider.angular_velocity(), seeker.frame.origin},
+  go_back(count, way, {collider.velocity(), collider.angular_velocity(), detector.frame.origin},
           run_from(state.positions, first), drifted, &at(span.begin), {x, y, z});
-  signed_distances(collider.shape(), seeker.frame, {x, y, z}, seeker.before,
-                   run_from(step.start, first), count, seeker.asked(first), distances.value,
+  signed_distances(collider.shape(), detector.frame, {x, y, z}, detector.before,
+                   run_from(step.start, first), count, detector.asked(first), distances.value,
                    distances.normals());
   long touching[Span::longest];
   mark_touching(count,
-                {step.h, way, seeker.offset, &cloth.inv_mass[first], distances.value,
+                {step.h, way, detector.offset, &cloth.inv_mass[first], distances.value,
                  distances.normals(), run_from(state.velocities, first), drifted},
                 &at(span.begin), touching);
   for (int b = span.begin; b < span.end; ++b) {
@@ -281,21 +281,21 @@ void ContactSlots::activate(int b) {
 }
 
 void ContactSlots::put(int point, const Vector3& normal, const Vector3& surface_velocity,
-                       double slowest) {
+                       double target_velocity) {
   activate(point / block);
   Block& s = at(point / block);
   const int i = point % block;
   s.normal.set(i, normal);
   s.surface.set(i, surface_velocity);
-  s.slowest[i] = slowest;
+  s.target_velocity[i] = target_velocity;
 }
 
 void ContactSlots::remove(int point) {
   Block& s = at(point / block);
   const int i = point % block;
-  s.slowest[i] = -infinity;
-  s.push[i] = 0;
-  s.drag.set(i, Vector3::Zero());
+  s.target_velocity[i] = -infinity;
+  s.normal_impulse[i] = 0;
+  s.friction_impulse.set(i, Vector3::Zero());
 }
 
 void ContactSlots::close() {
@@ -307,19 +307,19 @@ void ContactSlots::close() {
 
 void ContactSlots::hold(int point, const ContactImpulse& impulse) {
   activate(point / block);
-  at(point / block).push[point % block] = impulse.push;
-  at(point / block).drag.set(point % block, impulse.drag);
+  at(point / block).normal_impulse[point % block] = impulse.normal_impulse;
+  at(point / block).friction_impulse.set(point % block, impulse.friction_impulse);
 }
 
-void ContactSlots::resume(const Cloth& cloth, double scale, Points& velocities) {
+void ContactSlots::warm_start(const Cloth& cloth, double scale, Points& velocities) {
   if (active_.empty()) return;
-  resume_all(active_, points_, scale, cloth.inv_mass.data(), blocks_.data(),
-             run_from(velocities, 0));
+  warm_start_blocks(active_, points_, scale, cloth.inv_mass.data(), blocks_.data(),
+                    run_from(velocities, 0));
 }
 
-double ContactSlots::sweep(double friction, Points& velocities) {
+double ContactSlots::solve_pass(double friction, Points& velocities) {
   if (active_.empty()) return 0;
-  double largest2[most] = {};
+  double largest2[block_size] = {};
   const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
   update_blocks(active_.data(), active_.size() - ends_short, friction, blocks_.data(),
                 run_from(velocities, 0), largest2);
@@ -333,20 +333,21 @@ double ContactSlots::sweep(double friction, Points& velocities) {
   return *std::max_element(std::begin(largest2), std::end(largest2));
 }
 
-double ContactSlots::push_out(const Span& span, const Seeker& seeker, const double* free,
-                              const Points& start, Points& positions, double* least) {
+double ContactSlots::project_positions(const Span& span, const Detector& detector,
+                                       const double* free, const Points& start, Points& positions,
+                                       double* min_distances) {
   const int first = first_of(span.begin);
   const int count = std::min(first_of(span.end), static_cast<int>(start.rows())) - first;
   SpanDistances distances;
-  signed_distances(seeker.collider.shape(), seeker.frame, run_from(positions, first), seeker.before,
-                   run_from(start, first), count, seeker.asked(first), distances.value,
-                   distances.normals());
-  double highest[most] = {};
-  lift_out(count, seeker.offset, free, distances.value, distances.normals(),
+  signed_distances(detector.collider.shape(), detector.frame, run_from(positions, first),
+                   detector.before, run_from(start, first), count, detector.asked(first),
+                   distances.value, distances.normals());
+  double highest[block_size] = {};
+  lift_out(count, detector.offset, free, distances.value, distances.normals(),
            run_from(positions, first), highest);
-  for (int i = 0; i < count; i += most) {
-    least[i / most] =
-        *std::min_element(distances.value + i, distances.value + std::min(i + most, count));
+  for (int i = 0; i < count; i += block_size) {
+    min_distances[i / block_size] =
+        *std::min_element(distances.value + i, distances.value + std::min(i + block_size, count));
   }
   return *std::max_element(std::begin(highest), std::end(highest));
 }
@@ -357,10 +358,10 @@ ContactImpulse ContactSlots::contact(int point, double friction) const {
   ContactImpulse result;
   result.normal = s.normal.get(i);
   result.surface_velocity = s.surface.get(i);
-  result.slowest = s.slowest[i];
+  result.target_velocity = s.target_velocity[i];
   result.friction = friction;
-  result.push = s.push[i];
-  result.drag = s.drag.get(i);
+  result.normal_impulse = s.normal_impulse[i];
+  result.friction_impulse = s.friction_impulse.get(i);
   return result;
 }
 

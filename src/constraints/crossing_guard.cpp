@@ -18,10 +18,10 @@ constexpr double floor_share = 1e-5;
 constexpr double rounding = 1e-6;
 
 /// Measurements in a step: points that must wait for others to move get as many chances.
-constexpr int most_legs = 6;
+constexpr int max_legs = 6;
 
 /// What two features at a distance from each other grant.
-struct Room {
+struct TruncationBounds {
   double floor;  // [m]
 
   /// Way of their points, wherever to [m]: if both make it, they end at the floor. What starts
@@ -46,15 +46,16 @@ struct Room {
 bool leave(const NearPair& near, double gap, const Points& here, const Points& ends) {
   if (gap_along(near.separation.normal, near.pair, ends) >= gap) return true;
   return separation(near.pair, ends).distance >= gap &&
-         least_gap_turning(near.pair, here, ends) >= gap / 2;
+         min_gap_turning(near.pair, here, ends) >= gap / 2;
 }
 
 /// Brings what touches, and is held together by repairs alone, to where impulses bring it.
-void leave_out_repairs(const std::vector<NearPair>& near_pairs, const Room& room,
-                       const Points& here, const Points& by_impulses, Points& positions) {
+void leave_out_projections(const std::vector<NearPair>& near_pairs,
+                           const TruncationBounds& truncation, const Points& here,
+                           const Points& by_impulses, Points& positions) {
   for (const NearPair& near : near_pairs) {
-    if (near.separation.distance >= 2 * room.floor) continue;
-    const double gap = room.gap(near, here);
+    if (near.separation.distance >= 2 * truncation.floor) continue;
+    const double gap = truncation.gap(near, here);
     if (leave(near, gap, here, positions) || !leave(near, gap, here, by_impulses)) continue;
     for (const int i : near.pair.points) positions.row(i) = by_impulses.row(i);
   }
@@ -137,13 +138,13 @@ Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
 /// ways so shortened, both are bound to their room. What is not among the pairs has the room
 /// `unseen` [m].
 Leg leg_towards(const Cloth& cloth, const ContactStep& step,
-                const std::vector<NearPair>& near_pairs, const Room& room, const Points& here,
-                const Points& positions, double unseen, bool has_zones) {
+                const std::vector<NearPair>& near_pairs, const TruncationBounds& truncation,
+                const Points& here, const Points& positions, double unseen, bool has_zones) {
   Zones zones(static_cast<int>(here.rows()));
   if (unseen < infinity) zones.join_all();
   Scalars bounds = Scalars::Constant(here.rows(), unseen);
   std::vector<double> gaps;
-  for (const NearPair& near : near_pairs) gaps.push_back(room.gap(near, here));
+  for (const NearPair& near : near_pairs) gaps.push_back(truncation.gap(near, here));
   std::vector<bool> binds(near_pairs.size(), false);
   while (true) {
     Leg leg = bounded(cloth, step, here, positions, bounds, has_zones ? &zones : nullptr);
@@ -153,9 +154,9 @@ Leg leg_towards(const Cloth& cloth, const ContactStep& step,
       const NearPair& near = near_pairs[k];
       if (binds[k] || leave(near, gaps[k], here, leg.ends)) continue;
       binds[k] = has_bound = true;
-      const double most = room.way(near.separation.distance);
+      const double max_step = truncation.way(near.separation.distance);
       for (const int i : near.pair.points) {
-        bounds[i] = std::min(bounds[i], most);
+        bounds[i] = std::min(bounds[i], max_step);
         zones.join(i, near.pair.points[0]);
       }
     }
@@ -164,9 +165,9 @@ Leg leg_towards(const Cloth& cloth, const ContactStep& step,
 }
 
 /// Where ways are longer than the finder sees, binds them all to what it does [m]. Did it so?
-bool narrow(const NearPairs& finder, const Room& room, double& unseen) {
-  if (finder.most_nearer() <= finder.sees() || unseen < infinity) return false;
-  unseen = room.way(finder.sees());
+bool narrow(const NearPairs& finder, const TruncationBounds& truncation, double& unseen) {
+  if (finder.max_approach() <= finder.sees() || unseen < infinity) return false;
+  unseen = truncation.way(finder.sees());
   return true;
 }
 
@@ -205,27 +206,27 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
                        NearPairs& finder, State& state) {
   Points& positions = state.positions;
   Points here = step.start;
-  const Room room{floor_share * finder.least_nearest()};
+  const TruncationBounds truncation{floor_share * finder.min_nearest()};
   bool has_zones = true;
   for (int legs = 1;; ++legs) {
     if (!positions.allFinite()) return 0;  // the frame will be taken back
     std::vector<NearPair> near_pairs =
-        finder.may_meet(here, positions, room.floor, step.workers, step.budget);
+        finder.swept_query(here, positions, truncation.floor, step.workers, step.budget);
     double unseen = infinity;
-    narrow(finder, room, unseen);
+    narrow(finder, truncation, unseen);
     if (near_pairs.empty() && unseen == infinity) {
       finder.go(positions, step.workers);
       return 0;
     }
-    if (legs == 1) leave_out_repairs(near_pairs, room, here, by_impulses, positions);
+    if (legs == 1) leave_out_projections(near_pairs, truncation, here, by_impulses, positions);
 
     Leg leg;
     do {  // what is held back may be in the way of others
-      leg = leg_towards(cloth, step, near_pairs, room, here, positions, unseen, has_zones);
+      leg = leg_towards(cloth, step, near_pairs, truncation, here, positions, unseen, has_zones);
       if (step.is_spent()) return 0;
-    } while (
-        adds(finder.may_meet(here, leg.ends, room.floor, step.workers, step.budget), near_pairs) ||
-        narrow(finder, room, unseen));
+    } while (adds(finder.swept_query(here, leg.ends, truncation.floor, step.workers, step.budget),
+                  near_pairs) ||
+             narrow(finder, truncation, unseen));
 
     // A pin goes where it is told or stays: the cloth does not take it along.
     if (has_zones && (cloth.inv_mass.array() == 0 && leg.shares.array() < 1).any()) {
@@ -234,11 +235,11 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     }
     finder.go(leg.ends, step.workers);
     here = leg.ends;
-    const auto held_back = (leg.shares.array() < 1).count();
-    if (held_back == 0 || legs >= most_legs) {
+    const auto truncated = (leg.shares.array() < 1).count();
+    if (truncated == 0 || legs >= max_legs) {
       positions = here;
-      if (held_back > 0) slow_down(cloth, step, by_impulses, leg.shares, state);
-      return static_cast<int>(held_back);
+      if (truncated > 0) slow_down(cloth, step, by_impulses, leg.shares, state);
+      return static_cast<int>(truncated);
     }
   }
 }

@@ -27,11 +27,11 @@ bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth
 }
 
 double leeway(double lever, const Triangle& t) {
-  constexpr double least_lever = 0.25;  // below it contacts may sink in
-  constexpr double most_share = 0.1;    // of the longest edge, where there is none
-  if (lever >= least_lever) return 0;
+  constexpr double min_lever = 0.25;  // below it contacts may sink in
+  constexpr double max_share = 0.1;   // of the longest edge, where there is none
+  if (lever >= min_lever) return 0;
   const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
-  return most_share * edge * (1 - lever / least_lever);
+  return max_share * edge * (1 - lever / min_lever);
 }
 
 double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,

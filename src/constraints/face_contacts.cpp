@@ -35,26 +35,26 @@ void FaceContacts::start_over(double h) {
   places_.clear();
 }
 
-void FaceContacts::find(const Beside& at) {
+void FaceContacts::find(const ColliderQuery& at) {
   if (!blocks_.fits(at.cloth)) blocks_.reset(at.cloth);
   ContactList::Last last(list_, key_of(at.number, 0, 0));
   for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.margin,
                 [&](int triangle, const Corners&) { look_at(at, triangle, last); });
 }
 
-void FaceContacts::find_again(const Beside& at) {
+void FaceContacts::find_again(const ColliderQuery& at) {
   ContactList::Last last(list_, key_of(at.number, 0, 0));
   int done = -1;
   list_.for_each_last([&](const Contact& c) {
     const int triangle = triangle_of(c);
-    if (collider_of(c) != at.number || triangle == done || c.impulse.push == 0) return;
+    if (collider_of(c) != at.number || triangle == done || c.impulse.normal_impulse == 0) return;
     done = triangle;
     look_at(at, triangle, last);
   });
 }
 
-void FaceContacts::look_at(const Beside& at, int triangle, ContactList::Last& last) {
-  const auto& [number, collider, cloth, step, margin, local, state, caught] = at;
+void FaceContacts::look_at(const ColliderQuery& at, int triangle, ContactList::Last& last) {
+  const auto& [number, collider, cloth, step, margin, local, state, penetrating_faces] = at;
   const Shape& shape = collider.shape();
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
   // As it lies where impulses act, unless it is to be stopped or led out.
@@ -89,14 +89,14 @@ void FaceContacts::look_at(const Beside& at, int triangle, ContactList::Last& la
     const std::size_t before = places_.size();
     add(at, key, last.of(key), *touching[i], found.swept, -found.before);
     if (found.before < 0 && places_.size() > before) {
-      caught.push_back({triangle, before, -found.before});
+      penetrating_faces.push_back({triangle, before, -found.before});
     }
   }
 }
 
-void FaceContacts::add(const Beside& at, std::uint64_t key, const Contact* last,
+void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact* last,
                        const FaceDistance& distance, bool swept, double depth) {
-  const auto& [number, collider, cloth, step, margin, local, state, caught] = at;
+  const auto& [number, collider, cloth, step, margin, local, state, penetrating_faces] = at;
   Contact contact{key};
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;
@@ -111,7 +111,8 @@ void FaceContacts::add(const Beside& at, std::uint64_t key, const Contact* last,
   const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
   if (swept) {
     // Back to where it came in, less what the impulse that ends its approach will move it.
-    const double back = cloth.offset - distance.value + step.reach * step.h * std::min(0.0, drift);
+    const double back =
+        cloth.offset - distance.value + step.displacement_factor * step.h * std::min(0.0, drift);
     spread(corners, moves, back / yield * normal, state.positions);
     spread(corners, moves, back / yield * distance.normal, local.to);
   }
@@ -119,22 +120,24 @@ void FaceContacts::add(const Beside& at, std::uint64_t key, const Contact* last,
   // The gap this step would leave if the triangle only followed the surface.
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
   const double gap = distance.value - cloth.offset;
-  const double slowest = swept ? 0 : -std::max(gap, 0.0) / step.h;
-  if (!last && rate >= slowest && gap > 0 && depth == 0) return;
+  const double target_velocity = swept ? 0 : -std::max(gap, 0.0) / step.h;
+  if (!last && rate >= target_velocity && gap > 0 && depth == 0) return;
 
   contact.points = {corners[0], corners[1], corners[2], corners[0]};
   contact.weights = {weights[0], weights[1], weights[2], 0};
-  contact.weigh(cloth);
+  contact.compute_effective_mass(cloth);
   contact.nearest = cloth.offset;
-  contact.impulse = {normal, surface_velocity, slowest + lever * step.pace * way_out_speed(depth),
+  contact.impulse = {normal, surface_velocity,
+                     target_velocity + lever * step.recovery_factor * way_out_speed(depth),
                      collider.friction()};
   if (last) contact.impulse.keep(last->impulse);
   list_.add(contact);
   places_.push_back({lever, distance.value});
 }
 
-void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingCollider>& colliders,
-                            const Cloth& cloth, const ContactStep& step) {
+void FaceContacts::release_pinched(const Pinches& pinches,
+                                   const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                                   const ContactStep& step) {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     Contact& c = list_.contacts()[i];
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(c))];
@@ -146,7 +149,7 @@ void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingColl
       if (!pinches.holds(corners[k])) {
         held += c.weights[k] * c.impulse.surface_velocity;
         largest = std::max(largest, c.moves[k]);
-        c.impulse.most = Pinches::beside * pinches.weight(cloth);
+        c.impulse.max_normal_impulse = Pinches::max_overlap_impulse * pinches.weight(cloth);
         continue;
       }
       held += c.weights[k] * pinches.velocity(corners[k]);
@@ -162,18 +165,18 @@ void FaceContacts::leave_to(const Pinches& pinches, const std::vector<MovingColl
     const double lever = 1 / (c.mass * largest);
     const double sinks = lacking + leeway(lever, clothsim::triangle_of(step.start, corners));
     const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
-    c.impulse.slowest =
+    c.impulse.target_velocity =
         -std::max(0.0, places_[i].distance + sinks - cloth.offset) / step.h - closing;
   }
 }
 
-double FaceContacts::sweep(Points& velocities) {
-  return list_.sweep(-1, velocities);  // over all: faces are few
+double FaceContacts::solve_pass(Points& velocities) {
+  return list_.solve_pass(-1, velocities);  // over all: faces are few
 }
 
-void FaceContacts::correct(const MovingCollider& collider, const Cloth& cloth, double h,
-                           const std::vector<char>& held, LocalCloth& local,
-                           std::vector<char>& moved) {
+void FaceContacts::project_positions(const MovingCollider& collider, const Cloth& cloth, double h,
+                                     const std::vector<char>& held, LocalCloth& local,
+                                     std::vector<char>& moved) {
   if (!blocks_.fits(cloth)) blocks_.reset(cloth);
   const auto any_of = [](const auto& marks, const Corners& c, int mark) {
     return std::any_of(c.begin(), c.end(),

@@ -31,11 +31,11 @@ constexpr double stick_share = 1e-3;
 
 /// Speed from which a held point presses on a collider [m/s]: slower are roundings of a frame that
 /// carries both.
-constexpr double least_approach = 1e-6;
+constexpr double min_approach = 1e-6;
 
-Vector3 shortened(const Vector3& v, double most) {
+Vector3 clamped(const Vector3& v, double max_norm) {
   const double length = v.norm();
-  return length > most ? Vector3(most / length * v) : v;
+  return length > max_norm ? Vector3(max_norm / length * v) : v;
 }
 
 /// Does a point that a holder moves at velocity `v` [m/s] press on a collider, which it touches?
@@ -46,7 +46,7 @@ bool is_pressed_into(const MovingCollider& collider, const Vector3& x, const Vec
   const Distance distance = signed_distance(collider.shape(), local, local);
   if (distance.value >= offset) return false;
   const Vector3 normal = collider.pose().orientation * distance.normal;
-  return normal.dot(v - collider.velocity_at(x)) < -least_approach;
+  return normal.dot(v - collider.velocity_at(x)) < -min_approach;
 }
 
 /// Is a point where it was to be, but for the roundings of some thousand steps?
@@ -82,7 +82,7 @@ void Holders::hold(const std::vector<Hold>& holds,
   }
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
   list_springs(cloth);
-  const double weight = cloth.mass.sum() * std::max(gravity, least_gravity);
+  const double weight = cloth.mass.sum() * std::max(gravity, min_gravity);
   std::vector<double> usual(strengths.size(), borne_weights * weight);
   for (const Spring& s : springs_) {
     const auto holder = static_cast<std::size_t>(points_[s.point].hold.holder);
@@ -211,9 +211,9 @@ void Holders::place(std::size_t hold, const Vector3& target, State& state) {
   count_slipping();
 }
 
-void Holders::release(Point& p, double most, const Vector3& impulse) {
+void Holders::release(Point& p, double max_force, const Vector3& impulse) {
   p.slips = true;
-  p.most = most;
+  p.max_force = max_force;
   p.impulse = impulse;
 }
 
@@ -243,12 +243,13 @@ void Holders::warm_start(const Cloth& cloth, const ContactStep& step, State& sta
     if (!p.slips) continue;
     const int i = p.hold.point;
     p.carried = velocity_now(p);
-    const Vector3 x = row(state.positions, i) - step.reach * step.h * row(step.drifted, i);
+    const Vector3 x =
+        row(state.positions, i) - step.displacement_factor * step.h * row(step.drifted, i);
     const Vector3 way = place_now(p) - x;
     const double distance = way.norm();
     p.want = distance > 0 ? Vector3(std::min(1 / return_time, recovery_speed / distance) * way)
                           : Vector3::Zero();
-    p.impulse = shortened(scale * p.impulse, p.most * time_);
+    p.impulse = clamped(scale * p.impulse, p.max_force * time_);
     state.velocities.row(i) += cloth.inv_mass[i] * p.impulse.transpose();
   }
 }
@@ -257,12 +258,12 @@ double Holders::solve_pass(Points& velocities) {
   double largest = 0;
   for (Point& p : points_) {
     if (!p.slips) continue;
-    const double strongest = p.most * time_, returning = (1 - slip_friction) * strongest;
+    const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
     // The impulse that leaves it at rest on its holder: does it pull towards the target?
     const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
     const Vector3 impulse =
-        leaves ? shortened(rest, strongest) : shortened(rest + p.mass * p.want, returning);
+        leaves ? clamped(rest, strongest) : clamped(rest + p.mass * p.want, returning);
     const Vector3 change = (impulse - p.impulse) / p.mass;
     p.impulse = impulse;
     velocities.row(p.hold.point) += change.transpose();
@@ -290,9 +291,9 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
     const Vector3 x = row(state.positions, p.hold.point), place = place_now(p);
     if (!p.slips) {
       if (is_at(x, place)) continue;
-      release(p, p.most, -p.given);  // the cloth was in its way
+      release(p, p.max_force, -p.given);  // the cloth was in its way
     } else {
-      const bool holds = p.impulse.norm() < (1 - slip_friction) * p.most * time_;
+      const bool holds = p.impulse.norm() < (1 - slip_friction) * p.max_force * time_;
       if (p.is_pressed || !holds || (place - x).norm() > stick_distance_) continue;
       p.slips = false;
       p.start = x;
@@ -310,8 +311,8 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
   return changes;
 }
 
-/// Shares a holder's strength among its points: each bears what pulls it up to a most that is the
-/// same for all, so that the sum is the strength.
+/// Shares a holder's strength among its points: each bears what pulls it up to a maximum that is
+/// the same for all, so that the sum is the strength.
 bool Holders::give_way(const std::vector<std::size_t>& points, double strength, double h) {
   std::vector<double> loads;  // [N] of those that stick
   for (const std::size_t i : points) {
@@ -325,14 +326,14 @@ bool Holders::give_way(const std::vector<std::size_t>& points, double strength, 
     left -= load;
     --sharers;
   }
-  const double most =
+  const double max_force =
       sharers > 0 ? left / static_cast<double>(sharers) : std::numeric_limits<double>::infinity();
   bool changes = false;
   for (const std::size_t i : points) {
     Point& p = points_[i];
-    p.most = sharers > 0 ? most : strength;
-    if (p.slips || p.given.norm() <= most * h) continue;
-    release(p, most, shortened(-p.given, most * h));
+    p.max_force = sharers > 0 ? max_force : strength;
+    if (p.slips || p.given.norm() <= max_force * h) continue;
+    release(p, max_force, clamped(-p.given, max_force * h));
     changes = true;
   }
   return changes;
@@ -342,7 +343,7 @@ void Holders::write(MemoryWriter& memory) const {
   memory.add(h_);
   for (const Point& p : points_) {
     memory.add(p.slips);
-    memory.add(p.most);
+    memory.add(p.max_force);
     memory.add(p.impulse);
     memory.add(p.target);
   }
@@ -354,7 +355,7 @@ void Holders::read(MemoryReader& memory) {
   h_ = std::max(0.0, memory.number());
   for (Point& p : points_) {
     p.slips = memory.index(2) == 1;
-    p.most = std::max(0.0, memory.number());
+    p.max_force = std::max(0.0, memory.number());
     p.impulse = memory.vector();
     p.target = memory.vector();
   }

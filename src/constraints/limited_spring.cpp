@@ -12,11 +12,11 @@ namespace {
 /// Most of a violation that a step works off. Kept impulses integrate it, so a large share
 /// overshoots where sweeps stop early, and worst where most springs are at their limit: there it is
 /// a third of this, and this would ring for ever.
-constexpr double most_of_violation = 0.008;
+constexpr double max_violation_share = 0.008;
 
 /// Largest share of its length that a spring is shortened in a step for turning: that of a turn by
 /// 0.1. Beyond, the middle of a step says too little about its end.
-constexpr double most_turning = 0.005;
+constexpr double max_turning_share = 0.005;
 
 /// Four numbers as the vector units see them.
 using Vector = double __attribute__((vector_size(32), may_alias));
@@ -81,8 +81,8 @@ template <typename Point>
   four.z = __builtin_shufflevector(pq_xz, rs_xz, 2, 3, 6, 7);
 }
 
-/// Changes the rates of elongation by -`kick`.
-[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& kick,
+/// Changes the rates of elongation by -`velocity_impulse`.
+[[gnu::always_inline]] inline void give(const FourSprings& s, const Vector& velocity_impulse,
                                         const Ends<Quad>& ends) {
   const Vector zero = {};
   const Vector xy_02 = __builtin_shufflevector(vector(s.x), vector(s.y), 0, 4, 2, 6);
@@ -94,7 +94,7 @@ template <typename Point>
                               __builtin_shufflevector(xy_02, z_02, 2, 3, 6, 7),
                               __builtin_shufflevector(xy_13, z_13, 2, 3, 6, 7)};
   for (int i = 0; i < 4; ++i) {
-    const Vector both = kick[i] * direction[i];
+    const Vector both = velocity_impulse[i] * direction[i];
     const Vector of_a = s.share[i] * both;
     vector(*ends.a[i]) += of_a;
     vector(*ends.b[i]) -= both - of_a;
@@ -121,48 +121,48 @@ template <typename Point>
   }
 }
 
-/// Gives springs these masses, 0 where none acts, and kicks.
+/// Gives springs these masses, 0 where none acts, and velocity impulses.
 [[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass,
-                                         const LooseVector& kick) {
-  vector(s.kick) = vector(s.before) = mass > 0 ? kick : Vector{};
+                                         const LooseVector& velocity_impulse) {
+  vector(s.velocity_impulse) = vector(s.before) = mass > 0 ? velocity_impulse : Vector{};
   vector(s.mass) = mass;
 }
 
 /// A spring that has turned so fast lengthens at that rate by the velocities `before` [m/s], of the
-/// step's start. More is a kick that others are yet to answer: to shorten the spring for it would
-/// feed energy.
+/// step's start. More is a velocity impulse that others are yet to answer: to shorten the spring
+/// for it would feed energy.
 [[gnu::always_inline]] inline void bound_by_lengthening(const FourSprings& s, const Quad* before,
-                                                        const Four& direction, Vector& most) {
+                                                        const Four& direction, Vector& limit) {
   const Vector zero = {};
   Four start;
   Vector lengthens;
   gather_differences(Ends(s, before), start);
   set_dot(start, direction, lengthens);
   lengthens = lengthens < 0 ? zero : lengthens;
-  most = most < lengthens ? most : lengthens;
+  limit = limit < lengthens ? limit : lengthens;
 }
 
 }  // namespace
 
 CLOTHSIM_TARGET_CLONES
-void resume_springs(double scale, std::size_t fours, FourSprings* springs, double* kicks,
-                    double* masses, Quad* velocities) {
+void warm_start_springs(double scale, std::size_t fours, FourSprings* springs,
+                        double* velocity_impulses, double* masses, Quad* velocities) {
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
-    const Vector kick = scale * vector(s.kick);
-    vector(s.kick) = four_at(kicks, i) = kick;
+    const Vector velocity_impulse = scale * vector(s.velocity_impulse);
+    vector(s.velocity_impulse) = four_at(velocity_impulses, i) = velocity_impulse;
     four_at(masses, i) = vector(s.mass);
-    give(s, kick, Ends(s, velocities));
+    give(s, velocity_impulse, Ends(s, velocities));
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSprings* springs,
-                 Quad* points) {
-  const auto [positions, velocities, before, longest, kicks, masses] = turn;
-  const double back = step.reach * step.h;
+void prepare_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSprings* springs,
+                     Quad* points) {
+  const auto [positions, velocities, before, longest, velocity_impulses, masses] = turn;
+  const double back = step.displacement_factor * step.h;
   const double rate = 1 / step.h;
-  const double share = std::min(step.rate * step.h, most_of_violation) / (1 + 3 * step.active);
+  const double share = std::min(step.rate * step.h, max_violation_share) / (1 + 3 * step.active);
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
     // Where the ends were when the step's impulses act: there they make no angular momentum.
@@ -183,7 +183,7 @@ void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSpring
     vector(s.y) = direction.y;
     vector(s.z) = direction.z;
     const Vector mass = is_long ? 1 / (w_a + w_b) : zero;
-    carry(s, mass, four_at(kicks, i) * (four_at(masses, i) / mass));
+    carry(s, mass, four_at(velocity_impulses, i) * (four_at(masses, i) / mass));
     vector(s.share) = w_a * mass;
 
     // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
@@ -196,12 +196,12 @@ void aim_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSpring
     set_dot(across, across, across2);
     const Vector excess = length - four_at(longest, i);
     const Vector turning = (step.h / 2) * across2 * inverse;
-    Vector most = most_turning * rate * length;
-    if (before) bound_by_lengthening(s, before, direction, most);
-    const Vector fastest = (excess > 0 ? zero - share * rate : zero - rate) * excess -
-                           (most < turning ? most : turning);
-    vector(s.fastest) = is_long ? fastest : zero;
-    give(s, vector(s.kick), Ends(s, points));
+    Vector turning_limit = max_turning_share * rate * length;
+    if (before) bound_by_lengthening(s, before, direction, turning_limit);
+    const Vector max_rate = (excess > 0 ? zero - share * rate : zero - rate) * excess -
+                            (turning_limit < turning ? turning_limit : turning);
+    vector(s.max_rate) = is_long ? max_rate : zero;
+    give(s, vector(s.velocity_impulse), Ends(s, points));
   }
 }
 
@@ -210,7 +210,7 @@ void add_tensions(const FourSprings* springs, const double* longest, std::size_t
                   double* tensions) {
   for (std::size_t i = 0; i < fours; ++i) {
     const FourSprings& s = springs[i];
-    const Vector tension = vector(s.mass) * vector(s.kick) / four_at(longest, i);
+    const Vector tension = vector(s.mass) * vector(s.velocity_impulse) / four_at(longest, i);
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
       tensions[FourSprings::point(s.a[k])] += tension[k];
       tensions[FourSprings::point(s.b[k])] += tension[k];
@@ -219,9 +219,9 @@ void add_tensions(const FourSprings* springs, const double* longest, std::size_t
 }
 
 CLOTHSIM_TARGET_CLONES
-PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
-                         double most, Quad* velocities) {
-  const Vector highest = {most, most, most, most};
+PassChange solve_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
+                         double max_impulse, Quad* velocities) {
+  const Vector highest = {max_impulse, max_impulse, max_impulse, max_impulse};
   Vector largest = {}, descent = {};
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
@@ -230,17 +230,17 @@ PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentu
     gather_differences(ends, difference);
     Vector rate;
     set_dot({vector(s.x), vector(s.y), vector(s.z)}, difference, rate);
-    const Vector kick = vector(s.kick), before = vector(s.before);
-    const Vector from = kick + momentum * (kick - before);
-    const Vector least = -from;
-    const Vector room = highest - from;
-    const Vector wanted = rate - vector(s.fastest);
-    const Vector free = least < wanted ? wanted : least;
-    const Vector change = free < room ? free : room;
+    const Vector velocity_impulse = vector(s.velocity_impulse), before = vector(s.before);
+    const Vector from = velocity_impulse + momentum * (velocity_impulse - before);
+    const Vector lower = -from;
+    const Vector upper = highest - from;
+    const Vector wanted = rate - vector(s.max_rate);
+    const Vector free = lower < wanted ? wanted : lower;
+    const Vector change = free < upper ? free : upper;
     const Vector now = from + change;
-    const Vector start = goes_back ? before : kick;
+    const Vector start = goes_back ? before : velocity_impulse;
     vector(s.before) = start;
-    vector(s.kick) = now;
+    vector(s.velocity_impulse) = now;
     const Vector size = change < 0 ? -change : change;
     largest = largest < size ? size : largest;
     descent += change * (now - start);

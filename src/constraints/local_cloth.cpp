@@ -39,7 +39,7 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
                               const Points& end) {
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
   middle = step.drifted - collider.velocities_at(end);
-  middle = to - step.reach * step.h * middle * turn;
+  middle = to - step.displacement_factor * step.h * middle * turn;
 }
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {

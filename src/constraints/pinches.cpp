@@ -17,15 +17,15 @@ Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
 
 /// Friction of what a point touches on a side: of the collider, or of the weakest in a row of
 /// layers.
-double friction_of(const Pinches::Side& side, const Cloth& cloth) {
+double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   const double of_collider = side.collider->friction();
   return side.touches ? of_collider : std::min(of_collider, cloth.friction);
 }
 
 /// How firmly that holds the point: surfaces rub in a row, each of which yields by 1 / friction.
-double firmness_of(const Pinches::Side& side, const Cloth& cloth) {
+double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   if (friction_of(side, cloth) == 0) return 0;
-  const double layers = (side.room - cloth.offset) / (2 * cloth.thickness);
+  const double layers = (side.layer_height - cloth.offset) / (2 * cloth.thickness);
   const double yield = 1 / side.collider->friction();
   return 1 / (side.touches ? yield : yield + layers / cloth.friction);
 }
@@ -40,7 +40,7 @@ bool jams(const Vector3& normal_a, const Vector3& normal_b, double m, double n) 
 }
 
 /// Where a point is between both, from 0 at a to 1 at b; in the middle where they overlap.
-double share_across(const Pinches::Side& a, const Pinches::Side& b) {
+double share_across(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b) {
   const double gap = a.distance + b.distance;
   return gap > 0 ? std::clamp(a.distance / gap, 0.0, 1.0) : 0.5;
 }
@@ -51,28 +51,33 @@ void Pinches::start_over(double h, double gravity) {
   h_ = h;
   gravity_ = gravity;
   pinches_.clear();
-  jaws_.clear();
+  collider_pairs_.clear();
   held_.clear();
 }
 
-std::size_t Pinches::jaws_of(const MovingCollider& a, const MovingCollider& b) {
-  const auto known = std::find_if(jaws_.begin(), jaws_.end(), [&](const Jaws& jaws) {
-    return (jaws.a == &a && jaws.b == &b) || (jaws.a == &b && jaws.b == &a);
-  });
-  if (known != jaws_.end()) return static_cast<std::size_t>(known - jaws_.begin());
-  jaws_.push_back({&a, &b, 0});
-  return jaws_.size() - 1;
+std::size_t Pinches::pair_of(const MovingCollider& a, const MovingCollider& b) {
+  const auto known =
+      std::find_if(collider_pairs_.begin(), collider_pairs_.end(), [&](const ColliderPair& pair) {
+        return (pair.a == &a && pair.b == &b) || (pair.a == &b && pair.b == &a);
+      });
+  if (known != collider_pairs_.end()) {
+    return static_cast<std::size_t>(known - collider_pairs_.begin());
+  }
+  collider_pairs_.push_back({&a, &b, 0});
+  return collider_pairs_.size() - 1;
 }
 
 bool Pinches::face_each_other(const Vector3& a, const Vector3& b) { return a.dot(b) <= -facing; }
 
-bool Pinches::leave_no_room(const Side& a, const Side& b, const Vector3& x, double h) {
+bool Pinches::leave_no_room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
+                            double h) {
   const Vector3 across = direction_across(a.normal, b.normal);
   const double opening = across.dot(b.collider->velocity_at(x) - a.collider->velocity_at(x));
-  return a.distance + b.distance + h * opening <= a.room + b.room;
+  return a.distance + b.distance + h * opening <= a.layer_height + b.layer_height;
 }
 
-void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, const Cloth& cloth) {
+void Pinches::add(int point, const Vector3& x, const ColliderDistance& a, const ColliderDistance& b,
+                  const Cloth& cloth) {
   if (cloth.inv_mass[point] == 0 || holds(point)) return;
   if (held_.empty()) held_.assign(static_cast<std::size_t>(cloth.num_points()), 0);
   held_[static_cast<std::size_t>(point)] = 1;
@@ -89,14 +94,14 @@ void Pinches::add(int point, const Vector3& x, const Side& a, const Side& b, con
   const double share_of_b = sticks ? firm_b / (firm_a + firm_b) : 0.5;
   const Vector3 along = (1 - share_of_b) * of_a + share_of_b * of_b;
   const double grip = sticks ? strongest_grip * weight(cloth) * cloth.inv_mass[point] : 0;
-  const std::size_t jaws = jaws_of(*a.collider, *b.collider);
-  if (sticks) ++jaws_[jaws].points;
+  const std::size_t pair = pair_of(*a.collider, *b.collider);
+  if (sticks) ++collider_pairs_[pair].points;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, a.collider,
-                      b.collider, share_of_b, grip, jaws, Vector3::Zero(), Vector3::Zero(),
+                      b.collider, share_of_b, grip, pair, Vector3::Zero(), Vector3::Zero(),
                       Vector3::Zero(), !sticks});
 }
 
-double Pinches::sweep(Points& velocities) {
+double Pinches::solve_pass(Points& velocities) {
   double largest2 = 0;
   for (Pinch& p : pinches_) {
     const Vector3 wanted = p.given + p.velocity - row(velocities, p.point);
@@ -114,7 +119,7 @@ double Pinches::sweep(Points& velocities) {
 /// Along both, with what the limit pulls beyond what the grip bears [m/s].
 Vector3 Pinches::slip(Pinch& p) const {
   const Vector3 pull = p.pull - p.across.dot(p.pull) * p.across;
-  const double strength = pull.norm(), strongest = p.grip / jaws_[p.jaws].points;
+  const double strength = pull.norm(), strongest = p.grip / collider_pairs_[p.pair].points;
   p.slips = strength > strongest;
   return p.slips ? Vector3((1 - strongest / strength) * pull) : Vector3::Zero();
 }
@@ -132,7 +137,7 @@ int Pinches::slipping() const {
                                         [](const Pinch& p) { return p.grip > 0 && p.slips; }));
 }
 
-void Pinches::correct(const Points& start, Points& positions) const {
+void Pinches::project_positions(const Points& start, Points& positions) const {
   for (const Pinch& p : pinches_) {
     Vector3 back = row(start, p.point) + h_ * p.velocity - row(positions, p.point);
     if (p.slips) back = p.across.dot(back) * p.across;

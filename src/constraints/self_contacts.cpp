@@ -2,27 +2,27 @@
 
 namespace clothsim {
 
-void SelfContacts::begin(const Cloth& cloth, const ContactStep& step, State& state) {
+void SelfContacts::prepare(const Cloth& cloth, const ContactStep& step, State& state) {
   h_ = step.h;
   weight_ = cloth.mass.sum() * step.gravity * h_;
   contacts_.start_over(h_);
   finder_.find(cloth, step, state, contacts_);
-  contacts_.resume(state.positions, state.velocities);
+  contacts_.warm_start(state.positions, state.velocities);
 }
 
-void SelfContacts::go_on(const Cloth& cloth, const ContactStep& step, State& state) {
-  finder_.go_on(cloth, step, state, contacts_);
-  contacts_.go_on(state.velocities);
+void SelfContacts::refresh(const Cloth& cloth, const ContactStep& step, State& state) {
+  finder_.refresh(cloth, step, state, contacts_);
+  contacts_.warm_start_again(state.velocities);
 }
 
 /// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
 /// would have to leap to keep its distance.
-void SelfContacts::leave_to(const Pinches& pinches, Points& velocities) {
-  contacts_.leave_to(pinches, Pinches::beside * weight_, velocities);
+void SelfContacts::release_pinched(const Pinches& pinches, Points& velocities) {
+  contacts_.release_pinched(pinches, Pinches::max_overlap_impulse * weight_, velocities);
 }
 
-double SelfContacts::sweep(double precision, Points& velocities, const Workers& workers) {
-  return h_ * contacts_.sweep(precision / h_, velocities, workers);
+double SelfContacts::solve_pass(double precision, Points& velocities, const Workers& workers) {
+  return h_ * contacts_.solve_pass(precision / h_, velocities, workers);
 }
 
 void SelfContacts::add_impulses(double scale, Points& sum) const {
@@ -42,7 +42,7 @@ void SelfContacts::for_each_touch(const std::function<void(const SelfTouch&)>& v
 
 void SelfContacts::reset() {
   contacts_.reset();
-  seek_anew();
+  restart_detection();
 }
 
 void SelfContacts::write(MemoryWriter& memory) const {

@@ -14,49 +14,53 @@ constexpr int not_seen = -1, not_between = -2;
 
 using Box = Eigen::AlignedBox3d;
 
-Box around(const Jaw& jaw, const Points& positions) {
+Box around(const ContactManifold& manifold, const Points& positions) {
   Box box;
-  for (const Foothold& f : jaw.footholds) {
+  for (const ContactPoint& f : manifold.contact_points) {
     for (const int i : f.points) box.extend(row(positions, i));
   }
   return box;
 }
 
 /// The jaw without what is not within the box.
-Jaw within(const Box& box, const Jaw& jaw, const Points& positions) {
-  Jaw result{jaw.collider, jaw.offset, {}};
-  for (const Foothold& f : jaw.footholds) {
-    if (box.contains(f.place(positions))) result.footholds.push_back(f);
+ContactManifold within(const Box& box, const ContactManifold& manifold, const Points& positions) {
+  ContactManifold result{manifold.collider, manifold.offset, {}};
+  for (const ContactPoint& f : manifold.contact_points) {
+    if (box.contains(f.place(positions))) result.contact_points.push_back(f);
   }
   return result;
 }
 
 /// Of a point from which no layer is known to the jaw, as the step began.
-Pinches::Side side_of(const Jaw& jaw, const Vector3& x) {
-  const Pose& pose = jaw.collider.previous();
+Pinches::ColliderDistance distance_to(const ContactManifold& manifold, const Vector3& x) {
+  const Pose& pose = manifold.collider.previous();
   const Vector3 local = to_local(pose, x);
-  const Distance d = signed_distance(jaw.collider.shape(), local, local);
-  return {&jaw.collider, pose.orientation * d.normal, d.value, 0, false};
+  const Distance d = signed_distance(manifold.collider.shape(), local, local);
+  return {&manifold.collider, pose.orientation * d.normal, d.value, 0, false};
 }
 
-Pinches::Side touching(const Jaw& jaw, Pinches::Side side) {
-  side.room = jaw.offset;
+Pinches::ColliderDistance touching(const ContactManifold& manifold,
+                                   Pinches::ColliderDistance side) {
+  side.layer_height = manifold.offset;
   side.touches = true;
   return side;
 }
 
 /// Of what touches the jaw there.
-Pinches::Side own_side(const Jaw& jaw, const Foothold& f, const Points& start) {
-  if (f.triangle == Foothold::no_triangle) return touching(jaw, side_of(jaw, f.place(start)));
-  return touching(jaw, {&jaw.collider, f.normal, f.distance, 0, false});
+Pinches::ColliderDistance own_distance(const ContactManifold& manifold, const ContactPoint& f,
+                                       const Points& start) {
+  if (f.triangle == ContactPoint::no_triangle) {
+    return touching(manifold, distance_to(manifold, f.place(start)));
+  }
+  return touching(manifold, {&manifold.collider, f.normal, f.distance, 0, false});
 }
 
 /// What touches a jaw.
-class Footing {
+class ContactPointIndex {
  public:
-  explicit Footing(const Jaw& jaw) : jaw_(jaw) {
-    for (const Foothold& f : jaw.footholds) {
-      if (f.triangle == Foothold::no_triangle) {
+  explicit ContactPointIndex(const ContactManifold& manifold) : manifold_(manifold) {
+    for (const ContactPoint& f : manifold.contact_points) {
+      if (f.triangle == ContactPoint::no_triangle) {
         points_.insert(f.points[0]);
       } else {
         triangles_[f.triangle].push_back(&f);
@@ -65,59 +69,63 @@ class Footing {
   }
 
   /// On that triangle.
-  std::vector<const Foothold*> on(int triangle) const {
+  std::vector<const ContactPoint*> on(int triangle) const {
     const auto found = triangles_.find(triangle);
-    return found == triangles_.end() ? std::vector<const Foothold*>() : found->second;
+    return found == triangles_.end() ? std::vector<const ContactPoint*>() : found->second;
   }
 
   /// The jaw as seen from where another one touches. It is touched there if the points are.
-  Pinches::Side beyond(const Foothold& f, const Points& start) const {
+  Pinches::ColliderDistance beyond(const ContactPoint& f, const Points& start) const {
     bool touches = true;
     for (std::size_t k = 0; k < 3; ++k) {
       touches = touches && (f.weights[k] == 0 || points_.count(f.points[k]) > 0);
     }
-    const Pinches::Side side = side_of(jaw_, f.place(start));
-    return touches ? touching(jaw_, side) : side;
+    const Pinches::ColliderDistance side = distance_to(manifold_, f.place(start));
+    return touches ? touching(manifold_, side) : side;
   }
 
  private:
-  const Jaw& jaw_;
+  const ContactManifold& manifold_;
   std::set<int> points_;
-  std::map<int, std::vector<const Foothold*>> triangles_;
+  std::map<int, std::vector<const ContactPoint*>> triangles_;
 };
 
 }  // namespace
 
 bool can_face(const Normals& a, const Normals& b) {
   if (a.isEmpty() || b.isEmpty()) return false;
-  double least = 0;  // of the product of two normals
+  double min_product = 0;  // of the product of two normals
   for (int axis = 0; axis < 3; ++axis) {
     const double p[] = {a.min()[axis], a.max()[axis]};
     const double q[] = {b.min()[axis], b.max()[axis]};
-    least += std::min({p[0] * q[0], p[0] * q[1], p[1] * q[0], p[1] * q[1]});
+    min_product += std::min({p[0] * q[0], p[0] * q[1], p[1] * q[0], p[1] * q[1]});
   }
-  return least <= -Pinches::facing;
+  return min_product <= -Pinches::facing;
 }
 
-void Stacks::pinch(const Jaw& all_of_a, const Jaw& all_of_b, const Cloth& cloth,
-                   const Points& start, double h, const SelfTouches* touches, Pinches& pinches) {
-  if (all_of_a.footholds.empty() || all_of_b.footholds.empty()) return;
-  const double most = Stacks::reach(cloth, std::max(all_of_a.offset, all_of_b.offset));
-  const Vector3 margin = Vector3::Constant(most);
+void Stacks::pinch(const ContactManifold& all_of_a, const ContactManifold& all_of_b,
+                   const Cloth& cloth, const Points& start, double h, const SelfTouches* touches,
+                   Pinches& pinches) {
+  if (all_of_a.contact_points.empty() || all_of_b.contact_points.empty()) return;
+  const double max_distance =
+      Stacks::max_layer_height(cloth, std::max(all_of_a.offset, all_of_b.offset));
+  const Vector3 margin = Vector3::Constant(max_distance);
   const auto wider = [&](Box box) { return Box(box.min() - margin, box.max() + margin); };
-  const Jaw a = within(wider(around(all_of_b, start)), all_of_a, start);
-  const Jaw b = within(wider(around(all_of_a, start)), all_of_b, start);
-  if (a.footholds.empty() || b.footholds.empty()) return;
+  const ContactManifold a = within(wider(around(all_of_b, start)), all_of_a, start);
+  const ContactManifold b = within(wider(around(all_of_a, start)), all_of_b, start);
+  if (a.contact_points.empty() || b.contact_points.empty()) return;
 
   nodes_.clear();
   edges_.clear();
   node_of_.assign(static_cast<std::size_t>(cloth.num_points()), not_seen);
-  add_footholds(a, b, start);
+  add_contact_points(a, b, start);
   if (nodes_.empty()) return;
-  if (touches) add_edges(a, b, start, most, *touches);
-  climb();
+  if (touches) add_edges(a, b, start, max_distance, *touches);
+  propagate_heights();
   for (const Node& node : nodes_) {
-    if (node.a.room == 0 || node.b.room == 0) continue;  // nothing lies between it and a jaw
+    if (node.a.layer_height == 0 || node.b.layer_height == 0) {
+      continue;  // nothing lies between it and a jaw
+    }
     if (node.a.touches && node.b.touches && !node.is_between) continue;  // beside each other
     const Vector3 x = row(start, node.point);
     // No layers are a grip that are hit faster than contact leads what is caught: impulses let
@@ -130,24 +138,27 @@ void Stacks::pinch(const Jaw& all_of_a, const Jaw& all_of_b, const Cloth& cloth,
   }
 }
 
-void Stacks::add_footholds(const Jaw& a, const Jaw& b, const Points& start) {
-  const Footing on_a(a), on_b(b);
-  const auto take = [&](const Foothold& f, const Pinches::Side& of_a, const Pinches::Side& of_b) {
+void Stacks::add_contact_points(const ContactManifold& a, const ContactManifold& b,
+                                const Points& start) {
+  const ContactPointIndex on_a(a), on_b(b);
+  const auto take = [&](const ContactPoint& f, const Pinches::ColliderDistance& of_a,
+                        const Pinches::ColliderDistance& of_b) {
     if (!Pinches::face_each_other(of_a.normal, of_b.normal)) return;
     for (const int i : f.points) add(i, of_a, of_b);
   };
-  for (const Foothold& f : a.footholds) {
-    const Pinches::Side of_a = own_side(a, f, start);
+  for (const ContactPoint& f : a.contact_points) {
+    const Pinches::ColliderDistance of_a = own_distance(a, f, start);
     const auto same = on_b.on(f.triangle);
     if (same.empty()) take(f, of_a, on_b.beyond(f, start));
-    for (const Foothold* other : same) take(f, of_a, own_side(b, *other, start));
+    for (const ContactPoint* other : same) take(f, of_a, own_distance(b, *other, start));
   }
-  for (const Foothold& f : b.footholds) {
-    if (on_a.on(f.triangle).empty()) take(f, on_a.beyond(f, start), own_side(b, f, start));
+  for (const ContactPoint& f : b.contact_points) {
+    if (on_a.on(f.triangle).empty()) take(f, on_a.beyond(f, start), own_distance(b, f, start));
   }
 }
 
-void Stacks::add(int point, const Pinches::Side& a, const Pinches::Side& b) {
+void Stacks::add(int point, const Pinches::ColliderDistance& a,
+                 const Pinches::ColliderDistance& b) {
   const bool is_between = a.touches && b.touches;
   int& number = node_of_[static_cast<std::size_t>(point)];
   if (number < 0) {
@@ -159,44 +170,45 @@ void Stacks::add(int point, const Pinches::Side& a, const Pinches::Side& b) {
   const bool is_nearer = a.distance + b.distance < node.a.distance + node.b.distance;
   const bool counts = is_between == node.is_between ? is_nearer : is_between;
   node.is_between = node.is_between || is_between;
-  const auto merge = [&](Pinches::Side& side, const Pinches::Side& now) {
+  const auto merge = [&](Pinches::ColliderDistance& side, const Pinches::ColliderDistance& now) {
     if (counts) {
       side.normal = now.normal;
       side.distance = now.distance;
     }
     side.touches = side.touches || now.touches;
-    side.room = std::max(side.room, now.room);
+    side.layer_height = std::max(side.layer_height, now.layer_height);
   };
   merge(node.a, a);
   merge(node.b, b);
 }
 
-int Stacks::node_between(int point, const Jaw& a, const Jaw& b, const Points& start, double most) {
+int Stacks::node_between(int point, const ContactManifold& a, const ContactManifold& b,
+                         const Points& start, double max_distance) {
   int& number = node_of_[static_cast<std::size_t>(point)];
   if (number != not_seen) return number;
   const Vector3 x = row(start, point);
   number = not_between;
-  const Pinches::Side of_a = side_of(a, x);
-  if (of_a.distance > most) return number;
-  const Pinches::Side of_b = side_of(b, x);
-  if (of_a.distance + of_b.distance > most) return number;
+  const Pinches::ColliderDistance of_a = distance_to(a, x);
+  if (of_a.distance > max_distance) return number;
+  const Pinches::ColliderDistance of_b = distance_to(b, x);
+  if (of_a.distance + of_b.distance > max_distance) return number;
   if (Pinches::face_each_other(of_a.normal, of_b.normal)) add(point, of_a, of_b);
   return number;
 }
 
-void Stacks::add_edges(const Jaw& a, const Jaw& b, const Points& start, double most,
-                       const SelfTouches& touches) {
+void Stacks::add_edges(const ContactManifold& a, const ContactManifold& b, const Points& start,
+                       double max_distance, const SelfTouches& touches) {
   touches([&](const SelfTouch& touch) {
     for (std::size_t p = 0; p < 4; ++p) {
       if (touch.weights[p] <= 0) continue;
-      const int upper = node_between(touch.points[p], a, b, start, most);
+      const int upper = node_between(touch.points[p], a, b, start, max_distance);
       if (upper < 0) continue;
       for (std::size_t q = 0; q < 4; ++q) {
         if (touch.weights[q] >= 0) continue;
-        const int lower = node_between(touch.points[q], a, b, start, most);
+        const int lower = node_between(touch.points[q], a, b, start, max_distance);
         if (lower < 0) continue;
-        const Pinches::Side &of_upper = nodes_[static_cast<std::size_t>(upper)].a,
-                            &of_lower = nodes_[static_cast<std::size_t>(lower)].a;
+        const Pinches::ColliderDistance &of_upper = nodes_[static_cast<std::size_t>(upper)].a,
+                                        &of_lower = nodes_[static_cast<std::size_t>(lower)].a;
         const double cosine = touch.normal.dot(of_upper.normal);
         // So that no chain comes back to where it began.
         if (cosine > Pinches::facing && of_upper.distance > of_lower.distance) {
@@ -210,10 +222,11 @@ void Stacks::add_edges(const Jaw& a, const Jaw& b, const Points& start, double m
 }
 
 /// Longest chains from either jaw: there are no circles, so that it ends.
-void Stacks::climb() {
-  const auto raise = [](Pinches::Side& to, const Pinches::Side& from, double room) {
-    if (from.room == 0 || to.room >= from.room + room) return false;
-    to.room = from.room + room;
+void Stacks::propagate_heights() {
+  const auto raise = [](Pinches::ColliderDistance& to, const Pinches::ColliderDistance& from,
+                        double layer_height) {
+    if (from.layer_height == 0 || to.layer_height >= from.layer_height + layer_height) return false;
+    to.layer_height = from.layer_height + layer_height;
     to.touches = false;
     return true;
   };
@@ -222,8 +235,8 @@ void Stacks::climb() {
     for (const Edge& edge : edges_) {
       Node& below = nodes_[static_cast<std::size_t>(edge.below)];
       Node& above = nodes_[static_cast<std::size_t>(edge.above)];
-      const bool from_a = raise(above.a, below.a, edge.room);
-      const bool from_b = raise(below.b, above.b, edge.room);
+      const bool from_a = raise(above.a, below.a, edge.layer_height);
+      const bool from_b = raise(below.b, above.b, edge.layer_height);
       rises = rises || from_a || from_b;
     }
   }

@@ -25,10 +25,10 @@ constexpr double drag_share = 0.95;
 
 /// Strength of the limit, as x = h^2 sum(T / l) / m of a point, of the impulses that a step begins
 /// with: neighbours that tension swings against each other are stable below it.
-constexpr double most_tension = 2;
+constexpr double max_tension = 2;
 
 /// The same of a spring in the passes, as h^2 T / (m l).
-constexpr double most_in_passes = 8;
+constexpr double max_tension_in_passes = 8;
 
 /// Times as much as a step of h [s] bears that is longer than the longest: such are steps of
 /// implicit methods, which damp what swings, and a tension is the same force in them.
@@ -85,7 +85,8 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
 void StrainLimit::add_impulses(double scale, Points& sum) const {
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const Constraint c = constraint(id);
-    const Vector3 impulse = scale * s.mass[k] * s.kick[k] * Vector3(s.x[k], s.y[k], s.z[k]);
+    const Vector3 impulse =
+        scale * s.mass[k] * s.velocity_impulse[k] * Vector3(s.x[k], s.y[k], s.z[k]);
     sum.row(c.a) += impulse.transpose();
     sum.row(c.b) -= impulse.transpose();
   });
@@ -97,7 +98,7 @@ std::vector<double> StrainLimit::tension_across() const {
   for (std::size_t i = 0; i < fours(); ++i) {
     const FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
-      const double both = s.kick[k] / lengths_[FourSprings::count * i + k];
+      const double both = s.velocity_impulse[k] / lengths_[FourSprings::count * i + k];
       const double of_a = s.share[k] * both;
       across[index(FourSprings::point(s.a[k]))] += of_a;
       across[index(FourSprings::point(s.b[k]))] += both - of_a;
@@ -111,15 +112,15 @@ std::vector<double> StrainLimit::tension_across() const {
 void StrainLimit::bound_impulses(double scale) {
   const std::vector<double> across = tension_across();
   const double h = scale * step_.h;
-  const double most = most_tension * times_carried(h) / (scale * h);
-  gives_way_ = *std::max_element(across.begin(), across.end()) > most;
+  const double max_across = max_tension * times_carried(h) / (scale * h);
+  gives_way_ = *std::max_element(across.begin(), across.end()) > max_across;
   if (!gives_way_) return;
   for (std::size_t i = 0; i < fours(); ++i) {
     FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
       const double x = std::max(across[index(FourSprings::point(s.a[k]))],
                                 across[index(FourSprings::point(s.b[k]))]);
-      if (x > most) s.kick[k] *= most / x;
+      if (x > max_across) s.velocity_impulse[k] *= max_across / x;
     }
   }
 }
@@ -152,12 +153,13 @@ void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(gives_way_);
   memory.add(momentum_);
   std::size_t pulling = 0;
-  for_each_active([&](const FourSprings& s, std::size_t k, int) { pulling += s.kick[k] > 0; });
+  for_each_active(
+      [&](const FourSprings& s, std::size_t k, int) { pulling += s.velocity_impulse[k] > 0; });
   memory.add(static_cast<double>(pulling));
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.kick[k] <= 0) return;
+    if (s.velocity_impulse[k] <= 0) return;
     memory.add(id);
-    memory.add(s.kick[k]);
+    memory.add(s.velocity_impulse[k]);
     memory.add(s.mass[k]);
     memory.add(s.share[k]);
     memory.add(Vector3(s.x[k], s.y[k], s.z[k]));
@@ -173,7 +175,7 @@ void StrainLimit::read(MemoryReader& memory) {
   std::fill(flags_.begin(), flags_.end(), 0);
   struct Kept {
     int id = 0;
-    double kick = 0, mass = 0, share = 0;
+    double velocity_impulse = 0, mass = 0, share = 0;
     Vector3 direction{0, 0, 0};
   };
   std::vector<Kept> kept(memory.count());
@@ -185,7 +187,7 @@ void StrainLimit::read(MemoryReader& memory) {
       throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
     }
     last = here;
-    k.kick = std::max(0.0, memory.number());
+    k.velocity_impulse = std::max(0.0, memory.number());
     k.mass = std::max(0.0, memory.number());
     k.share = memory.number();
     k.direction = memory.vector();
@@ -198,7 +200,7 @@ void StrainLimit::read(MemoryReader& memory) {
     FourSprings& s = active_[i / FourSprings::count];
     const Kept k = ids_[i] < 0 ? Kept{} : *next++;
     const std::size_t lane = i % FourSprings::count;
-    s.kick[lane] = k.kick;
+    s.velocity_impulse[lane] = k.velocity_impulse;
     s.mass[lane] = k.mass;
     s.share[lane] = k.share;
     s.x[lane] = k.direction.x();
@@ -208,23 +210,24 @@ void StrainLimit::read(MemoryReader& memory) {
   inertia_.read(memory);
 }
 
-void StrainLimit::predict(double h, double reach, State& state) {
+void StrainLimit::warm_start(double h, double displacement_factor, State& state) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
   if (scale > 0) bound_impulses(scale);
-  step_ = {h, reach, 0, 0};
-  most_kick_ = most_in_passes * times_carried(h) * shortest_ / h;
+  step_ = {h, displacement_factor, 0, 0};
+  max_velocity_impulse_ = max_tension_in_passes * times_carried(h) * shortest_ / h;
   slack_ -= h;
   std::fill(given_.begin(), given_.end(), Quad{});
-  resume_springs(scale, fours(), active_.data(), kicks_.data(), masses_.data(), given_.data());
-  const double way = reach * h;
+  warm_start_springs(scale, fours(), active_.data(), velocity_impulses_.data(), masses_.data(),
+                     given_.data());
+  const double way = displacement_factor * h;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const int point = touched_[i];
     const Quad& given = given_[i];
     const Quad v = quad(state.velocities, point);
     const Quad x = quad(state.positions, point);
-    predicted_[i] = {v.x + given.x, v.y + given.y, v.z + given.z, 0};
+    warm_started_[i] = {v.x + given.x, v.y + given.y, v.z + given.z, 0};
     positions_[i] = {x.x + way * given.x, x.y + way * given.y, x.z + way * given.z, 0};
-    set_row(state.velocities, point, predicted_[i]);
+    set_row(state.velocities, point, warm_started_[i]);
     set_row(state.positions, point, positions_[i]);
   }
 }
@@ -238,23 +241,23 @@ double StrainLimit::slack(const Cloth& cloth, const State& state) const {
   return (limit - worst_stretch(cloth, state.positions)) * shortest_ / speed;
 }
 
-void StrainLimit::begin(const Cloth& cloth, double reach, State& state, const Workers& workers,
-                        const Points* before) {
-  turn_impulses(cloth, reach, state, workers, before);
+void StrainLimit::prepare(const Cloth& cloth, double displacement_factor, State& state,
+                          const Workers& workers, const Points* before) {
+  turn_impulses(cloth, displacement_factor, state, workers, before);
   store(state.velocities);
 }
 
-/// Takes back what predict() has given, and gives it anew along the present directions.
-void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
+/// Takes back what warm_start() has given, and gives it anew along the present directions.
+void StrainLimit::turn_impulses(const Cloth& cloth, double displacement_factor, State& state,
                                 const Workers& workers, const Points* before) {
-  step_.reach = reach;
+  step_.displacement_factor = displacement_factor;
   solved_alone_ = false;
   if (is_slack()) return;
   const bool changes = find_active(state.positions, workers);
   if (changes || before) {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
       positions_[i] = quad(state.positions, touched_[i]);
-      predicted_[i] = quad(state.velocities, touched_[i]);
+      warm_started_[i] = quad(state.velocities, touched_[i]);
     }
   }
   if (changes) {
@@ -266,7 +269,7 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
       velocities_[i] = quad(state.velocities, touched_[i]);
   } else {
     for (std::size_t i = 0; i < touched_.size(); ++i) {
-      const Quad &from = predicted_[i], &given = given_[i];
+      const Quad &from = warm_started_[i], &given = given_[i];
       velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, 0};
     }
   }
@@ -277,10 +280,10 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double reach, State& state,
     before_.resize(velocities_.size());
     for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);
   }
-  aim_springs(step_,
-              {positions_.data(), predicted_.data(), before ? before_.data() : nullptr,
-               lengths_.data(), kicks_.data(), masses_.data()},
-              fours(), active_.data(), velocities_.data());
+  prepare_springs(step_,
+                  {positions_.data(), warm_started_.data(), before ? before_.data() : nullptr,
+                   lengths_.data(), velocity_impulses_.data(), masses_.data()},
+                  fours(), active_.data(), velocities_.data());
   if (num_active_ == 0) slack_ = slack(cloth, state);
 }
 
@@ -290,74 +293,75 @@ void StrainLimit::store(Points& velocities) const {
 }
 
 /// Springs of one colour, which share no point. Sums are of segments, whoever has taken them.
-PassChange StrainLimit::sweep_colour(int colour, double momentum, bool goes_back,
+PassChange StrainLimit::solve_colour(int colour, double momentum, bool goes_back,
                                      const Workers& workers) {
   const int first = colour > 0 ? colour_ends_[index(colour - 1)] : 0;
   const int end = colour_ends_[index(colour)];
-  const auto sweep_segments = [&](int from, int to) {
+  const auto solve_segments = [&](int from, int to) {
     for (int k = first + from; k < first + to; ++k) {
       const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
       changes_[index(k)] =
-          sweep_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
-                        goes_back, most_kick_, velocities_.data());
+          solve_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
+                        goes_back, max_velocity_impulse_, velocities_.data());
     }
   };
-  workers.share(end - first, sweep_segments, 2);  // one is over before a thread is there
+  workers.parallel_for(end - first, solve_segments, 2);  // one is over before a thread is there
   PassChange change;
   for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
   return change;
 }
 
 /// One pass over active_, forth or forth and back, colour by colour.
-PassChange StrainLimit::sweep_active(double momentum, bool comes_back, const Workers& workers) {
+PassChange StrainLimit::solve_active(double momentum, bool comes_back, const Workers& workers) {
   if (budget_) budget_->spend(static_cast<std::int64_t>((comes_back ? 2 : 1) * num_active_));
   changes_.resize(segment_ends_.size());
   const int colours = static_cast<int>(colour_ends_.size());
   PassChange change;
-  for (int c = 0; c < colours; ++c) change.add(sweep_colour(c, momentum, false, workers));
+  for (int c = 0; c < colours; ++c) change.add(solve_colour(c, momentum, false, workers));
   if (!comes_back) return change;
-  for (int c = colours - 2; c >= 0; --c) change.add(sweep_colour(c, 0, true, workers));
+  for (int c = colours - 2; c >= 0; --c) change.add(solve_colour(c, 0, true, workers));
   return change;
 }
 
 /// Passes with momentum over velocities_ until one changes no rate by more than `enough` [m] as a
-/// displacement, at least `least` and at most `most`. Those after the least come back, too: what
-/// passes in one order leave behind, much momentum amplifies.
-StrainLimit::Passes StrainLimit::pass(double enough, int least, int most, Momentum& momentum,
-                                      const Workers& workers) {
+/// displacement, at least `min_passes` and at most `max_passes`. Those after the first `min_passes`
+/// come back, too: what passes in one order leave behind, much momentum amplifies.
+StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_passes,
+                                      Momentum& momentum, const Workers& workers) {
   Passes passes{0, 0};
   do {
-    if (passes.count == least) momentum = Momentum();
+    if (passes.count == min_passes) momentum = Momentum();
     extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
-    const PassChange change = sweep_active(momentum.share(), passes.count >= least, workers);
+    const PassChange change = solve_active(momentum.share(), passes.count >= min_passes, workers);
     if (!gives_way_) momentum.next(change.descent);  // towards what cannot be met it overshoots
     passes = {passes.count + 1, step_.h * change.largest};
-  } while (passes.count < most && (passes.count < least || passes.change > enough));
+  } while (passes.count < max_passes && (passes.count < min_passes || passes.change > enough));
   return passes;
 }
 
-StrainLimit::Passes StrainLimit::sweep(double enough, int most, Points& velocities,
-                                       const Workers& workers) {
+StrainLimit::Passes StrainLimit::solve_passes(double enough, int max_passes, Points& velocities,
+                                              const Workers& workers) {
   for (std::size_t i = 0; i < touched_.size(); ++i) velocities_[i] = quad(velocities, touched_[i]);
   Momentum momentum;
-  const Passes passes = pass(enough, 1, most, momentum, workers);
+  const Passes passes = pass(enough, 1, max_passes, momentum, workers);
   store(velocities);
   return passes;
 }
 
-StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double reach, double enough, int least,
-                                       int most, State& state, const Workers& workers) {
-  turn_impulses(cloth, reach, state, workers, nullptr);
-  Momentum momentum(std::min(momentum_, static_cast<double>(least)));
-  const Passes passes = pass(enough, least, most, momentum, workers);
+StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_factor,
+                                       double enough, int min_passes, int max_passes, State& state,
+                                       const Workers& workers) {
+  turn_impulses(cloth, displacement_factor, state, workers, nullptr);
+  Momentum momentum(std::min(momentum_, static_cast<double>(min_passes)));
+  const Passes passes = pass(enough, min_passes, max_passes, momentum, workers);
   // What asks for more passes, is another problem.
-  momentum_ = passes.count == least ? momentum.strength() : 1;
+  momentum_ = passes.count == min_passes ? momentum.strength() : 1;
 
-  const double way = step_.reach * step_.h;
+  const double way = step_.displacement_factor * step_.h;
   double moved2 = 0;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const Quad& v = velocities_[i];
-    const Quad& from = predicted_[i];
+    const Quad& from = warm_started_[i];
     Quad& x = positions_[i];
     const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
     x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};

@@ -10,14 +10,14 @@ namespace clothsim {
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   flag_longer_than(longest_, positions, workers);
   for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (kicks_[i] > 0) flag(ids_[i]);
+    if (velocity_impulses_[i] > 0) flag(ids_[i]);
   }
   if (flags_ == last_flags_) return false;  // as ever at rest
   last_flags_ = flags_;
 
   last_touched_ = touched_;
   last_given_.swap(given_);
-  last_kicks_.swap(kicks_);
+  last_velocity_impulses_.swap(velocity_impulses_);
   last_masses_.swap(masses_);
   last_ids_.swap(ids_);
   list_active();
@@ -44,7 +44,7 @@ void StrainLimit::list_active() {
 
 /// Lists a spring; `next`: where in last_ids_ it is, or later ones.
 void StrainLimit::list(int id, const Piece& piece, std::size_t& next) {
-  while (next < last_ids_.size() && last_kicks_[next] == 0) ++next;
+  while (next < last_ids_.size() && last_velocity_impulses_[next] == 0) ++next;
   const bool pulled = next < last_ids_.size() && last_ids_[next] == id;
   const std::size_t k = ids_.size() % FourSprings::count;
   if (k == 0 && active_.size() == fours()) active_.emplace_back();
@@ -54,7 +54,7 @@ void StrainLimit::list(int id, const Piece& piece, std::size_t& next) {
   s.b[k] = FourSprings::place(touch(a + piece.offset));
   ids_.push_back(id);
   lengths_.push_back(longest_ * piece.rest_length);
-  kicks_.push_back(pulled ? last_kicks_[next] : 0);
+  velocity_impulses_.push_back(pulled ? last_velocity_impulses_[next] : 0);
   masses_.push_back(pulled ? last_masses_[next++] : 0);
   ++num_active_;
 }
@@ -64,7 +64,7 @@ void StrainLimit::close_colour() {
   while (ids_.size() % FourSprings::count != 0) {
     ids_.push_back(-1);
     lengths_.push_back(1);
-    kicks_.push_back(0);
+    velocity_impulses_.push_back(0);
     masses_.push_back(0);
   }
   constexpr int segment_length = near_at_once / static_cast<int>(FourSprings::count);
@@ -81,7 +81,7 @@ void StrainLimit::clear_active() {
   touched_.clear();
   ids_.clear();
   lengths_.clear();
-  kicks_.clear();
+  velocity_impulses_.clear();
   masses_.clear();
   segment_ends_.clear();
   colour_ends_.clear();
@@ -106,7 +106,7 @@ void StrainLimit::close_active() {
     const std::size_t lane = i % FourSprings::count;
     s.a[lane] = s.b[lane] = FourSprings::place(static_cast<int>(nobody));
   }
-  for (std::vector<Quad>* quads : {&positions_, &predicted_, &velocities_, &last_, &given_}) {
+  for (std::vector<Quad>* quads : {&positions_, &warm_started_, &velocities_, &last_, &given_}) {
     quads->resize(nobody + 1);
     quads->back() = {};
   }
@@ -121,7 +121,7 @@ void StrainLimit::add_strengths(double scale, std::vector<double>& sum) const {
   }
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const std::size_t spring = first[index(id / Piece::length)] + index(id % Piece::length);
-    sum[spring] += scale * s.mass[k] * s.kick[k];
+    sum[spring] += scale * s.mass[k] * s.velocity_impulse[k];
   });
 }
 

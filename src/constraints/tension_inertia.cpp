@@ -24,7 +24,7 @@ constexpr double kept = 0.97;
 
 /// Most of that, of a point's mass: with more, no step is stable. With x = h^2 sum(T / l) / m that
 /// is x < 2 (1 + added x). Where pins or colliders ask for what cannot be, tension has no end.
-constexpr double most = added / (0.5 - added);
+constexpr double max_added = added / (0.5 - added);
 
 /// Points of which it is worth to see that none has any: dividing takes longer.
 constexpr int block = num_lanes * num_lanes;
@@ -46,7 +46,7 @@ void add_inertia(int count, double time2, const double* mass, const double* with
     for_each_lane(end - first, [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double more = time2 * stiffness[i];
-      const double largest = most * mass[i];
+      const double largest = max_added * mass[i];
       const double all = mass[i] + (more < largest ? more : largest);
       const bool counts = (without[i] > 0) & (all > mass[i]);
       const double bounded = more < largest ? stiffness[i] : largest * to_stiffness;
@@ -176,7 +176,8 @@ void move_rigidly(int count, const Vector3& shift, const Vector3& turn, const Ve
 TensionInertia::TensionInertia(const Cloth& cloth)
     : mass_(cloth.mass.sum()), stiffness_(Scalars::Zero(cloth.num_points())) {}
 
-void TensionInertia::weigh(const Cloth& cloth, double h, const State& state, Scalars& inv_mass) {
+void TensionInertia::add_tension_mass(const Cloth& cloth, double h, const State& state,
+                                      Scalars& inv_mass) {
   is_free_ = false;
   if (!is_tense_) {
     inv_mass = cloth.inv_mass;
@@ -190,11 +191,12 @@ void TensionInertia::weigh(const Cloth& cloth, double h, const State& state, Sca
   if (is_free_) start_velocities_ = state.velocities;
 }
 
-void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State& state) {
+void TensionInertia::give_back(const Cloth& cloth, double h, double displacement_factor,
+                               State& state) {
   if (!is_free_) return;
   is_free_ = false;
   const int count = cloth.num_points();
-  const double way = reach * h;
+  const double way = displacement_factor * h;
   const Vector3 origin = row(state.positions, 0);
   Body body;
   add_up(count,
@@ -219,11 +221,11 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double reach, State
                run_from(state.velocities, 0));
 }
 
-double TensionInertia::share(double h) const {
+double TensionInertia::mass_ratio(double h) const {
   return is_tense_ ? added * h * h * total(count(), stiffness_.data()) / mass_ : 0;
 }
 
-double TensionInertia::share_at(double frequency, double h) {
+double TensionInertia::mass_ratio_at(double frequency, double h) {
   return added * (h * frequency) * (h * frequency);
 }
 

@@ -17,7 +17,7 @@ constexpr double unseen_way = 0.25;
 }  // namespace
 
 /// What a step has that its contacts are made of.
-struct TouchFinder::Sought {
+struct TouchFinder::Query {
   const Cloth& cloth;
   double h;                  // of the step [s]
   double ahead;              // until contacts are sought anew [s]
@@ -26,48 +26,48 @@ struct TouchFinder::Sought {
   double strongest;          // push of what stops nothing [N s]
 };
 
-TouchFinder::Sought TouchFinder::sought_in(const Cloth& cloth, const ContactStep& step,
-                                           const State& state) const {
+TouchFinder::Query TouchFinder::query_in(const Cloth& cloth, const ContactStep& step,
+                                         const State& state) const {
   return {cloth,   step.h,           step.ahead,
           middle_, state.velocities, cloth.mass.sum() * step.gravity * step.h};
 }
 
 /// Of a pair that may touch within the step, or had an impulse in the last one.
-std::optional<Contact> TouchFinder::contact_of(const Sought& sought, const NearPair& near,
+std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPair& near,
                                                const Contact* last) {
   const SurfacePair& pair = near.pair;
   if (near.separation.distance == 0) return {};
 
   // Most do not get there.
   const Vector3& last_normal = near.separation.normal;
-  const double way = sought.ahead * -gap_along(last_normal, pair, sought.velocities);
-  const double room = gap_along(last_normal, pair, sought.middle) - pair.nearest;
-  if (!last && room > 0 && way < room) return {};
+  const double way = query.ahead * -gap_along(last_normal, pair, query.velocities);
+  const double last_gap = gap_along(last_normal, pair, query.middle) - pair.nearest;
+  if (!last && last_gap > 0 && way < last_gap) return {};
 
   // As they lie where impulses act; if they have passed through each other by then, as they lay.
-  Separation s = separation(pair, sought.middle);
+  Separation s = separation(pair, query.middle);
   if (s.normal.dot(near.separation.normal) <= 0) {
     s = near.separation;
-    s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, sought.middle));
+    s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, query.middle));
   }
 
   // The gap may close until contacts are sought anew. Others may yet push a touching pair together.
   const double gap = s.distance - pair.nearest;
-  const double slowest = gap > 0 ? -gap / sought.ahead : -overlap_share * gap / sought.h;
-  const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, sought.velocities));
-  if (!last && rate >= slowest && gap > 0) return {};
+  const double target_velocity = gap > 0 ? -gap / query.ahead : -overlap_share * gap / query.h;
+  const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, query.velocities));
+  if (!last && rate >= target_velocity && gap > 0) return {};
 
   Contact contact{near.key, pair.points, s.weights};
-  contact.weigh(sought.cloth);
+  contact.compute_effective_mass(query.cloth);
   if (contact.mass == 0) return {};
   const double to_stop = std::abs(rate) * contact.mass;
   contact.nearest = pair.nearest;
   contact.impulse = {s.normal,
                      Vector3::Zero(),
-                     slowest,
-                     sought.cloth.friction,
-                     sought.strongest + 2 * to_stop,
-                     Pinches::beside * sought.strongest};
+                     target_velocity,
+                     query.cloth.friction,
+                     query.strongest + 2 * to_stop,
+                     Pinches::max_overlap_impulse * query.strongest};
   if (last) contact.impulse.keep(last->impulse);
   return contact;
 }
@@ -77,12 +77,12 @@ void TouchFinder::look(const ContactStep& step) {
   // By velocities that have met contact: by those that forces gave since, all of a pile at rest
   // would be about to touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
-  const double most = unseen_way * near_.least_nearest() / longest_beyond_mean(velocities);
-  double time = std::max(step.ahead, std::min(step.left, most));
+  const double max_time = unseen_way * near_.min_nearest() / longest_beyond_mean(velocities);
+  double time = std::max(step.ahead, std::min(step.left, max_time));
   // An impulse moves points from the middle of its step on: they would overlap by half of their
   // way.
-  if (kind_ == SelfCollision::points) time += step.reach * step.h;
-  looked_at_ = step.sought_at ? *step.sought_at : step.start;
+  if (kind_ == SelfCollision::points) time += step.displacement_factor * step.h;
+  looked_at_ = step.detected_at ? *step.detected_at : step.start;
   near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
   time_ = step.since - step.h;
   way_ = 0;
@@ -92,8 +92,8 @@ void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State&
                        ContactList& list) {
   if (looked_at_.rows() == 0) look(step);
   time_ += step.h;
-  middle_ = state.positions - step.reach * step.h * step.drifted;
-  const Sought sought = sought_in(cloth, step, state);
+  middle_ = state.positions - step.displacement_factor * step.h * step.drifted;
+  const Query query = query_in(cloth, step, state);
   const std::vector<NearPair>& near_pairs = near_.approaching();
   const auto found = step.workers.gather<std::vector<Contact>>(
       static_cast<int>(near_pairs.size()), [&](int begin, int end, std::vector<Contact>& contacts) {
@@ -102,24 +102,25 @@ void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State&
         ContactList::Last last(list, near_pairs[static_cast<std::size_t>(begin)].key);
         for (int k = begin; k < end; ++k) {
           const NearPair& near = near_pairs[static_cast<std::size_t>(k)];
-          const std::optional<Contact> contact = contact_of(sought, near, last.of(near.key));
+          const std::optional<Contact> contact = contact_of(query, near, last.of(near.key));
           if (contact) contacts.push_back(*contact);
         }
       });
   for (const std::vector<Contact>& contacts : found) list.add(contacts);
 }
 
-void TouchFinder::go_on(const Cloth& cloth, const ContactStep& step, const State& state,
-                        ContactList& list) {
-  const Sought sought = sought_in(cloth, step, state);
+void TouchFinder::refresh(const Cloth& cloth, const ContactStep& step, const State& state,
+                          ContactList& list) {
+  const Query query = query_in(cloth, step, state);
   auto near = near_.approaching().begin();  // has all keys of the list, which ascend in both
   for (Contact& contact : list.contacts()) {
     while (near->key != contact.key) ++near;
-    if (contact.impulse.push == 0) continue;
+    if (contact.impulse.normal_impulse == 0) continue;
     for (const int i : contact.points) {
-      middle_.row(i) = state.positions.row(i) - step.reach * step.h * step.drifted.row(i);
+      middle_.row(i) =
+          state.positions.row(i) - step.displacement_factor * step.h * step.drifted.row(i);
     }
-    const std::optional<Contact> now = contact_of(sought, *near, &contact);
+    const std::optional<Contact> now = contact_of(query, *near, &contact);
     if (now) {
       contact = *now;
     } else {
@@ -138,18 +139,18 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   const double last = way_;
   way_ = longest_beyond_mean(looked_at_, state.positions);
   const double next = way_ + (way_ - last);
-  if (step.left > step.h && next <= unseen_way * near_.least_nearest()) return 0;
+  if (step.left > step.h && next <= unseen_way * near_.min_nearest()) return 0;
 
-  int held_back = 0;
-  if (kind_ == SelfCollision::surface) held_back = judge(cloth, step, by_impulses, state);
+  int truncated = 0;
+  if (kind_ == SelfCollision::surface) truncated = judge(cloth, step, by_impulses, state);
   looked_at_.resize(0, 3);
-  return held_back;
+  return truncated;
 }
 
 /// Of the way since it looked.
 int TouchFinder::judge(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                        State& state) {
-  ContactStep whole{time_, step.reach, looked_at_, step.drifted, step.workers};
+  ContactStep whole{time_, step.displacement_factor, looked_at_, step.drifted, step.workers};
   whole.budget = step.budget;
   whole.held = step.held;
   return keep_from_crossing(cloth, whole, by_impulses, near_, state);

@@ -40,7 +40,7 @@ Eigen::AlignedBox3d TriangleBlocks::box(int b, const Points& positions) const {
   return {Vector3(low[0], low[1], low[2]), Vector3(high[0], high[1], high[2])};
 }
 
-double TriangleBlocks::least(int b, const Scalars& values) const {
+double TriangleBlocks::min(int b, const Scalars& values) const {
   double low = infinity;
   for (const int* point = begin(b); point != end(b); ++point) {
     low = values[*point] < low ? values[*point] : low;

@@ -13,11 +13,11 @@ namespace clothsim {
 namespace {
 
 /// Passes, at most: crossings of small depth take up to 50.
-constexpr int most_passes = 200;
+constexpr int max_passes = 200;
 
 /// Way of a point towards the surface that it goes back through, in a pass, of the
 /// shortest edge: little against the distance from one layer to the next but one.
-constexpr double most_way = 0.2;
+constexpr double max_way = 0.2;
 
 /// Way of such a point beyond that surface, of the shortest edge: it ends clearly on its own side.
 constexpr double beyond = 0.02;
@@ -25,14 +25,14 @@ constexpr double beyond = 0.02;
 /// What a point goes of the mean way of its neighbours, and over how many cells they take it along:
 /// so that the cloth bends where it moves, and does not crease.
 constexpr double passed_on = 0.9;
-constexpr int most_rounds = 8;
+constexpr int max_rounds = 8;
 
 /// Sine of an edge's angle with a triangle, at least, by which a contour becomes shorter.
-constexpr double least_sine = 0.1;
+constexpr double min_sine = 0.1;
 
 /// A contour that divides no surface must become shorter by this share of their way at each
 /// crossing: less is that of a straight one, which does not tell.
-constexpr double least_shortening = 0.2;
+constexpr double min_shortening = 0.2;
 
 /// Points of a surface on either side of a contour.
 struct PartSizes {
@@ -45,23 +45,23 @@ struct PartSizes {
 class PartCounter {
  public:
   explicit PartCounter(const SurfaceEdges& surface)
-      : surface_(surface), sides_(surface.of_point.size()), is_cut_(surface.edges.size()) {}
+      : surface_(surface), caches_(surface.of_point.size()), is_cut_(surface.edges.size()) {}
 
   /// `cuts`: edges that the contour crosses, and whether their first ends are above.
   PartSizes count(const std::vector<std::pair<int, bool>>& cuts) {
-    std::fill(sides_.begin(), sides_.end(), none);
+    std::fill(caches_.begin(), caches_.end(), none);
     sizes_ = {{0, 0}, true};
-    reached_.clear();
+    visited_.clear();
     for (const auto& [edge, is_above] : cuts) {
       is_cut_[static_cast<std::size_t>(edge)] = true;
-      reach(surface_[edge].points[0], is_above);
-      reach(surface_[edge].points[1], !is_above);
+      visit(surface_[edge].points[0], is_above);
+      visit(surface_[edge].points[1], !is_above);
     }
-    for (std::size_t next = 0; next < reached_.size(); ++next) {
-      const int from = reached_[next];
+    for (std::size_t next = 0; next < visited_.size(); ++next) {
+      const int from = visited_[next];
       for (const int edge : surface_.of_point[static_cast<std::size_t>(from)]) {
         if (is_cut_[static_cast<std::size_t>(edge)]) continue;
-        for (const int point : surface_[edge].points) reach(point, side(from));
+        for (const int point : surface_[edge].points) visit(point, side(from));
       }
     }
     for (const auto& cut : cuts) is_cut_[static_cast<std::size_t>(cut.first)] = false;
@@ -71,23 +71,23 @@ class PartCounter {
  private:
   static constexpr int none = -1;
 
-  int& side(int point) { return sides_[static_cast<std::size_t>(point)]; }
+  int& side(int point) { return caches_[static_cast<std::size_t>(point)]; }
 
-  void reach(int point, int from) {
+  void visit(int point, int from) {
     if (side(point) != none) {
       sizes_.are_divided = sizes_.are_divided && side(point) == from;
       return;
     }
     side(point) = from;
     ++sizes_.below_and_above[static_cast<std::size_t>(from)];
-    reached_.push_back(point);
+    visited_.push_back(point);
   }
 
   const SurfaceEdges& surface_;
-  std::vector<int> sides_;  // of points
+  std::vector<int> caches_;  // of points
   std::vector<bool> is_cut_;
   PartSizes sizes_{};
-  std::vector<int> reached_;
+  std::vector<int> visited_;
 };
 
 /// Ways of points, each the mean of those that are asked of it.
@@ -114,7 +114,7 @@ class Ways {
   Points spread(const SurfaceEdges& surface) const {
     Points ways = sums_;
     for (int i = 0; i < ways.rows(); ++i) ways.row(i) /= std::max(1.0, weights_[i]);
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < max_rounds; ++round) {
       const Points last = ways;
       for (int i = 0; i < ways.rows(); ++i) {
         if (weights_[i] > 0 || cloth_.inv_mass[i] == 0) continue;
@@ -131,9 +131,9 @@ class Ways {
   }
 
  private:
-  void add(int point, double weight, const Vector3& push) {
+  void add(int point, double weight, const Vector3& impulse) {
     if (weight == 0 || cloth_.inv_mass[point] == 0) return;
-    sums_.row(point) += weight * cloth_.inv_mass[point] * push.transpose();
+    sums_.row(point) += weight * cloth_.inv_mass[point] * impulse.transpose();
     weights_[point] += weight;
   }
 
@@ -185,7 +185,7 @@ class Surface {
       into += stretch.dot(inwards) < 0 ? Vector3(-stretch) : stretch;
     }
     const double sine = direction.dot(c.normal);
-    const double kept = std::copysign(std::max(std::abs(sine), least_sine), sine);
+    const double kept = std::copysign(std::max(std::abs(sine), min_sine), sine);
     return into - into.dot(direction) / kept * c.normal;
   }
 
@@ -226,7 +226,7 @@ std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingConto
   const bool is_turned = facing > 0;
   const auto parts_on = [&](bool flank) { return std::array<bool, 2>{flank, flank != is_turned}; };
   if (!sizes[0].are_divided && !sizes[1].are_divided &&
-      std::abs(rise) > least_shortening * static_cast<double>(count)) {
+      std::abs(rise) > min_shortening * static_cast<double>(count)) {
     return parts_on(rise < 0);
   }
   const auto size_on = [&](bool flank) {
@@ -248,7 +248,7 @@ Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& co
         const bool is_first = surface.is_above(c) == is_part_above[s];
         const double depth =
             std::abs(c.normal.dot(surface.along(c))) * (is_first ? c.share : 1 - c.share);
-        const double way = (std::min(depth / edge_length, most_way) + beyond) * edge_length;
+        const double way = (std::min(depth / edge_length, max_way) + beyond) * edge_length;
         ways.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
                  surface.cloth().triangles[static_cast<std::size_t>(c.triangle)], c.weights,
                  (is_part_above[s] ? -way : way) * c.normal);
@@ -293,7 +293,7 @@ Untangled untangle(const Cloth& cloth, const std::vector<MovingCollider>& collid
   const SurfaceEdges edges(cloth);
   const double edge_length = shortest_edge(cloth, edges);
   Points now = positions;
-  for (int pass = 0; pass < most_passes && result.left > 0; ++pass) {
+  for (int pass = 0; pass < max_passes && result.left > 0; ++pass) {
     if (is_interrupted && is_interrupted()) break;
     const auto contours = find_contours(cloth, edges, pairs, now);
     now += ways_apart({cloth, edges, now}, contours, edge_length);

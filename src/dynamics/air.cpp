@@ -12,12 +12,12 @@ namespace {
 
 /// Waves of gusts along each axis have frequencies between these [Hz]. From one to the next it is
 /// the golden ratio, so that the period of all is far longer than a scene runs.
-constexpr double slowest = 0.1;
-constexpr double fastest = 3;
+constexpr double min_frequency = 0.1;
+constexpr double max_frequency = 3;
 const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
 
 /// Added to squared areas [m^4] and speeds [m^2/s^2] that are divided by, or rooted.
-constexpr double least = std::numeric_limits<double>::min();
+constexpr double tiny = std::numeric_limits<double>::min();
 
 struct Columns {
   const double* x;
@@ -31,9 +31,9 @@ Columns columns_of(const Points& points, int i) {
 
 /// Forces on each corner of the triangles (i, i + b, i + c), i in [0, count): see AirForces.
 CLOTHSIM_TARGET_CLONES
-void push(Columns p, Columns v, int b, int c, int count, double across, double along, double wind_x,
-          double wind_y, double wind_z, double* __restrict fx, double* __restrict fy,
-          double* __restrict fz) {
+void add_forces(Columns p, Columns v, int b, int c, int count, double across, double along,
+                double wind_x, double wind_y, double wind_z, double* __restrict fx,
+                double* __restrict fy, double* __restrict fz) {
   const double third = 1.0 / 3;
   for (int i = 0; i < count; ++i) {
     const double ax = p.x[i + b] - p.x[i], ay = p.y[i + b] - p.y[i], az = p.z[i + b] - p.z[i];
@@ -41,14 +41,14 @@ void push(Columns p, Columns v, int b, int c, int count, double across, double a
     const double nx = (ay * bz - az * by) / 2;
     const double ny = (az * bx - ax * bz) / 2;
     const double nz = (ax * by - ay * bx) / 2;
-    const double area2 = nx * nx + ny * ny + nz * nz + least;
+    const double area2 = nx * nx + ny * ny + nz * nz + tiny;
     const double area = std::sqrt(area2);
     const double wx = wind_x - third * (v.x[i] + v.x[i + b] + v.x[i + c]);
     const double wy = wind_y - third * (v.y[i] + v.y[i + b] + v.y[i + c]);
     const double wz = wind_z - third * (v.z[i] + v.z[i + b] + v.z[i + c]);
     const double through = (wx * nx + wy * ny + wz * nz) / area2;  // w_n = through N
     const double tx = wx - through * nx, ty = wy - through * ny, tz = wz - through * nz;
-    const double slip = std::sqrt(tx * tx + ty * ty + tz * tz + least);
+    const double slip = std::sqrt(tx * tx + ty * ty + tz * tz + tiny);
     const double normal = across * area2 * std::abs(through) * through;
     const double tangential = along * area * slip;
     fx[i] = normal * nx + tangential * tx;
@@ -70,19 +70,19 @@ void gather(const double* lower, const double* upper, int columns, int count,
 }  // namespace
 
 Vector3 wind_at(const Vector3& mean, const Gusts& gusts, double time) {
-  if (gusts.most == 0) return mean;
+  if (gusts.max == 0) return mean;
   std::mt19937_64 engine(gusts.seed);
   Vector3 wind = mean;
   for (int axis = 0; axis < 3; ++axis) {
     double sum = 0, amplitudes = 0;
-    for (double frequency = slowest; frequency < fastest; frequency *= golden_ratio) {
+    for (double frequency = min_frequency; frequency < max_frequency; frequency *= golden_ratio) {
       // A power of f^-5/3 df in bands that are as wide as they are high.
       const double amplitude = std::pow(frequency, -1.0 / 3);
       const double phase = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
       sum += amplitude * std::sin(2 * M_PI * (frequency * time + phase));
       amplitudes += amplitude;
     }
-    wind[axis] += gusts.most * sum / amplitudes;
+    wind[axis] += gusts.max * sum / amplitudes;
   }
   return wind;
 }
@@ -101,23 +101,23 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   }
   const double across = air_density / 2 * drag[0] / 3;
   const double along = air_density / 2 * drag[1] / 3;
-  const auto push_rows = [&](int begin, int end) {
+  const auto add_rows = [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       const int i = row * columns;
       const Columns p = columns_of(state.positions, i);
       const Columns v = columns_of(state.velocities, i);
-      const auto push_all = [&](int b, int c, Points& forces) {
+      const auto add_all = [&](int b, int c, Points& forces) {
         double* const f = &forces(before + i, 0);
         const auto stride = forces.rows();
-        push(p, v, b, c, columns - 1, across, along, wind.x(), wind.y(), wind.z(), f, f + stride,
-             f + 2 * stride);
+        add_forces(p, v, b, c, columns - 1, across, along, wind.x(), wind.y(), wind.z(), f,
+                   f + stride, f + 2 * stride);
       };
-      push_all(1, columns + 1, lower_);
-      push_all(columns + 1, columns, upper_);
+      add_all(1, columns + 1, lower_);
+      add_all(columns + 1, columns, upper_);
     }
   };
-  workers.share(cloth.rows - 1, push_rows, std::max(1, Workers::dear / columns));
-  workers.share(n, [&](int begin, int end) {
+  workers.parallel_for(cloth.rows - 1, add_rows, std::max(1, Workers::dear / columns));
+  workers.parallel_for(n, [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
       gather(&lower_(before + begin, axis), &upper_(before + begin, axis), columns, end - begin,
              &forces_(begin, axis));

@@ -53,7 +53,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
   state.positions += displacement_;
   state.velocities.array() += displacement_.array().colwise() / gain.array();
   returned_ = state;
-  if (!(fastest_in_history(cloth) < fastest_given)) forget();  // no one could read it again
+  if (!(max_speed_in_history(cloth) < max_given_speed)) forget();  // no one could read it again
 }
 
 void Bdf2::write(MemoryWriter& memory, const Cloth& cloth) const {
@@ -74,18 +74,19 @@ void Bdf2::read(MemoryReader& memory, const Cloth& cloth) {
     state->positions = memory.points(cloth.num_points());
     state->velocities = memory.points(cloth.num_points());
   }
-  const double fastest = fastest_in_history(cloth);
-  if (fastest < fastest_given) return;
-  throw InvalidValue({"memory"}, to_text(fastest) + " m/s in the last step",
-                     "numbers below " + to_text(fastest_given));
+  const double max_speed = max_speed_in_history(cloth);
+  if (max_speed < max_given_speed) return;
+  throw InvalidValue({"memory"}, to_text(max_speed) + " m/s in the last step",
+                     "numbers below " + to_text(max_given_speed));
 }
 
-double Bdf2::fastest_in_history(const Cloth& cloth) const {
+double Bdf2::max_speed_in_history(const Cloth& cloth) const {
   const Eigen::ArrayXd is_free = (cloth.inv_mass.array() > 0).cast<double>();
-  const auto fastest = [&](const Points& velocities) {
+  const auto max_speed = [&](const Points& velocities) {
     return (velocities.array().abs().colwise() * is_free).maxCoeff();
   };
-  return std::max(fastest(last_.velocities), fastest((returned_.positions - last_.positions) / h_));
+  return std::max(max_speed(last_.velocities),
+                  max_speed((returned_.positions - last_.positions) / h_));
 }
 
 }  // namespace clothsim

@@ -17,11 +17,11 @@ namespace clothsim {
 namespace {
 
 /// Directions that one pass over a block's points sums: those of a classic cloth.
-enum { most = 6 };
+enum { max_terms = 6 };
 
 /// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force.
 template <typename Real>
-constexpr Real least_length2 = std::numeric_limits<Real>::min();
+constexpr Real min_length2 = std::numeric_limits<Real>::min();
 
 /// Where points begin in each coordinate's column.
 template <typename Real>
@@ -45,7 +45,7 @@ template <typename Real>
     const Real dx = p.x[i + offset] - p.x[i];
     const Real dy = p.y[i + offset] - p.y[i];
     const Real dz = p.z[i + offset] - p.z[i];
-    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
+    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
     const Real s = k - tension / length;
     fx[i] = s * dx;
     fy[i] = s * dy;
@@ -96,7 +96,7 @@ template <bool sprung, bool damped, typename Real>
     Real s = w;
     if constexpr (sprung) {
       const auto k = static_cast<Real>(spring[i]);
-      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + least_length2<Real>);
+      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
       s += k - k * rest_length * inverse;
       if constexpr (damped) {
         const Real rate = (dx * inverse * ex + dy * inverse * ey + dz * inverse * ez) * inverse;
@@ -150,17 +150,17 @@ template <int n, typename Real, typename Start>
   }
 }
 
-/// The same for an `n` that is told at run time, `n_most` at most.
-template <int n_most = most, typename Real, typename Start>
+/// The same for an `n` that is told at run time, `n_max` at most.
+template <int n_max = max_terms, typename Real, typename Start>
 [[gnu::always_inline]] inline void sum_up_to_six_of(int n, double g, const Start* start,
                                                     const Real* const* force, const int* offset,
                                                     int count, Real* __restrict total) {
-  if constexpr (n_most > 0) {
-    if (n < n_most) {
-      return sum_up_to_six_of<n_most - 1>(n, g, start, force, offset, count, total);
+  if constexpr (n_max > 0) {
+    if (n < n_max) {
+      return sum_up_to_six_of<n_max - 1>(n, g, start, force, offset, count, total);
     }
   }
-  sum_of<n_most>(g, start, force, offset, count, total);
+  sum_of<n_max>(g, start, force, offset, count, total);
 }
 
 CLOTHSIM_TARGET_CLONES
@@ -243,7 +243,7 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
 
 template <typename Real>
 void ForceBlocks<Real>::group() {
-  directions_.reserve(most);
+  directions_.reserve(max_terms);
   for (const PairBand& pairs : cloth_.pairs) {
     directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
   }
@@ -346,8 +346,8 @@ void ForceBlocks<Real>::keep_history() {
 
 template <typename Real>
 void ForceBlocks<Real>::sum(int axis, Real* forces) const {
-  const Real* force[most];
-  int offset[most];
+  const Real* force[max_terms];
+  int offset[max_terms];
   int n = 0;
   bool has_begun = false;
   const auto add = [&] {
@@ -360,7 +360,7 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
     n = 0;
   };
   for (const Direction& d : directions_) {
-    if (n == most) add();
+    if (n == max_terms) add();
     force[n] = d.force[axis];
     offset[n++] = d.offset;
   }

@@ -7,7 +7,7 @@ namespace clothsim {
 void compute_forces(const Cloth& cloth, const Loads& loads, const Points& positions, Points& forces,
                     const Workers& workers, const Points* velocities) {
   forces.resize(cloth.num_points(), 3);
-  workers.share(cloth.num_points(), [&](int begin, int end) {
+  workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (ForceBlocks<double> blocks(cloth, loads, positions, begin, end, velocities);
          blocks.next();) {
       for (int axis = 0; axis < 3; ++axis) blocks.sum(axis, &forces(blocks.first(), axis));

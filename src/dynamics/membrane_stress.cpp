@@ -29,7 +29,7 @@ class Cells {
 };
 
 /// The triangles that a spring to a neighbour runs through or along; -1 where there is none.
-std::array<int, 2> beside(const Cells& cells, int column, int row, int right, int up) {
+std::array<int, 2> cells_at(const Cells& cells, int column, int row, int right, int up) {
   if (up == 0) return {cells.below_diagonal(column, row), cells.above_diagonal(column, row - 1)};
   if (right == 0) return {cells.above_diagonal(column, row), cells.below_diagonal(column - 1, row)};
   const int left = right > 0 ? column : column - 1;
@@ -55,8 +55,8 @@ Points membrane_stress(const Cloth& cloth, const std::vector<double>& tensions) 
     const Vector3 share =
         tensions.at(spring++) / (run.rest_length * area * steps) * Vector3(x * x, y * y, x * y);
     for (int step = 0; step < steps; ++step) {
-      const auto sides = beside(cells, column + step * right / steps, row + step * up / steps,
-                                right / steps, up / steps);
+      const auto sides = cells_at(cells, column + step * right / steps, row + step * up / steps,
+                                  right / steps, up / steps);
       const bool has_both = sides[0] >= 0 && sides[1] >= 0;
       for (const int triangle : sides) {
         if (triangle >= 0) stress.row(triangle) += (has_both ? 0.5 : 1) * share.transpose();

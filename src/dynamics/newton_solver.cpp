@@ -40,7 +40,7 @@ struct NewtonSolver::Impl {
                Points& d);
 
   Parameters parameters;
-  bool ran_out = false;
+  bool unconverged = false;
   SpringSystem<3> system;
   Scalars spare;     // inertia for each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
@@ -87,9 +87,9 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
     }
     // What the ends' inertia has left for each spring bears some push across it.
     const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
-    const double least_across = spring.stiffness > 0 ? -bearable / spring.stiffness : 0;
+    const double min_across = spring.stiffness > 0 ? -bearable / spring.stiffness : 0;
     add_between(cloth, id, a, b,
-                spring_hessian(spring.stiffness, spring.rest_length, between, least_across));
+                spring_hessian(spring.stiffness, spring.rest_length, between, min_across));
     ++id;
   });
 }
@@ -140,7 +140,7 @@ bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, con
 int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const Points& y,
                               const Past& past, Points& d) {
   d.setZero(cloth.num_points(), 3);
-  ran_out = false;
+  unconverged = false;
   if (!cloth.has_forces()) return 0;
 
   share_inertia(cloth, weights);
@@ -158,11 +158,11 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
       return iteration;
     }
     if (!descend(cloth, weights, y, past, d)) {
-      ran_out = true;
+      unconverged = true;
       return iteration;
     }
   }
-  ran_out = true;
+  unconverged = true;
   return parameters.max_iterations;
 }
 
@@ -177,6 +177,6 @@ int NewtonSolver::solve(const Cloth& cloth, const Scalars& weights, const Points
   return impl_->solve(cloth, weights, y, past, d);
 }
 
-bool NewtonSolver::ran_out() const { return impl_->ran_out; }
+bool NewtonSolver::unconverged() const { return impl_->unconverged; }
 
 }  // namespace clothsim

@@ -43,7 +43,7 @@ struct Band {
 
 }  // namespace
 
-double RungeKutta4::reach(double damping, double h) {
+double RungeKutta4::displacement_factor(double damping, double h) {
   // Displacement over velocity that a constant force gives in one step.
   const double half = Drag(damping, h / 2).decay;
   return (1 + 2 * half) / (1 + 4 * half + half * half);
@@ -61,7 +61,9 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   // The forces at x, then what follows from them, point by point.
   const auto stage = [&](const Points& x, const Points& v, const auto& update) {
     compute_forces(cloth, loads, x, forces_, workers, &v);
-    workers.share(cloth.num_points(), [&](int begin, int end) { update(Band{cloth, begin, end}); });
+    workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
+      update(Band{cloth, begin, end});
+    });
   };
 
   // Slopes at the start.

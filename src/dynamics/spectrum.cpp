@@ -40,10 +40,10 @@ struct Matrices {
   Real* operator[](int coefficient) const { return first + coefficient * stride; }
 };
 
-/// A spring that is no longer than sqrt(least_length2) [m] has no direction. It counts nothing, as
+/// A spring that is no longer than sqrt(min_length2) [m] has no direction. It counts nothing, as
 /// it has no force; in single precision, where that is not sure, it counts in all directions.
 template <typename Real>
-constexpr Real least_length2 = std::numeric_limits<Real>::min();
+constexpr Real min_length2 = std::numeric_limits<Real>::min();
 template <typename Real>
 constexpr bool counts_without_length = false;
 template <>
@@ -77,7 +77,7 @@ template <typename Real>
     const auto dy = static_cast<Real>(y[i + offset] - y[i]);
     const auto dz = static_cast<Real>(z[i + offset] - z[i]);
     const Real length2 = dx * dx + dy * dy + dz * dz;
-    const bool has_length = length2 > least_length2<Real>;
+    const bool has_length = length2 > min_length2<Real>;
     const Real inverse = has_length ? 1 / std::sqrt(length2) : Real{0};
     const Real slack = 1 - rest_length * inverse;
     const Real across = slack > 0 ? slack : Real{0};
@@ -185,7 +185,7 @@ bool are_surely_below(const Cloth& cloth, const Points& positions, double omega,
                       const Workers& workers) {
   const double omega2 = omega * omega * (1 - single_margin);
   std::atomic<bool> below{true};
-  workers.share(cloth.num_points(), [&](int begin, int end) {
+  workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     StiffnessBlock<float> points;
     for (int first = begin; first < end; first += block) {
       const int count = std::min(block, end - first);
@@ -216,8 +216,8 @@ double bends_omega2(const Cloth& cloth) {
 }
 
 /// What bends and internal damping make of the springs' frequencies.
-struct Beside {
-  explicit Beside(const Cloth& cloth)
+struct BendsAndDamping {
+  explicit BendsAndDamping(const Cloth& cloth)
       : bends(cloth.bends.empty() ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
 
   /// Is there anything?
@@ -239,13 +239,13 @@ struct Beside {
   std::array<double, 2> damping;
 };
 
-double springs_bound(const Cloth& cloth, const Points& positions, double least,
+double springs_bound(const Cloth& cloth, const Points& positions, double min_omega,
                      const Workers& workers) {
-  if (least > 0 && are_surely_below(cloth, positions, least, workers)) return least;
+  if (min_omega > 0 && are_surely_below(cloth, positions, min_omega, workers)) return min_omega;
 
   const int n = cloth.num_points();
   StiffnessBlock<double> points;
-  double omega2 = least * least;
+  double omega2 = min_omega * min_omega;
   for (int first = 0; first < n; first += batch) {
     if (first % block == 0) points.sum(cloth, positions, first, std::min(block, n - first));
     const Matrices<double> s{points.matrices()[0] + first % block, block};
@@ -259,7 +259,7 @@ double springs_bound(const Cloth& cloth, const Points& positions, double least,
       omega2 = std::max(omega2, 2 * largest_eigenvalue(s, i) * inv_mass);
     }
   }
-  return omega2 > least * least ? std::sqrt(omega2 * (1 + share)) : least;
+  return omega2 > min_omega * min_omega ? std::sqrt(omega2 * (1 + share)) : min_omega;
 }
 
 double springs_bound(const Cloth& cloth) {
@@ -274,18 +274,18 @@ double springs_bound(const Cloth& cloth) {
 
 }  // namespace
 
-double omega_max_bound(const Cloth& cloth, const Points& positions, double least,
+double omega_max_bound(const Cloth& cloth, const Points& positions, double min_omega,
                        const Workers& workers) {
-  const Beside beside(cloth);
-  if (!beside.any()) return springs_bound(cloth, positions, least, workers);
-  const double springs = springs_bound(cloth, positions, beside.without(least), workers);
-  return std::max(beside.with(springs * springs), least);
+  const BendsAndDamping added(cloth);
+  if (!added.any()) return springs_bound(cloth, positions, min_omega, workers);
+  const double springs = springs_bound(cloth, positions, added.without(min_omega), workers);
+  return std::max(added.with(springs * springs), min_omega);
 }
 
 double omega_max_bound(const Cloth& cloth) {
   const double springs = springs_bound(cloth);
-  const Beside beside(cloth);
-  return beside.any() ? beside.with(springs * springs) : springs;
+  const BendsAndDamping added(cloth);
+  return added.any() ? added.with(springs * springs) : springs;
 }
 
 }  // namespace clothsim

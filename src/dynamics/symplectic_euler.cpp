@@ -26,7 +26,7 @@ void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, Sta
 
   add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
-  workers.share(cloth.num_points(), [&](int begin, int end) {
+  workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
       kick_and_drift(end - begin, h, drag.distance, drag.decay, &cloth.inv_mass[begin],
                      &forces_(begin, axis), &state.positions(begin, axis),

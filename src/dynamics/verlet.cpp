@@ -72,7 +72,7 @@ void kick_and_drift(int count, const Kick& kick, const double* inv_mass, const f
 
 }  // namespace
 
-double VelocityVerlet::reach(double damping, double h) {
+double VelocityVerlet::displacement_factor(double damping, double h) {
   // Displacement over velocity that a constant force gives in one step.
   const Drag drag(damping, h);
   return drag.fall / (drag.distance * h);
@@ -106,11 +106,11 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
     velocities = workers.threads() > 1 ? &velocities_ : &state.velocities;
   }
 
-  workers.share(n, [&](int begin, int end) {
+  workers.parallel_for(n, [&](int begin, int end) {
     drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
           {state.positions, begin}, {middle, begin});
   });
-  workers.share(n, [&](int begin, int end) {
+  workers.parallel_for(n, [&](int begin, int end) {
     for (ForceBlocks<Real> blocks(cloth, loads, middle, begin, end, velocities); blocks.next();) {
       const int i = blocks.first();
       for (int axis = 0; axis < 3; ++axis) {

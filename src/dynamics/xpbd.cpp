@@ -46,12 +46,12 @@ class Colouring {
 
 /// Calls visit(c) for each constraint, colour after colour; `back`: from the last one on.
 template <typename Visitor>
-void share_by_colour(const std::vector<int>& ends, bool back, const Workers& workers,
-                     Visitor&& visit) {
+void parallel_for_colours(const std::vector<int>& ends, bool back, const Workers& workers,
+                          Visitor&& visit) {
   for (std::size_t k = 0; k < ends.size(); ++k) {
     const std::size_t colour = back ? ends.size() - 1 - k : k;
     const int first = colour > 0 ? ends[colour - 1] : 0;
-    workers.share(ends[colour] - first, [&](int from, int to) {
+    workers.parallel_for(ends[colour] - first, [&](int from, int to) {
       for (int c = first + from; c < first + to; ++c) visit(static_cast<std::size_t>(c));
     });
   }
@@ -98,44 +98,44 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
 }
 
 /// What constraints of a step from `positions` aim at, between rest and where they are.
-void Xpbd::aim(const Cloth& cloth, double h, const Points& positions) {
+void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
   const auto& [of_springs, of_bends] = cloth.internal_damping;
   for (Constraint& spring : constraints_) {
     const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
-    spring.aim = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
+    spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
   }
   for (BendConstraint& c : bends_) {
-    c.aim = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
+    c.target = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
   }
 }
 
-void Xpbd::sweep(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  const auto sweep_one = [&](std::size_t c) {
+void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  const auto solve_one = [&](std::size_t c) {
     const Constraint& spring = constraints_[c];
     const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
     const double length = d.norm();
     if (length == 0) return;  // has no direction
-    const double change = (spring.aim - length - spring.compliance * lambda_[c]) * spring.share;
+    const double change = (spring.target - length - spring.compliance * lambda_[c]) * spring.share;
     lambda_[c] += change;
-    const Eigen::RowVector3d push = (change / length) * d.transpose();
-    positions.row(spring.a) -= cloth.inv_mass[spring.a] * push;
-    positions.row(spring.b) += cloth.inv_mass[spring.b] * push;
-    react(cloth, spring.a, -push);
-    react(cloth, spring.b, push);
+    const Eigen::RowVector3d correction = (change / length) * d.transpose();
+    positions.row(spring.a) -= cloth.inv_mass[spring.a] * correction;
+    positions.row(spring.b) += cloth.inv_mass[spring.b] * correction;
+    react(cloth, spring.a, -correction);
+    react(cloth, spring.b, correction);
   };
-  share_by_colour(colour_ends_, back, workers, sweep_one);
+  parallel_for_colours(colour_ends_, back, workers, solve_one);
 }
 
-void Xpbd::sweep_bends(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  share_by_colour(bend_colour_ends_, back, workers, [&](std::size_t id) {
+void Xpbd::solve_bends(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  parallel_for_colours(bend_colour_ends_, back, workers, [&](std::size_t id) {
     BendConstraint& c = bends_[id];
-    const Vector3 change = c.share * (c.aim - c.bend.of(positions) - c.compliance * c.lambda);
+    const Vector3 change = c.share * (c.target - c.bend.of(positions) - c.compliance * c.lambda);
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      const Eigen::RowVector3d push = Bend::coefficient(k) * change.transpose();
-      positions.row(i) += cloth.inv_mass[i] * push;
-      react(cloth, i, push);
+      const Eigen::RowVector3d correction = Bend::coefficient(k) * change.transpose();
+      positions.row(i) += cloth.inv_mass[i] * correction;
+      react(cloth, i, correction);
     }
   });
 }
@@ -152,22 +152,22 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
     const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
     const double length = d.norm();
     if (length == 0) continue;
-    const double push = lambda_[c] / length;
+    const double correction = lambda_[c] / length;
     const double w_a = cloth.inv_mass[spring.a];
     const double w_b = cloth.inv_mass[spring.b];
-    target_.row(spring.a) -= w_a * push * d.transpose();
-    target_.row(spring.b) += w_b * push * d.transpose();
-    react(cloth, spring.a, -push * d.transpose());
-    react(cloth, spring.b, push * d.transpose());
-    turn_[spring.a] += 2 * w_a * std::abs(push);
-    turn_[spring.b] += 2 * w_b * std::abs(push);
+    target_.row(spring.a) -= w_a * correction * d.transpose();
+    target_.row(spring.b) += w_b * correction * d.transpose();
+    react(cloth, spring.a, -correction * d.transpose());
+    react(cloth, spring.b, correction * d.transpose());
+    turn_[spring.a] += 2 * w_a * std::abs(correction);
+    turn_[spring.b] += 2 * w_b * std::abs(correction);
   }
   for (const BendConstraint& c : bends_) {
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      const Eigen::RowVector3d push = Bend::coefficient(k) * c.lambda.transpose();
-      target_.row(i) += cloth.inv_mass[i] * push;
-      react(cloth, i, push);
+      const Eigen::RowVector3d correction = Bend::coefficient(k) * c.lambda.transpose();
+      target_.row(i) += cloth.inv_mass[i] * correction;
+      react(cloth, i, correction);
     }
   }
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
@@ -180,7 +180,7 @@ void Xpbd::add_reactions(const Cloth& cloth, double h, Points& impulses) const {
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                 const Workers& workers) {
   if (watch_.changed(cloth, h)) build(cloth, h);
-  if (is_damped(cloth)) aim(cloth, h, state.positions);
+  if (is_damped(cloth)) prepare(cloth, h, state.positions);
 
   coast(cloth, loads, h, state);
   start_ = state.positions;
@@ -189,10 +189,10 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (BendConstraint& c : bends_) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
-    sweep(cloth, false, state.positions, workers);
-    sweep_bends(cloth, false, state.positions, workers);
-    sweep_bends(cloth, true, state.positions, workers);
-    sweep(cloth, true, state.positions, workers);
+    solve_springs(cloth, false, state.positions, workers);
+    solve_bends(cloth, false, state.positions, workers);
+    solve_bends(cloth, true, state.positions, workers);
+    solve_springs(cloth, true, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;
 }

@@ -16,7 +16,7 @@ int BoxTree::build(int begin, int end) {
   Box box;
   for (int i = begin; i < end; ++i) box.extend(leaves_[static_cast<std::size_t>(i)].box);
   nodes_.push_back({box, begin, end, 0});
-  if (end - begin <= most_leaves) return node;
+  if (end - begin <= max_leaves) return node;
 
   Eigen::Index axis;
   box.sizes().maxCoeff(&axis);

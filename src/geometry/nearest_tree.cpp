@@ -21,7 +21,7 @@ void NearestTree::build(const std::vector<Box>& boxes, int begin, int end) {
     nodes_[node].box.extend(box);
     centers.extend(box.center());
   }
-  if (end - begin <= most_leaves) return;
+  if (end - begin <= max_leaves) return;
   Eigen::Index axis = 0;
   centers.sizes().maxCoeff(&axis);
   const int middle = (begin + end) / 2;

@@ -50,7 +50,7 @@ double gap_along(const Vector3& direction, const SurfacePair& pair, const Points
   return gap_of(pair, [&](int i) { return along(direction, positions, i); });
 }
 
-double least_gap_turning(const SurfacePair& pair, const Points& start, const Points& end) {
+double min_gap_turning(const SurfacePair& pair, const Points& start, const Points& end) {
   const SurfacePair four{pair.triangle, {0, 1, 2, 3}, pair.nearest};
   Points from(4, 3), to(4, 3);
   for (int k = 0; k < 4; ++k) {

@@ -22,10 +22,10 @@ class Owners {
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
       const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
       for (const Edge& edge : {edge_of(a, b), edge_of(b, c), edge_of(c, a)}) {
-        beside_[edge].push_back(t);
+        triangles_of_[edge].push_back(t);
       }
     }
-    for (const auto& [edge, triangles] : beside_) {
+    for (const auto& [edge, triangles] : triangles_of_) {
       for (const int end : edge) {
         if (triangles.size() == 1) at_border_[static_cast<std::size_t>(end)] = true;
       }
@@ -33,7 +33,7 @@ class Owners {
   }
 
   bool is_free(int point) const { return is_free_[static_cast<std::size_t>(point)]; }
-  const std::vector<int>& beside(const Edge& edge) const { return beside_.at(edge); }
+  const std::vector<int>& triangles_of(const Edge& edge) const { return triangles_of_.at(edge); }
 
   /// What of its point and edges becomes the tile's own.
   void give(Tiling::Tile& tile) {
@@ -44,8 +44,8 @@ class Owners {
     is_free_[p] = false;
     for (std::size_t k = 0; k < Tiling::edges.size(); ++k) {
       const Edge edge = edge_of(tile.points[0], tile.points[Tiling::edges[k][1]]);
-      const auto found = beside_.find(edge);
-      const bool has = found != beside_.end() && given_.insert(edge).second;
+      const auto found = triangles_of_.find(edge);
+      const bool has = found != triangles_of_.end() && given_.insert(edge).second;
       tile.own[Tiling::first_edge + k] = !has                        ? Tiling::lacking
                                          : found->second.size() == 1 ? Tiling::border
                                                                      : Tiling::inside;
@@ -55,16 +55,16 @@ class Owners {
   /// Edges that no tile has asked for.
   std::vector<Edge> left() const {
     std::vector<Edge> edges;
-    for (const auto& [edge, triangles] : beside_) {
+    for (const auto& [edge, triangles] : triangles_of_) {
       if (given_.count(edge) == 0) edges.push_back(edge);
     }
     return edges;
   }
 
  private:
-  std::vector<bool> is_free_;                // by point
-  std::vector<bool> at_border_;              // by point
-  std::map<Edge, std::vector<int>> beside_;  // triangles
+  std::vector<bool> is_free_;                      // by point
+  std::vector<bool> at_border_;                    // by point
+  std::map<Edge, std::vector<int>> triangles_of_;  // triangles
   std::set<Edge> given_;
 };
 
@@ -84,8 +84,8 @@ void Tiling::add(const Tile& tile) {
     of_triangle_[static_cast<std::size_t>(tile.triangles[k])] = number;
   }
   tiles_.push_back(tile);
-  tiles_.back().is_inside =
-      std::all_of(tile.own.begin(), tile.own.end(), [](Side side) { return side == inside; });
+  tiles_.back().is_inside = std::all_of(tile.own.begin(), tile.own.end(),
+                                        [](FeaturePlace place) { return place == inside; });
 }
 
 Tiling::Tiling(const SurfaceMesh& mesh)
@@ -99,9 +99,9 @@ Tiling::Tiling(const SurfaceMesh& mesh)
     int other = nobody;
     for (std::size_t k = 0; k < 3 && other == nobody; ++k) {
       const Edge edge = edge_of(corners_of[k], corners_of[(k + 1) % 3]);
-      for (const int beside : owners.beside(edge)) {
-        if (beside == t || of_triangle(beside) != nobody) continue;
-        other = beside;
+      for (const int neighbour : owners.triangles_of(edge)) {
+        if (neighbour == t || of_triangle(neighbour) != nobody) continue;
+        other = neighbour;
         shared = edge;
         break;
       }
@@ -141,7 +141,7 @@ Tiling::Tiling(int columns, int rows)
       const int along = last_column ? 0 : 1, up = last_row ? 0 : columns;
       const bool at_side = column == 0 || last_column, at_end = row == 0 || last_row;
       Tile tile{{i, i + along, i + along + up, i + up}, {2 * cell, 2 * cell + 1}, {}};
-      const Side cells = last_column || last_row ? lacking : inside;
+      const FeaturePlace cells = last_column || last_row ? lacking : inside;
       tile.own = {at_side || at_end ? border : inside,
                   last_column ? lacking
                   : at_end    ? border

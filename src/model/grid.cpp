@@ -10,7 +10,7 @@ namespace clothsim {
 namespace {
 
 /// Largest start offset from the plane [m], and of a cell's shorter side.
-constexpr double most_unevenness = 1e-3;
+constexpr double max_unevenness = 1e-3;
 constexpr double uneven_share = 0.05;
 
 /// Bending springs are this much softer than structural and shear ones.
@@ -66,15 +66,15 @@ void add_classic(const ClothSpec& spec, const Eigen::Vector2d& spacing, Cloth& c
 }
 
 /// Points of a cloth that touch at less than this many edge lengths leave room for others to pass.
-constexpr double least_touch = 0.9;
+constexpr double min_touch = 0.9;
 
 /// Points that touch at more than this many are left out so far along the cloth, see
 /// NearestDistances, that it folds where they do not see it.
-constexpr double most_touch = 2;
+constexpr double max_touch = 2;
 
 /// How far the lowest edge of a hanging column may be pressed together by the column's weight:
 /// beyond, neighbours slip through each other, which points that are neighbours do not see.
-constexpr double most_pressed = 0.5;
+constexpr double max_pressed = 0.5;
 
 /// Where points suffice, by scenes that were tried: those that fold under their own weight had no
 /// crossing, softer and thinner ones did.
@@ -84,10 +84,10 @@ SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2
   const double edge = spacing.maxCoeff();
   const double weight = spec.material.density * spec.height * edge * gravity;
   const double touch = 2 * spec.thickness / edge;
-  const bool dense = touch >= least_touch && touch <= most_touch;
+  const bool dense = touch >= min_touch && touch <= max_touch;
   const auto& fabric = spec.material.fabric;
   const double stiffness = fabric ? fabric->stretch_stiffness[1] : spec.material.ks;
-  const bool stiff = weight <= most_pressed * stiffness * edge;
+  const bool stiff = weight <= max_pressed * stiffness * edge;
   const bool has_surface = spec.columns > 1 && spec.rows > 1;
   return (dense && stiff) || !has_surface ? SelfCollision::points : SelfCollision::surface;
 }
@@ -160,7 +160,7 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
 }
 
 double unevenness(const Cloth& cloth) {
-  double most = most_unevenness;
+  double most = max_unevenness;
   for (const auto& [count, next] : {std::pair(cloth.columns, 1), {cloth.rows, cloth.columns}}) {
     if (count < 2) continue;
     const double side = (cloth.rest_positions.row(next) - cloth.rest_positions.row(0)).norm();

@@ -53,7 +53,7 @@ struct Workers::Pool {
   void run(const Loop& l) {
     loop = l;
     const int count = static_cast<int>(helpers.size());
-    bands = std::min(l.bands_a_thread * (count + 1), l.count / l.least);
+    bands = std::min(l.bands_a_thread * (count + 1), l.count / l.min_band);
     next.store(0, std::memory_order_relaxed);
     inside.fetch_add(shut, std::memory_order_release);
     begin_round(std::min(bands - 1, count));
@@ -111,7 +111,7 @@ struct Workers::Pool {
   }
 
   void take_bands() {
-    const int multiple = loop.least < line ? 1 : line;
+    const int multiple = loop.min_band < line ? 1 : line;
     const auto begin_of = [&](int band) {
       if (band == bands) return loop.count;
       const auto begin = static_cast<int>(static_cast<long long>(loop.count) * band / bands);

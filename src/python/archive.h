@@ -134,7 +134,7 @@ void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
     collider.place(pose);
     const bool is_there = target.position == pose.position &&
                           target.orientation.coeffs() == pose.orientation.coeffs();
-    if (!is_there) collider.aim(target, saved.frame_duration);  // after a frame that failed
+    if (!is_there) collider.set_target(target, saved.frame_duration);  // after a frame that failed
     collider.enable(enabled);
   }
 }

@@ -157,7 +157,7 @@ Batch::Visits Batch::enter_all() {
   return visits;
 }
 
-void Batch::aim(const std::vector<Targets>& actions, int frames) {
+void Batch::set_targets(const std::vector<Targets>& actions, int frames) {
   clothsim::inside("actions", [&] {
     for (std::size_t e = 0; e < actions.size(); ++e) {
       clothsim::inside(std::to_string(e),
@@ -165,7 +165,7 @@ void Batch::aim(const std::vector<Targets>& actions, int frames) {
     }
     for (std::size_t e = 0; e < actions.size(); ++e) {
       Run& run = *simulations_[e]->run();
-      if (!actions[e].empty()) run.frames.aim(actions[e], frames, run.simulator);
+      if (!actions[e].empty()) run.frames.set_targets(actions[e], frames, run.simulator);
     }
   });
 }
@@ -192,7 +192,7 @@ std::vector<std::exception_ptr> Batch::for_all(const Action& action) {
       copy_state(e);
     }
   };
-  workers_.share(count, act, 1, count);  // one by one: they take unlike times
+  workers_.parallel_for(count, act, 1, count);  // one by one: they take unlike times
   return errors;
 }
 
@@ -201,7 +201,7 @@ py::array Batch::step(const py::object& actions, int frames) {
   const std::vector<Targets> targets = to_actions(actions, simulations_.size());
   const Gate::Visit visit(gate_);
   const Visits visits = enter_all();
-  aim(targets, frames);
+  set_targets(targets, frames);
   SignalWatch watch;
   const WatchedAll watched(simulations_, watch);
   raise_errors(for_all([&](std::size_t e) { simulations_[e]->run()->step(frames); }), watch);

@@ -38,7 +38,7 @@ class Batch {
 
   /// Waits for all simulations, and checks that they are of as many points as the arrays.
   Visits enter_all();
-  void aim(const std::vector<Targets>&, int frames);
+  void set_targets(const std::vector<Targets>&, int frames);
   void copy_state(std::size_t environment);
   /// Runs `action` for each, by all threads, without the GIL; what they throw, by environment.
   template <class Action>

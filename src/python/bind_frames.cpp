@@ -17,7 +17,7 @@ void check_name(const std::string& frame) {
 
 /// Puts a frame somewhere at once, with what follows it.
 void place(Run& run, const std::string& frame, const clothsim::Pose& pose) {
-  run.frames.aim({{frame, {pose, {}, pose}}}, 1, run.simulator);
+  run.frames.set_targets({{frame, {pose, {}, pose}}}, 1, run.simulator);
 }
 
 void place_frame(Simulation& simulation, const std::string& frame, const py::object& pose) {

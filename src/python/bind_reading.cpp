@@ -75,12 +75,12 @@ py::dict contacts(Simulation& simulation) {
     const std::vector<clothsim::Touch> touches = clothsim::find_touches(simulator);
     for (std::size_t i = 0; i < touches.size(); ++i) {
       const clothsim::Wrench& wrench = simulator.collider_wrenches()[i];
-      const bool is_weighed = simulator.weighs_colliders();
+      const bool is_measured = simulator.measures_wrenches();
       all[py::str(simulator.scene().colliders[i].name)] =
           py::dict(py::arg("count") = touches[i].count,
                    py::arg("middle") = array_if(touches[i].count > 0, touches[i].middle),
-                   py::arg("force") = array_if(is_weighed, wrench.force),
-                   py::arg("torque") = array_if(is_weighed, wrench.torque));
+                   py::arg("force") = array_if(is_measured, wrench.force),
+                   py::arg("torque") = array_if(is_measured, wrench.torque));
     }
     return all;
   });
@@ -130,10 +130,10 @@ void bind_reading(SimulationClass& simulator) {
       .def_property(
           "weighs_colliders",
           [](Simulation& self) {
-            return self.with([](Run& run) { return run.simulator.weighs_colliders(); });
+            return self.with([](Run& run) { return run.simulator.measures_wrenches(); });
           },
           [](Simulation& self, bool asks) {
-            self.with([&](Run& run) { run.simulator.weigh_colliders(asks); });
+            self.with([&](Run& run) { run.simulator.measure_wrenches(asks); });
           },
           "Whether frames sum up what the cloth does to colliders, for `contacts`. Off at first. "
           "It costs up to 7 % where all points lie on one; no motion depends on it.")

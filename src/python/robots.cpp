@@ -62,7 +62,7 @@ void Robot::set_joints(const JointValues& given) const {
     for_each_frame(model, values, [&](const std::string& frame, const clothsim::Pose& pose) {
       targets.emplace(frame, clothsim::FrameTarget{pose, {}, pose});
     });
-    run.frames.aim(targets, 1, run.simulator);
+    run.frames.set_targets(targets, 1, run.simulator);
     run.joints[name_] = values;
   });
 }

@@ -60,7 +60,7 @@ std::string bytes_of(const SavedState& state) {
 }
 
 std::string bytes_of(const Run& run) {
-  return to_bytes(bytes_of(save(run)), run.report, run.simulator.weighs_colliders());
+  return to_bytes(bytes_of(save(run)), run.report, run.simulator.measures_wrenches());
 }
 
 std::string bytes_of(const clothsim::StepReport& report) { return to_bytes(report); }
@@ -73,9 +73,9 @@ SavedState state_from(const SceneObject& scene, const std::string& bytes) {
 std::shared_ptr<Run> run_from(const SceneObject& scene, const std::string& bytes) {
   const auto run = std::make_shared<Run>(scene);
   std::string state;
-  bool weighs_colliders = false;
-  check_bytes([&] { from_bytes(bytes, state, run->report, weighs_colliders); });
-  run->simulator.weigh_colliders(weighs_colliders);
+  bool measures_wrenches = false;
+  check_bytes([&] { from_bytes(bytes, state, run->report, measures_wrenches); });
+  run->simulator.measure_wrenches(measures_wrenches);
   restore(*run, read_state(state, *run));
   return run;
 }

@@ -85,7 +85,7 @@ const std::map<std::string, clothsim::RobotModel>& Run::robots() {
 void Simulation::load(const SceneObject& scene) {
   auto loaded = std::make_shared<Run>(scene);
   const Gate::Visit visit(gate_);
-  loaded->simulator.weigh_colliders(run_->simulator.weighs_colliders());
+  loaded->simulator.measure_wrenches(run_->simulator.measures_wrenches());
   run_ = std::move(loaded);
 }
 
@@ -97,7 +97,7 @@ clothsim::StepReport Simulation::step(int frames, const py::object& targets) {
   if (!aims.empty()) {
     clothsim::inside("targets", [&] {
       check_targets(aims, run);
-      run.frames.aim(aims, frames, run.simulator);
+      run.frames.set_targets(aims, frames, run.simulator);
     });
   }
   SignalWatch watch;

@@ -48,27 +48,27 @@ std::string read_bytes(const std::string& path, const std::string& key) {
 
 /// Throws InvalidValue where the image is too large to be decoded.
 void check_size(const ImageHeader& header, const std::string& path, const std::string& key,
-                std::uint64_t most_bytes) {
+                std::uint64_t max_bytes) {
   const std::string got = "\"" + path + "\" of " + std::to_string(header.width) + " x " +
                           std::to_string(header.height) + " pixels";
   if (std::max(header.width, header.height) > std::uint32_t{largest_image_side}) {
     throw InvalidValue({key}, got,
                        "at most " + std::to_string(largest_image_side) + " pixels a side");
   }
-  if (std::uint64_t{header.width} * header.height * header.pixel_bytes > most_bytes) {
+  if (std::uint64_t{header.width} * header.height * header.pixel_bytes > max_bytes) {
     throw InvalidValue({key}, got + " of " + std::to_string(header.pixel_bytes) + " bytes",
-                       "at most " + std::to_string(most_bytes) + " bytes in all");
+                       "at most " + std::to_string(max_bytes) + " bytes in all");
   }
 }
 
 /// Decodes an image once its header has told that it is not too large.
 cv::Mat read(const std::string& path, int flags, const std::string& key,
-             const ImageFolders& folders, std::uint64_t most_bytes = largest_image_bytes) {
+             const ImageFolders& folders, std::uint64_t max_bytes = largest_image_bytes) {
   std::string bytes = read_bytes(folders.resolve(path, key), key);
   const std::optional<ImageHeader> header = read_image_header(bytes);
   cv::Mat image;
   if (header) {
-    check_size(*header, path, key, most_bytes);
+    check_size(*header, path, key, max_bytes);
     try {
       image =
           cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);

@@ -15,7 +15,7 @@ namespace clothsim {
 namespace {
 
 /// Channels that OpenCV decodes at least, where there is a palette too.
-constexpr std::uint32_t least_channels = 3;
+constexpr std::uint32_t min_channels = 3;
 
 bool begins_with(const std::string& bytes, const std::string& magic) {
   return bytes.compare(0, magic.size(), magic) == 0;
@@ -27,7 +27,7 @@ std::optional<ImageHeader> read_png(const std::string& bytes) {
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return {};
   const ImageHeader header{
       image.width, image.height,
-      std::max<std::uint32_t>(PNG_IMAGE_PIXEL_SIZE(image.format), least_channels)};
+      std::max<std::uint32_t>(PNG_IMAGE_PIXEL_SIZE(image.format), min_channels)};
   png_image_free(&image);
   return header;
 }
@@ -41,7 +41,7 @@ std::optional<ImageHeader> read_jpeg(const std::string& bytes) {
                       bytes.size(), &width, &height, &subsampling, &colors);
   if (width <= 0 || height <= 0) return {};
   return ImageHeader{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
-                     least_channels};
+                     min_channels};
 }
 
 std::optional<ImageHeader> read_tiff(const std::string& bytes) {
@@ -56,8 +56,7 @@ std::optional<ImageHeader> read_tiff(const std::string& bytes) {
   TIFFGetFieldDefaulted(file.get(), TIFFTAG_SAMPLESPERPIXEL, &channels);
   TIFFGetFieldDefaulted(file.get(), TIFFTAG_BITSPERSAMPLE, &bits);
   constexpr std::uint32_t byte = 8;
-  header.pixel_bytes =
-      std::max<std::uint32_t>(channels, least_channels) * ((bits + byte - 1) / byte);
+  header.pixel_bytes = std::max<std::uint32_t>(channels, min_channels) * ((bits + byte - 1) / byte);
   return header;
 }
 
@@ -72,9 +71,9 @@ std::optional<ImageHeader> read_bmp(const std::string& bytes) {
   std::memcpy(&length, bytes.data() + start, sizeof length);
   std::memcpy(long_size, bytes.data() + size_at, sizeof long_size);
   std::memcpy(short_size, bytes.data() + size_at, sizeof short_size);
-  if (length == short_header) return ImageHeader{short_size[0], short_size[1], least_channels + 1};
+  if (length == short_header) return ImageHeader{short_size[0], short_size[1], min_channels + 1};
   const auto size = [&](int i) { return static_cast<std::uint32_t>(std::llabs(long_size[i])); };
-  return ImageHeader{size(0), size(1), least_channels + 1};
+  return ImageHeader{size(0), size(1), min_channels + 1};
 }
 
 }  // namespace

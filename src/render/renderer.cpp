@@ -34,9 +34,9 @@ void set_state() {
 }  // namespace
 
 Renderer::Impl::Impl(const RendererOptions& o) : options(o), context(o.egl_device) {
-  GLint most_samples = 0;
-  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
-  options.samples = std::clamp(options.samples, 1, static_cast<int>(most_samples));
+  GLint max_samples = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &max_samples);
+  options.samples = std::clamp(options.samples, 1, static_cast<int>(max_samples));
   glDepthFunc(GL_LEQUAL);
   glFrontFace(GL_CW);  // image row 0 is OpenGL's lowest row, which turns outlines around
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);

@@ -9,7 +9,7 @@ namespace clothsim_ros {
 namespace {
 
 bool same(const clothsim::MethodChoice& a, const clothsim::MethodChoice& b) {
-  return a.method == b.method && a.least_substeps == b.least_substeps &&
+  return a.method == b.method && a.min_substeps == b.min_substeps &&
          a.predicted_error == b.predicted_error && a.is_feasible == b.is_feasible &&
          a.reasons.all() == b.reasons.all();
 }
@@ -42,7 +42,7 @@ void ChoiceLog::update(const clothsim::SimulationSpec& simulation,
   }
   ROS_LOG_STREAM(level, ROSCONSOLE_DEFAULT_NAME,
                  "Method auto takes " << choice.method << ", substeps a frame "
-                                      << choice.least_substeps << " or more" << error.str() << ": "
+                                      << choice.min_substeps << " or more" << error.str() << ": "
                                       << choice.reasons.text());
 }
 

@@ -76,7 +76,7 @@ void ContactTopics::ask() {
            std::any_of(wrenches_.begin(), wrenches_.end(), [](const WrenchTopic& topic) {
              return topic.publisher.getNumSubscribers() > 0;
            });
-  simulator_.weigh_colliders(asked_);
+  simulator_.measure_wrenches(asked_);
 }
 
 void ContactTopics::publish(const ros::Time& stamp, std::uint64_t step) {

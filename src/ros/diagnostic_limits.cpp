@@ -9,29 +9,29 @@ namespace clothsim_ros {
 namespace {
 
 /// Whether the limit bounds from below or from above.
-enum class Side { least, most };
+enum class Bound { lower, upper };
 
 constexpr clothsim::Range range{0, 1e12, ""};
 
-void check(const Limit& limit, Side side) {
+void check(const Limit& limit, Bound bound) {
   if (limit.warning) clothsim::check_range("warning", *limit.warning, range);
   if (limit.error) clothsim::check_range("error", *limit.error, range);
   if (!limit.warning || !limit.error) return;
   const bool in_order =
-      side == Side::least ? *limit.error <= *limit.warning : *limit.error >= *limit.warning;
+      bound == Bound::lower ? *limit.error <= *limit.warning : *limit.error >= *limit.warning;
   if (!in_order) {
     throw clothsim::InvalidValue({"error"}, clothsim::to_text(*limit.error),
-                                 std::string(side == Side::least ? "at most" : "at least") +
+                                 std::string(bound == Bound::lower ? "at most" : "at least") +
                                      " the limit of the warning, " +
                                      clothsim::to_text(*limit.warning));
   }
 }
 
-clothsim::ReadValue into(Limit& limit, Side side) {
-  return [&limit, side](const YAML::Node& node) {
+clothsim::ReadValue into(Limit& limit, Bound bound) {
+  return [&limit, bound](const YAML::Node& node) {
     clothsim::read_map(
         node, {{"warning", clothsim::into(limit.warning)}, {"error", clothsim::into(limit.error)}});
-    check(limit, side);
+    check(limit, bound);
   };
 }
 
@@ -39,11 +39,11 @@ clothsim::ReadValue into(Limit& limit, Side side) {
 
 DiagnosticLimits read_diagnostic_limits(const YAML::Node& node) {
   DiagnosticLimits limits;
-  clothsim::read_map(node, {{"speed", into(limits.speed, Side::least)},
-                            {"violation", into(limits.violation, Side::most)},
-                            {"crossings", into(limits.crossings, Side::most)},
-                            {"tf_age", into(limits.tf_age, Side::most)},
-                            {"images", into(limits.images, Side::least)}});
+  clothsim::read_map(node, {{"speed", into(limits.speed, Bound::lower)},
+                            {"violation", into(limits.violation, Bound::upper)},
+                            {"crossings", into(limits.crossings, Bound::upper)},
+                            {"tf_age", into(limits.tf_age, Bound::upper)},
+                            {"images", into(limits.images, Bound::lower)}});
   return limits;
 }
 

@@ -18,7 +18,7 @@ using Names = std::vector<std::string>;
 
 /// So many unknown names are told one by one, each with what may have been meant; of more, as of
 /// another program's parameters, one line names a few.
-constexpr std::size_t most_told = 5;
+constexpr std::size_t max_told = 5;
 constexpr std::size_t examples = 3;
 
 std::string text_of(const XmlRpc::XmlRpcValue& value) {
@@ -75,7 +75,7 @@ Names messages_of_unknown(const std::string& prefix, const KnownParameters& know
                           const std::set<std::string>& names) {
   const std::string expected = ", expected one of " + clothsim::join(known.read);
   Names messages;
-  if (names.size() > most_told) {
+  if (names.size() > max_told) {
     std::string some;
     auto name = names.begin();
     for (std::size_t i = 0; i < examples; ++i) some += (i > 0 ? ", " : "") + *name++;

@@ -15,7 +15,7 @@ namespace clothsim_ros {
 namespace {
 
 /// Of a call of ~step, while which nothing else is served.
-constexpr std::uint32_t most_frames = 1000000;
+constexpr std::uint32_t max_frames = 1000000;
 
 }  // namespace
 
@@ -150,11 +150,11 @@ bool Node::step(clothsim::Step::Request& request, clothsim::Step::Response& resp
     return true;
   }
   try {
-    if (request.frames < 1 || request.frames > most_frames) {
+    if (request.frames < 1 || request.frames > max_frames) {
       throw clothsim::InvalidValue({"frames"}, std::to_string(request.frames),
-                                   "a whole number from 1 to " + std::to_string(most_frames));
+                                   "a whole number from 1 to " + std::to_string(max_frames));
     }
-    targets_.aim(request, simulator_, followed_frames());
+    targets_.set_targets(request, simulator_, followed_frames());
   } catch (const clothsim::InvalidValue& error) {
     response.message = error.message("", "/");
     return true;

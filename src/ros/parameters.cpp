@@ -19,8 +19,8 @@ namespace {
 using clothsim::InvalidValue;
 
 /// Outside these, `paused` or 0 say better what is meant.
-constexpr double slowest_factor = 0.001;
-constexpr double fastest_factor = 1000;
+constexpr double min_factor = 0.001;
+constexpr double max_factor = 1000;
 
 constexpr clothsim::Range jump_speed_range{0, 1e9, "m/s"};
 constexpr clothsim::Range diagnostic_period_range{0.1, 3600, "s"};
@@ -166,10 +166,10 @@ NodeParameters read(const ros::NodeHandle& node) {
                        "a tf frame without a leading slash");
   }
   const double factor = parameters.realtime_factor;
-  if (factor != 0 && !(factor >= slowest_factor && factor <= fastest_factor)) {
+  if (factor != 0 && !(factor >= min_factor && factor <= max_factor)) {
     throw InvalidValue({"realtime_factor"}, clothsim::to_text(factor),
-                       "0 or a number from " + clothsim::to_text(slowest_factor) + " to " +
-                           clothsim::to_text(fastest_factor));
+                       "0 or a number from " + clothsim::to_text(min_factor) + " to " +
+                           clothsim::to_text(max_factor));
   }
   clothsim::check_range("diagnostic_period", parameters.diagnostic_period, diagnostic_period_range);
   clothsim::check_range("jump_speed", parameters.jump_speed, jump_speed_range);

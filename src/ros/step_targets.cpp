@@ -84,8 +84,9 @@ clothsim::FrameMotion StepTargets::start(const Target& target,
       clothsim::followed_pose(target.frame, simulator).value_or(target.target.pose));
 }
 
-void StepTargets::aim(const clothsim::Step::Request& request, const clothsim::Simulator& simulator,
-                      const std::vector<std::string>& followed) {
+void StepTargets::set_targets(const clothsim::Step::Request& request,
+                              const clothsim::Simulator& simulator,
+                              const std::vector<std::string>& followed) {
   tf_.receive();
   tf_.hold();
   if (!request.twists.empty() && request.twists.size() != request.targets.size()) {
@@ -102,8 +103,8 @@ void StepTargets::aim(const clothsim::Step::Request& request, const clothsim::Si
         if (!is_new) {
           throw InvalidValue({"child_frame_id"}, '"' + target.frame + "\" again", "it once");
         }
-        motion->second.aim(target.target, static_cast<int>(request.frames),
-                           simulator.frame_duration());
+        motion->second.set_target(target.target, static_cast<int>(request.frames),
+                                  simulator.frame_duration());
       });
     });
   }

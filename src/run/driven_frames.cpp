@@ -16,7 +16,7 @@ Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
 
 }  // namespace
 
-void FrameMotion::aim(const FrameTarget& target, int frames, double frame_duration) {
+void FrameMotion::set_target(const FrameTarget& target, int frames, double frame_duration) {
   assert(frames >= 1);
   if (target.start) *this = FrameMotion(*target.start);
   way_ = PoseWay(pose_, twist_, target.pose, target.twist, frames * frame_duration);
@@ -74,8 +74,8 @@ void DrivenFrames::place(const std::string& frame, const Pose& pose, const Twist
   put(driven, pose, simulator);
 }
 
-void DrivenFrames::aim(const std::map<std::string, FrameTarget>& targets, int frames,
-                       Simulator& simulator) {
+void DrivenFrames::set_targets(const std::map<std::string, FrameTarget>& targets, int frames,
+                               Simulator& simulator) {
   if (frames < 1) {
     throw InvalidValue({"frames"}, std::to_string(frames), "a whole number of at least 1");
   }
@@ -85,7 +85,7 @@ void DrivenFrames::aim(const std::map<std::string, FrameTarget>& targets, int fr
         target.start ? *target.start : followed_pose(frame, simulator).value_or(target.pose);
     Driven& driven = take(frame, start, simulator);
     if (target.start) put(driven, start, simulator);
-    driven.motion.aim(target, frames, simulator.frame_duration());
+    driven.motion.set_target(target, frames, simulator.frame_duration());
   }
 }
 

@@ -63,7 +63,7 @@ void MotionPlayer::sort_in(const Simulator& simulator, const MotionEntry& entry,
 }
 
 void MotionPlayer::play(Simulator& simulator) {
-  for (auto& [frame, track] : keys_) aim(frame, track, simulator);
+  for (auto& [frame, track] : keys_) set_target(frame, track, simulator);
   while (events_.next < events_.entries.size() && events_.entries[events_.next].frame <= frame_) {
     const Due<MotionAction>& due = events_.entries[events_.next++];
     in_motions(due.item, [&] { act(due.action, simulator); });
@@ -72,7 +72,8 @@ void MotionPlayer::play(Simulator& simulator) {
   ++frame_;
 }
 
-void MotionPlayer::aim(const std::string& frame, Track<FrameTarget>& track, Simulator& simulator) {
+void MotionPlayer::set_target(const std::string& frame, Track<FrameTarget>& track,
+                              Simulator& simulator) {
   const auto& keys = track.entries;
   if (frame_ == 0 && keys[0].frame == 0) {
     driven_.place(frame, keys[0].action.pose, keys[0].action.twist.value_or(Twist()), simulator);
@@ -81,7 +82,7 @@ void MotionPlayer::aim(const std::string& frame, Track<FrameTarget>& track, Simu
   const long long begin = track.next == 0 ? 0 : keys[track.next - 1].frame;
   if (track.next == keys.size() || frame_ != begin) return;
   const Due<FrameTarget>& key = keys[track.next++];
-  driven_.aim({{frame, key.action}}, static_cast<int>(key.frame - frame_), simulator);
+  driven_.set_targets({{frame, key.action}}, static_cast<int>(key.frame - frame_), simulator);
 }
 
 void MotionPlayer::act(const MotionAction& action, Simulator& simulator) {

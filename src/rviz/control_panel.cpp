@@ -30,7 +30,7 @@
 namespace clothsim_rviz {
 namespace {
 
-constexpr int most_frames = 1000000;  // of ~step
+constexpr int max_frames = 1000000;  // of ~step
 constexpr int check_silence_ms = 1000;
 constexpr int silence_ms = 5000;  // beyond which a node that tells once a second is quiet
 constexpr std::uint32_t queue_size = 10;
@@ -105,7 +105,7 @@ void ControlPanel::add_running(QBoxLayout& layout) {
   pause_button_ = new QPushButton("Pause");
   auto* step_button = new QPushButton("Step");
   frames_box_ = new QSpinBox;
-  frames_box_->setRange(1, most_frames);
+  frames_box_->setRange(1, max_frames);
   frames_box_->setToolTip("Frames of a step");
   auto* reset_button = new QPushButton("Reset");
   auto* row = new QHBoxLayout;

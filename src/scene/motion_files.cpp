@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// As many as the shortest lines of the largest file that is read.
-constexpr std::size_t most_key_frames = max_file_size / std::size("0,0,0,0");
+constexpr std::size_t max_key_frames = max_file_size / std::size("0,0,0,0");
 
 /// Time, place and quaternion x, y, z, w, row by row.
 using Row = std::array<double, 8>;
@@ -53,7 +53,7 @@ std::vector<Row> read_csv(const std::filesystem::path& path) {
                        std::string(csv_header) + " or " + csv_header_turned);
   }
   std::vector<Row> rows;
-  while (rows.size() <= most_key_frames && next()) {
+  while (rows.size() <= max_key_frames && next()) {
     inside(std::to_string(rows.size() + 2),
            [&] { rows.push_back(parse_line(line, is_turned ? std::tuple_size_v<Row> : 4)); });
   }
@@ -115,13 +115,14 @@ std::vector<MotionEntry> read_key_frames(const std::filesystem::path& path,
       throw InvalidValue({}, "a file of another kind", "one that ends in .csv or .npz");
     }
     const std::vector<Row> rows = is_npz ? read_npz_rows(path) : read_csv(path);
-    if (rows.empty() || rows.size() > most_key_frames) {
+    if (rows.empty() || rows.size() > max_key_frames) {
       throw InvalidValue({}, std::to_string(rows.size()) + " key frames or more",
-                         "1 to " + std::to_string(most_key_frames));
+                         "1 to " + std::to_string(max_key_frames));
     }
-    for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t i = 0; i < rows.size(); ++i) {
       inside("key frame " + std::to_string(i),
              [&] { entries.push_back(to_entry(rows[i], frame)); });
+    }
   });
   return entries;
 }

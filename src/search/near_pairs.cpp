@@ -51,15 +51,15 @@ NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)
       patches_(surface.patches),
       nearest_(surface.nearest),
       shapes_(tiling_, patches_),
-      slots_(mesh_, nearest_),
+      tracked_(mesh_, nearest_),
       sees_(Patch::side * nearest_->spacing()),
-      paired_(SurfaceSlots::reach * nearest_->most() + sees_),
-      margin_(margin_share * nearest_->least_at_rest()) {}
+      paired_(TrackedPairs::range * nearest_->max() + sees_),
+      margin_(margin_share * nearest_->min_at_rest()) {}
 
 /// Pairs the patches that are near enough; those that were paired before go on.
 void NearPairs::pair_patches() {
   // Points see all that touches on a way, however long; ways of surfaces are cut to what is seen.
-  const double within = paired_ + (of_points_ ? motions_.most() : 0);
+  const double within = paired_ + (of_points_ ? motions_.max() : 0);
   std::vector<Box> boxes, wider;
   for (const Patch& patch : *patches_) {
     boxes.push_back(around(last_, patch.points));
@@ -83,7 +83,7 @@ void NearPairs::pair_patches() {
     PatchPair pair{p, q};
     pair.to_meet = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
         boxes[static_cast<std::size_t>(q)]));
-    pair.to_touch = pair.to_meet - nearest_->most();
+    pair.to_touch = pair.to_meet - nearest_->max();
     pairs.push_back(pair);
   }
   patch_pairs_ = std::move(pairs);
@@ -93,7 +93,7 @@ void NearPairs::pair_patches() {
 /// How much nearer patches come on straight ways from where they are.
 void NearPairs::foresee(const Points& ends, const Workers& workers) {
   motions_.follow(*patches_, last_, ends, workers);
-  if (paired_nearer_ + motions_.most() > sees_) pair_patches();
+  if (paired_nearer_ + motions_.max() > sees_) pair_patches();
   workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
     PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
     pair.step = motions_.between(pair.p, pair.q);
@@ -107,7 +107,7 @@ void NearPairs::go(const Points& ends, const Workers& workers) {
     pair.to_meet -= pair.step;
     for (Listed& of : pair.listed) of.gap -= pair.step;
   });
-  paired_nearer_ += motions_.most();
+  paired_nearer_ += motions_.max();
   last_ = ends;
 }
 
@@ -153,13 +153,13 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
         }
       },
       Workers::dearest, Workers::uneven);
-  std::vector<SurfacePair> slots;
+  std::vector<SurfacePair> to_track;
   std::vector<NearPair> meet;
   for (const Found& found : bands) {
-    slots.insert(slots.end(), found.slots.begin(), found.slots.end());
+    to_track.insert(to_track.end(), found.to_track.begin(), found.to_track.end());
     meet.insert(meet.end(), found.meet.begin(), found.meet.end());
   }
-  slots_.add(std::move(slots), last_, workers);
+  tracked_.add(std::move(to_track), last_, workers);
   return meet;
 }
 
@@ -168,16 +168,16 @@ bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Po
   return s.distance <= pair.nearest + margin_ || gap_along(s.normal, pair, ahead) <= pair.nearest;
 }
 
-/// Slots, by their points and numbers.
+/// Tracked pairs, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
-      slots_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
+      tracked_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
         for (int point = begin; point < end; ++point) {
-          for (const SurfaceSlots::Slot& slot : slots_.of(point)) {
-            if (!may_touch(slot.pair, slot.last, ahead)) continue;
-            const auto key =
-                static_cast<std::uint64_t>(point) << 32 | static_cast<std::uint64_t>(slot.number);
-            found.push_back({key, slot.pair, slot.last});
+          for (const TrackedPairs::TrackedPair& tracked_pair : tracked_.of(point)) {
+            if (!may_touch(tracked_pair.pair, tracked_pair.last, ahead)) continue;
+            const auto key = static_cast<std::uint64_t>(point) << 32 |
+                             static_cast<std::uint64_t>(tracked_pair.number);
+            found.push_back({key, tracked_pair.pair, tracked_pair.last});
           }
         }
       });
@@ -215,8 +215,8 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
 const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
                                                     const Workers& workers, WorkBudget* budget) {
   be_at(positions, workers);
-  const std::int64_t walked = slots_.walk(positions, workers);
-  if (budget) budget->spend(walked);
+  const std::int64_t visited = tracked_.track(positions, workers);
+  if (budget) budget->spend(visited);
   // Those are due that may touch in a step like the last one, and some of what is near. Of points
   // ways are told apart: they are seen by nothing else.
   if (of_points_) foresee(ahead, workers);
@@ -233,8 +233,8 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   return near_;
 }
 
-std::vector<NearPair> NearPairs::may_meet(const Points& here, const Points& ends, double floor,
-                                          const Workers& workers, WorkBudget* budget) {
+std::vector<NearPair> NearPairs::swept_query(const Points& here, const Points& ends, double floor,
+                                             const Workers& workers, WorkBudget* budget) {
   be_at(here, workers);
   foresee(ends, workers);
   std::vector<PatchPair*> due;
@@ -248,7 +248,7 @@ void NearPairs::forget() {
   last_.resize(0, 3);
   near_.clear();
   patch_pairs_.clear();
-  slots_ = {mesh_, nearest_};
+  tracked_ = {mesh_, nearest_};
   looks_ = 0;
 }
 
@@ -258,7 +258,7 @@ void NearPairs::write(MemoryWriter& memory) const {
   memory.add(last_);
   memory.add(looks_ % longest_sleep);
   memory.add(paired_nearer_);
-  slots_.write(memory);
+  tracked_.write(memory);
   memory.add(static_cast<double>(patch_pairs_.size()));
   for (const PatchPair& pair : patch_pairs_) {
     for (const int number : {pair.p, pair.q}) memory.add(number);
@@ -279,7 +279,7 @@ void NearPairs::read(MemoryReader& memory) {
   last_ = memory.points(static_cast<Eigen::Index>(points));
   looks_ = memory.index(longest_sleep);
   paired_nearer_ = std::max(0.0, memory.number());
-  slots_.read(memory);
+  tracked_.read(memory);
   for (std::size_t left = memory.count(); left > 0; --left) {
     PatchPair pair{memory.index(patches), memory.index(patches)};
     const bool ascends =

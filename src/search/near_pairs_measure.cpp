@@ -12,14 +12,14 @@ namespace {
 using Row = TileShapes::Row;
 constexpr std::size_t lanes = TileShapes::tiles;
 constexpr float infinity = TileShapes::infinity;
-constexpr auto reach = static_cast<float>(SurfaceSlots::reach);
+constexpr auto range = static_cast<float>(TrackedPairs::range);
 
 /// Slots are proposed up to this share of a triangle beside it: further out another one is nearer.
-constexpr float beside = 0.1F;
+constexpr float outside_tolerance = 0.1F;
 
 /// Edges of layers that points see are listed up to this, of the nearest that they may come: a
 /// quarter as far as slots reach.
-constexpr float edge_reach = 1 + (reach - 1) / 4;
+constexpr float edge_range = 1 + (range - 1) / 4;
 
 /// What distances of sixteen pairs of tiles come to.
 struct Judged {
@@ -33,26 +33,26 @@ struct Judged {
 CLOTHSIM_TARGET_CLONES
 void judge(const TileShapes::Features& distances, const TileShapes::Features& nearest,
            float rounding, float within, Judged& judged) {
-  Row to_touch, to_meet, reaches, least_gap;
+  Row to_touch, to_meet, ranges, min_gap;
   to_touch.fill(infinity);
   to_meet.fill(infinity);
-  reaches.fill(reach);
-  least_gap.fill(-infinity);
+  ranges.fill(range);
+  min_gap.fill(-infinity);
   std::array<int, lanes> near{}, meet{};
   for (std::size_t k = 0; k < Tiling::own_points; ++k) {
     // Where points see a layer, they keep it off before edges touch.
     for (std::size_t i = 0; k == Tiling::points && i < lanes; ++i) {
-      reaches[i] = near[i] != 0 ? edge_reach : reach;
-      least_gap[i] = near[i] != 0 ? infinity : -infinity;
+      ranges[i] = near[i] != 0 ? edge_range : range;
+      min_gap[i] = near[i] != 0 ? infinity : -infinity;
     }
     const int bit = 1 << k;
     for (std::size_t i = 0; i < lanes; ++i) {
       const float may = nearest[k][i];
       const float distance = may < 0 ? infinity : distances[k][i] - rounding;
-      const bool is_near = distance < reaches[i] * may;
-      const float gap = is_near ? (reach - 1) * may : distance - may;
+      const bool is_near = distance < ranges[i] * may;
+      const float gap = is_near ? (range - 1) * may : distance - may;
       to_meet[i] = smaller(to_meet[i], distance);
-      to_touch[i] = smaller(to_touch[i], larger(gap, least_gap[i]));
+      to_touch[i] = smaller(to_touch[i], larger(gap, min_gap[i]));
       near[i] = is_near ? near[i] | bit : near[i];
       meet[i] = distance <= within ? meet[i] | bit : meet[i];
     }
@@ -72,7 +72,7 @@ std::pair<int, int> NearPairs::tiles(const PatchPair& pair, int number) const {
 void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
-  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most());
+  const auto gap = static_cast<float>((TrackedPairs::range - 1) * nearest_->max());
   TileShapes::Near near;
   shapes_.look(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap,
                static_cast<float>(std::max(within, 0.0)) + rounding, near);
@@ -88,7 +88,7 @@ void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
 void NearPairs::measure_points(PatchPair& pair) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
-  const auto gap = static_cast<float>((SurfaceSlots::reach - 1) * nearest_->most() + pair.step);
+  const auto gap = static_cast<float>((TrackedPairs::range - 1) * nearest_->max() + pair.step);
   TileShapes::Near near;
   shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap + rounding,
                          near);
@@ -122,20 +122,21 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
     for (int left = judged.near[i] | judged.meet[i]; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(static_cast<unsigned>(left)));
       const bool is_near = (judged.near[i] >> k & 1) != 0,
-                 may_meet = (judged.meet[i] >> k & 1) != 0;
+                 is_within = (judged.meet[i] >> k & 1) != 0;
       const float distance = distances.values[k][i], nearest = may[k][i];
       if (is_near && k >= Tiling::points) {
         pair.listed.push_back({a, b, static_cast<int>(k), distance - nearest});
       }
       // Beside a triangle another one is nearer, but for what is beyond the border.
-      const bool may_have_slot = is_near && k < Tiling::points &&
-                                 (distances.within[k][i] > -beside || distance < nearest ||
-                                  nearest_->at_border(a) || nearest_->at_border(b));
-      if (!may_have_slot && !may_meet) continue;
+      const bool may_be_tracked =
+          is_near && k < Tiling::points &&
+          (distances.within[k][i] > -outside_tolerance || distance < nearest ||
+           nearest_->at_border(a) || nearest_->at_border(b));
+      if (!may_be_tracked && !is_within) continue;
       SurfacePair both = tiling_->pair(a, b, k);
       both.nearest = nearest_->of(a, b, k);
-      if (may_have_slot && !slots_.covers(both, distance)) found.slots.push_back(both);
-      if (may_meet) {
+      if (may_be_tracked && !tracked_.covers(both, distance)) found.to_track.push_back(both);
+      if (is_within) {
         const Separation s = separation(both, last_);
         if (s.distance <= within) found.meet.push_back({Tiling::key(a, b, k), both, s});
       }

@@ -60,17 +60,17 @@ NearestDistances::Tiles NearestDistances::make_tiles(const AtRest& at_rest) cons
   Tiles tiles;
   for (std::size_t k = 0; k < Tiling::count; ++k) {
     const double distance = at_rest(k);
-    tiles.of[k] = distance < 0 ? -1 : std::min(most(), neighbour_share * distance);
+    tiles.of[k] = distance < 0 ? -1 : std::min(max(), neighbour_share * distance);
     if (k == Tiling::own_points) {
-      tiles.of[k] = distance < apart_at_rest * most() ? -1 : most();
+      tiles.of[k] = distance < apart_at_rest * max() ? -1 : max();
     }
-    tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], most_of(Tiling::inside, k)));
+    tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], max_distance(Tiling::inside, k)));
   }
   return tiles;
 }
 
 /// Of those that count.
-float NearestDistances::most_of(const Tiles& tiles) const {
+float NearestDistances::max_distance(const Tiles& tiles) const {
   return static_cast<float>(
       *std::max_element(tiles.of.data() + stencils_.begin, tiles.of.data() + stencils_.end));
 }
@@ -80,7 +80,7 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
     : tiling_(std::move(tiling)), stencils_(stencils), thickness_(cloth.thickness) {
   const Eigen::Vector2d spacing = spacing_of(cloth);
   spacing_ = spacing.minCoeff();
-  least_at_rest_ = spacing.prod() / spacing.norm();
+  min_at_rest_ = spacing.prod() / spacing.norm();
   std::vector<Eigen::Vector2i> places, of_patches;
   for (int i = 0; i < cloth.num_points(); ++i) {
     places.emplace_back(i % cloth.columns, i / cloth.columns);
@@ -90,15 +90,15 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   }
   // Farther on both are as far apart as they ever need to be, or not on the cloth.
   const Eigen::Vector2d last(cloth.columns - 1, cloth.rows - 1);
-  const double far = std::ceil(most() / (neighbour_share * spacing_)) + 2;
-  const Eigen::Vector2i most_way = last.cwiseMin(far).cast<int>();
-  const GridWays ways(std::move(places), most_way);
+  const double far = std::ceil(max() / (neighbour_share * spacing_)) + 2;
+  const Eigen::Vector2i max_way = last.cwiseMin(far).cast<int>();
+  const GridWays ways(std::move(places), max_way);
   for (const Eigen::Vector2i& way : ways.ways()) {
     tiles_.push_back(make_tiles_of_grid(way, spacing));
   }
   // Farther on none of their tiles are within that.
   const GridWays patch_ways(std::move(of_patches),
-                            most_way / Patch::side + Eigen::Vector2i::Constant(2));
+                            max_way / Patch::side + Eigen::Vector2i::Constant(2));
   for (const Eigen::Vector2i& way : patch_ways.ways()) {
     TileShapes::PairValues& values = of_patches_.emplace_back();
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -107,7 +107,7 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
       const Eigen::Vector2i from(i % Patch::side, i / Patch::side),
           to(j % Patch::side, j / Patch::side);
       const int number = ways.number_of(Patch::side * way + to - from);
-      values[k] = most_of(tiles_[static_cast<std::size_t>(number)]);
+      values[k] = max_distance(tiles_[static_cast<std::size_t>(number)]);
     }
   }
   tile_ways_ = ways;
@@ -126,7 +126,7 @@ NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector
   }
   return make_tiles([&](std::size_t k) {
     const double distance = separation(cells.pair(0, 4, k), corners).distance;
-    return distance < least_at_rest_ / 2 ? -1 : distance;  // they share a point
+    return distance < min_at_rest_ / 2 ? -1 : distance;  // they share a point
   });
 }
 
@@ -135,11 +135,11 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
     : tiling_(std::move(tiling)), stencils_(stencils), thickness_(thickness) {
   spacing_ = mean_edge(mesh, rest);
-  if (spacing_ == 0) spacing_ = most();
-  least_at_rest_ = spacing_;
+  if (spacing_ == 0) spacing_ = max();
+  min_at_rest_ = spacing_;
   // Number 0: far from each other.
   tiles_.push_back(make_tiles([](std::size_t) { return infinity; }));
-  of_patches_.emplace_back().fill(static_cast<float>(most()));
+  of_patches_.emplace_back().fill(static_cast<float>(max()));
   NearWays tile_ways(tiling_->tiles().size()), patch_ways(patches.size());
   const auto add = [&](int a, int b) {
     const Tiles both = make_tiles_of_mesh(a, b, rest);
@@ -147,18 +147,18 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
     tile_ways.add(a, b, static_cast<int>(tiles_.size()));
     tiles_.push_back(both);
   };
-  visit_near_patches(patches, rest, most() / neighbour_share, [&](int p, int q) {
+  visit_near_patches(patches, rest, max() / neighbour_share, [&](int p, int q) {
     const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,
                &of_q = patches[static_cast<std::size_t>(q)].tiles;
     patch_ways.add(p, q, static_cast<int>(of_patches_.size()));
     TileShapes::PairValues& values = of_patches_.emplace_back();
-    values.fill(static_cast<float>(most()));
+    values.fill(static_cast<float>(max()));
     for (std::size_t k = 0; k < values.size(); ++k) {
       const int a = of_p[k / TileShapes::tiles], b = of_q[k % TileShapes::tiles];
       if (a == Patch::none || b == Patch::none) continue;
       add(a, b);
       if (p != q) add(b, a);
-      values[k] = most_of(tiles_[static_cast<std::size_t>(tile_ways.number(a, b))]);
+      values[k] = max_distance(tiles_[static_cast<std::size_t>(tile_ways.number(a, b))]);
     }
   });
   tile_ways_ = std::move(tile_ways);
@@ -167,15 +167,15 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
 
 NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(int a, int b, const Points& rest) {
   return make_tiles([&](std::size_t k) {
-    if (side(a, b, k) == Tiling::lacking) return infinity;
+    if (place(a, b, k) == Tiling::lacking) return infinity;
     const double distance = distance_at_rest(tiling_->pair(a, b, k), rest);
     if (distance < seam * spacing_) return -1.0;
-    least_at_rest_ = std::min(least_at_rest_, distance);
+    min_at_rest_ = std::min(min_at_rest_, distance);
     return distance;
   });
 }
 
-double NearestDistances::of_slot(int point, int triangle) const {
+double NearestDistances::of_tracked(int point, int triangle) const {
   const int a = tiling_->of_point(point), b = tiling_->of_triangle(triangle);
   return of(a, b, triangle == tiling_->at(b).triangles[0] ? 0 : 1);
 }
@@ -185,7 +185,7 @@ NearestDistances::OfTiles NearestDistances::of_tiles(int a, int b) const {
   if (tiling_->at(a).is_inside && tiling_->at(b).is_inside) return both.inside;
   OfTiles of;
   for (std::size_t k = 0; k < Tiling::count; ++k) {
-    of[k] = static_cast<float>(std::min(both.of[k], most_of(side(a, b, k), k)));
+    of[k] = static_cast<float>(std::min(both.of[k], max_distance(place(a, b, k), k)));
   }
   return of;
 }

@@ -88,7 +88,7 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
 /// The farthest apart that two of their ways are.
 double PatchMotions::between(int p, int q) const {
   const Box &a = ways_[static_cast<std::size_t>(p)], &b = ways_[static_cast<std::size_t>(q)];
-  return std::min((a.max() - b.min()).cwiseMax(b.max() - a.min()).norm(), most());
+  return std::min((a.max() - b.min()).cwiseMax(b.max() - a.min()).norm(), max());
 }
 
 }  // namespace clothsim

@@ -14,16 +14,16 @@ constexpr std::size_t n = TileShapes::tiles;
 
 using Row = TileShapes::Row;
 
-/// Tells which of `distances` are within `gap` of their `nearest` or within `least`, if any, and
-/// keeps how far the others are at least, and beyond their nearest.
+/// Tells which of `distances` are within `gap` of their `nearest` or within `min_range`, if any,
+/// and keeps how far the others are at least, and beyond their nearest.
 CLOTHSIM_TARGET_CLONES
-bool sort_out(const Row& distances, const float* __restrict nearest, float gap, float least,
+bool sort_out(const Row& distances, const float* __restrict nearest, float gap, float min_range,
               std::array<int, n>& near, Row& rest, Row& rest_gap) {
   int any = 0;
 #pragma GCC ivdep
   for (std::size_t j = 0; j < n; ++j) {
     const float distance = distances[j];
-    const int is_near = distance > larger(nearest[j] + gap, least) ? 0 : 1;
+    const int is_near = distance > larger(nearest[j] + gap, min_range) ? 0 : 1;
     near[j] = is_near;
     any |= is_near;
     rest[j] = is_near != 0 ? rest[j] : smaller(rest[j], distance);
@@ -90,7 +90,7 @@ float TileShapes::rounding(int patch, int other) const {
 /// `measure`: takes the distances from a tile to all of the other patch.
 template <typename Measure>
 void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, float gap,
-                               float least, const Measure& measure, Near& near) const {
+                               float min_range, const Measure& measure, Near& near) const {
   std::array<int, n> is_near;
   Row distances, rest, rest_gap;
   rest.fill(infinity);
@@ -99,7 +99,9 @@ void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, 
   for (std::size_t i = 0; i < n; ++i) {
     if (!exists(patch, i)) continue;
     measure(i, distances);
-    if (!sort_out(distances, nearest.data() + i * n, gap, least, is_near, rest, rest_gap)) continue;
+    if (!sort_out(distances, nearest.data() + i * n, gap, min_range, is_near, rest, rest_gap)) {
+      continue;
+    }
     for (std::size_t j = patch == other ? i + 1 : 0; j < n; ++j) {
       near.pairs[near.count] = static_cast<int>(i * n + j);
       near.count += is_near[j] != 0 && exists(other, j) ? 1 : 0;
@@ -109,12 +111,12 @@ void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, 
   near.rest_gap = *std::min_element(rest_gap.begin(), rest_gap.end());
 }
 
-void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float least,
+void TileShapes::look(int patch, int other, const PairValues& nearest, float gap, float min_range,
                       Near& near) const {
   const Corners &a = corners_[static_cast<std::size_t>(patch)],
                 &b = corners_[static_cast<std::size_t>(other)];
   sort_out_near(
-      patch, other, nearest, gap, least,
+      patch, other, nearest, gap, min_range,
       [&](std::size_t i, Row& distances) { DistanceRows::hull_hull(a, i, b, distances); }, near);
 }
 

@@ -14,7 +14,7 @@ struct LeastOnEdge {
   Distance distance;
 };
 
-LeastOnEdge least_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
+LeastOnEdge min_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
   constexpr double precise = 1e-14;  // of the edge
   const Vector3 way = b - a;
   const auto at = [&](double s) {
@@ -100,7 +100,7 @@ class CylinderWayOut {
     for (int k = 0; k < tried; ++k) ways[k] = length(out(angle(k)));
     for (int k = 0; k < tried; ++k) {
       if (ways[k] > ways[(k + 1) % tried] || ways[k] > ways[(k + tried - 1) % tried]) continue;
-      add(out(least_between(angle(k - 1), angle(k + 1), out)), i);
+      add(out(min_between(angle(k - 1), angle(k + 1), out)), i);
     }
   }
 
@@ -116,7 +116,7 @@ class CylinderWayOut {
 
   /// By golden sections, to directions that count as one.
   template <class Direction>
-  double least_between(double low, double high, const Direction& out) const {
+  double min_between(double low, double high, const Direction& out) const {
     const double section = (std::sqrt(5.0) - 1) / 2;
     double a = high - section * (high - low), b = low + section * (high - low);
     double at_a = length(out(a)), at_b = length(out(b));
@@ -198,7 +198,7 @@ std::optional<FaceDistance> Cylinder::face_distance(const Triangle& t, double re
 
   FaceDistance nearest;
   for (std::size_t i = 0; i < 3; ++i) {
-    const LeastOnEdge on = least_on_edge(*this, t[i], t[(i + 1) % 3]);
+    const LeastOnEdge on = min_on_edge(*this, t[i], t[(i + 1) % 3]);
     if (on.distance.value >= nearest.value) continue;
     nearest = {on.distance.value, on.distance.normal, on_edge(i, on.s)};
   }

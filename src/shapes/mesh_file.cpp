@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Far beyond what a collider needs, and little enough to hold.
-constexpr std::uintmax_t most_bytes = 500'000'000;
-constexpr std::size_t most_triangles = 2'000'000;
+constexpr std::uintmax_t max_bytes = 500'000'000;
+constexpr std::size_t max_triangles = 2'000'000;
 constexpr int deepest_nodes = 200;
 
 constexpr Range coordinate_range{-1e6, 1e6, "m"};
@@ -46,9 +46,8 @@ void check_file(const fs::path& path) {
     throw InvalidValue({}, '"' + shortened(path.string(), 200) + "\": " + error.message(),
                        "a mesh file");
   }
-  if (size > most_bytes) {
-    throw InvalidValue({}, std::to_string(size) + " bytes",
-                       "at most " + std::to_string(most_bytes));
+  if (size > max_bytes) {
+    throw InvalidValue({}, std::to_string(size) + " bytes", "at most " + std::to_string(max_bytes));
   }
 }
 
@@ -62,8 +61,8 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
     const int first = static_cast<int>(soup.vertices.size());
-    if (soup.triangles.size() + mesh.mNumFaces > most_triangles) {
-      throw InvalidValue({}, "more than " + std::to_string(most_triangles) + " triangles", "fewer");
+    if (soup.triangles.size() + mesh.mNumFaces > max_triangles) {
+      throw InvalidValue({}, "more than " + std::to_string(max_triangles) + " triangles", "fewer");
     }
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       soup.vertices.push_back(scale.cwiseProduct(to_vector(pose * mesh.mVertices[i])));

@@ -159,15 +159,15 @@ bool is_near(const Solid& solid, const Box& box, double most) {
   return squared_distance(solid.box(), box) <= most * std::abs(most);
 }
 
-/// Where a triangle and what is within `most_value` [m] of it are closest.
+/// Where a triangle and what is within `max_value` [m] of it are closest.
 template <class Closest>
-FaceDistance closest_features(const Solid& solid, const Triangle& t, double most_value) {
+FaceDistance closest_features(const Solid& solid, const Triangle& t, double max_value) {
   Closest closest(t);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto [value, normal] = solid.distance(t[i]);
     closest.add_corner(i, value, normal);
   }
-  double most = std::min(closest.most(), std::max(most_value, 0.0));
+  double most = std::min(closest.most(), std::max(max_value, 0.0));
   solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
     closest.add(ridge);
     most = std::min(most, closest.most());
@@ -203,7 +203,7 @@ std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
   constexpr double near = 1.05;  // of the offset: there it has come in
   const double length = way.norm();
   double share = 0;
-  for (int step = 0; step < most_approaches && share <= 1; ++step) {
+  for (int step = 0; step < max_approaches && share <= 1; ++step) {
     const Vector3 p = from + share * way;
     const NearSurface here = near_surface(p.x(), p.y(), p.z(), 0);
     const bool nears = here.x * way.x() + here.y * way.y() + here.z * way.z() < 0;

@@ -28,7 +28,7 @@ void MovingCollider::place(const Pose& pose) {
   angular_velocity_.setZero();
 }
 
-void MovingCollider::aim(const Pose& target, double duration) {
+void MovingCollider::set_target(const Pose& target, double duration) {
   target_ = target;
   velocity_ = (target.position - pose_.position) / duration;
   const Eigen::AngleAxisd turn(target.orientation * pose_.orientation.conjugate());  // at most pi
@@ -47,7 +47,7 @@ Pose MovingCollider::pose_at(double share) const {
           turned(previous_.orientation, share * last_turn_)};
 }
 
-void MovingCollider::arrive() { place(target_); }
+void MovingCollider::snap_to_target() { place(target_); }
 
 Vector3 MovingCollider::velocity_at(const Vector3& point) const {
   return velocity_ + angular_velocity_.cross(point - pose_.position);
@@ -94,13 +94,13 @@ bool MovingCollider::reaches(const Eigen::AlignedBox3d& box, double margin) cons
   return has_passed || least <= margin;
 }
 
-double MovingCollider::fastest_in(const Eigen::AlignedBox3d& box) const {
-  double fastest = 0;  // at a corner, as velocities are linear in the point
+double MovingCollider::max_speed_in(const Eigen::AlignedBox3d& box) const {
+  double max_speed = 0;  // at a corner, as velocities are linear in the point
   for (int corner = 0; corner < 8; ++corner) {
     const auto at = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
-    fastest = std::max(fastest, velocity_at(box.corner(at)).norm());
+    max_speed = std::max(max_speed, velocity_at(box.corner(at)).norm());
   }
-  return fastest;
+  return max_speed;
 }
 
 }  // namespace clothsim

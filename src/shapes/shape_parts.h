@@ -10,7 +10,7 @@ using Weights = std::array<double, 3>;
 
 /// Steps towards a surface of what moves: each comes nearer by half the offset at least, so that
 /// only what grazes it takes so many, and is then stopped where it is.
-inline constexpr int most_approaches = 300;
+inline constexpr int max_approaches = 300;
 
 inline Vector3 at(const Triangle& t, const Weights& w) {
   return w[0] * t[0] + w[1] * t[1] + w[2] * t[2];

@@ -15,7 +15,7 @@ namespace {
 constexpr double flat = 1e-4;
 
 /// Volume, as a share of the sum of what its parts add and take, that is but rounding.
-constexpr double least_volume = 1e-9;
+constexpr double min_volume = 1e-9;
 
 struct HashOfPlace {
   std::size_t operator()(const Vector3& p) const {
@@ -42,7 +42,8 @@ std::uint64_t key_of(int from, int to) {
 }
 
 /// Corner of a triangle that is neither of these two.
-const Vector3& corner_beside(const std::array<Vector3, 3>& t, const Vector3& a, const Vector3& b) {
+const Vector3& adjacent_corner(const std::array<Vector3, 3>& t, const Vector3& a,
+                               const Vector3& b) {
   return t[0] != a && t[0] != b ? t[0] : (t[1] != a && t[1] != b ? t[1] : t[2]);
 }
 
@@ -53,7 +54,7 @@ double width_across(const std::array<Vector3, 3>& s, const std::array<Vector3, 3
                     const Vector3& a, const Vector3& b) {
   double width = 0, height = 0;
   for (const auto* triangle : {&s, &t}) {
-    const Vector3& c = corner_beside(*triangle, a, b);
+    const Vector3& c = adjacent_corner(*triangle, a, b);
     const double area2 = (a - c).cross(b - c).norm(), length = (b - a).norm();
     width += length / 2 * (a - c).dot(b - c) / area2;
     height += area2 / length;
@@ -69,7 +70,7 @@ void Volume::add(const Vector3& a, const Vector3& b, const Vector3& c) {
   parts += std::abs(part);
 }
 
-bool Volume::is_none() const { return !(std::abs(sum) > least_volume * parts); }  // so NaN is none
+bool Volume::is_none() const { return !(std::abs(sum) > min_volume * parts); }  // so NaN is none
 
 Solid::Solid(const TriangleSoup& soup, Bounds bounds) : is_sheet_(bounds == Bounds::sheet) {
   weld(soup);
@@ -216,8 +217,8 @@ void Solid::connect_sheet() {
         const Vector3 &n = faces_[t].normal, &m = faces_[all[1].first].normal;
         angle = std::atan2(n.cross(m).norm(), std::abs(n.dot(m)));
         const Vector3 &a = corners_[t][k], &b = corners_[t][(k + 1) % 3];
-        const Vector3 into = corner_beside(corners_[t], a, b) - a;
-        const Vector3 other = corner_beside(corners_[all[1].first], a, b) - a;
+        const Vector3 into = adjacent_corner(corners_[t], a, b) - a;
+        const Vector3 other = adjacent_corner(corners_[all[1].first], a, b) - a;
         const Vector3 along = (b - a).stableNormalized();
         const bool is_folded =
             (into - along.dot(into) * along).dot(other - along.dot(other) * along) > 0;

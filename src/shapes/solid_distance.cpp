@@ -16,7 +16,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// box, and at most 16 MB of them.
 constexpr double cells_by_triangle = 64;
 constexpr double fewest_cells = 4096;
-constexpr double most_cells = 4e6;
+constexpr double max_cells = 4e6;
 
 /// Cells whose points are farther away than this and half a cell have no list: more than points
 /// that touch stand off a smooth solid [m], but no more than two cells, of which a fine mesh has
@@ -29,7 +29,7 @@ constexpr double band_cells = 2;
 constexpr double smallest = 1e-9;
 
 /// Triangles whose thickness is measured, spread over all.
-constexpr std::size_t most_measured = 2000;
+constexpr std::size_t max_measured = 2000;
 
 /// What float's rounding may take from a distance.
 constexpr double just_below = 1 - 1e-6;
@@ -255,7 +255,7 @@ double Solid::band() const { return std::min(widest_band, band_cells * cell_); }
 
 void Solid::build_grid() {
   const double wanted =
-      std::clamp(cells_by_triangle * static_cast<double>(faces_.size()), fewest_cells, most_cells);
+      std::clamp(cells_by_triangle * static_cast<double>(faces_.size()), fewest_cells, max_cells);
   // Of a flat solid as many as of a cube.
   const double longest = box_.sizes().maxCoeff();
   const Vector3 sizes = box_.sizes().cwiseMax(longest / 1000);
@@ -362,7 +362,7 @@ double Solid::thickness_below(std::size_t face) const {
 }
 
 double Solid::measure_thickness() const {
-  const std::size_t every = (faces_.size() + most_measured - 1) / most_measured;
+  const std::size_t every = (faces_.size() + max_measured - 1) / max_measured;
   std::vector<double> found;
   for (std::size_t face = 0; face < faces_.size(); face += every) {
     if (faces_[face].normal.isZero(0)) continue;

@@ -31,11 +31,11 @@ std::optional<FaceDistance> swept_face_distance(const MovingCollider& collider,
   way += collider.last_turn() * arm;
 
   double share = 0;
-  for (int step = 0; step < most_approaches && share < 1; ++step) {
+  for (int step = 0; step < max_approaches && share < 1; ++step) {
     const Triangle t = local_at(collider, from, to, share);
     auto found = face_distance(collider.shape(), t, offset + (1 - share) * way);
     if (!found) return std::nullopt;
-    if (found->value > offset && step + 1 < most_approaches) {
+    if (found->value > offset && step + 1 < max_approaches) {
       share += (found->value - offset / 2) / way;
       continue;
     }

@@ -37,7 +37,7 @@ Eigen::AlignedBox3d box_of(const State& before, const State& after) {
 
 /// Ways that points are taken in a frame [m], N x 3 each; empty: none is.
 struct Drive {
-  double fastest = 0;  // of pins and of the surfaces of colliders near the cloth [m/s]
+  double max_speed = 0;  // of pins and of the surfaces of colliders near the cloth [m/s]
   Points pinned;
   Points pushed;  // perhaps, by colliders
 };
@@ -59,7 +59,7 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   for (int i = 0; i < count; ++i) {
     if (cloth.inv_mass[i] > 0) continue;
     const Vector3 velocity = row(after.velocities, i);
-    drive.fastest = std::max(drive.fastest, velocity.norm());
+    drive.max_speed = std::max(drive.max_speed, velocity.norm());
     if (!velocity.isZero()) take(i, dt * velocity, count, drive.pinned);  // but for roundings
   }
   // Bounds of all points take time, which robots that stand still are not worth.
@@ -69,8 +69,8 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
       std::max(longest_rest_length(cloth), longest_edge(after.positions, cloth.triangles));
   const Eigen::AlignedBox3d box = box_of(before, after);
   for (const MovingCollider& collider : colliders) {
-    const double speed = moves(collider) ? collider.fastest_in(box) : 0;
-    drive.fastest = std::max(drive.fastest, speed);
+    const double speed = moves(collider) ? collider.max_speed_in(box) : 0;
+    drive.max_speed = std::max(drive.max_speed, speed);
     if (speed == 0 || !collider.reaches(box, 2 * edge)) continue;
     for (int i = 0; i < count; ++i) {
       const Vector3 at = row(after.positions, i);
@@ -124,14 +124,14 @@ void EnergyWatch::read(MemoryReader& memory) {
 
 bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           const State& before, const State& after,
-                          const std::vector<MovingCollider>& colliders, double push_out,
-                          double wind, double pushes) {
+                          const std::vector<MovingCollider>& colliders, double push_out_speed,
+                          double wind, double external_work) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
   const auto unseen = [&] {  // asked for in few frames
     const Eigen::RowVector3d extent =
         cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-    return mass * (g * lift * extent.maxCoeff() + calm * calm / 2);
+    return mass * (g * lift * extent.maxCoeff() + rest_speed * rest_speed / 2);
   };
   if (!begun_) {
     given_ = kinetic_energy(cloth, before) + elastic_energy(cloth, before.positions) + unseen();
@@ -141,8 +141,8 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
 
   // A point that a moving surface hits leaves with twice its speed at most; work against weight.
   const Drive drive = drive_of(cloth, dt, before, after, colliders);
-  const double speed = std::max(drive.fastest, wind) + push_out;
-  const double work = mass * (2 * speed * speed + g * speed * dt) + pushes;
+  const double speed = std::max(drive.max_speed, wind) + push_out_speed;
+  const double work = mass * (2 * speed * speed + g * speed * dt) + external_work;
   const double by_pins = work_on_springs(cloth, before, drive.pinned);
   const double by_colliders = work_on_springs(cloth, before, drive.pushed);
   given_ += work + by_pins + by_colliders;
@@ -151,7 +151,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   const double fallen = potential_ - gravitational_energy(cloth, gravity, after.positions);
   if (!(kinetic_after <= margin_in_all * (given_ + std::max(fallen, 0.0)))) return false;
 
-  if (push_out > 0) {
+  if (push_out_speed > 0) {
     restart();  // what led it out has stretched it
     return true;
   }

@@ -37,39 +37,39 @@ constexpr double alike = 1.5;
 
 /// What errors depend on.
 struct Motion {
-  double size;      // of the cloth [m]
-  double gravity;   // [m/s^2]
-  double drag;      // [1/s]
-  double fastest;   // omega_max [rad/s]
-  double axial;     // lowest frequency along the cloth's longer side, hung from one end [rad/s]
-  double swing;     // frequency of a sheet that swings about one edge [rad/s]
-  double loaded;    // share of the horizon in which something holds the cloth
-  bool held;        // whether something does, sooner or later
-  double buckling;  // rate at which an upright column that stands on something buckles [1/s]
-  double folded;    // rms over the cloth of how far it has folded when that ends [m]
-  bool rings;       // with fast waves, in which errors grow
+  double size;       // of the cloth [m]
+  double gravity;    // [m/s^2]
+  double drag;       // [1/s]
+  double omega_max;  // omega_max [rad/s]
+  double axial;      // lowest frequency along the cloth's longer side, hung from one end [rad/s]
+  double swing;      // frequency of a sheet that swings about one edge [rad/s]
+  double loaded;     // share of the horizon in which something holds the cloth
+  bool held;         // whether something does, sooner or later
+  double buckling;   // rate at which an upright column that stands on something buckles [1/s]
+  double folded;     // rms over the cloth of how far it has folded when that ends [m]
+  bool rings;        // with fast waves, in which errors grow
 };
 
 /// How far a cloth that nothing holds may fall [m]: to the nearest collider.
-double room_below(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
-  double room = std::numeric_limits<double>::infinity();
+double fall_height(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
+  double height = std::numeric_limits<double>::infinity();
   for (const ColliderSpec& collider : colliders) {
     const Pose pose = collider.pose * collider.offset;
     const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();
     for (int i = 0; i < cloth.num_points(); ++i) {
       const Vector3 x = to_shape * (cloth.rest_positions.row(i).transpose() - pose.position);
-      room = std::min(room, signed_distance(collider.shape, x, x).value);
+      height = std::min(height, signed_distance(collider.shape, x, x).value);
     }
   }
-  return std::max(room, 0.0);
+  return std::max(height, 0.0);
 }
 
 /// A free cloth falls with drag, exactly in all methods, until it lands: share of the horizon that
 /// is left then, in frames of `frame` [s].
-double share_after_fall(double room, double frame, const Motion& m) {
+double share_after_fall(double height, double frame, const Motion& m) {
   const int samples = static_cast<int>(std::ceil(horizon / frame));
   for (int i = 1; i <= samples; ++i) {
-    if (m.gravity * Drag(m.drag, i * horizon / samples).fall >= room) {
+    if (m.gravity * Drag(m.drag, i * horizon / samples).fall >= height) {
       return 1 - (i - 1.0) / samples;
     }
   }
@@ -100,18 +100,18 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   m.size = extent.maxCoeff();
   m.gravity = spec.gravity.norm();
   m.drag = cloth.damping;
-  m.fastest = omega_max_bound(cloth, cloth.rest_positions);
-  m.axial = m.fastest * M_PI / (4 * std::max(cloth.columns, cloth.rows));
+  m.omega_max = omega_max_bound(cloth, cloth.rest_positions);
+  m.axial = m.omega_max * M_PI / (4 * std::max(cloth.columns, cloth.rows));
   m.swing = std::sqrt(1.5 * m.gravity / m.size);
   m.loaded = 1;
   m.held = true;
   const bool is_free = (cloth.inv_mass.array() > 0).all();
   if (!is_free) {
-    m.rings = m.fastest * horizon * m.gravity * horizon * horizon / m.size > onset;
+    m.rings = m.omega_max * horizon * m.gravity * horizon * horizon / m.size > onset;
   } else if (m.gravity > 0) {
-    const double room = room_below(cloth, colliders);
-    m.held = std::isfinite(room);
-    m.loaded = share_after_fall(room, 1 / spec.frames_per_second, m);
+    const double height = fall_height(cloth, colliders);
+    m.held = std::isfinite(height);
+    m.loaded = share_after_fall(height, 1 / spec.frames_per_second, m);
     add_buckling(cloth, std::abs(extent.dot(spec.gravity)) / m.gravity, m);
   }
   return m;
@@ -164,7 +164,7 @@ double bdf2_error(const Motion& m, double h) {
 /// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted, and there to
 /// stay however late it lands.
 double xpbd_error(const Motion& m, double h) {
-  const double held = 0.035 * m.gravity * std::pow(h, 1.5) * std::pow(m.fastest, 0.8) * horizon;
+  const double held = 0.035 * m.gravity * std::pow(h, 1.5) * std::pow(m.omega_max, 0.8) * horizon;
   return m.held ? held : 0;
 }
 
@@ -204,8 +204,8 @@ int usual_substeps(double stability_limit, const SimulationSpec& spec, const Clo
   const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt);
   const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
-  const double most = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
-  return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), most)));
+  const double limit = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
+  return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), limit)));
 }
 
 /// A candidate with the substeps it would take.
@@ -254,7 +254,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
     while (is_off(n) && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
   }
   const std::optional<double> error = error_of(c, motion, dt / n);
-  const bool stable = n < max_substeps && motion.fastest * dt / n < stability_limit;
+  const bool stable = n < max_substeps && motion.omega_max * dt / n < stability_limit;
   const double cost = n * spec.frames_per_second * (step_cost + cost_of_contact(cloth, colliders));
   return {&c,
           n,
@@ -279,7 +279,7 @@ MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
     return c.method == spec.method;
   };
   const auto candidate = std::find_if(candidates().begin(), candidates().end(), steps_alike);
-  const double steps = spec.frames_per_second * spec.substeps.value_or(choice.least_substeps);
+  const double steps = spec.frames_per_second * spec.substeps.value_or(choice.min_substeps);
   choice.predicted_cost =
       steps * candidate->cost(cloth.num_springs() + cloth.num_bends(), cloth.num_points());
   choice.is_feasible = *choice.predicted_cost <= 1;
@@ -307,9 +307,9 @@ Offers best(Offers begin, Offers end) {
 Offers cheapest_and_stiff(Offers begin, Offers end) {
   const Offers cheapest = best<cheaper>(begin, end);
   if (!cheapest->candidate->softens) return cheapest;
-  const double most = alike * cheapest->cost;
+  const double max_cost = alike * cheapest->cost;
   const Offers stiff = std::stable_partition(
-      begin, end, [=](const Offer& o) { return o.cost <= most && !o.candidate->softens; });
+      begin, end, [=](const Offer& o) { return o.cost <= max_cost && !o.candidate->softens; });
   return best<cheaper>(begin, stiff == begin ? end : stiff);
 }
 

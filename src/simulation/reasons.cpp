@@ -28,11 +28,11 @@ const char* clause_of(Reason reason) {
       return "a frame failed before the state that was set";
     case Reason::beyond_stability:
       return "so few substeps are beyond the method's stability limit";
-    case Reason::newton_ran_out:
+    case Reason::newton_unconverged:
       return "Newton's method ran out of iterations";
     case Reason::limit_yields:
       return "the strain limit yields: colliders or holders pull with more than a step can carry";
-    case Reason::passes_ran_out:
+    case Reason::passes_unconverged:
       return "passes ran out before every spring was within its strain limit";
     case Reason::crosses_itself:
       return "the cloth crosses itself since its state was set, which untangle may mend:";

@@ -39,15 +39,15 @@ Simulator::Impl::Impl(const Scene& s) : scene(s), scene_values(live_values(s)) {
 StepReport Simulator::Impl::step() {
   const double dt = 1 / scene.simulation.frames_per_second;
   const State last_good = state;
-  course = {dt};
+  frame_context = {dt};
   if (!touches()) collider_contacts.reset();  // of colliders that are off now
   allow_work(dt);
-  StepReport report = succeed(last_good);
+  StepReport report = step_with_retries(last_good);
 
-  arrive();
+  snap_to_targets();
   is_given = disturbed = false;
   if (!grips.empty()) finish_grips(dt, last_good);
-  if (weighs_colliders) finish_colliders(dt);
+  if (measures_wrenches) finish_colliders(dt);
   state.time = last_good.time + dt;
   report.contacts = collider_contacts.count();
   if (self_contacts) report.contacts += self_contacts->count();
@@ -62,7 +62,7 @@ StepReport Simulator::Impl::step() {
   return report;
 }
 
-StepReport Simulator::Impl::succeed(const State& last_good) {
+StepReport Simulator::Impl::step_with_retries(const State& last_good) {
   const std::vector<MovingCollider> last_colliders = colliders;
   const Holders last_holders = holders;
   const bool was_disturbed = disturbed;
@@ -102,12 +102,12 @@ StepReport Simulator::Impl::succeed(const State& last_good) {
   }
 }
 
-void Simulator::Impl::arrive() {
+void Simulator::Impl::snap_to_targets() {
   holders.end_frame(state);
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
     if (holders.sticks(i)) state.velocities.row(pin_point(i)).setZero();
   }
-  for (MovingCollider& collider : colliders) collider.arrive();
+  for (MovingCollider& collider : colliders) collider.snap_to_target();
 }
 
 bool Simulator::Impl::recover() {
@@ -133,7 +133,7 @@ void Simulator::reset() { impl_->reset(); }
 void Simulator::move_collider(int index, const Pose& target) {
   check_place(target);
   const auto i = static_cast<std::size_t>(index);
-  impl_->colliders.at(i).aim(target * scene().colliders[i].offset, frame_duration());
+  impl_->colliders.at(i).set_target(target * scene().colliders[i].offset, frame_duration());
 }
 
 void Simulator::place_collider(int index, const Pose& pose) {

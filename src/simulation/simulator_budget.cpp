@@ -17,14 +17,14 @@ void Simulator::Impl::allow_work(double dt) {
   // From a state that the simulation came to, one in each pass of all substeps that there may be:
   // what is hit at 100 m/s takes a fifth of it.
   const double visits =
-      is_given ? visits_a_point + max_sweeps * least_substeps(dt) : max_sweeps * max_substeps;
+      is_given ? visits_a_point + max_passes * min_substeps(dt) : max_passes * max_substeps;
   budget.allow(cloth.num_points() * visits);
 }
 
-double Simulator::Impl::least_substeps(double dt) const {
+double Simulator::Impl::min_substeps(double dt) const {
   if (scene.simulation.substeps) return *scene.simulation.substeps;
   const double for_springs = dt * method->omega_max / method->stability_limit();
-  return std::clamp<double>(for_springs, method->choice.least_substeps, max_substeps);
+  return std::clamp<double>(for_springs, method->choice.min_substeps, max_substeps);
 }
 
 }  // namespace clothsim

@@ -16,11 +16,11 @@ namespace {
 /// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
 /// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
 /// seconds.
-constexpr int min_sweeps = 4;
-constexpr int min_sweeps_alone = 6;
+constexpr int min_passes = 4;
+constexpr int min_passes_alone = 6;
 
 /// Passes that repair what those have left, at most.
-constexpr int max_corrections = 600;
+constexpr int max_projection_passes = 600;
 
 /// Precision where only the limit acts.
 constexpr double precision_alone = 14;
@@ -77,7 +77,7 @@ void follow(Eigen::Index count, double way, const double* velocities, double* fo
 }
 
 /// Of the shortest spring, without springs of two neighbours [m]: what precision is a share of.
-double least_spacing(const Cloth& cloth) {
+double min_spacing(const Cloth& cloth) {
   if (!cloth.springs.empty() || cloth.num_points() < 2) return shortest_rest_length(cloth);
   return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
 }
@@ -85,126 +85,129 @@ double least_spacing(const Cloth& cloth) {
 }  // namespace
 
 void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
-  const double reach =
-      std::visit([&](const auto& m) { return m.reach(cloth.damping, h); }, method->integrator);
+  const double displacement_factor = std::visit(
+      [&](const auto& m) { return m.displacement_factor(cloth.damping, h); }, method->integrator);
   const double tolerance = scene.simulation.strain_tolerance;
-  const double length = tolerance * least_spacing(cloth);  // [m]
+  const double length = tolerance * min_spacing(cloth);  // [m]
   if (strain_limit) {
     // A frame ends within the limit, and nobody knows how fast colliders push out what is in them.
-    if (course.left <= h || course.recovers) strain_limit->wake();
-    strain_limit->predict(h, reach, state);
-    course.gives_way = course.gives_way || strain_limit->gives_way();
+    if (frame_context.left <= h || frame_context.recovers) strain_limit->wake();
+    strain_limit->warm_start(h, displacement_factor, state);
+    frame_context.gives_way = frame_context.gives_way || strain_limit->gives_way();
   }
-  if (!touches()) return limit_alone(inert, h, reach, length, report);
+  if (!touches()) return limit_alone(inert, h, displacement_factor, length, report);
 
   const SelfTouches touches_of_itself = [&](const auto& visit) {
     if (self_contacts) self_contacts->for_each_touch(visit);
   };
   followed = state.velocities;
-  const bool seeks = course.served == 0;
-  if (seeks) plan_search(h);
-  const ContactStep step = contact_step(h, reach, touches_of_itself);
+  const bool runs_detection = frame_context.steps_left == 0;
+  if (runs_detection) plan_detection(h);
+  const ContactStep step = contact_step(h, displacement_factor, touches_of_itself);
 
   // Impulses that keep points off colliders, the cloth off itself and springs within their limit:
   // first those of the last step, so that springs are held where all of them lead.
-  seeks ? begin_contact(step, report) : go_on_in_contact(step);
+  runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
-  follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
+  follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
          state.positions.data());
-  if (strain_limit) strain_limit->begin(cloth, reach, state, workers, &start_velocities);
-  if (seeks) course.closeness = precision_of(h, tolerance, length);
-  solve(seeks, report);
-  follow(followed.size(), reach * h, state.velocities.data(), followed.data(),
+  if (strain_limit) {
+    strain_limit->prepare(cloth, displacement_factor, state, workers, &start_velocities);
+  }
+  if (runs_detection) frame_context.closeness = precision_of(h, tolerance, length);
+  solve(runs_detection, report);
+  follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
-  if (self_contacts && seeks) by_impulses = state.positions;
+  if (self_contacts && runs_detection) by_impulses = state.positions;
 
   // What curvature and early stops have left in the positions.
-  if (strain_limit) repair(cloth, report);
+  if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
-    seeks ? collider_contacts.correct(colliders, cloth, start, state.positions)
-          : collider_contacts.correct_near(colliders, cloth, start, state.positions);
+    runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state.positions)
+                   : collider_contacts.project_near(colliders, cloth, start, state.positions);
   }
 
   // Whatever has moved the points, the cloth does not pass through itself.
-  if (self_contacts && seeks) guard(step, report);
-  seeks ? end_search(h) : count_way(h);
+  if (self_contacts && runs_detection) guard(step, report);
+  runs_detection ? end_detection(h) : count_displacement(h);
 }
 
-ContactStep Simulator::Impl::contact_step(double h, double reach,
+ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
                                           const SelfTouches& touches_of_itself) {
-  return {h,
-          reach,
-          start,
-          followed,
-          workers,
-          course.left,
-          std::max(scene.simulation.gravity.norm() + course.push, least_gravity),
-          collider_contacts.pace(),
-          colliders.empty() || course.served > 0 ? 0 : stretch_after(h),
-          &budget,
-          &touches_of_itself,
-          &start_velocities,
-          &collider_contacts.pinches().held(),
-          course.since > h ? &sought_at : nullptr,
-          course.since,
-          h * (course.planned + course.served),
-          course.may_go};
+  return {
+      h,
+      displacement_factor,
+      start,
+      followed,
+      workers,
+      frame_context.left,
+      std::max(scene.simulation.gravity.norm() + frame_context.external_acceleration, min_gravity),
+      collider_contacts.recovery_factor(),
+      colliders.empty() || frame_context.steps_left > 0 ? 0 : stretch_after(h),
+      &budget,
+      &touches_of_itself,
+      &start_velocities,
+      &collider_contacts.pinches().held(),
+      frame_context.since > h ? &detected_at : nullptr,
+      frame_context.since,
+      h * (frame_context.planned_steps + frame_context.steps_left),
+      frame_context.may_go};
 }
 
-void Simulator::Impl::go_on_in_contact(const ContactStep& step) {
-  if (self_contacts) self_contacts->go_on(cloth, step, state);
-  collider_contacts.go_on(colliders, cloth, step, state);
+void Simulator::Impl::refresh_contacts(const ContactStep& step) {
+  if (self_contacts) self_contacts->refresh(cloth, step, state);
+  collider_contacts.refresh(colliders, cloth, step, state);
 }
 
 void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
-  const int held_back = self_contacts->guard(cloth, step, by_impulses, state);
-  report.held_back += held_back;
+  const int truncated = self_contacts->guard(cloth, step, by_impulses, state);
+  report.held_back += truncated;
   // Not where more is asked of the limit than it can grant, nor where fingers hold on.
-  const bool may_repair =
+  const bool may_project =
       strain_limit && !strain_limit->gives_way() && collider_contacts.pinches().count() == 0;
-  if (held_back > 0 && may_repair) repair_beside_held(step, report);
+  if (truncated > 0 && may_project) project_beside_truncated(step, report);
 }
 
 /// Springs beside points that were held back hang on them. They are shortened, and this way is
 /// guarded like any other. It is no velocity.
-void Simulator::Impl::repair_beside_held(const ContactStep& step, StepReport& report) {
+void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepReport& report) {
   const State held = state;
-  shorten(cloth, passes_in_vain, report);
+  project_springs(cloth, passes_in_vain, report);
   if (!colliders.empty()) {
-    collider_contacts.correct_again(colliders, cloth, held.positions, state.positions);
+    collider_contacts.project_again(colliders, cloth, held.positions, state.positions);
   }
-  ContactStep way{step.h, step.reach, held.positions, step.drifted, step.workers};
+  ContactStep way{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
   way.budget = step.budget;
-  const Points repaired = state.positions;  // none of this is left out, as other repairs may be
-  self_contacts->guard(cloth, way, repaired, state);
+  const Points projected = state.positions;  // none of this is left out, as other repairs may be
+  self_contacts->guard(cloth, way, projected, state);
   state.velocities = held.velocities;
 }
 
-int Simulator::Impl::most_limit_sweeps() const {
-  return strain_limit && strain_limit->gives_way() ? passes_in_vain : max_sweeps;
+int Simulator::Impl::max_limit_passes() const {
+  return strain_limit && strain_limit->gives_way() ? passes_in_vain : max_passes;
 }
 
-void Simulator::Impl::limit_alone(const Cloth& inert, double h, double reach, double length,
-                                  StepReport& report) {
+void Simulator::Impl::limit_alone(const Cloth& inert, double h, double displacement_factor,
+                                  double length, StepReport& report) {
   const StrainLimit::Passes passes =
-      strain_limit->solve(inert, reach, length / precision_alone, min_sweeps_alone,
-                          most_limit_sweeps(), state, workers);
+      strain_limit->solve(inert, displacement_factor, length / precision_alone, min_passes_alone,
+                          max_limit_passes(), state, workers);
   report.sweeps += passes.count;
-  strain_limit->inertia().give_back(cloth, h, reach, state);
+  strain_limit->inertia().give_back(cloth, h, displacement_factor, state);
   strain_limit->learn_tension();
-  repair(inert, report);
+  project_positions(inert, report);
 }
 
-void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report) {
-  if (self_contacts) self_contacts->begin(cloth, step, state);
-  collider_contacts.begin(colliders, cloth, step, state);
+void Simulator::Impl::prepare_contacts(const ContactStep& step, StepReport& report) {
+  if (self_contacts) self_contacts->prepare(cloth, step, state);
+  collider_contacts.prepare(colliders, cloth, step, state);
   if (!colliders.empty()) spend(WorkBudget::point_on_colliders);
-  course.recovers = course.recovers || collider_contacts.recovers();
+  frame_context.recovers = frame_context.recovers || collider_contacts.recovers();
 
   Pinches& pinches = collider_contacts.pinches();
   if (pinches.count() == 0) return;
-  if (self_contacts) self_contacts->leave_to(pinches, state.velocities);
+  if (self_contacts) self_contacts->release_pinched(pinches, state.velocities);
   if (strain_limit) {
     Points pulls = Points::Zero(cloth.num_points(), 3);
     strain_limit->add_impulses(1, pulls);
@@ -219,7 +222,7 @@ void Simulator::Impl::begin_contact(const ContactStep& step, StepReport& report)
 
 Precision Simulator::Impl::precision_of(double h, double tolerance, double length) const {
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
-  const double at_rest = std::min(length / precision, calm * h);
+  const double at_rest = std::min(length / precision, rest_speed * h);
   Precision result;
   // What the limit leaves over keeps piles from coming to rest.
   result.stretch = std::max(length / precision, self_contacts ? 0 : moving);
@@ -229,56 +232,58 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
   return result;
 }
 
-void Simulator::Impl::solve(bool seeks, StepReport& report) {
-  const Precision& small = course.closeness;
+void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
+  const Precision& small = frame_context.closeness;
   // One pass solves points on colliders, which are alone, where kept impulses have the rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
-  const int least = seeks || is_limited || collider_contacts.has_faces() ? min_sweeps : 1;
+  const int required_passes =
+      runs_detection || is_limited || collider_contacts.has_faces() ? min_passes : 1;
   Pinches& pinches = collider_contacts.pinches();
-  const int limit_sweeps = most_limit_sweeps();
+  const int limit_passes = max_limit_passes();
   double stretching = 0, touched = std::numeric_limits<double>::infinity();
-  int sweeps = 0;
-  while (sweeps < max_sweeps) {
+  int passes = 0;
+  while (passes < max_passes) {
     double folding = 0;
-    if (strain_limit && sweeps < limit_sweeps) {
+    if (strain_limit && passes < limit_passes) {
       // Alone while springs change more than contacts last did: these take longer to go through.
-      const StrainLimit::Passes passes = strain_limit->sweep(
-          std::max(small.stretch, touched), limit_sweeps - sweeps, state.velocities, workers);
-      stretching = passes.change;
-      sweeps += passes.count;
+      const StrainLimit::Passes springs = strain_limit->solve_passes(
+          std::max(small.stretch, touched), limit_passes - passes, state.velocities, workers);
+      stretching = springs.change;
+      passes += springs.count;
       pinches.add_pulls(state.velocities);
     } else {
-      ++sweeps;
+      ++passes;
     }
     if (self_contacts) {
-      folding = self_contacts->sweep(small.unseen_fold, state.velocities, workers);
+      folding = self_contacts->solve_pass(small.unseen_fold, state.velocities, workers);
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
     }
     const double touching =
-        std::max(collider_contacts.sweep(state.velocities),
-                 holders.any_slips() ? course.h * holders.solve_pass(state.velocities) : 0);
+        std::max(collider_contacts.solve_pass(state.velocities),
+                 holders.any_slips() ? frame_context.h * holders.solve_pass(state.velocities) : 0);
     if (!colliders.empty()) spend(1);
     // What fingers hold, or the cloth itself, does not wait for springs.
     if (!self_contacts && pinches.count() == 0) touched = touching;
-    const bool limited = stretching <= small.stretch || sweeps >= limit_sweeps;
+    const bool limited = stretching <= small.stretch || passes >= limit_passes;
     const bool solved = limited && touching <= small.touch && folding <= small.fold;
     const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // so is the next pass
-    if ((solved && (sweeps >= least || is_still)) || budget.is_spent()) break;
+    if ((solved && (passes >= required_passes || is_still)) || budget.is_spent()) break;
   }
-  report.sweeps += sweeps;
+  report.sweeps += passes;
   report.slipping = pinches.slipping();
 }
 
-int Simulator::Impl::shorten(const Cloth& inert, int most, StepReport& report) {
-  const int passes = strain_limit->correct(inert, scene.simulation.strain_tolerance, most,
-                                           state.positions, workers);
+int Simulator::Impl::project_springs(const Cloth& inert, int pass_limit, StepReport& report) {
+  const int passes = strain_limit->project_positions(inert, scene.simulation.strain_tolerance,
+                                                     pass_limit, state.positions, workers);
   report.corrections += passes;
   return passes;
 }
 
-void Simulator::Impl::repair(const Cloth& inert, StepReport& report) {
-  const int passes = shorten(inert, max_corrections, report);
-  course.repairs_ran_out = course.repairs_ran_out || passes == max_corrections;
+void Simulator::Impl::project_positions(const Cloth& inert, StepReport& report) {
+  const int passes = project_springs(inert, max_projection_passes, report);
+  frame_context.projection_unconverged =
+      frame_context.projection_unconverged || passes == max_projection_passes;
 }
 
 }  // namespace clothsim

@@ -12,22 +12,22 @@ constexpr Range force_range{-1e6, 1e6, "N"};
 
 }  // namespace
 
-void Simulator::Impl::push(const Cloth& inert, double h) {
-  if (pushes.rows() == 0) return;
-  state.velocities += h * (pushes.array().colwise() * inert.inv_mass.array()).matrix();
-  if (!holders.empty()) impulses += h * pushes;
+void Simulator::Impl::apply_external_forces(const Cloth& inert, double h) {
+  if (external_forces.rows() == 0) return;
+  state.velocities += h * (external_forces.array().colwise() * inert.inv_mass.array()).matrix();
+  if (!holders.empty()) impulses += h * external_forces;
   // It takes such points by implicit Euler's formula: all of them, or momentum does not balance.
   if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->forget();
 }
 
-double Simulator::Impl::strongest_push() const {
-  if (pushes.rows() == 0) return 0;
-  return (pushes.rowwise().norm().array() * cloth.inv_mass.array()).maxCoeff();
+double Simulator::Impl::max_external_acceleration() const {
+  if (external_forces.rows() == 0) return 0;
+  return (external_forces.rowwise().norm().array() * cloth.inv_mass.array()).maxCoeff();
 }
 
-double Simulator::Impl::work_of_pushes(double dt, const State& before) const {
-  if (pushes.rows() == 0) return 0;
-  const Scalars strength = pushes.rowwise().norm();
+double Simulator::Impl::work_of_external_forces(double dt, const State& before) const {
+  if (external_forces.rows() == 0) return 0;
+  const Scalars strength = external_forces.rowwise().norm();
   const Scalars ways = (state.positions - before.positions).rowwise().norm();
   const auto from_rest = dt * dt * strength.array().square() * cloth.inv_mass.array();
   return (strength.array() * ways.array() + from_rest).sum();
@@ -35,7 +35,7 @@ double Simulator::Impl::work_of_pushes(double dt, const State& before) const {
 
 void Simulator::set_forces(const Points& forces) {
   if (forces.rows() == 0) {
-    impl_->pushes = forces;
+    impl_->external_forces = forces;
     return;
   }
   if (forces.rows() != cloth().num_points()) {
@@ -47,10 +47,10 @@ void Simulator::set_forces(const Points& forces) {
       check_range(std::to_string(i), Vector3(forces.row(i).transpose()), force_range);
     }
   });
-  impl_->pushes = forces;
+  impl_->external_forces = forces;
 }
 
-const Points& Simulator::forces() const { return impl_->pushes; }
+const Points& Simulator::forces() const { return impl_->external_forces; }
 
 std::vector<double> Simulator::tensions() const {
   const State& now = state();

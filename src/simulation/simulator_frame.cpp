@@ -35,26 +35,30 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   const int recoveries = report.recoveries;  // all else is of this try
   report = {};
   report.recoveries = recoveries;
-  course = {course.dt};
-  course.push = strongest_push();
-  course.is_apart = may_be_apart && has_colliders() && is_out_of_reach();
-  if (course.is_apart) collider_contacts.reset();
+  frame_context = {frame_context.dt};
+  frame_context.external_acceleration = max_external_acceleration();
+  frame_context.is_apart = may_be_apart && has_colliders() && is_out_of_reach();
+  if (frame_context.is_apart) collider_contacts.reset();
   if (has_air()) {
     const SimulationSpec& spec = scene.simulation;
-    course.wind =
+    frame_context.wind =
         wind_at(spec.wind.value_or(Vector3::Zero()), {spec.gusts, spec.seed}, before.time);
   }
   const int steps = first_substeps();
   report.method = method->choice.method;
   report.predicted_error = method->choice.predicted_error;
   report.reasons = method->choice.reasons;
-  const bool is_unstable = scene.simulation.substeps && is_beyond_stability(course.dt / steps);
+  const bool is_unstable =
+      scene.simulation.substeps && is_beyond_stability(frame_context.dt / steps);
   if (is_unstable) report.reasons.add(Reason::beyond_stability);
-  if (has_colliders() && !course.is_apart) course.stretch = worst_stretch(cloth, state.positions);
+  if (has_colliders() && !frame_context.is_apart) {
+    frame_context.stretch = worst_stretch(cloth, state.positions);
+  }
 
-  set_out();
+  begin_frame();
   if (!take_substeps(steps, before, report) || !is_good(state)) return Outcome::failed;
-  if (course.is_apart && longest_way(before.positions, state.positions) > course.allowed_way) {
+  if (frame_context.is_apart &&
+      longest_way(before.positions, state.positions) > frame_context.allowed_way) {
     return Outcome::went_too_far;
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
@@ -62,17 +66,18 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   return is_explained(before, report) ? Outcome::good : Outcome::failed;
 }
 
-void Simulator::Impl::set_out() {
-  if (!holders.empty()) holders.begin_frame(hold_targets(), course.dt, state);
+void Simulator::Impl::begin_frame() {
+  if (!holders.empty()) holders.begin_frame(hold_targets(), frame_context.dt, state);
   if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
-  if (strain_limit) strain_limit->set_out(speed_given());
-  if (weighs_colliders) collider_impulses.assign(colliders.size(), {});
+  if (strain_limit) strain_limit->begin_frame(speed_given());
+  if (measures_wrenches) collider_impulses.assign(colliders.size(), {});
 }
 
 double Simulator::Impl::speed_given() const {
   const double by_air = has_air() ? air_speed() : 0;
-  return (scene.simulation.gravity.norm() + course.push) * course.dt + course.approach_speed +
-         by_air;
+  return (scene.simulation.gravity.norm() + frame_context.external_acceleration) *
+             frame_context.dt +
+         frame_context.approach_speed + by_air;
 }
 
 bool Simulator::Impl::is_still() const {
@@ -85,39 +90,39 @@ bool Simulator::Impl::is_still() const {
 }
 
 int Simulator::Impl::first_substeps() {
-  const double dt = course.dt;
-  course.approach_speed = contact_speed();
-  int least = substeps_at_speed(cloth, course.approach_speed, dt);
-  course.is_fast = least > 1;
+  const double dt = frame_context.dt;
+  frame_context.approach_speed = contact_speed();
+  int min_steps = substeps_at_speed(cloth, frame_context.approach_speed, dt);
+  frame_context.is_fast = min_steps > 1;
   if (follows_tension()) {
-    least = substeps_under_tension(dt, least);
-    if (!collider_contacts.recovers()) least = std::max(least, substeps_for_parting(dt));
+    min_steps = substeps_under_tension(dt, min_steps);
+    if (!collider_contacts.recovers()) min_steps = std::max(min_steps, substeps_for_parting(dt));
   }
   if (has_air()) {
     // Air takes no more than all of the velocity against it in a substep.
     const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
     const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
-    least = std::max(least, static_cast<int>(steps));
+    min_steps = std::max(min_steps, static_cast<int>(steps));
   }
-  course.motion_step = dt / least;
-  return method->substeps(scene.simulation, cloth, state.positions, least, workers);
+  frame_context.motion_step = dt / min_steps;
+  return method->substeps(scene.simulation, cloth, state.positions, min_steps, workers);
 }
 
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
-  int held_back = 0;
-  for (double h = course.dt / steps; steps > 0; --steps, ++report.substeps) {
+  int truncated = 0;
+  for (double h = frame_context.dt / steps; steps > 0; --steps, ++report.substeps) {
     // More and shorter ones where tension has come, or layers went too far for their contacts.
-    course.left = h * steps;
+    frame_context.left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
-    int needed = looks_again ? substeps_under_tension(course.left, steps) : steps;
-    if (report.held_back > held_back && outruns_contacts(h, report)) {
+    int needed = looks_again ? substeps_under_tension(frame_context.left, steps) : steps;
+    if (report.held_back > truncated && outruns_contacts(h, report)) {
       needed = std::max(needed, std::min(2 * steps, max_substeps));
     }
-    held_back = report.held_back;
+    truncated = report.held_back;
     if (needed > steps) {
-      course.motion_step = h = course.left / (steps = needed);
-      course.served = 0;
+      frame_context.motion_step = h = frame_context.left / (steps = needed);
+      frame_context.steps_left = 0;
     }
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
@@ -134,28 +139,31 @@ bool Simulator::Impl::outruns_contacts(double h, const StepReport& report) const
 
 void Simulator::Impl::tell_reasons(StepReport& report) const {
   if (report.ran_out > 0) {
-    report.reasons.add(Reason::newton_ran_out, "in " + std::to_string(report.ran_out) + " of " +
-                                                   std::to_string(report.substeps) + " substeps");
+    report.reasons.add(Reason::newton_unconverged, "in " + std::to_string(report.ran_out) + " of " +
+                                                       std::to_string(report.substeps) +
+                                                       " substeps");
   }
-  if (course.gives_way) report.reasons.add(Reason::limit_yields);
-  if (course.repairs_ran_out ||
+  if (frame_context.gives_way) report.reasons.add(Reason::limit_yields);
+  if (frame_context.projection_unconverged ||
       (strain_limit && strain_limit->is_beyond_repair(report.worst_stretch))) {
-    report.reasons.add(Reason::passes_ran_out);
+    report.reasons.add(Reason::passes_unconverged);
   }
 }
 
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
   // A limit that gives way pulls with more than a step can carry: no fault of the method, but for
   // speeds that no pull explains.
-  const bool may_be_pulled = course.gives_way && !report.reasons.has(Reason::beyond_stability) &&
-                             longest_row(state.velocities) < fastest_given;
+  const bool may_be_pulled = frame_context.gives_way &&
+                             !report.reasons.has(Reason::beyond_stability) &&
+                             longest_row(state.velocities) < max_given_speed;
   if (disturbed || may_be_pulled) {
     energy_watch.restart();
     return true;
   }
-  return energy_watch.accepts(cloth, scene.simulation.gravity, course.dt, before, state, colliders,
-                              course.recovers ? recovery_speed : 0, course.wind.norm(),
-                              work_of_pushes(course.dt, before) + holders.work());
+  return energy_watch.accepts(cloth, scene.simulation.gravity, frame_context.dt, before, state,
+                              colliders, frame_context.recovers ? recovery_speed : 0,
+                              frame_context.wind.norm(),
+                              work_of_external_forces(frame_context.dt, before) + holders.work());
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -169,20 +177,20 @@ bool Simulator::Impl::follows_tension() const {
   return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
 }
 
-int Simulator::Impl::substeps_under_tension(double dt, int least) const {
+int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
   const Vector3& gravity = scene.simulation.gravity;
   // What is being pushed out of a collider is no tension: as many as follow the whole weight.
   if (collider_contacts.recovers()) {
-    return std::max(least, substeps_at_weight(cloth, gravity, dt));
+    return std::max(min_steps, substeps_at_weight(cloth, gravity, dt));
   }
   const TensionInertia& inertia = strain_limit->inertia();
   if (touches()) {
     const bool is_smooth =
         !self_contacts && !holders.any_slips() && !collider_contacts.has_edges(colliders, cloth);
-    return substeps_at_tension(cloth, strongest_pull(), inertia.frequency(cloth), dt, least,
+    return substeps_at_tension(cloth, strongest_pull(), inertia.frequency(cloth), dt, min_steps,
                                is_smooth);
   }
-  return substeps_at_share(cloth, gravity, inertia.share(dt), dt, least);
+  return substeps_at_mass_ratio(cloth, gravity, inertia.mass_ratio(dt), dt, min_steps);
 }
 
 double Simulator::Impl::strongest_pull() const {
@@ -191,7 +199,7 @@ double Simulator::Impl::strongest_pull() const {
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {
-  return substeps_at_parting(cloth, state.velocities, dt, method->choice.least_substeps);
+  return substeps_at_parting(cloth, state.velocities, dt, method->choice.min_substeps);
 }
 
 bool Simulator::Impl::is_out_of_reach() {
@@ -200,13 +208,14 @@ bool Simulator::Impl::is_out_of_reach() {
   // What pins and springs do beside what it does by itself, hardly ever is as much and an edge
   // more.
   const double edge = shortest_rest_length(cloth);
-  const double pull = scene.simulation.gravity.norm() + course.push;
-  const double own = longest_row(state.velocities) + pull * course.dt;
-  course.allowed_way = 2 * own * course.dt + edge;
+  const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
+  const double own = longest_row(state.velocities) + pull * frame_context.dt;
+  frame_context.allowed_way = 2 * own * frame_context.dt + edge;
   // Contact begins that much before the surfaces meet.
   const double apart = edge + cloth.thickness;
   return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
-    return collider.reaches(box, apart + course.allowed_way + collider.fastest_in(box) * course.dt);
+    return collider.reaches(
+        box, apart + frame_context.allowed_way + collider.max_speed_in(box) * frame_context.dt);
   });
 }
 
@@ -215,73 +224,82 @@ double Simulator::Impl::contact_speed() const {
   const double own = longest_row(state.velocities);
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
-  const double pull = scene.simulation.gravity.norm() + course.push;
-  const double fall = pull * course.dt / 2;  // of the frame itself
-  double fastest = 0;
+  const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
+  const double fall = pull * frame_context.dt / 2;  // of the frame itself
+  double max_speed = 0;
   for (const MovingCollider& collider : colliders) {
-    const double speed = own + collider.fastest_in(box);
-    if (collider.reaches(box, (speed + fall) * course.dt)) fastest = std::max(fastest, speed);
+    const double speed = own + collider.max_speed_in(box);
+    if (collider.reaches(box, (speed + fall) * frame_context.dt)) {
+      max_speed = std::max(max_speed, speed);
+    }
   }
-  return fastest;
+  return max_speed;
 }
 
-const Cloth& Simulator::Impl::weigh(double h) {
+const Cloth& Simulator::Impl::add_tension_mass(double h) {
   // Implicit methods hold tension by themselves. Where contact passes impacts on, steps follow it:
   // with inertia piles that are hit keep knots.
   if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
-  strain_limit->inertia().weigh(cloth, h, state, weighed.inv_mass);
-  return weighed;
+  strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
+  return cloth_with_tension_mass;
 }
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
-  course.h = h;
+  frame_context.h = h;
   if (touches()) {
     for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
     start_velocities = state.velocities;
-    if (self_contacts && course.served > 0 && course.since == 0) sought_at = start;
-    course.since += h;
+    if (self_contacts && frame_context.steps_left > 0 && frame_context.since == 0) {
+      detected_at = start;
+    }
+    frame_context.since += h;
   }
   if (!holders.empty()) {
     impulses.resize(cloth.num_points(), 3);
     holders.clear_rows(impulses);
-    const bool seen = !course.is_apart && has_colliders();
+    const bool seen = !frame_context.is_apart && has_colliders();
     if (holders.begin_substep(h, cloth, seen ? colliders : no_colliders, state.positions)) {
       follow_holders();
     }
   }
 
-  if (has_air()) blow(h);
+  if (has_air()) apply_wind(h);
   const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
-  const Cloth& inert = weigh(h);
-  if (&inert == &weighed) {
-    report.added_mass = std::max(report.added_mass, strain_limit->inertia().share(h));
+  const Cloth& inert = add_tension_mass(h);
+  if (&inert == &cloth_with_tension_mass) {
+    report.added_mass = std::max(report.added_mass, strain_limit->inertia().mass_ratio(h));
   }
   // Half of the pushes before and half after: a point that nothing else acts on moves as it must.
-  push(inert, h / 2);
+  apply_external_forces(inert, h / 2);
   std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
-  push(inert, h / 2);
+  apply_external_forces(inert, h / 2);
   last_substep = h;
-  report.ran_out += std::visit([](const auto& m) { return m.ran_out(); }, method->integrator);
+  report.ran_out += std::visit([](const auto& m) { return m.unconverged(); }, method->integrator);
   spend(1);
 
-  if (touches() && course.served == 0 && !is_good(state)) return false;  // numbers to sort by
+  if (touches() && frame_context.steps_left == 0 && !is_good(state)) {
+    return false;  // numbers to sort by
+  }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!holders.empty()) judge_holders(h);
-  if (weighs_colliders) add_collider_impulses(h);
+  if (measures_wrenches) add_collider_impulses(h);
   return !budget.is_spent();
 }
 
 double Simulator::Impl::stretch_after(double h) const {
-  if (course.approach_speed == 0) return course.stretch;
-  const bool is_kept = strain_limit && substeps_at_speed(cloth, course.approach_speed, h) == 1;
-  if (is_kept) return course.stretch;  // the limit takes back what so little parts
-  const double so_far = course.is_fast ? worst_stretch(cloth, state.positions) : course.stretch;
-  return so_far + course.approach_speed * h / shortest_rest_length(cloth);
+  if (frame_context.approach_speed == 0) return frame_context.stretch;
+  const bool is_kept =
+      strain_limit && substeps_at_speed(cloth, frame_context.approach_speed, h) == 1;
+  if (is_kept) return frame_context.stretch;  // the limit takes back what so little parts
+  const double so_far =
+      frame_context.is_fast ? worst_stretch(cloth, state.positions) : frame_context.stretch;
+  return so_far + frame_context.approach_speed * h / shortest_rest_length(cloth);
 }
 
-void Simulator::Impl::blow(double h) {
-  const Points& forces = air.compute(cloth, scene.cloth.material.drag, course.wind, state, workers);
+void Simulator::Impl::apply_wind(double h) {
+  const Points& forces =
+      air.compute(cloth, scene.cloth.material.drag, frame_context.wind, state, workers);
   state.velocities += h * (forces.array().colwise() * cloth.inv_mass.array()).matrix();
   if (!holders.empty()) impulses += h * forces;
 }

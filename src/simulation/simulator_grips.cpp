@@ -41,14 +41,14 @@ void Simulator::Impl::hold_points() {
   for (const auto& [frame, grip] : grips.all()) strengths.push_back(grip.strength);
   holders.hold(holds, strengths, cloth, scene.simulation.gravity.norm(), state.positions);
   follow_holders();
-  if (self_contacts) self_contacts->seek_anew();
+  if (self_contacts) self_contacts->restart_detection();
   disturbed = true;
 }
 
 void Simulator::Impl::follow_holders() {
   for (int i = 0; i < cloth.num_points(); ++i) cloth.inv_mass[i] = 1 / cloth.mass[i];
   holders.apply(cloth);
-  course.served = course.planned = 0;
+  frame_context.steps_left = frame_context.planned_steps = 0;
 }
 
 std::vector<Vector3> Simulator::Impl::hold_targets() const {
@@ -152,12 +152,12 @@ void Simulator::move_grip(const std::string& frame, const Pose& target) {
 
 const std::map<std::string, Grip>& Simulator::grips() const { return impl_->grips.all(); }
 
-void Simulator::weigh_colliders(bool asks) {
-  impl_->weighs_colliders = asks;
+void Simulator::measure_wrenches(bool asks) {
+  impl_->measures_wrenches = asks;
   if (!asks) impl_->collider_wrenches.assign(impl_->colliders.size(), {});
 }
 
-bool Simulator::weighs_colliders() const { return impl_->weighs_colliders; }
+bool Simulator::measures_wrenches() const { return impl_->measures_wrenches; }
 
 const std::vector<Wrench>& Simulator::collider_wrenches() const { return impl_->collider_wrenches; }
 

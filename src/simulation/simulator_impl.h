@@ -31,7 +31,7 @@ inline constexpr const char* refuge = ImplicitEuler::name;
 inline constexpr double farthest = place_range.max;
 
 /// Passes over the constraints in a substep, at most: met only in a shock.
-inline constexpr int max_sweeps = 200;
+inline constexpr int max_passes = 200;
 
 /// How a scene with `cloth` is integrated, and by what.
 struct Method {
@@ -45,7 +45,7 @@ struct Method {
                int at_speed = 1, const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
     return count_substeps(cloth, spec.gravity, positions, stability_limit(),
-                          1 / spec.frames_per_second, std::max(choice.least_substeps, at_speed),
+                          1 / spec.frames_per_second, std::max(choice.min_substeps, at_speed),
                           workers, omega_max);
   }
 
@@ -65,7 +65,7 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
   spec.method = refuge;
   Method method(spec, cloth, colliders);
   method.choice.reasons = reasons;
-  method.choice.least_substeps = 1;
+  method.choice.min_substeps = 1;
   return method;
 }
 
@@ -78,29 +78,29 @@ struct Precision {
 };
 
 /// What one try of a frame goes by.
-struct FrameCourse {
+struct FrameContext {
   double dt = 0;           // [s]
   double h = 0;            // of the substep at hand [s]
   double left = 0;         // of it, with the substep at hand [s]
   double motion_step = 0;  // what all but the springs ask for [s]
   // Of substeps that go on with what an earlier one found, see simulator_search.cpp.
-  int planned = 0;               // those that what is sought in this one is for, with it
-  int served = 0;                // those that are left of it
-  double since = 0;              // it was sought, with the one at hand [s]
-  double gone = 0;               // by a point and a collider since then, at most [m]
-  double may_go = 0;             // as much until it is sought anew [m]
-  double collider_speed = 0;     // fastest that may be met until then [m/s]
-  Precision closeness = {};      // that they are solved to
-  bool is_apart = false;         // nothing is looked for at colliders
-  double allowed_way = 0;        // of points, where it is [m]
-  double approach_speed = 0;     // of what it may touch against the cloth [m/s]
-  bool is_fast = false;          // with that, springs may be parted within the frame
-  double stretch = 0;            // worst as it began, where colliders ask for it
-  Vector3 wind{0, 0, 0};         // [m/s], where there is air
-  double push = 0;               // most that forces from outside give a point [m/s^2]
-  bool recovers = false;         // colliders have pushed out what was in them
-  bool repairs_ran_out = false;  // before all springs were within their limit
-  bool gives_way = false;        // the strain limit, in any substep
+  int planned_steps = 0;                // those that what is sought in this one is for, with it
+  int steps_left = 0;                   // those that are left of it
+  double since = 0;                     // it was sought, with the one at hand [s]
+  double gone = 0;                      // by a point and a collider since then, at most [m]
+  double may_go = 0;                    // as much until it is sought anew [m]
+  double collider_speed = 0;            // fastest that may be met until then [m/s]
+  Precision closeness = {};             // that they are solved to
+  bool is_apart = false;                // nothing is looked for at colliders
+  double allowed_way = 0;               // of points, where it is [m]
+  double approach_speed = 0;            // of what it may touch against the cloth [m/s]
+  bool is_fast = false;                 // with that, springs may be parted within the frame
+  double stretch = 0;                   // worst as it began, where colliders ask for it
+  Vector3 wind{0, 0, 0};                // [m/s], where there is air
+  double external_acceleration = 0;     // most that forces from outside give a point [m/s^2]
+  bool recovers = false;                // colliders have pushed out what was in them
+  bool projection_unconverged = false;  // before all springs were within their limit
+  bool gives_way = false;               // the strain limit, in any substep
 };
 
 /// How a try of a frame ended.
@@ -128,7 +128,7 @@ struct Simulator::Impl {
       colliders[i].enable(scene.colliders[i].enabled);
     }
     collider_wrenches.assign(colliders.size(), {});
-    pushes.resize(0, 3);
+    external_forces.resize(0, 3);
     last_substep = 0;
     forget();
     disturbed = is_given = false;
@@ -174,7 +174,7 @@ struct Simulator::Impl {
     strain_limit.reset();
     if (!cloth.strain_limit || cloth.springs.empty()) return;
     strain_limit.emplace(cloth, &budget);
-    weighed = cloth;
+    cloth_with_tension_mass = cloth;
   }
 
   int pin_point(std::size_t pin) const {
@@ -224,14 +224,14 @@ struct Simulator::Impl {
 
   StepReport step();
   /// Tries a frame until it succeeds. Throws Diverged where nothing is left to try.
-  StepReport succeed(const State& last_good);
+  StepReport step_with_retries(const State& last_good);
   /// One frame; whether it `may_be_apart` from colliders.
   Outcome frame(bool may_be_apart, const State& before, StepReport&);
   /// Pins and what is attached set out for where they must be at the frame's end.
-  void set_out();
+  void begin_frame();
   /// Pins and colliders arrive there, to the last bit. Pins that slip, or that the cloth itself
   /// blocks, stop short.
-  void arrive();
+  void snap_to_targets();
   /// Substeps that the frame begins with.
   int first_substeps();
   /// False where the state has left the finite numbers, or the budget is spent.
@@ -250,79 +250,81 @@ struct Simulator::Impl {
   /// False where the state has left the finite numbers, or the budget is spent.
   bool substep(double h, StepReport&);
   /// Plans how many substeps of h [s] what is near now is for, with this one.
-  void plan_search(double h);
+  void plan_detection(double h);
   /// How far points and colliders may go, together, before they meet what was not near [m]. Sets
   /// the speed of these colliders.
-  double most_unsought();
+  double max_undetected();
   /// After one of h [s] that sought, and one that went on: do others?
-  void end_search(double h);
-  void count_way(double h);
-  bool may_go_on(double h) const;
+  void end_detection(double h);
+  void count_displacement(double h);
+  bool may_skip_detection(double h) const;
   /// May others go on at all? Not where springs are at their limit, nor while colliders push out or
   /// pinch: steps follow what they ask of each other.
   bool is_settled() const;
   /// Fastest of a point with these velocities and a collider [m/s].
-  double fastest(const Points& velocities) const {
-    return longest_row(velocities) + course.collider_speed;
+  double max_speed(const Points& velocities) const {
+    return longest_row(velocities) + frame_context.collider_speed;
   }
   /// What contacts go by in a substep of h [s].
-  ContactStep contact_step(double h, double reach, const SelfTouches&);
+  ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
   /// The same where the cloth can touch nothing, to `length` [m] of strain.
-  void limit_alone(const Cloth& inert, double h, double reach, double length, StepReport&);
+  void limit_alone(const Cloth& inert, double h, double displacement_factor, double length,
+                   StepReport&);
   /// Goes on with what was near before: aims anew what pushes, and gives it its impulses.
-  void go_on_in_contact(const ContactStep&);
+  void refresh_contacts(const ContactStep&);
   /// Finds what touches, and gives it the last step's impulses.
-  void begin_contact(const ContactStep&, StepReport&);
+  void prepare_contacts(const ContactStep&, StepReport&);
   /// How closely to solve a step of h [s], to a `tolerance` of strain and its `length` [m].
   Precision precision_of(double h, double tolerance, double length) const;
   /// Passes over all constraints until they change next to nothing.
-  void solve(bool seeks, StepReport&);
+  void solve(bool runs_detection, StepReport&);
   /// Passes over the strain limit in a substep, at most.
-  int most_limit_sweeps() const;
+  int max_limit_passes() const;
   /// Takes from the frame's budget so many visits to each point.
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
   }
   /// Gives the points what air does in h [s].
-  void blow(double h);
+  void apply_wind(double h);
   /// Gives the points, with the inertia of this step, what forces from outside do in h [s].
-  void push(const Cloth& inert, double h);
+  void apply_external_forces(const Cloth& inert, double h);
   /// Most that these give a point [m/s^2].
-  double strongest_push() const;
+  double max_external_acceleration() const;
   /// Most that these can have done in a frame of dt [s] [J].
-  double work_of_pushes(double dt, const State& before) const;
+  double work_of_external_forces(double dt, const State& before) const;
 
   /// How far springs may be stretched at the end of a substep of `h` [s], l / L0 - 1: as they are,
   /// and what colliders may part their ends by meanwhile.
   double stretch_after(double h) const;
   bool has_air() const { return scene.simulation.wind || scene.simulation.gusts > 0; }
   /// Fastest that the wind of this frame and the cloth move against each other [m/s].
-  double air_speed() const { return course.wind.norm() + longest_row(state.velocities); }
-  /// Shortens the springs that are over their limit. Returns the passes taken, at most `most`.
-  int shorten(const Cloth&, int most, StepReport&);
+  double air_speed() const { return frame_context.wind.norm() + longest_row(state.velocities); }
+  /// Shortens the springs that are over their limit. Returns the passes taken, at most
+  /// `pass_limit`.
+  int project_springs(const Cloth&, int pass_limit, StepReport&);
   /// Shortens what is left over its limit.
-  void repair(const Cloth&, StepReport&);
+  void project_positions(const Cloth&, StepReport&);
   /// Holds back what would cross itself, and repairs what hangs on that.
   void guard(const ContactStep&, StepReport&);
-  void repair_beside_held(const ContactStep&, StepReport&);
+  void project_beside_truncated(const ContactStep&, StepReport&);
   /// Sets the budget of a frame of dt [s], with all that is tried but Newton's steps, of which the
   /// method has a most of its own.
   void allow_work(double dt);
   /// Substeps of a frame of dt [s] that the scene or its springs ask for, whatever the state.
-  double least_substeps(double dt) const;
+  double min_substeps(double dt) const;
   /// Whether steps of h [s] leave the method's limit for the springs as they are.
   bool is_beyond_stability(double h) const;
   /// Do substeps follow tension?
   bool follows_tension() const;
-  /// Substeps of `dt` [s] that the tension of now asks for, at least `least`.
-  int substeps_under_tension(double dt, int least) const;
+  /// Substeps of `dt` [s] that the tension of now asks for, at least `min_steps`.
+  int substeps_under_tension(double dt, int min_steps) const;
   /// Substeps of a frame that springs which part fast need, where their limit can hold them.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything in this frame?
   bool touches() const { return self_contacts || touches_others() || holders.any_slips(); }
-  bool touches_others() const { return !course.is_apart && has_colliders(); }
+  bool touches_others() const { return !frame_context.is_apart && has_colliders(); }
   /// Is no point pinned or attached?
   bool is_free() const { return holders.empty(); }
   bool has_colliders() const {
@@ -333,7 +335,7 @@ struct Simulator::Impl {
   /// than they are allowed to, which this sets?
   bool is_out_of_reach();
   /// The cloth with the inertia that tension adds in a step of h [s].
-  const Cloth& weigh(double h);
+  const Cloth& add_tension_mass(double h);
   /// A frame in which neither colliders move, nor pins or grips?
   bool is_still() const;
   /// What gravity, colliders and air may give a point in this frame, at most [m/s].
@@ -344,7 +346,7 @@ struct Simulator::Impl {
   Scene scene;
   LiveSpec scene_values;  // live values as the scene came with them
   Cloth cloth;
-  Cloth weighed;  // with the inertia that tension adds; empty without strain limit
+  Cloth cloth_with_tension_mass;  // with the inertia that tension adds; empty without strain limit
   State state;
   std::optional<Method> method;
   std::optional<StrainLimit> strain_limit;
@@ -355,22 +357,22 @@ struct Simulator::Impl {
   std::vector<Vector3> pin_targets;
   Grips grips;
   Holders holders;  // of pins, then grips
-  bool weighs_colliders = false;
+  bool measures_wrenches = false;
   std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where these are weighed
   std::vector<Wrench> collider_wrenches;  // of the last frame
   EnergyWatch energy_watch;
   WorkBudget budget;  // left of a frame's
   AirForces air;
-  Points pushes;                         // forces on points from outside [N], N x 3; no rows: none
+  Points external_forces;                // forces on points from outside [N], N x 3; no rows: none
   double last_substep = 0;               // [s]; 0: none since the last reset
   std::function<bool()> is_interrupted;  // none: nobody asks
   unsigned topology_seq = 0;
 
-  FrameCourse course;
+  FrameContext frame_context;
   bool disturbed = false;   // by a jump since the last frame
   bool is_given = false;    // state that was set: it may be anything
   int given_crossings = 0;  // of triangles, left of such a state
-  Points sought_at;         // positions when contacts were sought that others went on with
+  Points detected_at;       // positions when contacts were sought that others went on with
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]
   Points followed;          // velocities that have moved the points, where contact needs them

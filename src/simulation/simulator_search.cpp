@@ -20,56 +20,58 @@ bool Simulator::Impl::is_settled() const {
          !holders.any_slips();
 }
 
-void Simulator::Impl::plan_search(double h) {
-  course.planned = 1;
-  course.may_go = course.collider_speed = 0;
+void Simulator::Impl::plan_detection(double h) {
+  frame_context.planned_steps = 1;
+  frame_context.may_go = frame_context.collider_speed = 0;
   // What a scene names, or a method bears, is for all.
   const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
-  const double longest = std::min(longest_step, course.motion_step);
+  const double longest = std::min(longest_step, frame_context.motion_step);
   if (has_own_step || 2 * h > longest || !is_settled()) return;
 
-  const double most = most_unsought();
-  const double speed = fastest(start_velocities);
-  const double time = std::min(longest, most / speed);
-  const double until_last = std::round(course.left / h) - 1;
-  course.planned = static_cast<int>(std::max(1.0, std::min(time / h, until_last)));
-  if (course.planned > 1) course.may_go = std::min(most, 2 * h * course.planned * speed);
+  const double max_way = max_undetected();
+  const double speed = max_speed(start_velocities);
+  const double time = std::min(longest, max_way / speed);
+  const double until_last = std::round(frame_context.left / h) - 1;
+  frame_context.planned_steps = static_cast<int>(std::max(1.0, std::min(time / h, until_last)));
+  if (frame_context.planned_steps > 1) {
+    frame_context.may_go = std::min(max_way, 2 * h * frame_context.planned_steps * speed);
+  }
 }
 
-double Simulator::Impl::most_unsought() {
-  double most = way_share * shortest_rest_length(cloth);
-  if (self_contacts) most = std::min(most, 2 * cloth.thickness);
-  if (!std::isfinite(most)) return 0;
+double Simulator::Impl::max_undetected() {
+  double max_way = way_share * shortest_rest_length(cloth);
+  if (self_contacts) max_way = std::min(max_way, 2 * cloth.thickness);
+  if (!std::isfinite(max_way)) return 0;
 
-  const Vector3 way = Vector3::Constant(most);
+  const Vector3 way = Vector3::Constant(max_way);
   const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose() - way,
                                 state.positions.colwise().maxCoeff().transpose() + way);
   for (const MovingCollider& collider : colliders) {
-    const double speed = collider.fastest_in(box);
+    const double speed = collider.max_speed_in(box);
     const Clearance keeps = clearance(collider.shape(), cloth, stretch_after(longest_step));
     if (!collider.reaches(box, speed * longest_step + keeps.points)) continue;
-    course.collider_speed = std::max(course.collider_speed, speed);
+    frame_context.collider_speed = std::max(frame_context.collider_speed, speed);
     // Triangles that have touched with corners alone may sink in, beside what they are left in.
-    if (keeps.faces) most = std::min(most, may_sink / 2);
+    if (keeps.faces) max_way = std::min(max_way, may_sink / 2);
   }
-  return most;
+  return max_way;
 }
 
-void Simulator::Impl::end_search(double h) {
-  course.since = course.gone = 0;
-  course.served = may_go_on(h) ? course.planned - 1 : 0;
-  course.planned = 0;
+void Simulator::Impl::end_detection(double h) {
+  frame_context.since = frame_context.gone = 0;
+  frame_context.steps_left = may_skip_detection(h) ? frame_context.planned_steps - 1 : 0;
+  frame_context.planned_steps = 0;
 }
 
-void Simulator::Impl::count_way(double h) {
-  course.gone += h * fastest(state.velocities);
-  course.recovers = course.recovers || collider_contacts.recovers();
-  course.served = may_go_on(h) ? course.served - 1 : 0;
+void Simulator::Impl::count_displacement(double h) {
+  frame_context.gone += h * max_speed(state.velocities);
+  frame_context.recovers = frame_context.recovers || collider_contacts.recovers();
+  frame_context.steps_left = may_skip_detection(h) ? frame_context.steps_left - 1 : 0;
 }
 
-bool Simulator::Impl::may_go_on(double h) const {
-  const double next = 2 * h * fastest(state.velocities);  // twice as fast, at most
-  return is_settled() && course.gone + next <= course.may_go;
+bool Simulator::Impl::may_skip_detection(double h) const {
+  const double next = 2 * h * max_speed(state.velocities);  // twice as fast, at most
+  return is_settled() && frame_context.gone + next <= frame_context.may_go;
 }
 
 }  // namespace clothsim

@@ -131,7 +131,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
 
 void Simulator::Impl::set_state(const State& given, const std::vector<double>& memory) {
   check_points("positions", given.positions, cloth.num_points(), farthest, " [m]");
-  check_points("velocities", given.velocities, cloth.num_points(), fastest_given, " [m/s]");
+  check_points("velocities", given.velocities, cloth.num_points(), max_given_speed, " [m/s]");
   if (!(given.time >= 0 && given.time < farthest)) {
     throw InvalidValue({"time"}, to_text(given.time),
                        "a number from 0 to below " + to_text(farthest) + " [s]");
@@ -199,7 +199,7 @@ void Simulator::load(const Scene& scene) {
   auto loaded = std::make_unique<Impl>(scene);
   loaded->topology_seq = impl_->topology_seq + 1;
   loaded->is_interrupted = impl_->is_interrupted;
-  loaded->weighs_colliders = impl_->weighs_colliders;
+  loaded->measures_wrenches = impl_->measures_wrenches;
   impl_ = std::move(loaded);
 }
 
@@ -216,7 +216,7 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(
       Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
-            impl_->grips, impl_->collider_wrenches, impl_->pushes, impl_->last_substep,
+            impl_->grips, impl_->collider_wrenches, impl_->external_forces, impl_->last_substep,
             impl_->given_crossings, frame_duration(), impl_->scene.simulation.gravity});
 }
 
@@ -270,11 +270,11 @@ void Simulator::restore(const Saved& saved) {
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
-  impl_->pushes = saved.forces;
+  impl_->external_forces = saved.forces;
   impl_->last_substep = saved.last_substep;
   impl_->given_crossings = saved.given_crossings;
   if (saved.frame_duration == frame_duration()) return;
-  for (MovingCollider& c : impl_->colliders) c.aim(c.target(), frame_duration());
+  for (MovingCollider& c : impl_->colliders) c.set_target(c.target(), frame_duration());
 }
 
 }  // namespace clothsim

@@ -27,7 +27,7 @@ constexpr double touching_limit = 0.5;
 
 /// Inertia that tension adds at most, of the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
 /// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
-constexpr double most_added = 0.015;
+constexpr double max_added_mass = 0.015;
 
 /// Frequency [rad/s] across the springs of a point that carry `pull` [N], as the strain limit can
 /// make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
@@ -47,9 +47,10 @@ int whole_steps(double steps) {
 }  // namespace
 
 int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& positions,
-                   double stability_limit, double dt, int least, const Workers& workers,
+                   double stability_limit, double dt, int min_steps, const Workers& workers,
                    double omega_max) {
-  double steps = std::max(least, whole_steps(dt * weight_frequency(cloth, gravity) / weight_limit));
+  double steps =
+      std::max(min_steps, whole_steps(dt * weight_frequency(cloth, gravity) / weight_limit));
 
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
@@ -65,31 +66,34 @@ int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
   return whole_steps(steps);
 }
 
-int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt, int least) {
-  const double most = 2 * longest_row(velocities) / shortest_rest_length(cloth);
-  if (dt * most <= way_share * least) return least;          // by far the cheaper look
-  const double rate = worst_stretch(cloth, velocities) + 1;  // |v_b - v_a| / L0, largest
-  return std::max(least, whole_steps(dt * rate / way_share));
+int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt, int min_steps) {
+  const double max_rate = 2 * longest_row(velocities) / shortest_rest_length(cloth);
+  if (dt * max_rate <= way_share * min_steps) return min_steps;  // by far the cheaper look
+  const double rate = worst_stretch(cloth, velocities) + 1;      // |v_b - v_a| / L0, largest
+  return std::max(min_steps, whole_steps(dt * rate / way_share));
 }
 
 int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
   return whole_steps(dt * weight_frequency(cloth, gravity));
 }
 
-int substeps_at_tension(const Cloth& cloth, double pull, double frequency, double dt, int least,
+int substeps_at_tension(const Cloth& cloth, double pull, double frequency, double dt, int min_steps,
                         bool is_smooth) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
-  if (dt * frequency <= limit * least) return least;  // by far the cheaper look
-  const double most = pull_frequency(cloth, pull);
-  return std::max(least, whole_steps(dt * (std::min(frequency, most) / limit)));
+  if (dt * frequency <= limit * min_steps) return min_steps;  // by far the cheaper look
+  const double max_frequency = pull_frequency(cloth, pull);
+  return std::max(min_steps, whole_steps(dt * (std::min(frequency, max_frequency) / limit)));
 }
 
-int substeps_at_share(const Cloth& cloth, const Vector3& gravity, double share, double dt,
-                      int least) {
-  if (share <= most_added * least * least) return least;  // the weight looks at all points
+int substeps_at_mass_ratio(const Cloth& cloth, const Vector3& gravity, double mass_ratio, double dt,
+                           int min_steps) {
+  if (mass_ratio <= max_added_mass * min_steps * min_steps) {
+    return min_steps;  // the weight looks at all points
+  }
   const double on_either_side = std::sqrt(2) * weight_frequency(cloth, gravity);
-  const double most = TensionInertia::share_at(on_either_side, dt);
-  return std::max(least, whole_steps(std::sqrt(std::min(share, most) / most_added)));
+  const double max_ratio = TensionInertia::mass_ratio_at(on_either_side, dt);
+  return std::max(min_steps,
+                  whole_steps(std::sqrt(std::min(mass_ratio, max_ratio) / max_added_mass)));
 }
 
 }  // namespace clothsim

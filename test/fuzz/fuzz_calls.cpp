@@ -21,8 +21,8 @@ namespace {
 
 using namespace testing;
 
-constexpr int most_points = 8;  // of a cloth, along a side
-constexpr int calls = 60;       // a seed
+constexpr int max_side_points = 8;  // of a cloth, along a side
+constexpr int calls = 60;           // a seed
 
 /// Distance [m] from its place at which a held point is no longer there.
 constexpr double held_tolerance = 1e-9;
@@ -78,7 +78,7 @@ class Caller {
   // What calls are made with.
   Scene scene(std::uint64_t seed) {
     const bool is_fabric = with_fabrics_ && draw_.happens(0.7);
-    return (is_fabric ? random_fabric_scene : random_scene)(seed, most_points).scene;
+    return (is_fabric ? random_fabric_scene : random_scene)(seed, max_side_points).scene;
   }
   std::uint64_t seed() { return static_cast<std::uint64_t>(draw_.whole(1, 1'000'000)); }
   bool is_hostile() { return draw_.happens(0.1); }

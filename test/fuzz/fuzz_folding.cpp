@@ -20,7 +20,7 @@ namespace {
 using namespace testing;
 
 /// Stretch that no spring is over which neither pins nor colliders pull.
-constexpr double most_stretch = 0.12;
+constexpr double max_stretch = 0.12;
 
 /// Depth below the ground [m] that a frame may leave where a cloth held back from crossing itself
 /// is.
@@ -30,7 +30,7 @@ constexpr double held_skin = 2e-3;
 constexpr double calm = 1e-3;
 
 /// Processor time after which a scene is left [s].
-constexpr double most_cpu = 60;
+constexpr double max_cpu = 60;
 
 enum class Attack { drop, sphere, press, twist };
 
@@ -48,7 +48,7 @@ class Folding {
     speed2_ += std::pow(rms_velocity(simulator_.state()), 2);
     EXPECT_EQ(count_intersections(simulator_.cloth(), simulator_.state().positions), 0);
     if (attack_ == Attack::drop) {
-      EXPECT_LT(report.worst_stretch, most_stretch);
+      EXPECT_LT(report.worst_stretch, max_stretch);
     }
     // What is driven into the ground, or pressed upon it, has no room.
     if (attack_ == Attack::drop || (attack_ == Attack::sphere && is_calm())) {
@@ -159,7 +159,7 @@ TEST(FuzzFolding, NothingCrosses) {
     const double begin = cpu_seconds();
     Folding folding(seed);
     const double seconds = folding.is_to_rest() ? 10 : 2.5;
-    const auto is_cut = [&] { return cpu_seconds() - begin > most_cpu; };
+    const auto is_cut = [&] { return cpu_seconds() - begin > max_cpu; };
     while (folding.time() < seconds && !has_failed() && !folding.is_calm() && !is_cut()) {
       folding.step();
     }

@@ -93,7 +93,7 @@ class SceneRun {
     visits_ +=
         1.0 * cloth().num_points() * (report_.substeps + report_.sweeps + report_.corrections);
     worst_ = std::max(worst_, report_.worst_stretch);
-    fastest_ = std::max(fastest_, testing::fastest(state()));
+    max_speed_ = std::max(max_speed_, testing::max_speed(state()));
     ASSERT_TRUE(state().positions.allFinite() && state().velocities.allFinite());
     check_speed();
     check_stretch();
@@ -115,7 +115,7 @@ class SceneRun {
   /// What it cost and has come to.
   void print(double cpu) const {
     std::cout << "; " << cpu / time_ << " CPU seconds and " << visits_ / time_
-              << " visits of points a second, stretch " << worst_ << ", fastest " << fastest_
+              << " visits of points a second, stretch " << worst_ << ", fastest " << max_speed_
               << " m/s, in the end " << rms_velocity(state()) << " m/s rms, deepest " << deepest_
               << " m, " << recoveries_ << " recoveries, made " << made_ << " of the energy";
   }
@@ -174,9 +174,9 @@ class SceneRun {
   /// As fast as it was driven, fell, or as springs that are let go throw it: with the speed of
   /// sound in the cloth, of which the stretch is the share.
   void check_speed() {
-    const double bound = usual_speed + whip * random_.fastest_drive() + gravity().norm() * time_ +
+    const double bound = usual_speed + whip * random_.max_drive_speed() + gravity().norm() * time_ +
                          2 * worst_ * sound(random_.scene.cloth.material);
-    EXPECT_LT(testing::fastest(state()), bound);
+    EXPECT_LT(testing::max_speed(state()), bound);
   }
 
   void check_stretch() {
@@ -226,7 +226,7 @@ class SceneRun {
     EXPECT_LT((mean(cloth(), state().velocities) - velocity).norm(),
               momentum_share * (1 + velocity.norm()));
     if (cloth().internal_damping[1] > 0) return;  // what is bent loses spin by it
-    const double scale = size() * (1 + testing::fastest(start_));
+    const double scale = size() * (1 + testing::max_speed(start_));
     EXPECT_LT((spin(cloth(), state()) - kept * spin(cloth(), start_)).norm(), spin_share * scale);
   }
 
@@ -236,10 +236,10 @@ class SceneRun {
   StepReport report_;
   double time_ = 0;
   int recoveries_ = 0;
-  double visits_ = 0;   // of points, in substeps and passes
-  double worst_ = 0;    // stretch
-  double fastest_ = 0;  // [m/s]
-  double deepest_ = 0;  // in a collider, since all was out [m]
+  double visits_ = 0;     // of points, in substeps and passes
+  double worst_ = 0;      // stretch
+  double max_speed_ = 0;  // [m/s]
+  double deepest_ = 0;    // in a collider, since all was out [m]
   bool is_out_ = false;
   bool was_held_back_ = false;  // from crossing itself
   EnergyAccount account_;       // since nothing is driven any more

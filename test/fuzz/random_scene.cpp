@@ -31,14 +31,14 @@ double or_zero(Draw& draw, double value) { return draw.happens(0.1) ? 0 : value;
 /// no more stretch stiffness than there is.
 Fabric random_fabric(Draw& draw, double ratio) {
   Fabric fabric;
-  double most_shear = 1e4;
+  double max_shear = 1e4;
   for (const int i : {0, 1}) {
     double& stretch = fabric.stretch_stiffness[i];
     stretch = or_zero(draw, draw.decades(10, 1e4));
     const double added = i == 0 ? ratio * ratio : 1 / (ratio * ratio);
-    if (stretch > 0) most_shear = std::min(most_shear, stretch / added);
+    if (stretch > 0) max_shear = std::min(max_shear, stretch / added);
   }
-  fabric.shear_stiffness = or_zero(draw, draw.decades(0.001, 0.999) * most_shear);
+  fabric.shear_stiffness = or_zero(draw, draw.decades(0.001, 0.999) * max_shear);
   for (double& bending : fabric.bending_stiffness)
     bending = or_zero(draw, draw.decades(1e-7, 1e-2));
   fabric.internal_damping = {or_zero(draw, draw.decades(1e-7, 1e-3)),
@@ -283,18 +283,19 @@ std::string RandomScene::text() const {
   return out.str();
 }
 
-double RandomScene::fastest_drive() const {
-  double fastest =
+double RandomScene::max_drive_speed() const {
+  double max_speed =
       velocity.norm() + spin.norm() * std::hypot(scene.cloth.width, scene.cloth.height);
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const double reach = reach_of(scene.colliders[i].shape);
-    fastest = std::max(fastest, colliders[i].velocity.norm() + colliders[i].turn.norm() * reach);
+    max_speed =
+        std::max(max_speed, colliders[i].velocity.norm() + colliders[i].turn.norm() * reach);
   }
   const SimulationSpec& simulation = scene.simulation;
   const double wind = simulation.wind.value_or(Vector3::Zero()).norm();
-  fastest = std::max(fastest, wind + std::sqrt(3) * simulation.gusts);
-  for (const Motion& pin : pins) fastest = std::max(fastest, pin.velocity.norm());
-  return fastest;
+  max_speed = std::max(max_speed, wind + std::sqrt(3) * simulation.gusts);
+  for (const Motion& pin : pins) max_speed = std::max(max_speed, pin.velocity.norm());
+  return max_speed;
 }
 
 bool RandomScene::may_be_pulled() const {

@@ -37,7 +37,7 @@ struct RandomScene {
   std::string text() const;
 
   /// Fastest that anything is driven, at the radius of a collider's far end, or the wind [m/s].
-  double fastest_drive() const;
+  double max_drive_speed() const;
 
   /// May pins and colliders ask for longer springs than the strain limit grants?
   bool may_be_pulled() const;

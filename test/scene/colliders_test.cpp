@@ -39,7 +39,7 @@ void step_checked(Simulator& simulator, double speed_limit) {
   const StepReport report = simulator.step();
   ASSERT_EQ(report.recoveries, 0) << simulator.state().time;
   ASSERT_TRUE(simulator.state().positions.allFinite()) << simulator.state().time;
-  ASSERT_LT(fastest(simulator.state()), speed_limit) << simulator.state().time;
+  ASSERT_LT(max_speed(simulator.state()), speed_limit) << simulator.state().time;
   ASSERT_EQ(deepest_penetration(simulator), 0) << simulator.state().time;
 }
 
@@ -131,7 +131,7 @@ TEST(Colliders, ABoxesDrapeRestsWithinItsLimit) {
     for (int frame = 0; frame < 8 * 90; ++frame) {
       stretch = std::max(stretch, simulator.step().worst_stretch);
     }
-    EXPECT_LT(fastest(simulator.state()), 1e-3) << side;
+    EXPECT_LT(max_speed(simulator.state()), 1e-3) << side;
     EXPECT_LT(stretch, 0.1125) << side;
   }
 }
@@ -158,7 +158,7 @@ void expect_calm(const Scene& scene, double seconds, double calm) {
   for (int frame = 0; frame < 90 * seconds; ++frame) {
     const StepReport report = simulator.step();
     ASSERT_EQ(report.recoveries, 0) << simulator.state().time;
-    fast = std::max(fast, fastest(simulator.state()));
+    fast = std::max(fast, max_speed(simulator.state()));
   }
   EXPECT_LT(fast, 10) << "nothing is flung about";
   EXPECT_LT(rms_velocity(simulator.state()), calm);
@@ -276,7 +276,7 @@ struct Put {
 class PutInto : public ::testing::TestWithParam<Put> {};
 
 /// What a shape put into a taut cloth may fling a point to [m/s].
-constexpr double fastest_out = 8;
+constexpr double max_speed_out = 8;
 
 /// Runs until the cloth is out; the time it took [s].
 double time_to_leave(Simulator& simulator) {
@@ -284,7 +284,7 @@ double time_to_leave(Simulator& simulator) {
     const StepReport report = simulator.step();
     EXPECT_EQ(report.recoveries, 0) << frame;
     EXPECT_TRUE(simulator.state().positions.allFinite()) << frame;
-    EXPECT_LT(fastest(simulator.state()), fastest_out) << frame;
+    EXPECT_LT(max_speed(simulator.state()), max_speed_out) << frame;
     if (deepest_penetration(simulator) == 0) return frame / 90.0;
   }
   return 10;
@@ -300,7 +300,7 @@ TEST_P(PutInto, AHangingClothComesOutAtABoundedSpeed) {
     RecordProperty("seconds_at_" + std::to_string(depth), std::to_string(t));
     EXPECT_LT(t, 0.5) << depth;
     for (int frame = 0; frame < 90; ++frame) {
-      step_checked(simulator, fastest_out);
+      step_checked(simulator, max_speed_out);
       if (HasFatalFailure()) return;
     }
   }
@@ -321,9 +321,9 @@ TEST(RodPutInto, HardlyEverFlingsATautClothWhereverItIs) {
     double fast = 0;
     for (int frame = 0; frame < 4; ++frame) {
       simulator.step();
-      fast = std::max(fast, fastest(simulator.state()));
+      fast = std::max(fast, max_speed(simulator.state()));
     }
-    EXPECT_LT(fast, fastest_out) << depth;
+    EXPECT_LT(fast, max_speed_out) << depth;
     flung += fast > 3.5;
   }
   EXPECT_LE(flung, 3) << "of 60";

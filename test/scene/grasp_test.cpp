@@ -88,7 +88,7 @@ class Hand {
   void go(double half, double z, double seconds, double turn = 0) {
     const int frames = static_cast<int>(std::lround(seconds / simulator_.frame_duration()));
     const double from_half = half_, from_z = z_, from_angle = angle_;
-    fastest_beyond_fall_ = 0;
+    max_speed_beyond_fall_ = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const double linear = static_cast<double>(frame) / frames;
       const double share = linear * linear * (3 - 2 * linear);  // 1.5 times as fast at most
@@ -104,11 +104,11 @@ class Hand {
       const double highest = state.positions.col(2).maxCoeff();
       for (int i = 0; i < state.positions.rows(); ++i) {
         const double fall = 2 * gravity * (highest - state.positions(i, 2));
-        fastest_beyond_fall_ =
-            std::max(fastest_beyond_fall_, state.velocities.row(i).squaredNorm() - fall);
+        max_speed_beyond_fall_ =
+            std::max(max_speed_beyond_fall_, state.velocities.row(i).squaredNorm() - fall);
       }
     }
-    fastest_beyond_fall_ = std::sqrt(fastest_beyond_fall_);
+    max_speed_beyond_fall_ = std::sqrt(max_speed_beyond_fall_);
   }
 
   /// Points between the fingers.
@@ -141,7 +141,7 @@ class Hand {
   bool holds_any() const { return !held_.empty(); }
 
   /// Fastest that any point was in the last go(), beyond what falling gives it [m/s].
-  double fastest_beyond_fall() const { return fastest_beyond_fall_; }
+  double max_speed_beyond_fall() const { return max_speed_beyond_fall_; }
 
   /// How far what the fingers held at first is from where they have gone with it: the median [m].
   double slipped() const {
@@ -209,9 +209,9 @@ class Hand {
   double z_ = tips;
   double angle_ = 0;  // [rad]
   int pinched_ = 0;
-  double fastest_beyond_fall_ = 0;  // [m/s]
-  std::vector<int> held_;           // by the fingers, before they lift
-  Points before_;                   // positions then
+  double max_speed_beyond_fall_ = 0;  // [m/s]
+  std::vector<int> held_;             // by the fingers, before they lift
+  Points before_;                     // positions then
 };
 
 class Grasp : public ::testing::TestWithParam<Case> {};
@@ -220,7 +220,7 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
   Hand hand(GetParam());
   hand.lift_it();
   ASSERT_TRUE(hand.holds_any());
-  const double up = hand.fastest_beyond_fall();
+  const double up = hand.max_speed_beyond_fall();
   const double closed = hand.closed();
   hand.go(closed, hand.height(), 1, M_PI / 2);
   hand.go(closed, hand.height(), 0.5);
@@ -235,15 +235,15 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
 
   // In two or three of ten that start some nanometres apart an edge of the fold snaps free as the
   // table goes, at 0.5 to 0.65 m/s.
-  double calmest = up, fastest = up;
+  double calmest = up, max_speed = up;
   for (const double aside : {1e-9, 2e-9}) {
     Hand other(GetParam(), aside);
     other.lift_it();
-    calmest = std::min(calmest, other.fastest_beyond_fall());
-    fastest = std::max(fastest, other.fastest_beyond_fall());
+    calmest = std::min(calmest, other.max_speed_beyond_fall());
+    max_speed = std::max(max_speed, other.max_speed_beyond_fall());
   }
   EXPECT_LT(calmest, 2 * 1.5 * speed);
-  EXPECT_LT(fastest, 1) << "nothing is flung";
+  EXPECT_LT(max_speed, 1) << "nothing is flung";
 
   // To the same bits after a copy.
   const auto saved = simulator.save();

@@ -28,7 +28,7 @@ inline int run_checked(Simulator& simulator, double seconds, double speed_limit)
     recoveries += simulator.step().recoveries;
     const State& s = simulator.state();
     EXPECT_TRUE(s.positions.allFinite()) << frame;
-    EXPECT_LT(fastest(s), speed_limit) << frame;
+    EXPECT_LT(max_speed(s), speed_limit) << frame;
     if (::testing::Test::HasFailure()) return recoveries;
     if (rms_velocity(s) > 0.01) moving = frame + 1;
   }
@@ -37,8 +37,8 @@ inline int run_checked(Simulator& simulator, double seconds, double speed_limit)
 }
 
 /// Runs until every holder has its points where they are to be.
-inline void run_until_held(Simulator& simulator, double most_seconds) {
-  const int frames = static_cast<int>(std::lround(most_seconds * 90));
+inline void run_until_held(Simulator& simulator, double max_seconds) {
+  const int frames = static_cast<int>(std::lround(max_seconds * 90));
   for (int frame = 0; frame < frames && simulator.step().lagging > 0; ++frame) {
   }
   for (const HolderReport& holder : simulator.holders()) EXPECT_EQ(holder.lag, 0) << holder.name;
@@ -47,7 +47,7 @@ inline void run_until_held(Simulator& simulator, double most_seconds) {
 /// Runs with nothing driven: no frame may make energy of nothing, as a cloth does that trembles or
 /// blows up.
 inline StepReport run_undriven(Simulator& simulator, double seconds) {
-  constexpr double most_made = 0.01;  // of what could move; a tenth of that has been seen
+  constexpr double max_made = 0.01;  // of what could move; a tenth of that has been seen
   EnergyAccount account;
   account.begin(simulator);
   StepReport report;
@@ -55,7 +55,7 @@ inline StepReport run_undriven(Simulator& simulator, double seconds) {
   for (int frame = 0; frame < frames && !::testing::Test::HasFailure(); ++frame) {
     report = simulator.step();
     EXPECT_TRUE(simulator.state().positions.allFinite()) << frame;
-    EXPECT_LT(account.share_made(simulator), most_made) << frame;
+    EXPECT_LT(account.share_made(simulator), max_made) << frame;
   }
   return report;
 }

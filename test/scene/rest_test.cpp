@@ -45,7 +45,7 @@ Work run_and_count(Simulator& simulator, double seconds) {
 
 /// Length over its limit, of the rest length, at which the independent solver stops: 0.4 um a
 /// spring, 0.02 mm if all 50 from pin to hem were over alike.
-constexpr double most_over = 2e-5;
+constexpr double max_over = 2e-5;
 
 /// The shape at rest found another way, by the method of multipliers: beyond the limit a spring
 /// pulls with max(0, m + kp (l - l_max)), where m grows by a share of that until no length is over.
@@ -74,7 +74,7 @@ Converged converge(const Cloth& limited, double limit, double seconds) {
   double violation = 0;
   int step = 0;
   for (; step < static_cast<int>(seconds / h); ++step) {
-    if (step % 1000 == 999 && violation < most_over && rms_velocity(state) < 1e-6) break;
+    if (step % 1000 == 999 && violation < max_over && rms_velocity(state) < 1e-6) break;
     compute_forces(cloth, Loads{}, state.positions, forces);
     std::size_t id = 0;
     violation = 0;
@@ -117,7 +117,7 @@ TEST_P(HangingScene, HoldsItsLimitInEveryFrameAndRestsInTheConvergedShape) {
   RecordProperty("converged_violation", std::to_string(converged.violation * 1e9) + "e-9");
   RecordProperty("converged_velocity", std::to_string(converged.velocity * 1e9) + "e-9");
   RecordProperty("converged_after_steps", std::to_string(converged.steps));
-  EXPECT_LT(converged.violation, most_over);
+  EXPECT_LT(converged.violation, max_over);
   EXPECT_LT(converged.velocity, 1e-6);
   const double apart = farthest(rest.positions, converged.positions);
   RecordProperty("farthest_from_converged_mm", std::to_string(apart * 1e3));

@@ -101,7 +101,7 @@ TEST(Strength, ACornerThatIsPulledThroughAPlateStopsThere) {
   Hand hand{simulator, {0, 0, 0.5}};
   simulator.attach("hand", at(hand.position), {0});
   hand.move_to({0, 0, 0.1}, 1);
-  EXPECT_LT(fastest(simulator.state()), 4);
+  EXPECT_LT(max_speed(simulator.state()), 4);
   hand.wait(2);
   EXPECT_GT(simulator.state().positions(0, 2), 0.302);
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.1);
@@ -154,13 +154,13 @@ TEST(Strength, FingersThatCloseOnHeldPointsFlingNothing) {
             0.1 - 0.05 * share);
     hand.move_to(corner + share * (up - corner), 1.0 / 90);
   }
-  double fastest_point = 0;
+  double max_point_speed = 0;
   for (int frame = 1; frame <= 45; ++frame) {
     fingers(up, 0.05 - 0.044 * frame / 45);
     hand.wait(1.0 / 90);
-    fastest_point = std::max(fastest_point, fastest(simulator.state()));
+    max_point_speed = std::max(max_point_speed, max_speed(simulator.state()));
   }
-  EXPECT_LT(fastest_point, 4) << "a fold that snaps over a corner of a finger, for a frame";
+  EXPECT_LT(max_point_speed, 4) << "a fold that snaps over a corner of a finger, for a frame";
 }
 
 }  // namespace

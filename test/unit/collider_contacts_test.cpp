@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double reach = 0.5;
+constexpr double displacement_factor = 0.5;
 constexpr double h = 1e-3;
 
 std::vector<MovingCollider> one(const Shape& shape, double friction = 0) {
@@ -30,10 +30,10 @@ void step(ColliderContacts& contacts, std::vector<MovingCollider>& colliders, co
   const Points start = state.positions;
   state.positions += dt * state.velocities;
   const Points before = state.velocities;
-  contacts.begin(colliders, cloth, {dt, reach, start, before, Workers()}, state);
-  for (int i = 0; i < 50; ++i) contacts.sweep(state.velocities);
-  state.positions += reach * dt * (state.velocities - before);
-  contacts.correct(colliders, cloth, start, state.positions);
+  contacts.prepare(colliders, cloth, {dt, displacement_factor, start, before, Workers()}, state);
+  for (int i = 0; i < 50; ++i) contacts.solve_pass(state.velocities);
+  state.positions += displacement_factor * dt * (state.velocities - before);
+  contacts.project_positions(colliders, cloth, start, state.positions);
 }
 
 TEST(ColliderContacts, APointComesToRestOnAPlane) {
@@ -51,7 +51,7 @@ TEST(ColliderContacts, APointComesToRestOnAPlane) {
   }
   EXPECT_EQ(contacts.count(), 2);
   EXPECT_NEAR(state.positions(0, 2), surface_offset, 1e-9);
-  EXPECT_LT(fastest(state), 1e-9);
+  EXPECT_LT(max_speed(state), 1e-9);
 }
 
 TEST(ColliderContacts, NothingTunnelsThroughAPlane) {
@@ -132,7 +132,7 @@ TEST(ColliderContacts, ADrivenSphereTakesPointsAlong) {
     const double dt = 0.01;
     const int steps = static_cast<int>(1 + 1 / (speed * dt));
     for (int k = 1; k <= steps; ++k) {
-      colliders[0].aim({Vector3(0, 0, speed * dt * k), Eigen::Quaterniond::Identity()}, dt);
+      colliders[0].set_target({Vector3(0, 0, speed * dt * k), Eigen::Quaterniond::Identity()}, dt);
       step(contacts, colliders, cloth, state, dt);
       const double ahead = state.positions(0, 2) - colliders[0].pose().position.z();
       ASSERT_GE(ahead, 0.2 + surface_offset - 1e-12) << speed << " m/s, step " << k;
@@ -147,7 +147,8 @@ TEST(ColliderContacts, ABarThatTurnsFarInOneStepTakesAPointAlong) {
   const Eigen::Quaterniond along_x =
       Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitX());
   colliders[0].place({Vector3::Zero(), along_x});
-  colliders[0].aim({Vector3::Zero(), Eigen::AngleAxisd(2.5, Vector3::UnitZ()) * along_x}, 0.01);
+  colliders[0].set_target({Vector3::Zero(), Eigen::AngleAxisd(2.5, Vector3::UnitZ()) * along_x},
+                          0.01);
   const Cloth cloth = loose(2);
   State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
   state.positions.row(0) << 0.4 * std::cos(1.2), 0.4 * std::sin(1.2), 0;
@@ -283,7 +284,7 @@ TEST(ColliderContacts, LeavingOutFarPointsChangesNothing) {
     for (int k = 0; k < 60; ++k) {
       const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.1 * k, Vector3(0, 0.6, 0.8)));
       for (auto* c : {&colliders, &others}) {
-        c->front().aim({Vector3(0.004 * k, 0, 0), turned}, h);
+        c->front().set_target({Vector3(0.004 * k, 0, 0), turned}, h);
       }
       step(contacts, colliders, cloth, state);
       step(all, others, with_fast_one, other);
@@ -313,7 +314,7 @@ TEST(ColliderContacts, APointAtTheCentreOfASphereComesOut) {
   EXPECT_NEAR(steps, 0.2 / (recovery_speed * h), 2);
   EXPECT_GE(state.positions.row(0).norm(), 0.2 - 1e-12);
   EXPECT_LT(state.positions.row(0).norm(), 0.2 + 2.1e-3);
-  EXPECT_LE(fastest(state), recovery_speed + 1e-12);
+  EXPECT_LE(max_speed(state), recovery_speed + 1e-12);
 }
 
 TEST(ColliderContacts, APinThatIsLetGoInASolidComesOutNoFaster) {

@@ -9,9 +9,9 @@ namespace {
 
 using namespace testing;
 
-constexpr double h = 1e-3;        // [s]
-constexpr double reach = 0.5;     // of a step
-constexpr double friction = 0.4;  // of all
+constexpr double h = 1e-3;                   // [s]
+constexpr double displacement_factor = 0.5;  // of a step
+constexpr double friction = 0.4;             // of all
 constexpr double offset = surface_offset;
 
 const Shape shapes[] = {Sphere{0.3}, Plane{}, Plane{true}, Capsule{0.8, 0.1},
@@ -31,8 +31,8 @@ MovingCollider moving(const Shape& shape) {
   spec.friction = friction;
   spec.pose = {{0.1, 0.05, -0.1}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3::UnitX()))};
   MovingCollider collider(spec);
-  collider.aim({{0.1, 0.06, -0.09}, Eigen::Quaterniond(Eigen::AngleAxisd(0.51, Vector3::UnitX()))},
-               10 * h);
+  collider.set_target(
+      {{0.1, 0.06, -0.09}, Eigen::Quaterniond(Eigen::AngleAxisd(0.51, Vector3::UnitX()))}, 10 * h);
   collider.advance(h);
   return collider;
 }
@@ -44,12 +44,12 @@ struct Twin {
     held.resize(static_cast<std::size_t>(cloth.num_points()));
     for (int i = 0; i < cloth.num_points(); ++i) {
       std::optional<ContactImpulse> last = held[static_cast<std::size_t>(i)];
-      const bool was_held = last && last->push > 0;
+      const bool was_held = last && last->normal_impulse > 0;
       held[static_cast<std::size_t>(i)].reset();
       if (cloth.inv_mass[i] == 0) continue;
 
       const Vector3 x = row(state.positions, i), u = c.velocity_at(x);
-      const Vector3 back = step.reach * h * (row(step.drifted, i) - u);
+      const Vector3 back = step.displacement_factor * h * (row(step.drifted, i) - u);
       const Vector3 from = to_local(c.previous(), row(step.start, i));
       const Distance d =
           signed_distance(c.shape(), to_local(c.pose(), was_held ? x - back : x), from);
@@ -58,29 +58,29 @@ struct Twin {
       contact.surface_velocity = u;
       contact.friction = c.friction();
       const double gap = d.value - offset - (was_held ? 0 : contact.normal.dot(back));
-      contact.slowest = -std::max(gap, 0.0) / h;
+      contact.target_velocity = -std::max(gap, 0.0) / h;
       const double rate = contact.normal.dot(row(state.velocities, i) - u);
-      if (!was_held && rate >= contact.slowest && gap > 0) continue;
+      if (!was_held && rate >= contact.target_velocity && gap > 0) continue;
       if (was_held) contact.keep(*last);
       held[static_cast<std::size_t>(i)] = contact;
     }
   }
 
-  void resume(double scale, Points& velocities) {
+  void warm_start(double scale, Points& velocities) {
     for_each([&](int i, ContactImpulse& c) {
-      c.resume(scale);
+      c.warm_start(scale);
       velocities.row(i) += c.total().transpose();
     });
   }
 
-  void sweep(Points& velocities) {
+  void solve_pass(Points& velocities) {
     for_each([&](int i, ContactImpulse& c) {
       velocities.row(i) += c.update(row(velocities, i), 1).transpose();
     });
   }
 
-  static void push_out(const MovingCollider& c, const Cloth& cloth, const Points& start,
-                       Points& positions) {
+  static void project_positions(const MovingCollider& c, const Cloth& cloth, const Points& start,
+                                Points& positions) {
     for (int i = 0; i < cloth.num_points(); ++i) {
       if (cloth.inv_mass[i] == 0) continue;
       const Distance d = signed_distance(c.shape(), to_local(c.pose(), row(positions, i)),
@@ -117,33 +117,35 @@ TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
       const Points start = state.positions, other_start = other.positions;
       for (State* s : {&state, &other}) s->positions += h * s->velocities;
       const Points drifted = state.velocities, other_drifted = other.velocities;
-      const ContactStep step{h, reach, start, drifted, Workers()};
-      const ContactStep other_step{h, reach, other_start, other_drifted, Workers()};
+      const ContactStep step{h, displacement_factor, start, drifted, Workers()};
+      const ContactStep other_step{h, displacement_factor, other_start, other_drifted, Workers()};
       const double scale = k % 2 == 0 ? 1.0 : 0.7;
 
-      const ContactSlots::Seeker seeker(collider, offset, {});
+      const ContactSlots::Detector detector(collider, offset, {});
       slots.start_over();
-      for (const Span& span : spans) slots.find(span, seeker, cloth, step, state);
+      for (const Span& span : spans) slots.find(span, detector, cloth, step, state);
       slots.close();
-      slots.resume(cloth, scale, state.velocities);
-      for (int sweep = 0; sweep < 3; ++sweep) slots.sweep(friction, state.velocities);
+      slots.warm_start(cloth, scale, state.velocities);
+      for (int pass = 0; pass < 3; ++pass) slots.solve_pass(friction, state.velocities);
       for (const Span& span : spans) {
         double least[Span::longest];
-        ContactSlots::push_out(span, seeker, &cloth.inv_mass[ContactSlots::first_of(span.begin)],
-                               start, state.positions, least);
+        ContactSlots::project_positions(span, detector,
+                                        &cloth.inv_mass[ContactSlots::first_of(span.begin)], start,
+                                        state.positions, least);
       }
 
       twin.find(collider, cloth, other_step, other);
-      twin.resume(scale, other.velocities);
-      for (int sweep = 0; sweep < 3; ++sweep) twin.sweep(other.velocities);
-      Twin::push_out(collider, cloth, other_start, other.positions);
+      twin.warm_start(scale, other.velocities);
+      for (int pass = 0; pass < 3; ++pass) twin.solve_pass(other.velocities);
+      Twin::project_positions(collider, cloth, other_start, other.positions);
 
       ASSERT_LT((state.velocities - other.velocities).cwiseAbs().maxCoeff(), 1e-11) << k;
       ASSERT_LT((state.positions - other.positions).cwiseAbs().maxCoeff(), 1e-13) << k;
       int held = 0;
       twin.for_each([&](int i, const ContactImpulse& c) {
-        held += c.push > 0;
-        slid += c.push > 0 && c.drag.norm() > 0.999 * friction * c.push;
+        held += c.normal_impulse > 0;
+        slid +=
+            c.normal_impulse > 0 && c.friction_impulse.norm() > 0.999 * friction * c.normal_impulse;
         EXPECT_EQ(slots.touches(i), true);
       });
       EXPECT_EQ(slots.count(), held);
@@ -168,8 +170,8 @@ TEST(ContactSlots, ASweepTellsTheLargestChange) {
   velocities(20, 2) = -4;
   for (const int point : {5, 20}) slots.put(point, up, still, 0);
   slots.close();
-  EXPECT_EQ(slots.sweep(0, velocities), 16);
-  EXPECT_EQ(slots.sweep(0, velocities), 0);
+  EXPECT_EQ(slots.solve_pass(0, velocities), 16);
+  EXPECT_EQ(slots.solve_pass(0, velocities), 0);
   EXPECT_EQ(velocities, Points::Zero(21, 3));
   EXPECT_EQ(slots.count(), 2);
 }
@@ -179,7 +181,7 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   ContactSlots slots;
   slots.reset(cloth);
   ContactImpulse impulse;
-  impulse.push = 2;
+  impulse.normal_impulse = 2;
   for (const int point : {3, 5, 30}) slots.hold(point, impulse);  // 3 is pinned
   EXPECT_EQ(slots.count(), 3);
   const MovingCollider plane(
@@ -187,10 +189,10 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   const Points at = Points::Constant(40, 3, offset), still = Points::Zero(40, 3);
   State state{at, still, 0};
   slots.start_over();
-  slots.find({3, 4}, ContactSlots::Seeker(plane, offset, {}), cloth,
-             {h, reach, at, still, Workers()}, state);
+  slots.find({3, 4}, ContactSlots::Detector(plane, offset, {}), cloth,
+             {h, displacement_factor, at, still, Workers()}, state);
   slots.close();
-  slots.resume(cloth, 0.5, state.velocities);
+  slots.warm_start(cloth, 0.5, state.velocities);
   EXPECT_EQ(slots.count(), 1) << "the other two are in a block that nobody looked at";
   EXPECT_EQ(state.velocities.cwiseAbs().sum(), 1);
   EXPECT_EQ(state.velocities(30, 2), 1);

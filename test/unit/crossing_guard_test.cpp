@@ -11,7 +11,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double reach = 0.5;
+constexpr double displacement_factor = 0.5;
 constexpr double h = 1e-3;
 constexpr double thickness = strip_thickness;
 const Workers alone;
@@ -31,8 +31,8 @@ TEST(CrossingGuard, LetsNothingCrossWhateverMovesThePoints) {
         const Points start = state.positions;
         state.positions = 0.8 * (start.array() - origin) + origin;
         state.positions += random_points(81, 0.02, 1000 * seed + k);
-        const ContactStep contact_step{h, reach, start, state.velocities, alone};
-        contacts.begin(cloth, contact_step, state);
+        const ContactStep contact_step{h, displacement_factor, start, state.velocities, alone};
+        contacts.prepare(cloth, contact_step, state);
         const Points by_impulses = start + random_points(81, 0.05, 2000 * seed + k);
         held += contacts.guard(cloth, contact_step, by_impulses, state);
         ASSERT_EQ(count_intersections(cloth, state.positions), 0)
@@ -50,17 +50,17 @@ TEST(CrossingGuard, LetsPartWhatIsAsNearAsItMayCome) {
   const auto move_end = [&](double way) {
     const Points start = state.positions;
     for (const int i : {6, 7, 14, 15}) state.positions(i, 2) += way;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
+    const ContactStep contact_step{h, displacement_factor, start, state.velocities, alone};
+    contacts.prepare(cloth, contact_step, state);
     contacts.guard(cloth, contact_step, Points(state.positions), state);
     ASSERT_EQ(count_intersections(cloth, state.positions), 0);
   };
   for (int i = 0; i < 60; ++i) move_end(-thickness);
-  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  EXPECT_LT(min_distance(cloth, state.positions), 1e-4 * thickness);
   move_end(thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness) << "at once";
+  EXPECT_GT(min_distance(cloth, state.positions), 0.1 * thickness) << "at once";
   for (int i = 0; i < 5; ++i) move_end(thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), thickness);
+  EXPECT_GT(min_distance(cloth, state.positions), thickness);
 }
 
 TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
@@ -70,8 +70,8 @@ TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
   const auto go_to = [&](const Points& ends) {
     const Points start = state.positions;
     state.positions = ends;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
+    const ContactStep contact_step{h, displacement_factor, start, state.velocities, alone};
+    contacts.prepare(cloth, contact_step, state);
     return contacts.guard(cloth, contact_step, Points(ends), state);
   };
   for (int i = 0; i < 60; ++i) {
@@ -79,7 +79,7 @@ TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
     for (const int k : {6, 7, 14, 15}) ends(k, 2) -= thickness;
     go_to(ends);
   }
-  const double least = least_distance(cloth, state.positions);
+  const double least = min_distance(cloth, state.positions);
   EXPECT_LT(least, 1e-4 * thickness);
   // Corners go many times that distance across the layers.
   for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
@@ -89,7 +89,7 @@ TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
       ASSERT_EQ(go_to(ends), 0) << i;
       ASSERT_EQ(state.positions, ends);
     }
-    EXPECT_NEAR(least_distance(cloth, state.positions), least, 1e-4 * least);
+    EXPECT_NEAR(min_distance(cloth, state.positions), least, 1e-4 * least);
     EXPECT_EQ(count_intersections(cloth, state.positions), 0);
   }
 }
@@ -104,10 +104,10 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
     // The upper layer goes through the lower one.
     const Eigen::RowVector3d way(0.01, 0, -5 * thickness);
     for (const int i : {6, 7, 14, 15}) state.positions.row(i) += way;
-    ContactStep contact_step{h, reach, at_start.positions, state.velocities, alone};
+    ContactStep contact_step{h, displacement_factor, at_start.positions, state.velocities, alone};
     if (any_held) contact_step.held = &held;
     SelfContacts contacts(cloth, SelfCollision::surface);
-    contacts.begin(cloth, contact_step, state);
+    contacts.prepare(cloth, contact_step, state);
     EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
     EXPECT_EQ(count_intersections(cloth, state.positions), 0);
     for (const int i : {6, 7, 14, 15}) {
@@ -132,9 +132,10 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatItTouchesAlone) {
     State state = at_start;
     for (const int i : end) state.positions(i, 2) -= 5 * thickness;
     for (const int i : far) state.positions(i, 1) += way_of_far;
-    const ContactStep contact_step{h, reach, at_start.positions, state.velocities, alone};
+    const ContactStep contact_step{h, displacement_factor, at_start.positions, state.velocities,
+                                   alone};
     SelfContacts contacts(cloth, SelfCollision::surface);
-    contacts.begin(cloth, contact_step, state);
+    contacts.prepare(cloth, contact_step, state);
     EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
     EXPECT_EQ(count_intersections(cloth, state.positions), 0);
     return state.positions;
@@ -155,15 +156,15 @@ TEST(CrossingGuard, LeavesOutRepairsThatHoldTogetherWhatTouches) {
     state.positions(7, 2) += by_impulses;
     const Points before_repairs = state.positions;
     state.positions(7, 2) += by_repairs;
-    const ContactStep contact_step{h, reach, start, state.velocities, alone};
-    contacts.begin(cloth, contact_step, state);
+    const ContactStep contact_step{h, displacement_factor, start, state.velocities, alone};
+    contacts.prepare(cloth, contact_step, state);
     contacts.guard(cloth, contact_step, before_repairs, state);
     ASSERT_EQ(count_intersections(cloth, state.positions), 0);
   };
   for (int i = 0; i < 60; ++i) move_corner(0, -thickness);
-  EXPECT_LT(least_distance(cloth, state.positions), 1e-4 * thickness);
+  EXPECT_LT(min_distance(cloth, state.positions), 1e-4 * thickness);
   move_corner(thickness, -2 * thickness);
-  EXPECT_GT(least_distance(cloth, state.positions), 0.1 * thickness);
+  EXPECT_GT(min_distance(cloth, state.positions), 0.1 * thickness);
 }
 
 TEST(CrossingGuard, HoldsNothingBackThatMovesTogether) {
@@ -173,8 +174,8 @@ TEST(CrossingGuard, HoldsNothingBackThatMovesTogether) {
   state.positions.rowwise() += Eigen::RowVector3d(1, 2, 3);
   const Points target = state.positions;
   SelfContacts contacts(cloth, SelfCollision::surface);
-  const ContactStep contact_step{h, reach, start, state.velocities, alone};
-  contacts.begin(cloth, contact_step, state);
+  const ContactStep contact_step{h, displacement_factor, start, state.velocities, alone};
+  contacts.prepare(cloth, contact_step, state);
   EXPECT_EQ(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);
   EXPECT_EQ(state.positions, target);
 }

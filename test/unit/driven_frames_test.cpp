@@ -41,7 +41,7 @@ TEST(DrivenFrames, FiveCentimetresInNineFramesAreNineEqualMoves) {
   Simulator simulator(followers());
   DrivenFrames driven;
   const Vector3 start = simulator.collider_pose(0).position;
-  driven.aim({{"ball", at(start + Vector3(0, 0, 0.05))}}, 9, simulator);
+  driven.set_targets({{"ball", at(start + Vector3(0, 0, 0.05))}}, 9, simulator);
   for (int k = 1; k <= 9; ++k) {
     run(1, driven, simulator);
     EXPECT_NEAR(simulator.collider_pose(0).position.z() - start.z(), 0.05 * k / 9, 1e-15);
@@ -55,7 +55,7 @@ TEST(DrivenFrames, GiveTheBitsOfMovesByHand) {
   Simulator simulator(followers()), by_hand(followers());
   DrivenFrames driven;
   const Vector3 start = simulator.collider_pose(0).position;
-  driven.aim({{"ball", at(start + Vector3(0, 0, 0.25))}}, 4, simulator);
+  driven.set_targets({{"ball", at(start + Vector3(0, 0, 0.25))}}, 4, simulator);
   run(4, driven, simulator);
   for (int k = 1; k <= 4; ++k) {
     by_hand.move_collider(
@@ -70,7 +70,7 @@ TEST(DrivenFrames, PinsKeepTheirOffsetAndTurnWithTheFrame) {
   DrivenFrames driven;
   FrameTarget target = at({0, 0, 1.0}, M_PI / 2);
   target.start = Pose{{0, 0, 1}, Eigen::Quaterniond::Identity()};  // the pin is at x = 1
-  driven.aim({{"arm", target}}, 30, simulator);
+  driven.set_targets({{"arm", target}}, 30, simulator);
   EXPECT_EQ(simulator.collider_pose(1).position, Vector3(0, 0, 1)) << "the box is put at the start";
   run(30, driven, simulator);
   const Vector3 pin = simulator.state().positions.row(9).transpose();
@@ -84,7 +84,7 @@ TEST(DrivenFrames, CarryWhatIsAttached) {
   DrivenFrames driven;
   const Vector3 corner = simulator.state().positions.row(99).transpose();
   simulator.attach("gripper", {corner, Eigen::Quaterniond::Identity()}, {99});
-  driven.aim({{"gripper", at(corner + Vector3(0, 0, 0.1))}}, 10, simulator);
+  driven.set_targets({{"gripper", at(corner + Vector3(0, 0, 0.1))}}, 10, simulator);
   run(10, driven, simulator);
   const Vector3 held = simulator.state().positions.row(99).transpose();
   EXPECT_LT((held - corner - Vector3(0, 0, 0.1)).norm(), 1e-12);
@@ -95,7 +95,7 @@ TEST(DrivenFrames, VelocityIsContinuousFromCallToCall) {
   const double dt = 0.01;
   FrameTarget target = at({0.3, 0, 0});
   target.twist = Twist{{1, 0.5, 0}, {0, 0, 2}};
-  motion.aim(target, 20, dt);
+  motion.set_target(target, 20, dt);
   for (int k = 0; k < 20; ++k) motion.advance();
   EXPECT_LT((motion.twist().linear - target.twist->linear).norm(), 1e-12);
   EXPECT_LT((motion.twist().angular - target.twist->angular).norm(), 1e-12);
@@ -103,7 +103,7 @@ TEST(DrivenFrames, VelocityIsContinuousFromCallToCall) {
   // The next call goes on with that: its first moves are those of the last ones.
   FrameTarget rest = at({0.5, 0.2, 0}, 0.4);
   rest.twist = Twist{};
-  motion.aim(rest, 2000, dt / 100);
+  motion.set_target(rest, 2000, dt / 100);
   const Vector3 before = motion.pose().position;
   const Vector3 move = motion.advance().position - before;
   EXPECT_LT((move / (dt / 100) - target.twist->linear).norm(), 0.02);
@@ -116,7 +116,7 @@ TEST(DrivenFrames, ACopyGoesOnToTheSameBits) {
   DrivenFrames driven;
   FrameTarget target = at(simulator.collider_pose(0).position + Vector3(0.1, 0, 0.1));
   target.twist = Twist{{0.1, 0, 0}, {0, 0, 1}};
-  driven.aim({{"ball", target}, {"hand", at({0, 0, 1.1})}}, 20, simulator);
+  driven.set_targets({{"ball", target}, {"hand", at({0, 0, 1.1})}}, 20, simulator);
   run(7, driven, simulator);
   const auto saved = simulator.save();
   const DrivenFrames copy = driven;
@@ -151,7 +151,7 @@ TEST(DrivenFrames, RefuseWhatIsNoTargetAndChangeNothing) {
   lost.start = Pose{{0, 1e13, 0}, Eigen::Quaterniond::Identity()};
   const auto message = [&](const FrameTarget& target, int frames = 1) -> std::string {
     try {
-      driven.aim({{"arm", at({0, 0, 3})}, {"hand", target}}, frames, simulator);
+      driven.set_targets({{"arm", at({0, 0, 3})}, {"hand", target}}, frames, simulator);
     } catch (const InvalidValue& error) {
       return error.what();
     }

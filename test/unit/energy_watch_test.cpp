@@ -70,7 +70,7 @@ TEST(EnergyWatch, PinsAndCollidersPutWorkIn) {
 
   MovingCollider ball(ColliderSpec{"ball", Sphere{0.2}, Pose{}, 0.3, ""});
   EXPECT_FALSE(plausible(cloth, before, after, {ball}));
-  ball.aim({Vector3(0.1, 0, 0), Eigen::Quaterniond::Identity()}, dt);
+  ball.set_target({Vector3(0.1, 0, 0), Eigen::Quaterniond::Identity()}, dt);
   EXPECT_TRUE(plausible(cloth, before, after, {ball}));
 }
 
@@ -93,7 +93,7 @@ TEST(EnergyWatch, CollidersPutWorkIntoSprings) {
     MovingCollider box(spec);
     Pose target = spec.pose;
     target.position.x() += speed * dt;
-    box.aim(target, dt);
+    box.set_target(target, dt);
     box.advance(dt);
     return plausible(cloth, before, after, {box});
   };
@@ -132,7 +132,7 @@ TEST(EnergyWatch, WhatWasStoredInSpringsMayTurnIntoMotionLater) {
   spec.material.density = 0.1;
   for (int row = 0; row < 10; ++row) spec.pinned.push_back({9, row, ""});
   const Cloth cloth = make_grid(spec);
-  const auto accepts_in_the_end = [&](bool by_pins, double push_out) {
+  const auto accepts_in_the_end = [&](bool by_pins, double push_out_speed) {
     EnergyWatch watch;
     State before = resting(cloth);
     constexpr int frames = 100;
@@ -142,7 +142,8 @@ TEST(EnergyWatch, WhatWasStoredInSpringsMayTurnIntoMotionLater) {
       if (by_pins) {
         for (int i = 9; i < 100; i += 10) after.velocities(i, 0) = 1 / (frames * dt);
       }
-      EXPECT_TRUE(watch.accepts(cloth, Vector3::Zero(), dt, before, after, {}, push_out)) << frame;
+      EXPECT_TRUE(watch.accepts(cloth, Vector3::Zero(), dt, before, after, {}, push_out_speed))
+          << frame;
       before = after;
     }
     State after = resting(cloth);
@@ -171,9 +172,9 @@ TEST(EnergyWatch, WhatPushesOutDoesNotFlingAbout) {
   const Cloth cloth = make_grid(square_spec(10));
   const State start{cloth.rest_positions, Points::Zero(100, 3), 0};
   State after = start;
-  const auto accepts = [&](double speed, double push_out) {
+  const auto accepts = [&](double speed, double push_out_speed) {
     after.velocities.setConstant(speed / std::sqrt(3));
-    return EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}, push_out);
+    return EnergyWatch().accepts(cloth, Vector3::Zero(), dt, start, after, {}, push_out_speed);
   };
   EXPECT_FALSE(accepts(10, 0));
   EXPECT_TRUE(accepts(10, 2));

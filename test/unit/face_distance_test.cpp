@@ -23,7 +23,7 @@ Vector3 at(const Triangle& t, const std::array<double, 3>& w) {
 }
 
 /// Least of a convex function on [0, 1].
-double least_of(const std::function<double(double)>& f) {
+double min_of(const std::function<double(double)>& f) {
   double low = 0, high = 1;
   for (int i = 0; i < 70; ++i) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
@@ -33,9 +33,9 @@ double least_of(const std::function<double(double)>& f) {
 }
 
 /// Least signed distance over the triangle's points: a convex function of them.
-double least_over(const Shape& shape, const Triangle& t) {
-  return least_of([&](double u) {
-    return least_of([&](double v) {
+double min_over(const Shape& shape, const Triangle& t) {
+  return min_of([&](double u) {
+    return min_of([&](double v) {
       const Vector3 p = t[0] + u * (t[1] - t[0]) + (1 - u) * v * (t[2] - t[0]);
       return signed_distance(shape, p, p).value;
     });
@@ -99,7 +99,7 @@ TEST(FaceDistance, IsTheLeastDistanceOfTheTrianglesPoints) {
     int apart = 0;
     for (int n = 0; n < 600; ++n) {
       const Triangle t = triangles.next();
-      const double least = least_over(shape, t);
+      const double least = min_over(shape, t);
       const auto found = face_distance(shape, t, 10);
       ASSERT_TRUE(found);
       EXPECT_EQ(found->value < 0, least < -1e-9) << shape.index() << ' ' << n;
@@ -179,7 +179,7 @@ TEST(FaceDistance, OfDegenerateTrianglesIsFinite) {
       EXPECT_TRUE(std::isfinite(found->value));
       EXPECT_NEAR(found->normal.norm(), 1, 1e-12);
       EXPECT_NEAR(found->weights[0] + found->weights[1] + found->weights[2], 1, 1e-12);
-      EXPECT_EQ(found->value < 0, least_over(shape, t) < 0);
+      EXPECT_EQ(found->value < 0, min_over(shape, t) < 0);
     }
   }
 }

@@ -83,7 +83,7 @@ TEST(Holders, ComeBackAndStickAgain) {
     const double lag = simulator.holders()[0].lag;
     if (frame > 45) {
       EXPECT_LE(lag, last) << frame;
-      EXPECT_LT(fastest(simulator.state()), 2.01) << frame;
+      EXPECT_LT(max_speed(simulator.state()), 2.01) << frame;
     }
     last = lag;
   }

@@ -186,7 +186,7 @@ TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
     for (int step = 0; step < 50; ++step) {
       const Points here = at(step), ends = at(step + 1);
       finder.approaching(here, ends);
-      const auto found = sorted_features(finder.may_meet(here, ends, 0.002));
+      const auto found = sorted_features(finder.swept_query(here, ends, 0.002));
       for (const double time : {0.0, 0.5, 1.0}) {
         const Points then = here + time * (ends - here);
         const auto must = sorted_features(brute_force(surface, [&](const SurfacePair& pair) {
@@ -195,7 +195,7 @@ TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
         ASSERT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end())) << step;
         meeting = std::max(meeting, must.size());
       }
-      ASSERT_LE(finder.most_nearer(), finder.sees());
+      ASSERT_LE(finder.max_approach(), finder.sees());
       finder.go(ends);
     }
     EXPECT_GT(meeting, 2u);
@@ -312,7 +312,7 @@ TEST(NearPairs, OfAMeshBearWhatIsNoSurface) {
       NearPairs finder(mesh.surface(), mesh.rest, 0.004, stencils);
       EXPECT_TRUE(finder.approaching(mesh.rest, mesh.rest).empty());
       EXPECT_GT(finder.sees(), 0);
-      EXPECT_GT(finder.least_nearest(), 0);
+      EXPECT_GT(finder.min_nearest(), 0);
       MemoryWriter memory;
       finder.write(memory);
       MemoryReader reader(memory.numbers());

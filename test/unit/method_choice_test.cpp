@@ -47,7 +47,7 @@ TEST(MethodChoice, ForetellsWhetherANamedMethodKeepsUp) {
     EXPECT_LT(choice(scene).predicted_cost.value(), 1) << name;
   }
   const double cost = choice(scene).predicted_cost.value();
-  scene.simulation.substeps = 1000 * choice(scene).least_substeps;
+  scene.simulation.substeps = 1000 * choice(scene).min_substeps;
   EXPECT_NEAR(choice(scene).predicted_cost.value(), 1000 * cost, 1e-9 * cost);
   EXPECT_FALSE(choice(scene).is_feasible);
 }
@@ -96,7 +96,7 @@ TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
     scene.simulation.substeps = 2;
     const MethodChoice c = choice(scene);
     EXPECT_EQ(c.method, "xpbd");
-    EXPECT_EQ(c.least_substeps, 2);
+    EXPECT_EQ(c.min_substeps, 2);
   }
 }
 
@@ -157,7 +157,7 @@ TEST(MethodChoice, AFallIsExactWhateverTheStep) {
   for (const int side : {20, 30}) {
     const MethodChoice chosen = verlet_choice(sphere, side);
     EXPECT_EQ(chosen.predicted_error.value(), 0) << side;
-    EXPECT_LT(measured_error(sphere, chosen.least_substeps, 45), 1e-13) << side;
+    EXPECT_LT(measured_error(sphere, chosen.min_substeps, 45), 1e-13) << side;
   }
 
   // In a method of first order, too: of 4 m that weigh little and are stiff.
@@ -188,7 +188,7 @@ TEST(MethodChoice, PredictsWhatStandsOnTheGround) {
   fold.cloth.material.strain_limit.reset();
   for (const int side : {20, 30}) {
     const MethodChoice chosen = verlet_choice(fold, side);
-    const double measured = measured_error(fold, chosen.least_substeps, 22);
+    const double measured = measured_error(fold, chosen.min_substeps, 22);
     RecordProperty("side " + std::to_string(side),
                    std::to_string(chosen.predicted_error.value() * 1e9) + "e-9 predicted, " +
                        std::to_string(measured * 1e9) + "e-9 measured");
@@ -215,7 +215,7 @@ TEST(MethodChoice, PredictsARibbonsErrorAsLongAsItDoesNotRing) {
     const MethodChoice chosen = choice(ribbon);
     ASSERT_EQ(chosen.method, "verlet");
     const double ratio =
-        measured_error(ribbon, chosen.least_substeps, 45) / chosen.predicted_error.value();
+        measured_error(ribbon, chosen.min_substeps, 45) / chosen.predicted_error.value();
     RecordProperty("ks " + std::to_string(ks), std::to_string(ratio) + " times the predicted");
     EXPECT_LT(ratio, 4);
     EXPECT_GT(ratio, 1.0 / 4);
@@ -285,19 +285,19 @@ TEST(MethodChoice, ImpulsesWantShortSteps) {
   Scene scene = swinging();
   scene.cloth.columns = scene.cloth.rows = 20;
   scene.cloth.pinned = {{0, 0, ""}};
-  const int springs_ask = choice(scene).least_substeps;
+  const int springs_ask = choice(scene).min_substeps;
   EXPECT_LT(springs_ask, 4);
   scene.cloth.material.strain_limit = 0.1;
-  EXPECT_EQ(choice(scene).least_substeps, 4);
+  EXPECT_EQ(choice(scene).min_substeps, 4);
   scene.simulation.frames_per_second = 30;
-  EXPECT_EQ(choice(scene).least_substeps, 12);
+  EXPECT_EQ(choice(scene).min_substeps, 12);
   scene.simulation.method = "verlet";  // named, it needs them no less
-  EXPECT_EQ(choice(scene).least_substeps, 12);
+  EXPECT_EQ(choice(scene).min_substeps, 12);
   EXPECT_EQ(Simulator(scene).step().substeps, 12);
   scene.simulation.substeps = springs_ask;  // what the scene says is kept
   EXPECT_EQ(Simulator(scene).step().substeps, springs_ask);
   scene.simulation.method = "auto";
-  EXPECT_EQ(choice(scene).least_substeps, springs_ask);
+  EXPECT_EQ(choice(scene).min_substeps, springs_ask);
 }
 
 TEST(MethodChoice, OfANamedMethodNothingIsForetold) {
@@ -402,7 +402,7 @@ TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
     const Cloth cloth = make_grid(scene.cloth);
     const int needed =
         count_substeps(cloth, scene.simulation.gravity, cloth.rest_positions, 2, 1.0 / 90);
-    fine.simulation.substeps = chosen.method == "xpbd" ? needed : 8 * chosen.least_substeps;
+    fine.simulation.substeps = chosen.method == "xpbd" ? needed : 8 * chosen.min_substeps;
     const double measured = error_between(frames(scene), frames(fine));
     const std::string what = chosen.method + " ks " + std::to_string(c.ks) + " side " +
                              std::to_string(c.side) + " tolerance " + std::to_string(c.tolerance);

@@ -54,17 +54,17 @@ TEST(MotionPlayer, MovesFramesAsTargetsDo) {
   const auto at = [](const Vector3& place) { return FrameTarget{{place}}; };
   for (int k = 0; k < 40; ++k) {
     player.play(played);
-    if (k == 0) driven.aim({{"ball", at({0.5, 0.5, 0.75})}}, 10, by_hand);
-    if (k == 0) driven.aim({{"hand", at({0, 0, 1})}}, 15, by_hand);
+    if (k == 0) driven.set_targets({{"ball", at({0.5, 0.5, 0.75})}}, 10, by_hand);
+    if (k == 0) driven.set_targets({{"hand", at({0, 0, 1})}}, 15, by_hand);
     if (k == 10) {
       FrameTarget turned = at({0.6, 0.5, 0.8});
       turned.pose.orientation = Eigen::AngleAxisd(1, Vector3::UnitZ());
-      driven.aim({{"ball", turned}}, 20, by_hand);
+      driven.set_targets({{"ball", turned}}, 20, by_hand);
     }
     if (k == 15) {
       FrameTarget fast = at({0, 0, 1.1});
       fast.twist = Twist{{0, 0, 0.5}, {0, 0, 0}};
-      driven.aim({{"hand", fast}}, 10, by_hand);
+      driven.set_targets({{"hand", fast}}, 10, by_hand);
     }
     driven.move(by_hand);
     played.step();
@@ -147,9 +147,10 @@ TEST(MotionPlayer, RefusesFiles) {
       {"g.csv", csv + "0,0,0,0\n0.001,0,0,0\n", "time: got 0.001, in the same frame"},
       {"h.txt", csv, "got a file of another kind"},
       {"i.npz", "no zip", "expected an NPZ file"}};
-  for (const auto& [name, text, message] : mistakes)
+  for (const auto& [name, text, message] : mistakes) {
     EXPECT_NE(refused_file(name, text).find(message), std::string::npos)
         << refused_file(name, text);
+  }
   EXPECT_NE(refused_when_played("[{file: none.csv, frame: ball}]", 1).find("no regular file"),
             std::string::npos);
 }

@@ -33,7 +33,7 @@ TEST(MovingCollider, VelocitiesOfManyPointsAreThoseOfEach) {
   const Points points = Points::Random(20, 3);
   for (const double angle : {0.0, 0.7}) {
     MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitX())));
-    collider.aim(pose(Vector3(1, 2, -1), 0.2 + angle, Vector3::UnitX()), 0.5);
+    collider.set_target(pose(Vector3(1, 2, -1), 0.2 + angle, Vector3::UnitX()), 0.5);
     const Points velocities = collider.velocities_at(points);
     for (int i = 0; i < 20; ++i) {
       EXPECT_NEAR((row(velocities, i) - collider.velocity_at(row(points, i))).norm(), 0, 1e-14);
@@ -45,7 +45,7 @@ TEST(MovingCollider, ArrivesAtItsTargetInEvenSteps) {
   const Pose start = pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ());
   const Pose target = pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ());
   MovingCollider collider(spec_at(start));
-  collider.aim(target, 0.5);
+  collider.set_target(target, 0.5);
   for (int k = 1; k <= 5; ++k) {
     const Vector3 before = collider.pose().position;
     collider.advance(0.1);
@@ -54,7 +54,7 @@ TEST(MovingCollider, ArrivesAtItsTargetInEvenSteps) {
     const Eigen::AngleAxisd turned(collider.pose().orientation * start.orientation.conjugate());
     EXPECT_NEAR(turned.angle(), 0.24 * k, 1e-12);
   }
-  collider.arrive();
+  collider.snap_to_target();
   EXPECT_EQ(collider.pose().position, target.position);
   EXPECT_EQ(collider.pose().orientation.coeffs(), target.orientation.coeffs());
   EXPECT_EQ(collider.velocity_at(Vector3(1, 1, 1)), Vector3::Zero());
@@ -63,7 +63,7 @@ TEST(MovingCollider, ArrivesAtItsTargetInEvenSteps) {
 TEST(MovingCollider, SurfaceVelocityIsThatOfARigidBody) {
   // v = V + w x r, here V = (0, 4, -2) m/s and w = 2.4 rad/s about z.
   MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ())));
-  collider.aim(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 0.5);
+  collider.set_target(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 0.5);
   const Vector3 v = collider.velocity_at(Vector3(1.5, 1, 9));
   EXPECT_NEAR((v - Vector3(-2.4, 4 + 2.4 * 0.5, -2)).norm(), 0, 1e-12);
 }
@@ -72,7 +72,7 @@ TEST(MovingCollider, CarriesWhatIsOnItAlong) {
   const Vector3 axis = Vector3(1, 2, 3).normalized();
   for (const double angle : {0.0, 0.4, 3.0}) {
     MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, axis)));
-    collider.aim(pose(Vector3(1, 2, -1), 0.2 + angle, axis), 1);
+    collider.set_target(pose(Vector3(1, 2, -1), 0.2 + angle, axis), 1);
     collider.advance(0.5);
     const Vector3 x(0.5, 7, -3);
     const Vector3 expected = to_world(collider.pose(), to_local(collider.previous(), x));
@@ -82,7 +82,7 @@ TEST(MovingCollider, CarriesWhatIsOnItAlong) {
 
 TEST(MovingCollider, KnowsWhereItWasWithinTheLastStep) {
   MovingCollider collider(spec_at(pose(Vector3(1, 0, 0), 0.2, Vector3::UnitZ())));
-  collider.aim(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 1);
+  collider.set_target(pose(Vector3(1, 2, -1), 1.4, Vector3::UnitZ()), 1);
   collider.advance(0.5);
   EXPECT_NEAR(collider.last_turn(), 0.6, 1e-12);
   const Pose middle = collider.pose_at(0.5);
@@ -98,14 +98,14 @@ TEST(MovingCollider, KnowsWhereItWasWithinTheLastStep) {
 
 TEST(MovingCollider, TurnsTheShortWay) {
   MovingCollider collider(spec_at(pose(Vector3::Zero(), 3.0, Vector3::UnitZ())));
-  collider.aim(pose(Vector3::Zero(), -3.0, Vector3::UnitZ()), 1);
+  collider.set_target(pose(Vector3::Zero(), -3.0, Vector3::UnitZ()), 1);
   const double w = collider.velocity_at(Vector3::UnitX()).y();
   EXPECT_NEAR(w, 2 * M_PI - 6, 1e-12);
   // The negative of a quaternion is the same orientation: no turn.
   Pose same = pose(Vector3::Zero(), 3.0, Vector3::UnitZ());
   same.orientation.coeffs() *= -1;
   collider.place(pose(Vector3::Zero(), 3.0, Vector3::UnitZ()));
-  collider.aim(same, 1);
+  collider.set_target(same, 1);
   EXPECT_NEAR(collider.velocity_at(Vector3::UnitX()).norm(), 0, 1e-7);
 }
 
@@ -116,7 +116,7 @@ TEST(MovingCollider, ReachesWhatItsShapeMayHaveTouchedOnItsWay) {
     ColliderSpec spec = spec_at(at(from));
     spec.shape = shape;
     MovingCollider collider(spec);
-    collider.aim(at(to), 1);
+    collider.set_target(at(to), 1);
     collider.advance(1);
     return collider.reaches(box, margin);
   };

@@ -71,8 +71,8 @@ void expect_all_that_touches(const Surface& surface, const std::vector<NearPair>
 /// All that come as near as the floor on the way are found.
 void expect_all_that_meet(const Surface& surface, NearPairs& finder, const Points& here,
                           const Points& ends, double floor) {
-  const auto found = sorted_features(finder.may_meet(here, ends, floor));
-  ASSERT_LE(finder.most_nearer(), finder.sees());
+  const auto found = sorted_features(finder.swept_query(here, ends, floor));
+  ASSERT_LE(finder.max_approach(), finder.sees());
   for (const double time : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
     const Points at = here + time * (ends - here);
     const auto must = sorted_features(brute_force(
@@ -92,7 +92,7 @@ TEST(NearPairs, NoneOnAFlatClothHoweverThick) {
     NearPairs finder(cloth);
     const Points& x = cloth.rest_positions;
     EXPECT_TRUE(finder.approaching(x, x).empty()) << thickness;
-    EXPECT_TRUE(finder.may_meet(x, x, 1e-6).empty()) << thickness;
+    EXPECT_TRUE(finder.swept_query(x, x, 1e-6).empty()) << thickness;
   }
 }
 
@@ -133,7 +133,7 @@ TEST(NearPairs, MissNothingThatMeetsOrTouchesWhileTheClothMoves) {
     if (step > 240) {
       expect_all_that_meet(cloth, finder, here, ends, 0.002);
     } else {
-      finder.may_meet(here, ends, 0.002);
+      finder.swept_query(here, ends, 0.002);
     }
     finder.go(ends);
     most = std::max(most, found.size());
@@ -285,7 +285,7 @@ TEST(NearPairs, GoOnToTheSameWithTheirMemory) {
     }
     const auto look = [&](NearPairs& of) {
       const std::vector<NearPair> near = of.approaching(at(step), at(step + 1));
-      std::vector<NearPair> meets = of.may_meet(at(step), at(step + 1), 0.002);
+      std::vector<NearPair> meets = of.swept_query(at(step), at(step + 1), 0.002);
       of.go(at(step + 1));
       meets.insert(meets.begin(), near.begin(), near.end());
       return meets;

@@ -19,7 +19,7 @@ void expect_bound(const std::vector<Patch>& patches, const Points& from, const P
     for (std::size_t q = 0; q < patches.size(); ++q) {
       const double bound = motions.between(static_cast<int>(p), static_cast<int>(q));
       EXPECT_LE(bound, most + 1e-12);
-      EXPECT_LE(bound, motions.most() + 1e-12);
+      EXPECT_LE(bound, motions.max() + 1e-12);
       for (const double time : {0.2, 0.5, 0.8, 1.0}) {
         const Points at = from + time * (to - from);
         for (const int i : patches[p].points) {

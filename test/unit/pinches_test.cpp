@@ -16,7 +16,7 @@ MovingCollider moving(const Vector3& velocity) {
   ColliderSpec spec;
   spec.shape = Sphere{0.1};
   MovingCollider collider(spec);
-  collider.aim({velocity, Eigen::Quaterniond::Identity()}, 1);
+  collider.set_target({velocity, Eigen::Quaterniond::Identity()}, 1);
   collider.advance(h);
   return collider;
 }
@@ -41,8 +41,8 @@ MovingCollider rough(const Vector3& velocity, double friction) {
 }
 
 /// Of a collider that faces `normal`, so far away, with so many layers between.
-Pinches::Side side(const MovingCollider& collider, const Vector3& normal, double distance,
-                   int layers = 0) {
+Pinches::ColliderDistance side(const MovingCollider& collider, const Vector3& normal,
+                               double distance, int layers = 0) {
   return {&collider, normal, distance, thickness / 2 + layers * thickness, layers == 0};
 }
 
@@ -59,9 +59,9 @@ TEST(Pinches, RoomIsWhatLayersNeedAndTheWayOfBothSurfacesLeaves) {
   EXPECT_FALSE(no_room(0.001, -5, 0, 0)) << "they part";
   for (const int layers : {2, 3, 4}) {
     for (int below = 0; below < layers; ++below) {
-      const double room = layers * thickness;
-      EXPECT_TRUE(no_room(room - 1e-6, 0, below, layers - 1 - below));
-      EXPECT_FALSE(no_room(room + 1e-6, 0, below, layers - 1 - below));
+      const double layer_height = layers * thickness;
+      EXPECT_TRUE(no_room(layer_height - 1e-6, 0, below, layers - 1 - below));
+      EXPECT_FALSE(no_room(layer_height + 1e-6, 0, below, layers - 1 - below));
     }
   }
 }
@@ -74,7 +74,8 @@ TEST(Pinches, SurfacesThatDoNotFaceEachOtherPushSideways) {
 }
 
 /// Velocity of a point that had (10, 20, 30) m/s.
-Vector3 pinched(const Pinches::Side& a, const Pinches::Side& b, double friction_of_cloth = 0.5) {
+Vector3 pinched(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b,
+                double friction_of_cloth = 0.5) {
   const Cloth cloth = row_of(2, friction_of_cloth);
   Pinches pinches;
   pinches.start_over(h);
@@ -83,9 +84,9 @@ Vector3 pinched(const Pinches::Side& a, const Pinches::Side& b, double friction_
   EXPECT_FALSE(pinches.holds(0));
   Points velocities(2, 3);
   velocities << 7, 7, 7, 10, 20, 30;
-  pinches.sweep(velocities);
+  pinches.solve_pass(velocities);
   EXPECT_EQ(row(velocities, 0), Vector3(7, 7, 7));
-  EXPECT_LT(pinches.sweep(velocities), 1e-12) << "held already";
+  EXPECT_LT(pinches.solve_pass(velocities), 1e-12) << "held already";
   EXPECT_EQ(pinches.slipping(), 0);
   return row(velocities, 1);
 }
@@ -110,7 +111,7 @@ TEST(Pinches, APointTurnsWithBothAsOneBody) {
   MovingCollider a(spec), b(spec);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vector3(1, 2, 3).normalized()));
   for (MovingCollider* collider : {&a, &b}) {
-    collider->aim({Vector3(4, 5, 6), turn}, 1);
+    collider->set_target({Vector3(4, 5, 6), turn}, 1);
     collider->advance(h);
   }
   const Cloth cloth = row_of(2);
@@ -120,7 +121,7 @@ TEST(Pinches, APointTurnsWithBothAsOneBody) {
   pinches.add(0, x, side(a, up, 0), side(b, down, 0), cloth);
   Points positions = Points::Zero(2, 3), start = Points::Zero(2, 3);
   start.row(0) = x.transpose();
-  pinches.correct(start, positions);
+  pinches.project_positions(start, positions);
   EXPECT_LT((row(positions, 0) - to_world(a.pose(), to_local(a.previous(), x))).norm(), 1e-15);
 }
 
@@ -163,7 +164,7 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
       pinches.add(0, still, side(a, up, 0), side(b, {std::sin(wedge), 0, -std::cos(wedge)}, 0),
                   cloth);
       Points velocities = Points::Ones(2, 3);
-      pinches.sweep(velocities);
+      pinches.solve_pass(velocities);
       EXPECT_EQ(velocities.row(0).norm() < 1e-12, wedge < most) << first << ' ' << wedge;
     }
   }
@@ -180,7 +181,7 @@ TEST(Pinches, WithoutFrictionNothingSticksWhateverTheRoundings) {
     pinches.start_over(h);
     pinches.add(0, still, side(a, normal, 0), side(b, -normal, 0), cloth);
     Points velocities = Points::Ones(2, 3);
-    pinches.sweep(velocities);
+    pinches.solve_pass(velocities);
     const Vector3 along = Vector3::Ones() - normal.sum() * normal;
     EXPECT_LT((row(velocities, 0) - along).norm(), 1e-12) << k;
     EXPECT_EQ(pinches.slipping(), 0) << "nothing could hold it";
@@ -206,20 +207,20 @@ TEST(Pinches, WhatTheLimitPullsWithMoreThanItsShareOfThreeWeightsOfTheClothSlips
   pull.row(3) << 0.49 * all, 0, 1e3;
   velocities += pull;
   pinches.set_pulls(pull);
-  pinches.sweep(velocities);
+  pinches.solve_pass(velocities);
   EXPECT_EQ(pinches.slipping(), 0);
   velocities += pull;
   pinches.add_pulls(velocities);
-  pinches.sweep(velocities);
+  pinches.solve_pass(velocities);
   EXPECT_LT(row(velocities, 1).norm(), 1e-9 * grip);
   EXPECT_LT((row(velocities, 2) - Vector3(0.02 * grip, 0, 0)).norm(), 1e-9 * grip);
   EXPECT_LT(row(velocities, 3).norm(), 1e-9 * grip);
   EXPECT_EQ(pinches.slipping(), 1);
-  EXPECT_LT(pinches.sweep(velocities), 1e-9 * grip) << "slips as fast in the next pass";
+  EXPECT_LT(pinches.solve_pass(velocities), 1e-9 * grip) << "slips as fast in the next pass";
 
   // It is moved along as far as it slips, and never across.
   Points positions = Points::Constant(4, 3, 5);
-  pinches.correct(Points::Zero(4, 3), positions);
+  pinches.project_positions(Points::Zero(4, 3), positions);
   EXPECT_EQ(row(positions, 1), Vector3(0, 0, 0));
   EXPECT_EQ(row(positions, 2), Vector3(5, 5, 0));
 }
@@ -238,7 +239,7 @@ TEST(Pinches, WhateverElsePushesAPointItIsHeld) {
   for (const double push : {50.0, -10.0, 1e3}) {
     velocities(0, 0) += push * weight;
     velocities(0, 1) -= push * weight;
-    pinches.sweep(velocities);
+    pinches.solve_pass(velocities);
     EXPECT_LT(row(velocities, 0).norm(), 1e-12 * push * push * weight);
     EXPECT_EQ(pinches.slipping(), 0);
   }

@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double reach = 0.5;
+constexpr double displacement_factor = 0.5;
 const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = 0.01;  // contact at 2 cm, rest neighbours to 4 cm
@@ -22,12 +22,13 @@ Cloth apart(int points, double friction = 0) {
 }
 
 /// One step of contact after points have moved: begin, sweep till it holds, move along.
-void resolve(SelfContacts& contacts, const Cloth& cloth, State& state, int sweeps = 500) {
+void resolve(SelfContacts& contacts, const Cloth& cloth, State& state, int passes = 500) {
   const Points before = state.velocities;
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
-  for (int i = 0; i < sweeps && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
+  contacts.prepare(cloth, {h, displacement_factor, state.positions, state.velocities, alone},
+                   state);
+  for (int i = 0; i < passes && contacts.solve_pass(0, state.velocities) > 1e-14; ++i) {
   }
-  state.positions += reach * h * (state.velocities - before);
+  state.positions += displacement_factor * h * (state.velocities - before);
 }
 
 TEST(PointContacts, HeadOnPointsStopAtTheContactDistance) {
@@ -64,9 +65,10 @@ TEST(PointContacts, NoTouchingPairComesCloser) {
   const Cloth cloth = apart(40);
   State state{random_points(40, 0.04, 3), random_points(40, 1, 4), 0};
   SelfContacts contacts(cloth, SelfCollision::points);
-  contacts.begin(cloth, {h, reach, state.positions, state.velocities, alone}, state);
+  contacts.prepare(cloth, {h, displacement_factor, state.positions, state.velocities, alone},
+                   state);
   const Points normals_at = state.positions;
-  for (int i = 0; i < 5000; ++i) contacts.sweep(0, state.velocities);
+  for (int i = 0; i < 5000; ++i) contacts.solve_pass(0, state.velocities);
   int touching = 0;
   for (int a = 0; a < 40; ++a) {
     for (int b = a + 1; b < 40; ++b) {
@@ -93,8 +95,8 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
     state.positions(1, 2) = 2 * thickness - 1e-6;
     state.velocities.row(1) << slide, 0, -1;
     SelfContacts contacts(cloth, SelfCollision::points);
-    contacts.begin(cloth, {h, 0, state.positions, state.velocities, alone}, state);
-    for (int i = 0; i < 200; ++i) contacts.sweep(0, state.velocities);
+    contacts.prepare(cloth, {h, 0, state.positions, state.velocities, alone}, state);
+    for (int i = 0; i < 200; ++i) contacts.solve_pass(0, state.velocities);
     EXPECT_NEAR(state.velocities(1, 2), 0, 1e-9);
     EXPECT_NEAR(state.velocities(1, 0), std::max(0.0, slide - mu * 1), 1e-9);
     EXPECT_EQ(state.velocities.row(0).norm(), 0) << "the pin was pushed";

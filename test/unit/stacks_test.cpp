@@ -33,8 +33,8 @@ MovingCollider slab(double z, bool above) {
   return MovingCollider(spec);
 }
 
-Foothold at_point(int i, const Vector3& normal) {
-  return {Foothold::no_triangle, {i, i, i}, {1, 0, 0}, normal, 0};
+ContactPoint at_point(int i, const Vector3& normal) {
+  return {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, normal, 0};
 }
 
 SelfTouch touch(int above, int below) {
@@ -53,8 +53,8 @@ int pinched_of(int layers, double gap, bool touch_each_other = true) {
   for (int i = 0; i < layers; ++i) x(i, 2) = (i + 0.5) * gap / layers;
   std::vector<SelfTouch> touches;
   for (int i = 1; i < layers && touch_each_other; ++i) touches.push_back(touch(i, i - 1));
-  const Jaw a{lower, cloth.offset, {at_point(0, Vector3::UnitZ())}};
-  const Jaw b{upper, cloth.offset, {at_point(layers - 1, -Vector3::UnitZ())}};
+  const ContactManifold a{lower, cloth.offset, {at_point(0, Vector3::UnitZ())}};
+  const ContactManifold b{upper, cloth.offset, {at_point(layers - 1, -Vector3::UnitZ())}};
   const SelfTouches visit = all(touches);
   Pinches pinches;
   pinches.start_over(h);
@@ -79,8 +79,8 @@ TEST(Stacks, NothingIsHeldBetweenSurfacesThatDoNotFaceEachOther) {
   const Cloth cloth = points_of_cloth(1);
   const MovingCollider lower = slab(0, false), lower_too = slab(-1e-4, false);
   Points x = Points::Zero(1, 3);
-  const Jaw a{lower, cloth.offset, {at_point(0, Vector3::UnitZ())}};
-  const Jaw b{lower_too, cloth.offset, {at_point(0, Vector3::UnitZ())}};
+  const ContactManifold a{lower, cloth.offset, {at_point(0, Vector3::UnitZ())}};
+  const ContactManifold b{lower_too, cloth.offset, {at_point(0, Vector3::UnitZ())}};
   Pinches pinches;
   pinches.start_over(h);
   Stacks().pinch(a, b, cloth, x, h, nullptr, pinches);
@@ -106,8 +106,8 @@ TEST(Stacks, TriangleBetweenItsCornersIsHeldByAllThree) {
   above.pose.position = middle + (0.01 + gap / 2) * normal;
   const MovingCollider lower(below), upper(above);
   const std::array<double, 3> weights{1.0 / 3, 1.0 / 3, 1.0 / 3};
-  const Jaw a{lower, cloth.offset, {{0, corners, weights, normal, gap / 2}}};
-  const Jaw b{upper, cloth.offset, {{0, corners, weights, -normal, gap / 2}}};
+  const ContactManifold a{lower, cloth.offset, {{0, corners, weights, normal, gap / 2}}};
+  const ContactManifold b{upper, cloth.offset, {{0, corners, weights, -normal, gap / 2}}};
   Pinches pinches;
   pinches.start_over(h);
   Stacks().pinch(a, b, cloth, cloth.rest_positions, h, nullptr, pinches);
@@ -116,10 +116,10 @@ TEST(Stacks, TriangleBetweenItsCornersIsHeldByAllThree) {
 }
 
 /// Layers below a point, by all ways down.
-int layers_below(int point, const std::vector<std::vector<int>>& lies_upon) {
+int layers_below(int point, const std::vector<std::vector<int>>& lies_on) {
   int most = 0;
-  for (const int below : lies_upon[static_cast<std::size_t>(point)]) {
-    most = std::max(most, 1 + layers_below(below, lies_upon));
+  for (const int below : lies_on[static_cast<std::size_t>(point)]) {
+    most = std::max(most, 1 + layers_below(below, lies_on));
   }
   return most;
 }
@@ -136,25 +136,25 @@ TEST(Stacks, NeedTheLongestChainThatBruteForceFinds) {
     Points x = Points::Zero(points, 3);
     for (int i = 0; i < points; ++i) x(i, 2) = height(random);
     std::vector<SelfTouch> touches;
-    std::vector<std::vector<int>> upon(points), under(points);
+    std::vector<std::vector<int>> supports(points), under(points);
     for (int i = 0; i < points; ++i) {
       for (int j = 0; j < points; ++j) {
         if (x(i, 2) <= x(j, 2) || random() % 4 != 0) continue;
         touches.push_back(touch(i, j));
-        upon[static_cast<std::size_t>(i)].push_back(j);
+        supports[static_cast<std::size_t>(i)].push_back(j);
         under[static_cast<std::size_t>(j)].push_back(i);
       }
     }
     std::shuffle(touches.begin(), touches.end(), random);
     const double gap = 0.0075;  // between three layers and four
     const MovingCollider lower = slab(0, false), upper = slab(gap, true);
-    Jaw a{lower, cloth.offset, {}}, b{upper, cloth.offset, {}};
+    ContactManifold a{lower, cloth.offset, {}}, b{upper, cloth.offset, {}};
     for (int i = 0; i < points; ++i) {
-      if (upon[static_cast<std::size_t>(i)].empty()) {
-        a.footholds.push_back(at_point(i, Vector3::UnitZ()));
+      if (supports[static_cast<std::size_t>(i)].empty()) {
+        a.contact_points.push_back(at_point(i, Vector3::UnitZ()));
       }
       if (under[static_cast<std::size_t>(i)].empty()) {
-        b.footholds.push_back(at_point(i, -Vector3::UnitZ()));
+        b.contact_points.push_back(at_point(i, -Vector3::UnitZ()));
       }
     }
     const SelfTouches visit = all(touches);
@@ -162,7 +162,7 @@ TEST(Stacks, NeedTheLongestChainThatBruteForceFinds) {
     pinches.start_over(h);
     Stacks().pinch(a, b, cloth, x, h, &visit, pinches);
     for (int i = 0; i < points; ++i) {
-      const int layers = layers_below(i, upon) + layers_below(i, under) + 1;
+      const int layers = layers_below(i, supports) + layers_below(i, under) + 1;
       EXPECT_EQ(pinches.holds(i), layers * thickness > gap) << round << ' ' << i;
       ++(pinches.holds(i) ? some : others);
     }

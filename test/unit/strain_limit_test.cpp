@@ -12,7 +12,7 @@ namespace {
 using namespace testing;
 
 constexpr double limit = 0.1;
-constexpr double reach = 0.5;
+constexpr double displacement_factor = 0.5;
 constexpr double h = 1e-3;
 
 ClothSpec limited(ClothSpec spec) {
@@ -42,13 +42,13 @@ TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
   const double energy = state.velocities.squaredNorm();
 
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(h, 0, state);
-  strain_limit.begin(cloth, 0, state);  // along the springs as they are
+  strain_limit.warm_start(h, 0, state);
+  strain_limit.prepare(cloth, 0, state);  // along the springs as they are
   double residual = 1;
-  int sweeps = 0;
-  while (residual > 1e-12 && sweeps < 50000) {
-    residual = strain_limit.sweep(state.velocities);
-    ++sweeps;
+  int passes = 0;
+  while (residual > 1e-12 && passes < 50000) {
+    residual = strain_limit.solve_pass(state.velocities);
+    ++passes;
   }
   EXPECT_LE(residual, 1e-12);
   EXPECT_LT(worst_rate(cloth, state), 1e-6);
@@ -61,10 +61,10 @@ TEST(StrainLimit, LeavesSlackClothAlone) {
   State state{1.05 * cloth.rest_positions, random_points(36, 1, 3), 0};
   const State before = state;
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(h, reach, state);
-  strain_limit.begin(cloth, reach, state);
-  EXPECT_EQ(strain_limit.sweep(state.velocities), 0);
-  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 100, state.positions), 0);
+  strain_limit.warm_start(h, displacement_factor, state);
+  strain_limit.prepare(cloth, displacement_factor, state);
+  EXPECT_EQ(strain_limit.solve_pass(state.velocities), 0);
+  EXPECT_EQ(strain_limit.project_positions(cloth, 1e-6, 100, state.positions), 0);
   EXPECT_EQ(state.positions, before.positions);
   EXPECT_EQ(state.velocities, before.velocities);
 }
@@ -77,13 +77,13 @@ TEST(StrainLimit, LooksAtSlackSpringsAgainBeforeTheyReachIt) {
     StrainLimit strain_limit(cloth);
     State state{cloth.rest_positions, random_points(36, 1, 3), 0};
     const Points thrown = state.velocities;
-    if (is_told) strain_limit.set_out(0);
+    if (is_told) strain_limit.begin_frame(0);
     int free_steps = 0;
     for (int step = 0; step < 1000; ++step) {
       state.positions += h / 10 * state.velocities;
-      strain_limit.predict(h / 10, 0, state);
-      strain_limit.begin(cloth, 0, state);
-      while (strain_limit.sweep(state.velocities) > 1e-12) continue;
+      strain_limit.warm_start(h / 10, 0, state);
+      strain_limit.prepare(cloth, 0, state);
+      while (strain_limit.solve_pass(state.velocities) > 1e-12) continue;
       free_steps += state.velocities == thrown;
     }
     EXPECT_GT(free_steps, 100);
@@ -103,9 +103,9 @@ TEST(StrainLimit, AKickThatContactIsYetToAnswerIsNoTurn) {
     State state{1.1001 * cloth.rest_positions, Points::Zero(2, 3), 0};
     state.velocities(1, 0) = 20;
     StrainLimit strain_limit(cloth);
-    strain_limit.predict(h, 0, state);
-    strain_limit.begin(cloth, 0, state, {}, &before);
-    for (int i = 0; i < 5; ++i) strain_limit.sweep(state.velocities);
+    strain_limit.warm_start(h, 0, state);
+    strain_limit.prepare(cloth, 0, state, {}, &before);
+    for (int i = 0; i < 5; ++i) strain_limit.solve_pass(state.velocities);
     return state.velocities(1, 1) - state.velocities(0, 1);
   };
   const double of_excess = -0.1;  // [m/s] its 1e-4 m over the limit, worked off slowly
@@ -123,9 +123,9 @@ TEST(StrainLimit, ImpulsesOnlyPull) {
   State state{1.2 * cloth.rest_positions, Points::Zero(2, 3), 0};
   state.velocities(1, 1) = -1000;
   StrainLimit strain_limit(cloth);
-  strain_limit.predict(h, reach, state);
-  strain_limit.begin(cloth, reach, state);
-  strain_limit.sweep(state.velocities);
+  strain_limit.warm_start(h, displacement_factor, state);
+  strain_limit.prepare(cloth, displacement_factor, state);
+  strain_limit.solve_pass(state.velocities);
   EXPECT_EQ(state.velocities(1, 1), -1000);
 }
 
@@ -143,12 +143,12 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   double residual = 1;
   for (int step = 0; step < 100; ++step) {
     method.step(cloth, Loads{}, h, state);
-    strain_limit.predict(h, reach, state);
+    strain_limit.warm_start(h, displacement_factor, state);
     const Points predicted = state.velocities;
-    strain_limit.begin(cloth, reach, state);
-    residual = strain_limit.sweep(state.velocities);
-    state.positions += reach * h * (state.velocities - predicted);
-    strain_limit.correct(cloth, 1e-6, 100, state.positions);
+    strain_limit.prepare(cloth, displacement_factor, state);
+    residual = strain_limit.solve_pass(state.velocities);
+    state.positions += displacement_factor * h * (state.velocities - predicted);
+    strain_limit.project_positions(cloth, 1e-6, 100, state.positions);
   }
   EXPECT_LT(residual, 1e-6 * 9.8 * h * h);
   EXPECT_NEAR(state.velocities(0, 2), 0, 1e-6 * 9.8 * h);
@@ -157,7 +157,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   // Forgotten, nothing holds.
   strain_limit.reset();
   method.step(cloth, Loads{}, h, state);
-  strain_limit.predict(h, reach, state);
+  strain_limit.warm_start(h, displacement_factor, state);
   EXPECT_NEAR(state.velocities(0, 2), -9.8 * h, 1e-5 * 9.8 * h);
 }
 
@@ -174,25 +174,26 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
   int repairs = 0;
   for (int step = 0; step < 60; ++step) {
     method.step(cloth, Loads{}, h, a);
-    alone.predict(h, reach, a);
+    alone.warm_start(h, displacement_factor, a);
     const State predicted = a;
     StrainLimit by_passes = alone;
-    const int passes = alone.solve(cloth, reach, enough, 4, 2000, a).count;
+    const int passes = alone.solve(cloth, displacement_factor, enough, 4, 2000, a).count;
     EXPECT_GE(passes, 4);
     EXPECT_LT(passes, 2000) << step;
-    const Points moved = predicted.positions + reach * h * (a.velocities - predicted.velocities);
+    const Points moved =
+        predicted.positions + displacement_factor * h * (a.velocities - predicted.velocities);
     ASSERT_LT((a.positions - moved).cwiseAbs().maxCoeff(), 1e-15) << step;
 
     State b = predicted;
-    by_passes.begin(cloth, reach, b);
+    by_passes.prepare(cloth, displacement_factor, b);
     int plain = 0;
-    while (by_passes.sweep(b.velocities) > enough && plain < 20000) ++plain;
+    while (by_passes.solve_pass(b.velocities) > enough && plain < 20000) ++plain;
     ASSERT_LT(h * (a.velocities - b.velocities).cwiseAbs().maxCoeff(), 1000 * enough) << step;
 
     // What it knows of its own moves spares no repair.
     b.positions = a.positions;
-    const int needed = by_passes.correct(cloth, 1e-3, 100, b.positions);
-    EXPECT_EQ(alone.correct(cloth, 1e-3, 100, a.positions), needed) << step;
+    const int needed = by_passes.project_positions(cloth, 1e-3, 100, b.positions);
+    EXPECT_EQ(alone.project_positions(cloth, 1e-3, 100, a.positions), needed) << step;
     EXPECT_LE(needed == 100 ? 0 : worst_stretch(cloth, a.positions), limit + 1e-3 + 1e-12);
     repairs += needed;
   }
@@ -209,12 +210,14 @@ TEST(StrainLimit, PassesAreAsManyAsAChainIsLong) {
     State state{(1.1 + 1e-9) * cloth.rest_positions, Points::Zero(springs + 1, 3), 0};
     StrainLimit strain_limit(cloth);
     VelocityVerlet().step(cloth, Loads{}, h, state);
-    strain_limit.predict(h, reach, state);
+    strain_limit.warm_start(h, displacement_factor, state);
     constexpr double enough = 1e-9;
-    if (!plain) return strain_limit.solve(cloth, reach, enough, 1, 100000, state).count;
-    strain_limit.begin(cloth, reach, state);
+    if (!plain) {
+      return strain_limit.solve(cloth, displacement_factor, enough, 1, 100000, state).count;
+    }
+    strain_limit.prepare(cloth, displacement_factor, state);
     int count = 1;
-    while (strain_limit.sweep(state.velocities) > enough && count < 100000) ++count;
+    while (strain_limit.solve_pass(state.velocities) > enough && count < 100000) ++count;
     return count;
   };
   for (const int springs : {20, 40, 80}) {
@@ -235,8 +238,8 @@ TEST(StrainLimit, MomentumGoesOnFromStepToStep) {
     for (int count = a_step;; count += a_step) {
       State state{(1.1 + 1e-9) * cloth.rest_positions, Points::Zero(springs + 1, 3), 0};
       VelocityVerlet().step(cloth, Loads{}, h, state);
-      strain_limit.predict(h, reach, state);
-      strain_limit.solve(cloth, reach, 0, a_step, a_step, state);
+      strain_limit.warm_start(h, displacement_factor, state);
+      strain_limit.solve(cloth, displacement_factor, 0, a_step, a_step, state);
       if (h * longest_row(state.velocities) < 1e-8 || count > 100000) return count;
     }
   };
@@ -257,8 +260,8 @@ TEST(StrainLimit, CorrectShortensToItsTolerance) {
     ASSERT_GT(worst_stretch(cloth, state.positions), 0.2);
     const Points before = state.positions;
     StrainLimit strain_limit(cloth);
-    const int sweeps = strain_limit.correct(cloth, tolerance, 20000, state.positions);
-    EXPECT_GT(sweeps, 0);
+    const int passes = strain_limit.project_positions(cloth, tolerance, 20000, state.positions);
+    EXPECT_GT(passes, 0);
     EXPECT_LE(worst_stretch(cloth, state.positions), limit + tolerance + 1e-12);
     const Points moved = state.positions - before;
     if (pinned) {
@@ -273,7 +276,7 @@ TEST(StrainLimit, CorrectStopsAtItsSweepsAndSaysSo) {
   const Cloth cloth = make_grid(limited(square_spec(8)));
   State state{1.5 * cloth.rest_positions, Points::Zero(64, 3), 0};
   StrainLimit strain_limit(cloth);
-  EXPECT_EQ(strain_limit.correct(cloth, 1e-6, 3, state.positions), 3);
+  EXPECT_EQ(strain_limit.project_positions(cloth, 1e-6, 3, state.positions), 3);
   EXPECT_GT(worst_stretch(cloth, state.positions), limit);
 }
 
@@ -288,10 +291,10 @@ TEST(StrainLimit, DegenerateSpringsGiveNoNan) {
     state.positions.row(9) = state.positions.row(10);
     StrainLimit strain_limit(cloth);
     for (int step = 0; step < 3; ++step) {
-      strain_limit.predict(h, reach, state);
-      strain_limit.begin(cloth, reach, state);
-      strain_limit.sweep(state.velocities);
-      strain_limit.correct(cloth, 1e-3, 50, state.positions);
+      strain_limit.warm_start(h, displacement_factor, state);
+      strain_limit.prepare(cloth, displacement_factor, state);
+      strain_limit.solve_pass(state.velocities);
+      strain_limit.project_positions(cloth, 1e-3, 50, state.positions);
     }
     EXPECT_TRUE(state.positions.allFinite());
     EXPECT_TRUE(state.velocities.allFinite());
@@ -305,7 +308,7 @@ TEST(StrainLimit, ZeroLimitIsInextensible) {
   const Cloth cloth = make_grid(spec);
   State state{1.02 * cloth.rest_positions, Points::Zero(25, 3), 0};
   StrainLimit strain_limit(cloth);
-  strain_limit.correct(cloth, 1e-4, 20000, state.positions);
+  strain_limit.project_positions(cloth, 1e-4, 20000, state.positions);
   EXPECT_LE(worst_stretch(cloth, state.positions), 1e-4 + 1e-12);
 }
 
@@ -323,7 +326,7 @@ TEST(StrainLimit, RepairsLeaveNoSpringOverItsLimitWhereverTheyLead) {
   const Points start = positions;
 
   StrainLimit strain_limit(cloth);
-  const int passes = strain_limit.correct(cloth, tolerance, 5000, positions);
+  const int passes = strain_limit.project_positions(cloth, tolerance, 5000, positions);
   EXPECT_GT(passes, 10);
   EXPECT_LT(passes, 5000);
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {

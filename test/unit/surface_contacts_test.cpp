@@ -11,7 +11,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double reach = 0.5;
+constexpr double displacement_factor = 0.5;
 const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = strip_thickness;
@@ -21,11 +21,11 @@ constexpr double thickness = strip_thickness;
 int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, double dt, State& state,
            double left = 0) {
   const Points before = state.velocities;
-  const ContactStep contact_step{dt, reach, start, before, alone, left};
-  contacts.begin(cloth, contact_step, state);
-  for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
+  const ContactStep contact_step{dt, displacement_factor, start, before, alone, left};
+  contacts.prepare(cloth, contact_step, state);
+  for (int i = 0; i < 2000 && contacts.solve_pass(0, state.velocities) > 1e-14; ++i) {
   }
-  state.positions += reach * dt * (state.velocities - before);
+  state.positions += displacement_factor * dt * (state.velocities - before);
   return contacts.guard(cloth, contact_step, Points(state.positions), state);
 }
 
@@ -57,7 +57,7 @@ TEST(SurfaceContacts, LayersStopWhereTheyTouchAndKeepTheirMomentum) {
   SelfContacts contacts(cloth, SelfCollision::surface);
   for (int i = 0; i < 60; ++i) step(contacts, cloth, state);
   EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12);
-  EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
+  EXPECT_NEAR(min_distance(cloth, state.positions), 2 * thickness, 2e-4);
   EXPECT_EQ(count_intersections(cloth, state.positions), 0);
 }
 
@@ -91,10 +91,10 @@ TEST(SurfaceContacts, FourPointsOfALightClothCarryTheHundredNewtonsOfAFinger) {
     }
     state.positions += dt / 2 * state.velocities;
     ASSERT_EQ(answer(contacts, cloth, start, dt, state), 0) << "the guard has to hold it, " << i;
-    ASSERT_GT(least_distance(cloth, state.positions), 0.999 * 2 * thickness) << i;
+    ASSERT_GT(min_distance(cloth, state.positions), 0.999 * 2 * thickness) << i;
   }
-  EXPECT_LT(least_distance(cloth, state.positions), 1.001 * 2 * thickness) << "it is not pressed";
-  EXPECT_LT(fastest(state), 1e-6);
+  EXPECT_LT(min_distance(cloth, state.positions), 1.001 * 2 * thickness) << "it is not pressed";
+  EXPECT_LT(max_speed(state), 1e-6);
   EXPECT_EQ(count_intersections(cloth, state.positions), 0);
 }
 
@@ -111,9 +111,9 @@ TEST(SurfaceContacts, EdgesThatCrossInMidAirStop) {
   SelfContacts contacts(cloth, SelfCollision::surface);
   for (int i = 0; i < 60; ++i) {
     step(contacts, cloth, state);
-    EXPECT_GE(least_distance(cloth, state.positions), 2 * thickness - 2e-4);
+    EXPECT_GE(min_distance(cloth, state.positions), 2 * thickness - 2e-4);
   }
-  EXPECT_NEAR(least_distance(cloth, state.positions), 2 * thickness, 2e-4);
+  EXPECT_NEAR(min_distance(cloth, state.positions), 2 * thickness, 2e-4);
   EXPECT_LT((angular_momentum(cloth, state) - before).norm(), 2e-5) << "of " << before.norm();
   EXPECT_EQ(count_intersections(cloth, state.positions), 0);
 }
@@ -127,13 +127,13 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   const Points start = state.positions;
   state.positions += h * state.velocities;
   State middle = state;
-  middle.positions -= reach * h * state.velocities;
+  middle.positions -= displacement_factor * h * state.velocities;
   const Eigen::RowVector3d linear = momentum(cloth, middle);
   const Eigen::RowVector3d angular = angular_momentum(cloth, middle);
   const double energy = middle.velocities.squaredNorm();
   SelfContacts contacts(cloth, SelfCollision::surface);
-  contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 500; ++i) contacts.sweep(0, state.velocities);
+  contacts.prepare(cloth, {h, displacement_factor, start, Points(state.velocities), alone}, state);
+  for (int i = 0; i < 500; ++i) contacts.solve_pass(0, state.velocities);
   ASSERT_GT(contacts.count(), 2);
   middle.velocities = state.velocities;
   EXPECT_LT((momentum(cloth, middle) - linear).norm(), 1e-13);
@@ -152,11 +152,11 @@ TEST(SurfaceContacts, FrictionTurnsByItsImpulseTimesTheDistanceOfTheLayersAndNoM
   const Points start = state.positions;
   state.positions += h * state.velocities;
   State middle = state;
-  middle.positions -= reach * h * state.velocities;
+  middle.positions -= displacement_factor * h * state.velocities;
   const Eigen::RowVector3d before = angular_momentum(cloth, middle);
   SelfContacts contacts(cloth, SelfCollision::surface);
-  contacts.begin(cloth, {h, reach, start, Points(state.velocities), alone}, state);
-  for (int i = 0; i < 100; ++i) contacts.sweep(0, state.velocities);
+  contacts.prepare(cloth, {h, displacement_factor, start, Points(state.velocities), alone}, state);
+  for (int i = 0; i < 100; ++i) contacts.solve_pass(0, state.velocities);
   ASSERT_EQ(contacts.count(), 1);
   const Eigen::RowVector3d impulse =
       cloth.mass[7] * (state.velocities.row(7) - middle.velocities.row(7));
@@ -186,14 +186,14 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
   SelfContacts contacts(cloth, SelfCollision::surface);
   for (int k = 0; k < 10; ++k) {
     const Points start = state.positions;
-    state.positions += reach * h * state.velocities;
+    state.positions += displacement_factor * h * state.velocities;
     for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) -= g * h;
-    state.positions += reach * h * state.velocities;
+    state.positions += displacement_factor * h * state.velocities;
     const Points before = state.velocities;
-    contacts.begin(cloth, {h, reach, start, before, alone}, state);
-    for (int i = 0; i < 2000 && contacts.sweep(0, state.velocities) > 1e-14; ++i) {
+    contacts.prepare(cloth, {h, displacement_factor, start, before, alone}, state);
+    for (int i = 0; i < 2000 && contacts.solve_pass(0, state.velocities) > 1e-14; ++i) {
     }
-    state.positions += reach * h * (state.velocities - before);
+    state.positions += displacement_factor * h * (state.velocities - before);
   }
   double mean = 0;
   for (const int i : {6, 7, 14, 15}) mean += state.velocities(i, 1) / 4;
@@ -209,16 +209,16 @@ TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
   state.positions += h * state.velocities;
   const Points before = state.velocities;
   SelfContacts contacts(cloth, SelfCollision::surface);
-  contacts.begin(cloth, {h, reach, start, before, alone}, state);
+  contacts.prepare(cloth, {h, displacement_factor, start, before, alone}, state);
 
   constexpr double precision = 1e-6, none_left_out = -1;
   int passes = 0;
-  while (contacts.sweep(precision, state.velocities) > precision) ++passes;
+  while (contacts.solve_pass(precision, state.velocities) > precision) ++passes;
   EXPECT_GT(contacts.count(), 50);
   EXPECT_GT(passes, 10);
   // A pass more changes what the last one did, and what was left out: an eightieth of the precision
   // at each of four points, of which one may be due and one have come since.
-  EXPECT_LT(contacts.sweep(none_left_out, state.velocities), (1 + 4 * 2 / 80.0) * precision);
+  EXPECT_LT(contacts.solve_pass(none_left_out, state.velocities), (1 + 4 * 2 / 80.0) * precision);
 }
 
 constexpr int steps_of_a_frame = 10;
@@ -231,8 +231,8 @@ TEST(SurfaceContacts, TheWayOfSeveralStepsIsJudgedAtTheFramesEnd) {
   const Points none = Points::Zero(cloth.num_points(), 3);
   for (int left = steps_of_a_frame; left > 0; --left) {
     const Points start = state.positions;
-    const ContactStep contact_step{h, reach, start, none, alone, left * h};
-    contacts.begin(cloth, contact_step, state);
+    const ContactStep contact_step{h, displacement_factor, start, none, alone, left * h};
+    contacts.prepare(cloth, contact_step, state);
     state.velocities.setZero();
     for (const int i : {6, 7, 14, 15}) state.positions(i, 2) -= 5e-6;
     const int held_back = contacts.guard(cloth, contact_step, Points(state.positions), state);
@@ -263,17 +263,17 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
   const Cloth cloth = strip(8);
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
   SelfContacts contacts(cloth, SelfCollision::surface);
-  const ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
+  const ContactStep contact_step{h, displacement_factor, state.positions, state.velocities, alone};
   constexpr double speed = 0.1;
   const auto press = [&] {
     state.velocities.setZero();
     for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -speed;
   };
   press();
-  contacts.begin(cloth, contact_step, state);
+  contacts.prepare(cloth, contact_step, state);
   for (int pass = 0; pass < 1000; ++pass) {
     press();
-    contacts.sweep(0, state.velocities);
+    contacts.solve_pass(0, state.velocities);
   }
   Points impulses = Points::Zero(cloth.num_points(), 3);
   contacts.add_impulses(1, impulses);
@@ -288,12 +288,12 @@ struct Pressed {
   Cloth cloth = strip(8);
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
   SelfContacts contacts{cloth, SelfCollision::surface};
-  ContactStep contact_step{h, reach, state.positions, state.velocities, alone};
+  ContactStep contact_step{h, displacement_factor, state.positions, state.velocities, alone};
 
   Pressed() {
     for (const int i : layer) state.velocities(i, 2) = -0.1;
-    contacts.begin(cloth, contact_step, state);
-    for (int pass = 0; pass < 100; ++pass) contacts.sweep(0, state.velocities);
+    contacts.prepare(cloth, contact_step, state);
+    for (int pass = 0; pass < 100; ++pass) contacts.solve_pass(0, state.velocities);
     state.velocities.setZero();
   }
 
@@ -316,9 +316,9 @@ TEST(SurfaceContacts, WhatCollidersHoldGetsNothingOfTheLastImpulses) {
   Pressed p;
   std::vector<int> all;
   for (int i = 0; i < p.cloth.num_points(); ++i) all.push_back(i);
-  p.contacts.begin(p.cloth, p.contact_step, p.state);
+  p.contacts.prepare(p.cloth, p.contact_step, p.state);
   EXPECT_GT(p.state.velocities.norm(), 0.05);
-  p.contacts.leave_to(p.held(all), p.state.velocities);
+  p.contacts.release_pinched(p.held(all), p.state.velocities);
   EXPECT_LT(p.state.velocities.norm(), 1e-15);
   EXPECT_EQ(p.contacts.count(), 0);
 }
@@ -326,9 +326,10 @@ TEST(SurfaceContacts, WhatCollidersHoldGetsNothingOfTheLastImpulses) {
 TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayBe) {
   Pressed p;
   p.cloth.mass *= 1e-3;  // so that its weight is little beside that impulse
-  p.contacts.begin(p.cloth, p.contact_step, p.state);
+  p.contacts.prepare(p.cloth, p.contact_step, p.state);
   const double given = p.state.velocities.norm();
-  p.contacts.leave_to(p.held({Pressed::layer.begin(), Pressed::layer.end()}), p.state.velocities);
+  p.contacts.release_pinched(p.held({Pressed::layer.begin(), Pressed::layer.end()}),
+                             p.state.velocities);
   EXPECT_LT(p.state.velocities.norm(), 0.1 * given);
   EXPECT_GT(p.state.velocities.norm(), 0);
   Points impulses = Points::Zero(p.cloth.num_points(), 3);

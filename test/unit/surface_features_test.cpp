@@ -55,7 +55,7 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
       least = std::min(least, expected);
       return false;
     });
-    EXPECT_NEAR(surface.nearest.least(), least, 1e-12);
+    EXPECT_NEAR(surface.nearest.min(), least, 1e-12);
     EXPECT_GT(insides, 100);
   }
 }

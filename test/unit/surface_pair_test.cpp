@@ -30,7 +30,7 @@ TEST(SurfacePair, WhereItsGapIsPositiveAllAlongItsFeaturesNeverMeet) {
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     const Points start = random_points(4, 1, 2 * seed), end = random_points(4, 1, 2 * seed + 1);
     for (const SurfacePair& pair : pairs) {
-      if (least_gap_turning(pair, start, end) <= 0) continue;
+      if (min_gap_turning(pair, start, end) <= 0) continue;
       for (int k = 0; k <= 50; ++k) {
         const double t = k / 50.0;
         EXPECT_GT(separation(pair, (1 - t) * start + t * end).distance, 0) << seed << ' ' << t;
@@ -53,13 +53,13 @@ TEST(SurfacePair, FeaturesThatSwapSidesHaveNoGapAllAlong) {
       x->row(3) += Eigen::RowVector3d(0, 1, 0);
       x->row(0) << 0, 0, 5 * side;
     }
-    EXPECT_LE(least_gap_turning(pairs[0], start, end), 0) << seed;
+    EXPECT_LE(min_gap_turning(pairs[0], start, end), 0) << seed;
     for (Points* x : {&start, &end}) {
       const double side = x == &start ? 0.5 : -0.5;
       *x << -1, 0, side, 1, 0, side, 0, -1, 0, 0, 1, 0;
       *x += random_points(4, 0.1, seed + 5000);
     }
-    EXPECT_LE(least_gap_turning(pairs[1], start, end), 0) << seed;
+    EXPECT_LE(min_gap_turning(pairs[1], start, end), 0) << seed;
   }
 }
 
@@ -76,7 +76,7 @@ TEST(SurfacePair, WhatTurnsAsARigidBodyKeepsItsGap) {
     for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
       for (const double angle : {0.02, -0.01}) {
         const Eigen::Matrix3d turn(Eigen::AngleAxisd(angle, axis.normalized()));
-        EXPECT_NEAR(least_gap_turning(pair, start, start * turn.transpose()), gap, 0.05 * gap);
+        EXPECT_NEAR(min_gap_turning(pair, start, start * turn.transpose()), gap, 0.05 * gap);
       }
     }
   }

@@ -45,7 +45,7 @@ inline State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shif
 }
 
 /// Of layers: pairs that must keep the whole contact distance.
-inline double least_distance(const Cloth& cloth, const Points& positions) {
+inline double min_distance(const Cloth& cloth, const Points& positions) {
   double least = 1;
   NearPairs finder(cloth);
   for (const NearPair& near : finder.approaching(positions, 10 * positions)) {
@@ -86,7 +86,7 @@ struct Surface {
   /// How near a pair may come [m], by the tiles that have it.
   double nearest_of(const SurfacePair& pair) const {
     const auto& [a, b, c, d] = pair.points;
-    if (!pair.edges()) return nearest.of_slot(a, pair.triangle);
+    if (!pair.edges()) return nearest.of_tracked(a, pair.triangle);
     const auto [first, k] = tile_of(a, b);
     const auto [second, l] = tile_of(c, d);
     return nearest.of(first, second, Tiling::points + 3 * k + l);
@@ -129,7 +129,7 @@ std::vector<SurfacePair> brute_force(const Surface& surface, const Chosen& chose
   for (int i = 0; i < surface.num_points(); ++i) {
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
       const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(t)];
-      consider({t, {i, a, b, c}, surface.nearest.of_slot(i, t)});
+      consider({t, {i, a, b, c}, surface.nearest.of_tracked(i, t)});
     }
   }
   std::vector<std::pair<int, std::size_t>> tiles;

@@ -30,9 +30,9 @@ TEST(SweptFace, FindsEveryContactThatFineStepsFind) {
       ColliderSpec spec;
       spec.shape = shape;
       MovingCollider collider(spec);
-      collider.aim({0.2 * random(), Eigen::Quaterniond(Eigen::AngleAxisd(2.5 * draw(engine),
-                                                                         random().normalized()))},
-                   1);
+      collider.set_target({0.2 * random(), Eigen::Quaterniond(Eigen::AngleAxisd(
+                                               2.5 * draw(engine), random().normalized()))},
+                          1);
       collider.advance(1);
       const Vector3 middle = random(), way = 0.6 * random() - 1.5 * middle;
       Triangle from, to;
@@ -77,7 +77,7 @@ TEST(SweptFace, TellsHowFarATriangleWentThrough) {
   EXPECT_EQ(found->weights, (std::array<double, 3>{1, 0, 0}));
 
   // The same the other way round: the plate goes up, and turns half round on its way.
-  plate.aim({Vector3(0, 0, 0.42), Eigen::Quaterniond(0, 0, 0, 1)}, 1);
+  plate.set_target({Vector3(0, 0, 0.42), Eigen::Quaterniond(0, 0, 0, 1)}, 1);
   plate.advance(1);
   const auto met = swept_face_distance(plate, from, from, offset);
   ASSERT_TRUE(met);

@@ -21,20 +21,20 @@ ClothSpec limited(ClothSpec spec) {
 
 /// A step of a cloth that its limit holds, as the simulator does it.
 struct Stepper {
-  explicit Stepper(const Cloth& of) : cloth(of), weighed(of), limit(of) {}
+  explicit Stepper(const Cloth& of) : cloth(of), cloth_with_tension_mass(of), limit(of) {}
 
   void step(const Vector3& gravity, double h, State& state) {
-    const double reach = VelocityVerlet::reach(cloth.damping, h);
-    limit.inertia().weigh(cloth, h, state, weighed.inv_mass);
-    method.step(weighed, Loads{gravity}, h, state);
-    limit.predict(h, reach, state);
-    limit.solve(weighed, reach, 1e-9, 4, 400, state);
-    limit.inertia().give_back(cloth, h, reach, state);
+    const double displacement_factor = VelocityVerlet::displacement_factor(cloth.damping, h);
+    limit.inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
+    method.step(cloth_with_tension_mass, Loads{gravity}, h, state);
+    limit.warm_start(h, displacement_factor, state);
+    limit.solve(cloth_with_tension_mass, displacement_factor, 1e-9, 4, 400, state);
+    limit.inertia().give_back(cloth, h, displacement_factor, state);
     limit.learn_tension();
   }
 
   const Cloth& cloth;
-  Cloth weighed;
+  Cloth cloth_with_tension_mass;
   StrainLimit limit;
   VelocityVerlet method;
 };
@@ -53,20 +53,20 @@ TEST(TensionInertia, IsThatOfTheWeightOnAString) {
       state.positions(i, 2) = top - 1.1 * (top - cloth.rest_positions(i, 2));
     }
     Stepper stepper(cloth);
-    EXPECT_EQ(stepper.limit.inertia().share(h), 0);
+    EXPECT_EQ(stepper.limit.inertia().mass_ratio(h), 0);
     for (int step = 0; step < 1000; ++step) stepper.step(Vector3(0, 0, -9.8), h, state);
     const double length = 1.1;
     const double sum = (masses == 1 ? 1 : 2 + 1 + 1) * cloth.mass[0] * 9.8 / length;
-    EXPECT_NEAR(stepper.limit.inertia().share(h), 0.4 * h * h * sum / cloth.mass.sum(), 1e-9);
-    EXPECT_NEAR(stepper.weighed.inv_mass[0], 1 / (cloth.mass[0] * (1 + 0.4 * h * h * 9.8 / length)),
-                1e-6 * cloth.inv_mass[0])
+    EXPECT_NEAR(stepper.limit.inertia().mass_ratio(h), 0.4 * h * h * sum / cloth.mass.sum(), 1e-9);
+    EXPECT_NEAR(stepper.cloth_with_tension_mass.inv_mass[0],
+                1 / (cloth.mass[0] * (1 + 0.4 * h * h * 9.8 / length)), 1e-6 * cloth.inv_mass[0])
         << "the lowest point";
   }
 }
 
 /// Fastest of a heavy string that hangs from its upper end, plucked, after many steps of h omega
 /// for its upper springs.
-double speed_of_string(double h_omega, bool weigh) {
+double speed_of_string(double h_omega, bool adds_mass) {
   constexpr int n = 40;
   ClothSpec spec = limited(chain_spec(n, 1, 0, Orientation::vertical));
   spec.material.damping = 1;
@@ -83,10 +83,10 @@ double speed_of_string(double h_omega, bool weigh) {
   }
   Stepper stepper(cloth);
   for (int step = 0; step < 3000; ++step) {
-    if (!weigh) stepper.limit.inertia().reset();
+    if (!adds_mass) stepper.limit.inertia().reset();
     stepper.step(Vector3(0, 0, -9.8), h, state);
   }
-  return fastest(state);
+  return max_speed(state);
 }
 
 TEST(TensionInertia, MakesStepsStableThatTensionWouldBreak) {
@@ -113,8 +113,8 @@ TEST(TensionInertia, LeavesMomentumAndAngularMomentumOfAFreeClothAlone) {
   const double h = 4e-3;
   for (int step = 0; step < 200; ++step) {
     stepper.step(no_gravity, h, state);
-    most = std::max(most, stepper.limit.inertia().share(h));
-    ASSERT_LT((momentum(cloth, state) - p).norm(), 1e-12 * cloth.mass.sum() * fastest(state));
+    most = std::max(most, stepper.limit.inertia().mass_ratio(h));
+    ASSERT_LT((momentum(cloth, state) - p).norm(), 1e-12 * cloth.mass.sum() * max_speed(state));
     ASSERT_LT((angular_momentum(cloth, state) - l).norm(), 1e-12 * l.norm()) << step;
   }
   EXPECT_GT(most, 0.01) << "it has no part in this";

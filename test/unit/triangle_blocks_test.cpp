@@ -50,7 +50,7 @@ TEST(TriangleBlocks, HoldEachTriangleOnceInABoxOfItsPoints) {
       const Eigen::AlignedBox3d box = blocks.box(b, cloth.rest_positions);
       EXPECT_EQ(box.min(), expected.min());
       EXPECT_EQ(box.max(), expected.max());
-      EXPECT_EQ(blocks.least(b, cloth.rest_positions.col(1)), least);
+      EXPECT_EQ(blocks.min(b, cloth.rest_positions.col(1)), least);
     }
     EXPECT_EQ(next, cloth.triangles.size());
   }

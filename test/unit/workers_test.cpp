@@ -39,7 +39,7 @@ TEST(Workers, ShareEveryElementOnce) {
       for (const int count : {0, 1, 7, 8, 9, 1000, 4097}) {
         std::vector<int> visits(static_cast<std::size_t>(count), 0);
         std::atomic<int> bands{0};
-        workers.share(
+        workers.parallel_for(
             count,
             [&](int begin, int end) {
               ++bands;
@@ -60,7 +60,7 @@ TEST(Workers, ShareEveryElementOnce) {
 TEST(Workers, ShareBandsShorterThanALineOfTheCaches) {
   const Workers workers(2);
   std::array<std::atomic<int>, 2> lengths{};
-  workers.share(
+  workers.parallel_for(
       2, [&](int begin, int end) { lengths[static_cast<std::size_t>(begin)] = end - begin; }, 1);
   EXPECT_EQ(lengths[0], 1);
   EXPECT_EQ(lengths[1], 1);
@@ -72,7 +72,7 @@ TEST(Workers, EndWhateverTheirThreadsDo) {
   constexpr int rounds = 30000;
   for (int k = 0; k < rounds; ++k) {
     const Workers workers(2);
-    workers.share(
+    workers.parallel_for(
         16, [&](int, int) { ++bands; }, 8);
   }
   EXPECT_EQ(bands, 2 * rounds);
@@ -82,7 +82,7 @@ TEST(Workers, ManyLoopsInARowAndAfterASleep) {
   const Workers workers(3);
   std::vector<double> sums(3000, 0);
   for (int loop = 0; loop < 3000; ++loop) {
-    workers.share(
+    workers.parallel_for(
         3000,
         [&](int begin, int end) {
           for (int i = begin; i < end; ++i) sums[static_cast<std::size_t>(i)] += 1;
@@ -193,14 +193,14 @@ TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
   const auto solved = [&](const Workers& workers, bool pass_by_pass) {
     State state{1.05 * shaken(cloth, 1e-4, 1), random_points(cloth.num_points(), 0.1, 2), 0};
     StrainLimit limit(cloth);
-    limit.predict(h, 1, state);
+    limit.warm_start(h, 1, state);
     if (pass_by_pass) {
-      limit.begin(cloth, 1, state, workers);
-      for (int pass = 0; pass < 5; ++pass) limit.sweep(state.velocities, workers);
+      limit.prepare(cloth, 1, state, workers);
+      for (int pass = 0; pass < 5; ++pass) limit.solve_pass(state.velocities, workers);
     } else {
       EXPECT_EQ(limit.solve(cloth, 1, 1e-12, 4, 20, state, workers).count, 20);
     }
-    EXPECT_EQ(limit.correct(cloth, 1e-3, 10, state.positions, workers), 10);
+    EXPECT_EQ(limit.project_positions(cloth, 1e-3, 10, state.positions, workers), 10);
     return state;
   };
   for (const bool pass_by_pass : {false, true}) {
@@ -238,8 +238,8 @@ TEST(ThreadBits, AreTheSameFromBothSidesOfAFold) {
     }
     const Points start = state.positions;
     SelfContacts contacts(cloth, SelfCollision::surface);
-    contacts.begin(cloth, {h, 1, start, state.velocities, workers}, state);
-    for (int pass = 0; pass < 5; ++pass) contacts.sweep(0, state.velocities, workers);
+    contacts.prepare(cloth, {h, 1, start, state.velocities, workers}, state);
+    for (int pass = 0; pass < 5; ++pass) contacts.solve_pass(0, state.velocities, workers);
     EXPECT_GT(contacts.count(), 200);
     return state.velocities;
   };

@@ -13,10 +13,10 @@ using namespace testing;
 constexpr double g = 9.8;
 const Loads no_gravity{Vector3::Zero()};
 
-/// Runs until every motion of rate `slowest` [1/s] or faster has died to rounding.
+/// Runs until every motion of rate `min_rate` [1/s] or faster has died to rounding.
 template <typename Method>
-void settle(Method& method, const Cloth& cloth, double slowest, double h, State& state) {
-  run(method, cloth, Loads{}, h, static_cast<int>(35 / (slowest * h)), state);
+void settle(Method& method, const Cloth& cloth, double min_rate, double h, State& state) {
+  run(method, cloth, Loads{}, h, static_cast<int>(35 / (min_rate * h)), state);
 }
 
 template <typename Method>

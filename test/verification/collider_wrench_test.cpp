@@ -33,9 +33,9 @@ Scene over(const std::vector<ColliderSpec>& colliders, int side = 15) {
 }
 
 /// Steps for `seconds` without a look, then weighs the last frame.
-Wrench weigh(Simulator& simulator, double seconds, std::size_t index = 0) {
+Wrench measure_wrench(Simulator& simulator, double seconds, std::size_t index = 0) {
   run(simulator, seconds);
-  simulator.weigh_colliders(true);
+  simulator.measure_wrenches(true);
   simulator.step();
   return simulator.collider_wrenches()[index];
 }
@@ -57,7 +57,7 @@ Vector3 moment_of_weight(const Simulator& simulator, const Vector3& origin) {
 TEST(ColliderWrench, APlaneBearsTheWeight) {
   // F = -m g, about the plane's origin a corner of the cloth: m g on arms of half its sides.
   Simulator simulator(over({collider("ground", Plane{}, {0, 0, 0})}));
-  const Wrench wrench = weigh(simulator, 2);
+  const Wrench wrench = measure_wrench(simulator, 2);
   EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-6 * 5 * g);
   EXPECT_LT((wrench.torque - 5 * g * Vector3(-0.5, 0.5, 0)).norm(), 1e-6 * 5 * g);
 }
@@ -69,7 +69,7 @@ TEST(ColliderWrench, TheWeightIsThatOfEveryMethodWithAndWithoutDrag) {
       scene.simulation.method = method;
       scene.cloth.material.damping = damping;
       Simulator simulator(scene);
-      const Wrench wrench = weigh(simulator, 1);
+      const Wrench wrench = measure_wrench(simulator, 1);
       EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-5 * 5 * g)
           << method << ' ' << damping;
     }
@@ -86,7 +86,7 @@ TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
   scene.cloth.origin = {0, 0, 0};
   scene.cloth.material.damping = 20;
   Simulator simulator(scene);
-  const Wrench left = weigh(simulator, 3), right = simulator.collider_wrenches()[1];
+  const Wrench left = measure_wrench(simulator, 3), right = simulator.collider_wrenches()[1];
   const double weight = 5 * 0.04 * g;
   EXPECT_GT(simulator.step().pinched, 0);
   EXPECT_LT((left.force + right.force - Vector3(0, 0, -weight)).norm(), 1e-3 * weight);
@@ -98,10 +98,10 @@ TEST(ColliderWrench, NobodyAskedNothingIsSummed) {
   run(simulator, 0.2);
   ASSERT_EQ(simulator.collider_wrenches().size(), 1u);
   EXPECT_EQ(simulator.collider_wrenches()[0].force, Vector3::Zero());
-  simulator.weigh_colliders(true);
+  simulator.measure_wrenches(true);
   simulator.step();
   EXPECT_LT(simulator.collider_wrenches()[0].force.z(), -1);
-  simulator.weigh_colliders(false);
+  simulator.measure_wrenches(false);
   EXPECT_EQ(simulator.collider_wrenches()[0].force, Vector3::Zero());
 }
 
@@ -114,7 +114,7 @@ TEST(ColliderWrench, AnInclineHoldsByFriction) {
   Scene scene = over({slope});
   scene.simulation.gravity = g * Vector3(0, 0, -1);
   Simulator simulator(scene);
-  const Wrench wrench = weigh(simulator, 4);
+  const Wrench wrench = measure_wrench(simulator, 4);
   EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-3 * 5 * g);
 }
 
@@ -125,14 +125,14 @@ TEST(ColliderWrench, OnAnInclineThatItSlipsOnFrictionIsThatOfCoulomb) {
   scene.simulation.gravity = g * Vector3(std::sin(angle), 0, -std::cos(angle));
   scene.cloth.material.damping = 0;
   Simulator simulator(scene);
-  const Wrench wrench = weigh(simulator, 1);
+  const Wrench wrench = measure_wrench(simulator, 1);
   const double press = 5 * g * std::cos(angle);
   EXPECT_LT((wrench.force - press * Vector3(0.5, 0, -1)).norm(), 1e-3 * press);
 }
 
 TEST(ColliderWrench, ASphereBearsTheWeight) {
   Simulator simulator(over({collider("sphere", Sphere{0.3}, {0.5, 0.5, -0.31}, 2)}));
-  const Wrench wrench = weigh(simulator, 6);
+  const Wrench wrench = measure_wrench(simulator, 6);
   EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-3 * 5 * g);
   const Vector3 expected = moment_of_weight(simulator, {0.5, 0.5, -0.31});
   EXPECT_LT((wrench.torque - expected).norm(), 1e-3 * 5 * g * 0.3);
@@ -146,7 +146,7 @@ TEST(ColliderWrench, CollidersAndHandsShareTheWeight) {
   Simulator simulator(scene);
   simulator.attach("hand", {Vector3(0, 0, 0.1), Eigen::Quaterniond::Identity()}, {0, 1});
   run(simulator, 6);
-  simulator.weigh_colliders(true);
+  simulator.measure_wrenches(true);
   simulator.step();
   Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
   const auto add = [&](const Wrench& wrench, const Vector3& origin) {
@@ -169,7 +169,7 @@ TEST(ColliderWrench, TorqueIsThatOfAWeightOverAnEdge) {
   scene.cloth.origin = {-0.4, 0, -0.0999};
   scene.cloth.material.damping = 20;
   Simulator simulator(scene);
-  const Wrench wrench = weigh(simulator, 5);
+  const Wrench wrench = measure_wrench(simulator, 5);
   EXPECT_LT((wrench.force - Vector3(0, 0, -5 * g)).norm(), 1e-3 * 5 * g);
   const Vector3 expected = moment_of_weight(simulator, {0, 0.5, -0.2});
   EXPECT_GT(std::abs(expected.y()), 1) << "hangs evenly";
@@ -180,7 +180,7 @@ TEST(ColliderWrench, TorqueIsThatOfAWeightOverAnEdge) {
 /// to rounding. Returns what the last one did.
 StepReport expect_balance(const Scene& scene, const std::function<void(Simulator&, int)>& move) {
   Simulator simulator(scene);
-  simulator.weigh_colliders(true);
+  simulator.measure_wrenches(true);
   const double dt = simulator.frame_duration();
   const Vector3 weight = simulator.cloth().mass.sum() * scene.simulation.gravity;
   double hardest = 0;
@@ -227,8 +227,8 @@ TEST(ColliderWrench, IsTheSameWithTwoThreadsAndAfterComingBack) {
   Scene threaded = scene;
   threaded.simulation.threads = 2;
   Simulator one(scene), two(threaded), unasked(scene);
-  one.weigh_colliders(true);
-  two.weigh_colliders(true);
+  one.measure_wrenches(true);
+  two.measure_wrenches(true);
   run(one, 0.3);
   run(two, 0.3);
   run(unasked, 0.3);

@@ -191,7 +191,7 @@ TYPED_TEST(FreeMotion, MomentumOfAFreeClothStays) {
   const Vector3 before = momentum(cloth, state);
   TypeParam method;
   run(method, cloth, no_gravity, 1e-3, 1000, state);
-  const double scale = cloth.mass.sum() * fastest(state);
+  const double scale = cloth.mass.sum() * max_speed(state);
   EXPECT_LT((momentum(cloth, state) - before).norm(), 1e-12 * scale);
 }
 
@@ -230,21 +230,21 @@ Kept spin_at_the_limit(double spin, double h) {
 
   VelocityVerlet method;
   StrainLimit limit(cloth);
-  const double reach = VelocityVerlet::reach(cloth.damping, h);
+  const double displacement_factor = VelocityVerlet::displacement_factor(cloth.damping, h);
   const double solved = 4e-3 * cloth.springs.front().rest_length / 20;  // [m]
   Kept kept{};
   for (int n = 0; n < static_cast<int>(std::lround(1 / h)); ++n) {
     method.step(cloth, no_gravity, h, state);
-    limit.predict(h, reach, state);
+    limit.warm_start(h, displacement_factor, state);
     const Points predicted = state.velocities;
-    limit.begin(cloth, reach, state);
-    int sweeps = 0;
-    while (limit.sweep(state.velocities) > solved && ++sweeps < 200) continue;
-    state.positions += reach * h * (state.velocities - predicted);
-    kept.corrections += limit.correct(cloth, 4e-3, 200, state.positions);
+    limit.prepare(cloth, displacement_factor, state);
+    int passes = 0;
+    while (limit.solve_pass(state.velocities) > solved && ++passes < 200) continue;
+    state.positions += displacement_factor * h * (state.velocities - predicted);
+    kept.corrections += limit.project_positions(cloth, 4e-3, 200, state.positions);
   }
   EXPECT_LT(worst_stretch(cloth, state.positions), 0.105);
-  kept.momentum = (momentum(cloth, state) - p).norm() / (cloth.mass.sum() * fastest(state));
+  kept.momentum = (momentum(cloth, state) - p).norm() / (cloth.mass.sum() * max_speed(state));
   kept.angular_momentum = (angular_momentum(cloth, state) - l).norm() / l.norm();
   return kept;
 }
@@ -338,7 +338,7 @@ TEST_P(FreeFold, KeepsItsMomentum) {
     contacts = std::max(contacts, report.contacts);
     ASSERT_EQ(report.held_back, 0) << frame;
     const State& now = simulator.state();
-    ASSERT_LT((momentum(cloth, now) - p).norm(), 1e-12 * cloth.mass.sum() * fastest(state));
+    ASSERT_LT((momentum(cloth, now) - p).norm(), 1e-12 * cloth.mass.sum() * max_speed(state));
     lost = std::max(lost, (angular_momentum(cloth, now) - l).norm() / scale);
     if (fold.contact == SelfCollision::surface) {
       ASSERT_EQ(count_intersections(cloth, now.positions), 0) << frame;

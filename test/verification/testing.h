@@ -126,7 +126,7 @@ inline double farthest(const Points& a, const Points& b) {
   return (a - b).rowwise().norm().maxCoeff();
 }
 
-inline double fastest(const State& state) { return state.velocities.rowwise().norm().maxCoeff(); }
+inline double max_speed(const State& state) { return state.velocities.rowwise().norm().maxCoeff(); }
 
 /// [kg m/s]
 inline Vector3 momentum(const Cloth& cloth, const State& state) {

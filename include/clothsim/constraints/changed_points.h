@@ -22,8 +22,8 @@ class ChangedPoints {
   }
 
   /// Finds those that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by more
-  /// than `least` [m/s] from what they were when they were last found.
-  void look(const Points& velocities, double least, const Workers& = {});
+  /// than `min_change` [m/s] from what they were when they were last found.
+  void look(const Points& velocities, double min_change, const Workers& = {});
 
   bool any(const std::array<int, 4>& points) const {
     Flag result = 0;

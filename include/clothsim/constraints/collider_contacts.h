@@ -8,7 +8,7 @@
 #include "clothsim/constraints/face_contacts.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
-#include "clothsim/constraints/room.h"
+#include "clothsim/constraints/sleep_bounds.h"
 #include "clothsim/constraints/stacks.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -34,35 +34,35 @@ namespace clothsim {
 class ColliderContacts {
  public:
   /// Finds contacts after a step from step.start to state, and gives them their last impulses.
-  void begin(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
+  void prepare(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
-  /// May steps go on with what begin() found to be near? Not while colliders push out or pinch.
+  /// May steps go on with what prepare() found to be near? Not while colliders push out or pinch.
   bool is_settled() const;
 
-  /// The same as begin() in another step of the same length, of the points near then and of the
+  /// The same as prepare() in another step of the same length, of the points near then and of the
   /// triangles that touched alone.
-  void go_on(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
+  void refresh(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
-  double sweep(Points& velocities);
+  double solve_pass(Points& velocities);
 
   /// Moves what is inside a collider to its surface.
-  void correct(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
-               Points& positions);
+  void project_positions(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+                         Points& positions);
 
-  /// The same after go_on(), of the points near alone.
-  void correct_near(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+  /// The same after refresh(), of the points near alone.
+  void project_near(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                     Points& positions);
 
   /// The same once more in a step that does not pinch it, after others have moved it on from
   /// `start`.
-  void correct_again(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+  void project_again(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                      Points& positions);
 
   /// Adds what the cloth, at `positions`, gave each collider in the step, times `scale`: impulse
   /// [N s] and its moment about the origin of the collider's frame [N m s], in the world. All that
-  /// changed velocities counts, also where it led out what a collider was put upon. What correct()
-  /// moves does not.
+  /// changed velocities counts, also where it led out what a collider was put upon. What
+  /// project_positions() moves does not.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
@@ -85,7 +85,7 @@ class ColliderContacts {
   /// Did so of late any of it?
   bool is_leaving() const { return leaving_ > 0; }
   /// How much of its speed is left to what leaves one, see ContactStep.
-  double pace() const { return recovery_pace(leaving_); }
+  double recovery_factor() const { return recovery_factor_after(leaving_); }
   /// Has it come out as fast as at first: what holds it in has moved.
   void try_anew() { leaving_ = 0; }
 
@@ -99,9 +99,9 @@ class ColliderContacts {
 
  private:
   /// What a collider has to do with the cloth.
-  struct Side {
+  struct ColliderCache {
     ContactSlots slots;
-    Room room;
+    SleepBounds sleep_bounds;
     std::vector<Span> near;    // blocks that may touch it before more are sought, ascending
     std::vector<Span> inside;  // those that may be in it as a step ends
     double friction = 0;
@@ -119,91 +119,91 @@ class ColliderContacts {
   };
 
   /// What was in a collider when a step began: points and how deep [m], and triangles.
-  struct Caught {
+  struct Penetration {
     int collider;
     std::vector<std::pair<int, double>> points;
-    std::vector<CaughtFace> faces;
+    std::vector<PenetratingFace> faces;
 
     double depth() const;  // greatest [m], 0 where nothing was
   };
 
-  /// Finds the contacts of all colliders; one Caught for each in reach.
-  std::vector<Caught> find(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
-                           State&);
-  void find_at(Side&, const MovingCollider&, const Cloth&, const ContactStep&, double speed,
-               double drift, State&, Caught&);
+  /// Finds the contacts of all colliders; one Penetration for each in reach.
+  std::vector<Penetration> find(const std::vector<MovingCollider>&, const Cloth&,
+                                const ContactStep&, State&);
+  void find_at(ColliderCache&, const MovingCollider&, const Cloth&, const ContactStep&,
+               double speed, double drift, State&, Penetration&);
 
   /// Finds the contacts of the points near a collider, but for those that need a close look.
-  static void find_points(Side&, const MovingCollider&, const Cloth&, const ContactStep&,
+  static void find_points(ColliderCache&, const MovingCollider&, const Cloth&, const ContactStep&,
                           const State&);
   /// Ends the search for contacts of points, and gives these impulses `scale` times the last ones.
-  void resume(const Cloth&, double scale, State&);
+  void warm_start(const Cloth&, double scale, State&);
 
-  /// Tells the side where the collider is in this step.
-  void follow(Side&, const MovingCollider&, const Points& positions) const;
+  /// Tells the cache where the collider is in this step.
+  void follow(ColliderCache&, const MovingCollider&, const Points& positions) const;
 
-  /// Can triangles come within `reach` [m] of the collider?
-  bool is_near_faces(const Side&, const Clearance&, double reach) const;
+  /// Can triangles come within `distance` [m] of the collider?
+  bool is_near_faces(const ColliderCache&, const Clearance&, double distance) const;
 
   /// Finds the contact of a point anew if the step may have taken it through the shape, or if it
   /// was in it when the step began.
-  void look_closely(Side&, int point, const ContactSlots::Seeker&, const ContactStep&, State&,
-                    Caught&);
+  void look_closely(ColliderCache&, int point, const ContactSlots::Detector&, const ContactStep&,
+                    State&, Penetration&);
 
   /// Holds what colliders leave no room, and takes it out of what they caught.
   void find_pinched(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
-                    std::vector<Caught>&);
+                    std::vector<Penetration>&);
   void pinch(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
-             const std::vector<Caught>&);
+             const std::vector<Penetration>&);
   /// Bounds of where a collider touches, and of the normals there.
   struct Touched {
     Normals normals;
     Eigen::AlignedBox3d places;  // [m] of points, with the corners of triangles
   };
   Touched touched_by(int number, const Cloth&, const Points& positions);
-  Jaw jaw_of(int number, const MovingCollider&, const Cloth&);
+  ContactManifold manifold_of(int number, const MovingCollider&, const Cloth&);
 
   /// Sends what is caught in a collider out in one direction.
-  void escape(const Caught&, const MovingCollider&, const Cloth&, const ContactStep&,
+  void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
   /// What was in a collider has been moved out by `way` [m] at most.
   void moved_out(std::size_t collider, double way);
   /// Moves what is in any collider out.
-  void correct_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
+  void project_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                    Points& positions);
   /// Moves what is in one collider out. Returns the longest way of a point [m].
-  double correct_at(Side&, const MovingCollider&, const Cloth&, const Points& start,
+  double project_at(ColliderCache&, const MovingCollider&, const Cloth&, const Points& start,
                     Points& positions);
 
   /// The same of the points of a span that need a close look. `free`: those of the span that move,
   /// 0 where they do not or have been moved. Returns the longest way of a point [m].
-  double correct_closely(Side&, const Span&, const ContactSlots::Seeker&, const Cloth&,
+  double project_closely(ColliderCache&, const Span&, const ContactSlots::Detector&, const Cloth&,
                          const Points& start, Points& positions, double* free);
 
   /// The same of a point that needs a close look; nothing for one that does not.
-  std::optional<double> correct_closely(Side&, int point, const ContactSlots::Seeker&,
+  std::optional<double> project_closely(ColliderCache&, int point, const ContactSlots::Detector&,
                                         const Points& start, Points& positions);
 
   /// The same of triangles.
-  double correct_faces(Side&, const MovingCollider&, const Cloth&, const Points& start,
+  double project_faces(ColliderCache&, const MovingCollider&, const Cloth&, const Points& start,
                        Points& positions);
 
-  Side& side(int collider) { return sides_[static_cast<std::size_t>(collider)]; }
+  ColliderCache& cache(int collider) { return caches_[static_cast<std::size_t>(collider)]; }
 
-  double stretch_ = 0;       // of the step, see ContactStep
-  double h_ = 0;             // step of the impulses [s]
-  std::vector<Side> sides_;  // by collider
-  Travel travel_;
+  double stretch_ = 0;                 // of the step, see ContactStep
+  double h_ = 0;                       // step of the impulses [s]
+  std::vector<ColliderCache> caches_;  // by collider
+  MotionBound motion_bound_;
   FaceContacts faces_;
   Pinches pinches_;
   Stacks stacks_;
   bool has_pinched_ = false;          // in the step before
   bool is_restored_pinched_ = false;  // likewise, as it was written
   bool recovers_ = false;
-  double leaving_ = 0;  // time of steps in which it did, less others [s]
-  double pace_ = 1;     // of the step
-  LocalCloth local_;    // about a collider whose faces count
+  double leaving_ = 0;          // time of steps in which it did, less others [s]
+  double recovery_factor_ = 1;  // of the step
+  LocalCloth local_;            // about a collider whose faces count
 };
 
 }  // namespace clothsim

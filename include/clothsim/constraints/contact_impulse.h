@@ -13,12 +13,13 @@ namespace clothsim {
 struct ContactImpulse {
   Vector3 normal{0, 0, 1};            // into free space
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
-  double slowest = 0;                 // least normal velocity off the surface allowed [m/s]
+  double target_velocity = 0;         // least normal velocity off the surface allowed [m/s]
   double friction = 0;
-  double most = std::numeric_limits<double>::infinity();          // of push
-  double most_to_part = std::numeric_limits<double>::infinity();  // of push that parts, not stops
-  double push = 0;                                                // along the normal, >= 0
-  Vector3 drag{0, 0, 0};  // against sliding, at most friction * push
+  double max_normal_impulse = std::numeric_limits<double>::infinity();  // in all
+  double max_separating_impulse =
+      std::numeric_limits<double>::infinity();  // where it parts, not stops
+  double normal_impulse = 0;                    // along the normal, >= 0
+  Vector3 friction_impulse{0, 0, 0};  // against sliding, at most friction * normal_impulse
 
   /// Brings it up to date where the cloth touches with `velocity` [m/s], and moves like a
   /// `mass`: an impulse changes that velocity by itself over it. Returns the change.
@@ -27,58 +28,64 @@ struct ContactImpulse {
 
     // Off the surface, or towards it no faster than the gap allows.
     const double rate = normal.dot(v);
-    double new_push = push + mass * (slowest - rate);
-    if (slowest > 0) new_push = std::min(new_push, std::max(push - mass * rate, most_to_part));
-    new_push = std::clamp(new_push, 0.0, most);
+    double new_normal_impulse = normal_impulse + mass * (target_velocity - rate);
+    if (target_velocity > 0) {
+      new_normal_impulse = std::min(new_normal_impulse,
+                                    std::max(normal_impulse - mass * rate, max_separating_impulse));
+    }
+    new_normal_impulse = std::clamp(new_normal_impulse, 0.0, max_normal_impulse);
 
     // Against sliding, as far as Coulomb's cone reaches.
-    Vector3 new_drag = drag - mass * (v - rate * normal);
-    const double strongest = friction * new_push;
-    const double length2 = new_drag.squaredNorm();
-    if (length2 > strongest * strongest) new_drag *= strongest / std::sqrt(length2);
+    Vector3 new_friction_impulse = friction_impulse - mass * (v - rate * normal);
+    const double max_friction = friction * new_normal_impulse;
+    const double length2 = new_friction_impulse.squaredNorm();
+    if (length2 > max_friction * max_friction) {
+      new_friction_impulse *= max_friction / std::sqrt(length2);
+    }
 
-    const Vector3 change = (new_push - push) * normal + new_drag - drag;
-    push = new_push;
-    drag = new_drag;
+    const Vector3 change =
+        (new_normal_impulse - normal_impulse) * normal + new_friction_impulse - friction_impulse;
+    normal_impulse = new_normal_impulse;
+    friction_impulse = new_friction_impulse;
     return change;
   }
 
   /// Makes it `scale` times as large, in the directions of now.
-  void resume(double scale) {
-    push *= scale;
-    drag *= scale;
-    drag -= normal.dot(drag) * normal;
+  void warm_start(double scale) {
+    normal_impulse *= scale;
+    friction_impulse *= scale;
+    friction_impulse -= normal.dot(friction_impulse) * normal;
   }
 
-  /// Has resume() go on with that of the last step.
+  /// Has warm_start() go on with that of the last step.
   void keep(const ContactImpulse& last) {
-    push = last.push;
-    drag = last.drag;
+    normal_impulse = last.normal_impulse;
+    friction_impulse = last.friction_impulse;
   }
 
-  Vector3 total() const { return push * normal + drag; }
+  Vector3 total() const { return normal_impulse * normal + friction_impulse; }
 
   /// Lets it push with that much at most, now too.
   void weaken(double strongest) {
-    most = std::min(most, strongest);
-    if (push > most) resume(most / push);
+    max_normal_impulse = std::min(max_normal_impulse, strongest);
+    if (normal_impulse > max_normal_impulse) warm_start(max_normal_impulse / normal_impulse);
   }
 
   /// Lets it push no more.
   void let_go() {
-    slowest = -std::numeric_limits<double>::infinity();
-    push = friction = 0;
-    drag.setZero();
+    target_velocity = -std::numeric_limits<double>::infinity();
+    normal_impulse = friction = 0;
+    friction_impulse.setZero();
   }
 
-  /// What the next step resumes: the impulse, not the surface.
+  /// What the next step starts with: the impulse, not the surface.
   void write(MemoryWriter& memory) const {
-    memory.add(push);
-    memory.add(drag);
+    memory.add(normal_impulse);
+    memory.add(friction_impulse);
   }
   void read(MemoryReader& memory) {
-    push = std::max(0.0, memory.number());
-    drag = memory.vector();
+    normal_impulse = std::max(0.0, memory.number());
+    friction_impulse = memory.vector();
   }
 };
 

@@ -35,7 +35,7 @@ struct Contact {
   ContactImpulse impulse = {};      // on the points, by weight [N s]
 
   /// Sets what it moves, and its mass: all of its points by their inverse masses.
-  void weigh(const Cloth&);
+  void compute_effective_mass(const Cloth&);
   /// Moves its point number k no more.
   void hold(std::size_t k);
 
@@ -78,19 +78,19 @@ class ContactList {
 
   /// To be called when a step has all of its contacts: gives points the impulses of the last step,
   /// over this one's length. `positions`: by which to tell threads apart.
-  void resume(const Points& positions, Points& velocities);
+  void warm_start(const Points& positions, Points& velocities);
 
   /// In another step of the same length, gives points the impulses of the last one once more.
-  void go_on(Points& velocities) { resume(1, velocities); }
+  void warm_start_again(Points& velocities) { warm_start(1, velocities); }
 
   /// One pass over the contacts, but for those where no point has changed by more than a share of
   /// `precision` [m/s] since they were looked at; where it is below 0, over all. Returns the
   /// largest change of a contact's velocity [m/s].
-  double sweep(double precision, Points& velocities, const Workers& = {});
+  double solve_pass(double precision, Points& velocities, const Workers& = {});
 
   /// Contacts with what colliders hold act no more; those that it is a part of, with no more than
-  /// `strongest` [N s]. Takes back from the velocities [m/s] what resume() gave beyond that.
-  void leave_to(const Pinches&, double strongest, Points& velocities);
+  /// `strongest` [N s]. Takes back from the velocities [m/s] what warm_start() gave beyond that.
+  void release_pinched(const Pinches&, double strongest, Points& velocities);
 
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
@@ -120,8 +120,8 @@ class ContactList {
 
   Cut cut_into_slabs(const Points& positions) const;
   void group(const Points& positions);
-  void resume(double scale, Points& velocities);
-  double sweep_group(const std::vector<Place>&, double least, Points& velocities);
+  void warm_start(double scale, Points& velocities);
+  double solve_group(const std::vector<Place>&, double min_change, Points& velocities);
 
   double h_ = 0;
   double scale_ = 0;  // of the last step's impulses, over the same forces' in this one

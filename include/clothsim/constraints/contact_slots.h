@@ -6,7 +6,7 @@
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
-#include "clothsim/constraints/room.h"
+#include "clothsim/constraints/sleep_bounds.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/state.h"
@@ -56,10 +56,10 @@ class ContactSlots {
   /// Contacts of the points of a block, see ContactImpulse.
   struct Block {
     Triples normal;
-    Triples surface;                    // its velocity [m/s]
-    alignas(64) double slowest[block];  // -infinity: no contact, as of one that is let go
-    alignas(64) double push[block];     // 0 but in blocks that are active
-    Triples drag;                       // likewise
+    Triples surface;                            // its velocity [m/s]
+    alignas(64) double target_velocity[block];  // -infinity: no contact, as of one that is let go
+    alignas(64) double normal_impulse[block];   // 0 but in blocks that are active
+    Triples friction_impulse;                   // likewise
     // Velocities that the last pass left the points with: none needs another until they change.
     Triples left;
   };
@@ -70,9 +70,9 @@ class ContactSlots {
   bool fits(const Cloth& cloth) const { return points_ == cloth.num_points(); }
 
   /// What finds contacts in a step.
-  struct Seeker {
+  struct Detector {
     /// `asked`: of all points. Nothing farther away than its `near` can touch.
-    Seeker(const MovingCollider&, double offset, const Asked& asked);
+    Detector(const MovingCollider&, double offset, const Asked& asked);
 
     const MovingCollider& collider;
     Frame frame;
@@ -86,15 +86,16 @@ class ContactSlots {
     Asked asked_;
   };
 
-  /// Keeps the contacts of the last step as those to resume.
+  /// Keeps the contacts of the last step for a warm start.
   void start_over();
 
   /// Finds the contacts of some blocks. To be called in ascending order.
-  void find(const Span&, const Seeker&, const Cloth&, const ContactStep&, const State&);
+  void find(const Span&, const Detector&, const Cloth&, const ContactStep&, const State&);
 
   /// The contact of one point, whether it was found or not: at the surface that faces `normal`,
-  /// which it may not leave slower than at `slowest` [m/s].
-  void put(int point, const Vector3& normal, const Vector3& surface_velocity, double slowest);
+  /// which it may not leave slower than at `target_velocity` [m/s].
+  void put(int point, const Vector3& normal, const Vector3& surface_velocity,
+           double target_velocity);
 
   /// Ends a contact that there is.
   void remove(int point);
@@ -103,24 +104,24 @@ class ContactSlots {
   void close();
 
   /// Gives the points the impulses of the last step, `scale` times as large.
-  void resume(const Cloth&, double scale, Points& velocities);
+  void warm_start(const Cloth&, double scale, Points& velocities);
 
   /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
-  double sweep(double friction, Points& velocities);
+  double solve_pass(double friction, Points& velocities);
 
   /// Moves points of some blocks, at `positions` after a step from `start`, to the offset. Those
-  /// that are not `free`, from the first on, stay. `least`: of each block, how near to the surface
-  /// a point was [m]. Returns the longest way of a point [m].
-  static double push_out(const Span&, const Seeker&, const double* free, const Points& start,
-                         Points& positions, double* least);
+  /// that are not `free`, from the first on, stay. `min_distances`: of each block, how near to the
+  /// surface a point was [m]. Returns the longest way of a point [m].
+  static double project_positions(const Span&, const Detector&, const double* free,
+                                  const Points& start, Points& positions, double* min_distances);
 
   /// Does a contact of this step touch it?
   bool touches(int point) const {
-    return has_active(point / block) &&
-           at(point / block).slowest[point % block] > -std::numeric_limits<double>::infinity();
+    return has_active(point / block) && at(point / block).target_velocity[point % block] >
+                                            -std::numeric_limits<double>::infinity();
   }
-  /// Has it an impulse, before resume() that of the last step?
-  bool is_held(int point) const { return at(point / block).push[point % block] > 0; }
+  /// Has it an impulse, before warm_start() that of the last step?
+  bool is_held(int point) const { return at(point / block).normal_impulse[point % block] > 0; }
   bool has_active(int b) const {
     return !is_active_.empty() && is_active_[static_cast<std::size_t>(b)] != 0;
   }
@@ -158,7 +159,7 @@ class ContactSlots {
     }
   }
 
-  /// An impulse to resume. Points in ascending order.
+  /// An impulse for a warm start. Points in ascending order.
   void hold(int point, const ContactImpulse&);
 
  private:

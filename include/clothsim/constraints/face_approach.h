@@ -43,7 +43,7 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks&
   const double way = longest_row(local.to - local.from);
   const bool fast = way > safe_depth(shape);
   for (int b = 0; b < blocks.count(); ++b) {
-    if (blocks.least(b, local.distance) > far + (fast ? way : 0)) continue;
+    if (blocks.min(b, local.distance) > far + (fast ? way : 0)) continue;
     if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
     for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
       const Corners& c = cloth.triangles[t];

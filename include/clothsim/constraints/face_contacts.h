@@ -17,7 +17,7 @@
 namespace clothsim {
 
 /// A triangle that was in a collider when a step began.
-struct CaughtFace {
+struct PenetratingFace {
   int triangle;
   std::size_t contact;  // in FaceContacts
   double depth;         // [m] at the step's start
@@ -35,7 +35,7 @@ class FaceContacts {
   void start_over(double h);
 
   /// A collider beside a cloth, in a step.
-  struct Beside {
+  struct ColliderQuery {
     int number;  // of the collider
     const MovingCollider& collider;
     const Cloth& cloth;
@@ -43,18 +43,20 @@ class FaceContacts {
     double margin;  // how far away a triangle may be that matters within the step [m]
     LocalCloth& local;
     State& state;
-    std::vector<CaughtFace>& caught;
+    std::vector<PenetratingFace>& penetrating_faces;
   };
 
   /// Adds the contacts of the next collider. Triangles that the step took through the shape are
   /// moved back.
-  void find(const Beside&);
+  void find(const ColliderQuery&);
 
   /// The same of the triangles that had contacts with it in the last step.
-  void find_again(const Beside&);
+  void find_again(const ColliderQuery&);
 
   /// Gives the contacts the impulses of the last step.
-  void resume(const Points& positions, Points& velocities) { list_.resume(positions, velocities); }
+  void warm_start(const Points& positions, Points& velocities) {
+    list_.warm_start(positions, velocities);
+  }
 
   /// Calls visit(triangle, weights of its corners, normal, distance [m]) for each contact with a
   /// collider.
@@ -70,21 +72,21 @@ class FaceContacts {
 
   /// Acts on no corner that is held. What such corners lack of their distance from the collider, as
   /// layers that have to be thinner do, their triangles may lack by their shares.
-  void leave_to(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
-                const ContactStep&);
+  void release_pinched(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
+                       const ContactStep&);
 
   /// One pass over all contacts. Returns the largest change of a velocity [m/s].
-  double sweep(Points& velocities);
+  double solve_pass(Points& velocities);
 
   /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
   /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
-  void correct(const MovingCollider&, const Cloth&, double h, const std::vector<char>& held,
-               LocalCloth&, std::vector<char>& moved);
+  void project_positions(const MovingCollider&, const Cloth&, double h,
+                         const std::vector<char>& held, LocalCloth&, std::vector<char>& moved);
 
   /// Turns a contact to another direction out of the solid, at that speed [m/s].
   void redirect(std::size_t contact, const Vector3& normal, double speed) {
     list_.contacts()[contact].impulse.normal = normal;
-    list_.contacts()[contact].impulse.slowest = places_[contact].lever * speed;
+    list_.contacts()[contact].impulse.target_velocity = places_[contact].lever * speed;
   }
 
   /// As of ContactSlots, to each collider's sum, about its frame's origin.
@@ -116,11 +118,11 @@ class FaceContacts {
   }
 
   /// Adds the contacts of a triangle. To be called in the order of their keys.
-  void look_at(const Beside&, int triangle, ContactList::Last&);
+  void look_at(const ColliderQuery&, int triangle, ContactList::Last&);
 
   /// Adds a contact at `distance`, if it matters in this step. `last`: what it was, if it was.
-  void add(const Beside&, std::uint64_t key, const Contact* last, const FaceDistance& distance,
-           bool swept, double depth);
+  void add(const ColliderQuery&, std::uint64_t key, const Contact* last,
+           const FaceDistance& distance, bool swept, double depth);
 
   TriangleBlocks blocks_;
   ContactList list_;

@@ -111,7 +111,7 @@ class Holders {
     Vector3 target;  // and is to be as it ends [m]
     bool slips = false;
     bool is_pressed = false;   // against a collider
-    double most = 0;           // that it may be pulled with [N]
+    double max_force = 0;      // that it may be pulled with [N]
     double begun = 0;          // when it was at `start`, in the frame [s]
     Vector3 impulse{0, 0, 0};  // on the point in the last substep [N s]
     Vector3 want{0, 0, 0};     // velocity towards the target [m/s]
@@ -134,7 +134,7 @@ class Holders {
   void list_springs(const Cloth&);
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;
-  static void release(Point&, double most, const Vector3& impulse);
+  static void release(Point&, double max_force, const Vector3& impulse);
   bool give_way(const std::vector<std::size_t>& of_holder, double strength, double h);
   void count_slipping();
 

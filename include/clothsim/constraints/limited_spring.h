@@ -18,10 +18,10 @@ struct alignas(32) FourSprings {
   static constexpr std::size_t count = sizeof(Quad) / sizeof(double);
 
   double x[count], y[count], z[count];  // direction from a to b; 0 where there is none
-  double kick[count];                   // impulse over the reduced mass of both ends [m/s], >= 0
-  double before[count];                 // the kicks before the last pass
-  double fastest[count];                // largest rate of elongation allowed [m/s]
-  double share[count];                  // of a kick that a takes
+  double velocity_impulse[count];       // impulse over the reduced mass of both ends [m/s], >= 0
+  double before[count];                 // the velocity impulses before the last pass
+  double max_rate[count];               // largest rate of elongation allowed [m/s]
+  double share[count];                  // of a velocity impulse that a takes
   double mass[count];                   // reduced, of both ends [kg]; 0 where there is none
   unsigned a[count];  // points, as place() has them: an address is one instruction
   unsigned b[count];
@@ -34,32 +34,33 @@ struct alignas(32) FourSprings {
 /// How impulses act in a step of h [s]; see StrainLimit and Integrator.
 struct LimitStep {
   double h;
-  double reach;
+  double displacement_factor;
   double active;  // share of all springs that are at their limit
   double rate;    // at which a violation is worked off [1/s]
 };
 
-/// Makes kicks `scale` times as large, gives them to the points, and keeps what makes their
-/// impulses: `kicks` [m/s] and `masses` [kg] by spring.
-void resume_springs(double scale, std::size_t fours, FourSprings* springs, double* kicks,
-                    double* masses, Quad* velocities);
+/// Makes velocity impulses `scale` times as large, gives them to the points, and keeps what makes
+/// their impulses: `velocity_impulses` [m/s] and `masses` [kg] by spring.
+void warm_start_springs(double scale, std::size_t fours, FourSprings* springs,
+                        double* velocity_impulses, double* masses, Quad* velocities);
 
 /// What turns springs' impulses into their present directions. Positions, with inverse masses, and
-/// velocities by point; by spring its length at the limit [m], and kick and mass of its impulse.
-/// `before`: velocities at the step's start, by which to tell turns from kicks; null: all are
-/// turns.
+/// velocities by point; by spring its length at the limit [m], and velocity impulse and mass of its
+/// impulse. `before`: velocities at the step's start, by which to tell turns from velocity
+/// impulses; null: all are turns.
 struct Turn {
   const Quad* positions;
   const Quad* velocities;
   const Quad* before;
   const double* longest;
-  const double* kicks;
+  const double* velocity_impulses;
   const double* masses;
 };
 
 /// Directions in the middle of the step, and the rates of elongation allowed. Gives the points
 /// their impulses, along these.
-void aim_springs(LimitStep, const Turn&, std::size_t fours, FourSprings* springs, Quad* velocities);
+void prepare_springs(LimitStep, const Turn&, std::size_t fours, FourSprings* springs,
+                     Quad* velocities);
 
 /// Adds T h / l [N s/m] of springs to both their points.
 void add_tensions(const FourSprings* springs, const double* longest, std::size_t fours,
@@ -77,11 +78,11 @@ struct PassChange {
   }
 };
 
-/// Half a pass of projected Gauss-Seidel, in the order given, with kicks of up to `most` [m/s],
-/// from kicks that are by `momentum` times the last pass's way further on, as the velocities must
-/// be. The way back goes on with what the way forth began with.
-PassChange sweep_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
-                         double most, Quad* velocities);
+/// Half a pass of projected Gauss-Seidel, in the order given, with velocity impulses of up to
+/// `max_impulse` [m/s], from velocity impulses that are by `momentum` times the last pass's way
+/// further on, as the velocities must be. The way back goes on with what the way forth began with.
+PassChange solve_springs(FourSprings* springs, std::size_t fours, double momentum, bool goes_back,
+                         double max_impulse, Quad* velocities);
 
 /// Moves velocities on by `momentum` times their way since `last`, and sets that to where they
 /// were.

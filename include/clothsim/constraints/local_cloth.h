@@ -52,7 +52,7 @@ inline constexpr double recovery_time = 0.05;
 inline constexpr double recovery_patience = 0.5;
 
 /// How much of that speed is left after a `time` [s] of it.
-inline double recovery_pace(double time) {
+inline double recovery_factor_after(double time) {
   return std::min(1.0, std::exp2(1 - time / recovery_patience));
 }
 

@@ -24,17 +24,17 @@ namespace clothsim {
 class Pinches {
  public:
   /// What a point has to do with one of two colliders.
-  struct Side {
+  struct ColliderDistance {
     const MovingCollider* collider;
-    Vector3 normal;   // of its surface, towards the point, unit
-    double distance;  // from it at the step's start [m]
-    double room;      // that the point and the layers between them need there [m]
-    bool touches;     // no other layer is between them
+    Vector3 normal;       // of its surface, towards the point, unit
+    double distance;      // from it at the step's start [m]
+    double layer_height;  // that the point and the layers between them need there [m]
+    bool touches;         // no other layer is between them
   };
 
   /// Forgets all points, for a step of h [s]. The weight of the cloth is that under `gravity`
   /// [m/s^2].
-  void start_over(double h, double gravity = least_gravity);
+  void start_over(double h, double gravity = min_gravity);
 
   /// Cosine of the angle between one normal and the other's opposite from which on surfaces face
   /// each other, and between normals from which on one layer lies upon another: out of a wider
@@ -43,19 +43,21 @@ class Pinches {
 
   /// Push on what is held in part, or out of an overlap of layers, of the weight of the cloth: what
   /// colliders or layers ask of it may be more than it can give.
-  static constexpr double beside = 0.25;
+  static constexpr double max_overlap_impulse = 0.25;
 
   /// Do surfaces with these normals face each other?
   static bool face_each_other(const Vector3& a, const Vector3& b);
 
   /// Will there be less than a point at `x` [m] needs between both at the end of a step of h [s]?
-  static bool leave_no_room(const Side& a, const Side& b, const Vector3& x, double h);
+  static bool leave_no_room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
+                            double h);
 
   /// Takes a point at `x` [m], unless it is taken, that two colliders leave no room.
-  void add(int point, const Vector3& x, const Side& a, const Side& b, const Cloth&);
+  void add(int point, const Vector3& x, const ColliderDistance& a, const ColliderDistance& b,
+           const Cloth&);
 
   /// Gives the points their velocities. Returns the largest change [m/s].
-  double sweep(Points& velocities);
+  double solve_pass(Points& velocities);
 
   /// What the strain limit has given to all points of the cloth in the step so far, N x 3 [m/s].
   void set_pulls(const Points& given);
@@ -65,7 +67,7 @@ class Pinches {
 
   /// Puts the points back where those velocities bring them from `start`, as far as they do not
   /// slip.
-  void correct(const Points& start, Points& positions) const;
+  void project_positions(const Points& start, Points& positions) const;
 
   /// As of FaceContacts. Of two colliders the one that pushed has what a point got across them; of
   /// what it got along them each has its share. What both press against each other through the
@@ -104,7 +106,7 @@ class Pinches {
     const MovingCollider* b;
     double share_of_b;  // of what holds it along them
     double grip;        // greatest pull along them that it bears, were it alone; 0: slides [m/s]
-    std::size_t jaws;   // that hold it
+    std::size_t pair;   // that hold it
     Vector3 given;      // by which this has changed its velocity in the step [m/s]
     Vector3 pull;       // that the strain limit has changed it by [m/s]
     Vector3 left;       // velocity after the last sweep [m/s]
@@ -112,19 +114,19 @@ class Pinches {
   };
 
   /// Two colliders that hold points.
-  struct Jaws {
+  struct ColliderPair {
     const MovingCollider* a;
     const MovingCollider* b;
     int points;  // that stick
   };
 
-  std::size_t jaws_of(const MovingCollider&, const MovingCollider&);
+  std::size_t pair_of(const MovingCollider&, const MovingCollider&);
   Vector3 slip(Pinch&) const;
 
   double h_ = 0;
-  double gravity_ = least_gravity;  // [m/s^2]
+  double gravity_ = min_gravity;  // [m/s^2]
   std::vector<Pinch> pinches_;
-  std::vector<Jaws> jaws_;
+  std::vector<ColliderPair> collider_pairs_;
   std::vector<char> held_;
   std::vector<int> number_;  // by point, of those that are held
 };

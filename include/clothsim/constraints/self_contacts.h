@@ -22,17 +22,17 @@ class SelfContacts {
   SelfContacts(const Cloth& cloth, SelfCollision kind) : finder_(cloth, kind) {}
 
   /// Finds what touches after a step to `state`, and gives it its last impulses.
-  void begin(const Cloth&, const ContactStep&, State&);
+  void prepare(const Cloth&, const ContactStep&, State&);
 
-  /// The same in another step of the same length, of the contacts that begin() found alone.
-  void go_on(const Cloth&, const ContactStep&, State&);
+  /// The same in another step of the same length, of the contacts that prepare() found alone.
+  void refresh(const Cloth&, const ContactStep&, State&);
 
-  /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what begin() gave.
-  void leave_to(const Pinches&, Points& velocities);
+  /// Acts no more on what colliders hold. Takes back from the velocities [m/s] what prepare() gave.
+  void release_pinched(const Pinches&, Points& velocities);
 
   /// One pass over the contacts, but for those where nothing has changed that matters to a
   /// `precision` [m]. Returns the largest change as a displacement in h [m].
-  double sweep(double precision, Points& velocities, const Workers& = {});
+  double solve_pass(double precision, Points& velocities, const Workers& = {});
 
   /// Holds back what would cross itself, from a step on: see keep_from_crossing(). Returns how many
   /// points.
@@ -47,7 +47,7 @@ class SelfContacts {
   void for_each_touch(const std::function<void(const SelfTouch&)>& visit) const;
 
   /// To be called when other points than before are held.
-  void seek_anew() { finder_.seek_anew(); }
+  void restart_detection() { finder_.restart_detection(); }
 
   /// Contacts that a pass looks at.
   std::size_t size() const { return contacts_.contacts().size(); }

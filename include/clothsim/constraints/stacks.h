@@ -12,7 +12,7 @@
 namespace clothsim {
 
 /// Where a collider touches a cloth: at a point of it, or within a triangle.
-struct Foothold {
+struct ContactPoint {
   static constexpr int no_triangle = -1;
 
   int triangle;
@@ -28,10 +28,10 @@ struct Foothold {
 };
 
 /// A collider that may hold a cloth together with another one.
-struct Jaw {
+struct ContactManifold {
   const MovingCollider& collider;
   double offset;  // that points keep from it [m]
-  std::vector<Foothold> footholds;
+  std::vector<ContactPoint> contact_points;
 };
 
 /// Bounds of the normals of a surface where it touches a cloth.
@@ -50,37 +50,39 @@ class Stacks {
  public:
   /// How far from each other two colliders may hold a cloth, which keeps `offset` from either [m]:
   /// with so many layers that more are a pile and no grip.
-  static double reach(const Cloth& cloth, double offset) {
-    constexpr int most_layers = 8;
-    return 2 * (offset + most_layers * cloth.thickness);
+  static double max_layer_height(const Cloth& cloth, double offset) {
+    constexpr int max_layers = 8;
+    return 2 * (offset + max_layers * cloth.thickness);
   }
 
   /// Pinches the points that the jaws leave no room in a step of h [s] from `start` [m, N x 3].
-  void pinch(const Jaw& a, const Jaw& b, const Cloth&, const Points& start, double h,
-             const SelfTouches*, Pinches&);
+  void pinch(const ContactManifold& a, const ContactManifold& b, const Cloth&, const Points& start,
+             double h, const SelfTouches*, Pinches&);
 
  private:
   /// A point that is between the jaws.
   struct Node {
     int point;
     bool is_between;  // where both touch one place of the cloth
-    Pinches::Side a, b;
+    Pinches::ColliderDistance a, b;
   };
 
   /// One point lies upon another, as seen from jaw a. By number of their nodes.
   struct Edge {
     int below, above;
-    double room;  // that both need between them [m]
+    double layer_height;  // that both need between them [m]
   };
 
-  void add_footholds(const Jaw& a, const Jaw& b, const Points& start);
-  void add_edges(const Jaw& a, const Jaw& b, const Points& start, double most, const SelfTouches&);
-  void climb();
+  void add_contact_points(const ContactManifold& a, const ContactManifold& b, const Points& start);
+  void add_edges(const ContactManifold& a, const ContactManifold& b, const Points& start,
+                 double max_distance, const SelfTouches&);
+  void propagate_heights();
 
   /// Number of the node of a point, if it is between the jaws; else less than 0.
-  int node_between(int point, const Jaw& a, const Jaw& b, const Points& start, double most);
+  int node_between(int point, const ContactManifold& a, const ContactManifold& b,
+                   const Points& start, double max_distance);
   /// A point where the jaws are so near; of several the nearest counts.
-  void add(int point, const Pinches::Side& a, const Pinches::Side& b);
+  void add(int point, const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b);
 
   std::vector<Node> nodes_;
   std::vector<int> node_of_;  // by point: its number, or why there is none

@@ -7,7 +7,7 @@
 
 #include "clothsim/constraints/limited_spring.h"
 #include "clothsim/constraints/momentum.h"
-#include "clothsim/constraints/room.h"
+#include "clothsim/constraints/sleep_bounds.h"
 #include "clothsim/constraints/tension_inertia.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
@@ -50,7 +50,7 @@ class StrainLimit {
 
   /// Begins a frame in which others give the points no more than `speed` [m/s]. Springs that cannot
   /// reach their limit at such speeds are not looked at until they may.
-  void set_out(double speed) {
+  void begin_frame(double speed) {
     others_ = speed;
     wake();
   }
@@ -62,48 +62,48 @@ class StrainLimit {
   const TensionInertia& inertia() const { return inertia_; }
 
   /// Gives the points, after a step of h [s], the impulses of the last step along the directions
-  /// of then. `reach`: the method's own, see Integrator.
-  void predict(double h, double reach, State&);
+  /// of then. `displacement_factor`: the method's own, see Integrator.
+  void warm_start(double h, double displacement_factor, State&);
 
   /// Finds the springs at their limit, and turns the kept impulses into their present directions.
-  /// Between predict() and this others may have moved the points and changed their velocities, by
-  /// their own kept impulses: springs are held where all of them lead. `before`: then, the
+  /// Between warm_start() and this others may have moved the points and changed their velocities,
+  /// by their own kept impulses: springs are held where all of them lead. `before`: then, the
   /// velocities that the step began with; else none.
-  void begin(const Cloth& cloth, double reach, State&, const Workers& = {},
-             const Points* before = nullptr);
+  void prepare(const Cloth& cloth, double displacement_factor, State&, const Workers& = {},
+               const Points* before = nullptr);
 
   /// One pass over the springs at the limit. Returns the largest change of a rate of elongation as
   /// the displacement it makes in h [m].
-  double sweep(Points& velocities, const Workers& workers = {}) {
-    return sweep(0, 1, velocities, workers).change;
+  double solve_pass(Points& velocities, const Workers& workers = {}) {
+    return solve_passes(0, 1, velocities, workers).change;
   }
 
-  /// What passes came to: how many, and what the last one changed [m], as sweep() tells it.
+  /// What passes came to: how many, and what the last one changed [m], as solve_pass() tells it.
   struct Passes {
     int count;
     double change;
   };
 
-  /// Passes until one changes no more than `enough` [m], at most `most`.
-  Passes sweep(double enough, int most, Points& velocities, const Workers& = {});
+  /// Passes until one changes no more than `enough` [m], at most `max_passes`.
+  Passes solve_passes(double enough, int max_passes, Points& velocities, const Workers& = {});
 
-  /// begin(), and as many passes as it takes for the last to change no rate by more than `enough`
-  /// [m] as a displacement, at least `least` and at most `most`; then moves the points as the
-  /// impulses since predict() ask for. For where nothing but the limit acts on the cloth. From
-  /// steps of `least` passes momentum goes on, up to a strength of `least`: at rest each solves
-  /// what the last one did.
-  Passes solve(const Cloth& cloth, double reach, double enough, int least, int most, State&,
-               const Workers& = {});
+  /// prepare(), and as many passes as it takes for the last to change no rate by more than `enough`
+  /// [m] as a displacement, at least `min_passes` and at most `max_passes`; then moves the points
+  /// as the impulses since warm_start() ask for. For where nothing but the limit acts on the cloth.
+  /// From steps of `min_passes` passes momentum goes on, up to a strength of `min_passes`: at rest
+  /// each solves what the last one did.
+  Passes solve(const Cloth& cloth, double displacement_factor, double enough, int min_passes,
+               int max_passes, State&, const Workers& = {});
 
   /// Has inertia() learn of the tension that the last step's impulses have.
   void learn_tension();
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
-  /// in at most `most` passes; none where the limit gives way. Returns the passes taken.
-  int correct(const Cloth& cloth, double tolerance, int most, Points& positions,
-              const Workers& = {});
+  /// in at most `max_passes` passes; none where the limit gives way. Returns the passes taken.
+  int project_positions(const Cloth& cloth, double tolerance, int max_passes, Points& positions,
+                        const Workers& = {});
 
-  /// Does correct() leave a spring of this stretch alone, since it would fling its ends?
+  /// Does project_positions() leave a spring of this stretch alone, since it would fling its ends?
   bool is_beyond_repair(double stretch) const;
 
   /// Have impulses reached its strength in the last step?
@@ -170,7 +170,7 @@ class StrainLimit {
   void for_each_flagged(Visitor&& visit) const;
   template <typename Visitor>
   void for_each_active(Visitor&& visit) const;
-  void turn_impulses(const Cloth& cloth, double reach, State&, const Workers&,
+  void turn_impulses(const Cloth& cloth, double displacement_factor, State&, const Workers&,
                      const Points* before);
   std::vector<double> tension_across() const;
   void bound_impulses(double scale);
@@ -184,25 +184,25 @@ class StrainLimit {
   void close_active();
   std::size_t fours() const { return ids_.size() / FourSprings::count; }
   int touch(int point);
-  PassChange sweep_colour(int colour, double momentum, bool goes_back, const Workers&);
-  PassChange sweep_active(double momentum, bool comes_back, const Workers&);
-  Passes pass(double enough, int least, int most, Momentum&, const Workers&);
+  PassChange solve_colour(int colour, double momentum, bool goes_back, const Workers&);
+  PassChange solve_active(double momentum, bool comes_back, const Workers&);
+  Passes pass(double enough, int min_passes, int max_passes, Momentum&, const Workers&);
   void store(Points& velocities) const;
   bool holds(double tolerance) const;
   bool add_over(const Cloth&, int id, double tolerance, const Points& positions);
-  bool shorten(const Cloth&, const std::vector<int>& ids, double tolerance, Points& positions,
-               const Workers&);
+  bool project_springs(const Cloth&, const std::vector<int>& ids, double tolerance,
+                       Points& positions, const Workers&);
   bool find_over_again(const Cloth&, double tolerance, const Points& positions);
   void list_springs_of_points(const Cloth&);
 
-  double longest_;        // 1 + limit
-  double shortest_;       // rest length [m]
-  LimitStep step_{};      // that the impulses belong to
-  double momentum_ = 1;   // strength that solve() ended with
-  double most_kick_ = 0;  // of this step, see FourSprings [m/s]
+  double longest_;                   // 1 + limit
+  double shortest_;                  // rest length [m]
+  LimitStep step_{};                 // that the impulses belong to
+  double momentum_ = 1;              // strength that solve() ended with
+  double max_velocity_impulse_ = 0;  // of this step, see FourSprings [m/s]
   bool gives_way_ = false;
   double slack_ = 0;  // time until a spring may reach its limit [s]
-  double others_ = std::numeric_limits<double>::infinity();  // see set_out() [m/s]
+  double others_ = std::numeric_limits<double>::infinity();  // see begin_frame() [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;  // in the order of cloth.springs
   std::vector<int> order_;     // of pieces_: a neighbourhood's one after the other
@@ -212,24 +212,24 @@ class StrainLimit {
   std::vector<FourSprings> active_;  // in the order of their sweeps; more are left from before
   std::vector<int> ids_;             // of their constraints, as active_; -1 where there is none
   std::vector<double> lengths_;      // at the limit [m], as ids_
-  std::vector<double> kicks_;        // given by predict() [m/s], likewise
-  std::vector<double> masses_;       // over which they are impulses [kg]
-  std::vector<int> segment_ends_;    // in active_, of what a thread takes at once
-  std::vector<int> colour_ends_;     // in segment_ends_
-  std::vector<int> touched_;         // points of active_, which knows them by their places here
-  std::size_t num_active_ = 0;       // springs
-  bool solved_alone_ = false;        // by solve() in this step
-  WorkBudget* budget_;               // what passes may take of it; none: any
-  double moved_ = 0;                 // farthest that solve() has moved a point [m]
+  std::vector<double> velocity_impulses_;  // given by warm_start() [m/s], likewise
+  std::vector<double> masses_;             // over which they are impulses [kg]
+  std::vector<int> segment_ends_;          // in active_, of what a thread takes at once
+  std::vector<int> colour_ends_;           // in segment_ends_
+  std::vector<int> touched_;    // points of active_, which knows them by their places here
+  std::size_t num_active_ = 0;  // springs
+  bool solved_alone_ = false;   // by solve() in this step
+  WorkBudget* budget_;          // what passes may take of it; none: any
+  double moved_ = 0;            // farthest that solve() has moved a point [m]
 
   // As touched_, and one more for springs that are none. All w are 0 but in positions_.
-  std::vector<Quad> positions_;   // w: inverse mass
-  std::vector<Quad> predicted_;   // velocities after predict()
-  std::vector<Quad> velocities_;  // when solved
-  std::vector<Quad> last_;        // before the last pass
-  std::vector<Quad> before_;      // at the step's start, of begin()
-  std::vector<Quad> given_;       // velocities given by predict()
-  std::vector<int> local_;        // places in touched_ by point; -1: in none
+  std::vector<Quad> positions_;     // w: inverse mass
+  std::vector<Quad> warm_started_;  // velocities after warm_start()
+  std::vector<Quad> velocities_;    // when solved
+  std::vector<Quad> last_;          // before the last pass
+  std::vector<Quad> before_;        // at the step's start, of prepare()
+  std::vector<Quad> given_;         // velocities given by warm_start()
+  std::vector<int> local_;          // places in touched_ by point; -1: in none
 
   // Scratch.
   std::vector<double> tensions_;      // sum of T h / l of the last impulses, as touched_ [N s/m]
@@ -237,14 +237,14 @@ class StrainLimit {
   std::vector<std::uint64_t> last_flags_;  // what active_ is of; none: of fewer
   std::vector<PassChange> changes_;        // by segment
   std::vector<int> last_ids_;
-  std::vector<double> last_kicks_;  // as last_ids_
+  std::vector<double> last_velocity_impulses_;  // as last_ids_
   std::vector<double> last_masses_;
   std::vector<int> last_touched_;
   std::vector<Quad> last_given_;  // as last_touched_
 
-  // Of correct(). Springs by point are listed when they are first asked for.
+  // Of project_positions(). Springs by point are listed when they are first asked for.
   std::vector<std::vector<int>> over_;    // constraint ids by colour; none between calls
-  std::vector<unsigned char> shortened_;  // by the place in a list of over_
+  std::vector<unsigned char> projected_;  // by the place in a list of over_
   std::vector<unsigned char> has_moved_;  // by point; all 0 between calls
   std::vector<int> moved_points_;         // none between calls
   std::vector<int> first_spring_;         // by point, in springs_of_points_; one more

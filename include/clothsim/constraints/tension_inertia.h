@@ -21,16 +21,16 @@ class TensionInertia {
   explicit TensionInertia(const Cloth&);
 
   /// Before a step of h [s] that begins with `state`: sets inverse masses [1/kg].
-  void weigh(const Cloth&, double h, const State& state, Scalars& inv_mass);
+  void add_tension_mass(const Cloth&, double h, const State& state, Scalars& inv_mass);
 
   /// After it: gives a free cloth back the momentum that inertia beyond its mass has taken.
-  /// `reach`: the method's own, see Integrator.
-  void give_back(const Cloth&, double h, double reach, State&);
+  /// `displacement_factor`: the method's own, see Integrator.
+  void give_back(const Cloth&, double h, double displacement_factor, State&);
 
   /// What is added in a step of h [s], of the mass of all points.
-  double share(double h) const;
+  double mass_ratio(double h) const;
   /// The same where tension lets every point swing at a frequency [rad/s].
-  static double share_at(double frequency, double h);
+  static double mass_ratio_at(double frequency, double h);
 
   /// Highest frequency [rad/s] at which it let a point swing across its springs between neighbours
   /// that stay, without it: omega^2 = sum T / (m l).

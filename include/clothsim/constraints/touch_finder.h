@@ -36,29 +36,29 @@ class TouchFinder {
   void find(const Cloth&, const ContactStep&, const State&, ContactList&);
 
   /// Aims those that push anew in another step to `state`. Others are kept.
-  void go_on(const Cloth&, const ContactStep&, const State&, ContactList&);
+  void refresh(const Cloth&, const ContactStep&, const State&, ContactList&);
 
   /// As keep_from_crossing(), from where it last looked on, or where it has judged the way from
   /// there, from the step's start on; 0 where that can wait. Nothing holds points alone back.
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
-  void seek_anew() {
+  void restart_detection() {
     near_.forget();
     looked_at_.resize(0, 3);
   }
   void write(MemoryWriter& memory) const { near_.write(memory); }
   void read(MemoryReader& memory) {
-    seek_anew();
+    restart_detection();
     near_.read(memory);
   }
 
  private:
-  struct Sought;
+  struct Query;
 
-  Sought sought_in(const Cloth&, const ContactStep&, const State&) const;
+  Query query_in(const Cloth&, const ContactStep&, const State&) const;
   void look(const ContactStep&);
   int judge(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
-  static std::optional<Contact> contact_of(const Sought&, const NearPair&, const Contact* last);
+  static std::optional<Contact> contact_of(const Query&, const NearPair&, const Contact* last);
 
   SelfCollision kind_;
   NearPairs near_;

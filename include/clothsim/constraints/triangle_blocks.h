@@ -29,7 +29,7 @@ class TriangleBlocks {
   Eigen::AlignedBox3d box(int b, const Points& positions) const;
 
   /// Least of its points' values.
-  double least(int b, const Scalars& values) const;
+  double min(int b, const Scalars& values) const;
 
  private:
   const int* begin(int b) const { return b > 0 ? end(b - 1) : points_.data(); }

@@ -14,14 +14,14 @@ inline constexpr double air_density = 1.2;
 
 /// Wind at a time: the same everywhere.
 struct Gusts {
-  double most = 0;  // [m/s] that a component is off the mean
+  double max = 0;  // [m/s] that a component is off the mean
   std::uint64_t seed = 1;
 };
 
 /// `mean` and the gusts at `time` [s]: along each axis a sum of waves of 0.1 to 3 Hz with phases
 /// drawn from the seed. Their power falls with the frequency's 5/3, as in a wind near the ground
 /// (Kaimal et al. 1972, "Spectral characteristics of surface-layer turbulence"), and their
-/// amplitudes add up to `most`. A function of its arguments: nothing to save.
+/// amplitudes add up to `max`. A function of its arguments: nothing to save.
 Vector3 wind_at(const Vector3& mean, const Gusts&, double time);
 
 /// Writes the forces of air that moves at `wind` [m/s] on the cloth's triangles [N], N x 3: with

@@ -31,7 +31,7 @@ class Bdf2 {
   static constexpr const char* name = "bdf2";
   enum { order = 2 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
-  static double reach(double, double) { return 1; }  // see Integrator; of a point that is held
+  static double displacement_factor(double, double) { return 1; }  // see Integrator; if held
 
   struct Parameters : NewtonSolver::Parameters {};
 
@@ -44,7 +44,7 @@ class Bdf2 {
   /// Takes the next step as the first.
   void forget() { watch_ = {}; }
 
-  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
+  bool unconverged() const { return solver_.unconverged(); }  // see Integrator
 
   /// The history, where it still holds for the cloth. `read` throws InvalidValue for what was not
   /// written.
@@ -53,7 +53,7 @@ class Bdf2 {
 
  private:
   /// Of the free points' velocities before the last step and ways in it [m/s].
-  double fastest_in_history(const Cloth&) const;
+  double max_speed_in_history(const Cloth&) const;
 
   NewtonSolver solver_;
   ClothWatch watch_;

@@ -20,7 +20,7 @@ class ImplicitEuler {
   static constexpr const char* name = "implicit_euler";
   enum { order = 1 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
-  static double reach(double, double) { return 1; }  // see Integrator
+  static double displacement_factor(double, double) { return 1; }  // see Integrator
 
   struct Parameters : NewtonSolver::Parameters {};
 
@@ -30,7 +30,7 @@ class ImplicitEuler {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  bool ran_out() const { return solver_.ran_out(); }  // see Integrator
+  bool unconverged() const { return solver_.unconverged(); }  // see Integrator
 
  private:
   NewtonSolver solver_;

@@ -16,12 +16,12 @@ namespace clothsim {
 /// The closed list of methods. Names, parameters, error messages and tests derive from it. Each
 /// alternative has
 /// - `name`, `order`, `stability_limit` (largest h omega_max, infinity where there is none);
-/// - `reach(damping, h)`, the share of h by which an impulse p given in the step displaces a point
-///   whose velocity at the end it changes by p / m: such that a force and the impulse that undoes
-///   it leave no displacement behind, drag included;
+/// - `displacement_factor(damping, h)`, the share of h by which an impulse p given in the step
+///   displaces a point whose velocity at the end it changes by p / m: such that a force and the
+///   impulse that undoes it leave no displacement behind, drag included;
 /// - `step(const Cloth&, const Loads&, double h, State&, const Workers&)`, to the same bits with
 ///   any number of threads; Newton's method uses one;
-/// - `ran_out()`, whether the last step stopped iterating before it met its own tolerance;
+/// - `unconverged()`, whether the last step stopped iterating before it met its own tolerance;
 /// - `Parameters`, a struct of double, int and enumerations with defaults, whose
 ///   `each(parameters, visit)` calls `visit(const char* key, value, const Range&)` for each, and
 ///   a constructor that takes it.

@@ -43,7 +43,7 @@ class NewtonSolver {
 
   /// Whether the last solve() ended before a step was as small as `tolerance`: the iterations ran
   /// out, or no share of a step made the potential fall.
-  bool ran_out() const;
+  bool unconverged() const;
 
  private:
   struct Impl;

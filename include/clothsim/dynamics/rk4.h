@@ -21,7 +21,7 @@ class RungeKutta4 {
   enum { order = 4 };
   enum { limit_squared = 8 };
   static inline const double stability_limit = std::sqrt(double{limit_squared});  // h omega_max
-  static double reach(double damping, double h);                                  // see Integrator
+  static double displacement_factor(double damping, double h);                    // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>
@@ -34,7 +34,7 @@ class RungeKutta4 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  static constexpr bool ran_out() { return false; }  // see Integrator
+  static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
   Points forces_;                          // [N], N x 3

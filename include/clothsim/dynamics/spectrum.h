@@ -20,9 +20,9 @@ namespace clothsim {
 /// at point i, omega_max^2 <= max_i 2 lambda_max(S_i) / m_i: Gershgorin's theorem on 3 x 3 blocks,
 /// which keeps the springs' directions that the scalar form, 2 max_i sum k / m_i, throws away.
 /// Compressed springs count without their (negative) second part, so the bound holds for them too.
-/// Where the bound is below `least`, `least` is returned: that costs no eigenvalue, and single
-/// precision mostly tells.
-double omega_max_bound(const Cloth&, const Points& positions, double least = 0,
+/// Where the bound is below `min_omega`, `min_omega` is returned: that costs no eigenvalue, and
+/// single precision mostly tells.
+double omega_max_bound(const Cloth&, const Points& positions, double min_omega = 0,
                        const Workers& = {});
 
 /// The same at any positions, by that scalar form: on a grid up to 48 % above it, and far cheaper.

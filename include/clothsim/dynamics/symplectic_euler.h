@@ -18,7 +18,7 @@ class SymplecticEuler {
   static constexpr const char* name = "symplectic_euler";
   enum { order = 1 };
   static constexpr double stability_limit = VelocityVerlet::stability_limit;  // h omega_max
-  static double reach(double, double) { return 1; }                           // see Integrator
+  static double displacement_factor(double, double) { return 1; }             // see Integrator
 
   struct Parameters {
     template <typename Self, typename Visit>
@@ -31,7 +31,7 @@ class SymplecticEuler {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  static constexpr bool ran_out() { return false; }  // see Integrator
+  static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
   Points forces_;  // [N], N x 3

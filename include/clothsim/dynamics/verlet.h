@@ -22,8 +22,8 @@ class VelocityVerlet {
   static constexpr const char* name = "verlet";
   enum { order = 2 };
   enum { limit = 2 };
-  static constexpr double stability_limit = limit;  // h omega_max
-  static double reach(double damping, double h);    // see Integrator
+  static constexpr double stability_limit = limit;              // h omega_max
+  static double displacement_factor(double damping, double h);  // see Integrator
 
   struct Parameters {
     /// Of the springs' forces. Positions and velocities are always double.
@@ -42,7 +42,7 @@ class VelocityVerlet {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  static constexpr bool ran_out() { return false; }  // see Integrator
+  static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
   template <typename Forces>

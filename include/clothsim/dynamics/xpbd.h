@@ -34,7 +34,7 @@ class Xpbd {
   static constexpr const char* name = "xpbd";
   enum { order = 1 };
   static constexpr double stability_limit = std::numeric_limits<double>::infinity();
-  static double reach(double, double) { return 1; }  // see Integrator
+  static double displacement_factor(double, double) { return 1; }  // see Integrator
 
   struct Parameters {
     int iterations = 1;
@@ -57,7 +57,7 @@ class Xpbd {
   /// much as the step has not solved.
   void add_reactions(const Cloth&, double h, Points& impulses) const;
 
-  static constexpr bool ran_out() { return false; }  // see Integrator
+  static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
   struct Constraint {
@@ -66,25 +66,25 @@ class Xpbd {
     double rest_length;  // [m]
     double compliance;   // 1 / (k h^2), [m/J]
     double share;        // 1 / (w_a + w_b + compliance)
-    double aim;          // [m], of a step: the rest length without internal damping
+    double target;       // [m], of a step: the rest length without internal damping
   };
   struct BendConstraint {
     Bend bend;
     double compliance;  // as above
     double share;       // 1 / (sum of w times squared coefficient + compliance)
-    Vector3 aim;        // [m], of a step
+    Vector3 target;     // [m], of a step
     Vector3 lambda;
   };
 
   void build(const Cloth&, double h);
   void build_springs(const Cloth&, double h);
   void build_bends(const Cloth&, double h);
-  void aim(const Cloth&, double h, const Points& positions);
-  void sweep_bends(const Cloth&, bool back, Points& positions, const Workers&);
-  void sweep(const Cloth&, bool back, Points& positions, const Workers&);
+  void prepare(const Cloth&, double h, const Points& positions);
+  void solve_bends(const Cloth&, bool back, Points& positions, const Workers&);
+  void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
   void realign(const Cloth&, Points& positions);
-  void react(const Cloth& cloth, int i, const Eigen::RowVector3d& push) {
-    if (cloth.inv_mass[i] == 0) reactions_.row(i) += push;
+  void react(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
+    if (cloth.inv_mass[i] == 0) reactions_.row(i) += correction;
   }
 
   Parameters parameters_;

@@ -12,7 +12,7 @@ using Box = Eigen::AlignedBox3d;
 
 /// Boxes that a node of a tree may have without children: few enough to look at all pairs, enough
 /// to keep the tree small.
-inline constexpr int most_leaves = 4;
+inline constexpr int max_leaves = 4;
 
 /// Around some points of a list.
 template <typename List>

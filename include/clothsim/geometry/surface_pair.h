@@ -35,6 +35,6 @@ double gap_along(const Vector3& direction, const SurfacePair&, const Points& pos
 /// with the features, as quadratic in time as a triangle's normal: through theirs at the start,
 /// half way and at the end. For two points, of a and b, that is a cubic. Returns the least of all
 /// coefficients in Bernstein's form [m]: where it is positive, a and b do not meet on the way.
-double least_gap_turning(const SurfacePair&, const Points& start, const Points& end);
+double min_gap_turning(const SurfacePair&, const Points& start, const Points& end);
 
 }  // namespace clothsim

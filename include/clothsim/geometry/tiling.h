@@ -24,7 +24,7 @@ class Tiling {
   /// What a tile may have of its own, by number.
   enum Own : std::size_t { own_point, first_edge, first_triangle = first_edge + 3, num_own = 6 };
   /// An edge of the border has a triangle on one side alone, a point of it such edges.
-  enum Side : unsigned char { inside, border, lacking };
+  enum FeaturePlace : unsigned char { inside, border, lacking };
 
   // Pairs of what two tiles have: a point and a triangle come first, then edges, then both points.
   enum : std::size_t { points = 4, own_points = 13, count = 14 };
@@ -43,7 +43,7 @@ class Tiling {
   struct Tile {
     std::array<int, corners> points;
     std::array<int, 2> triangles;  // by number in the mesh; any where it lacks them
-    std::array<Side, num_own> own;
+    std::array<FeaturePlace, num_own> own;
     bool is_inside = false;  // all of them
   };
 

@@ -6,7 +6,7 @@ namespace clothsim {
 
 /// Velocities from outside are below that in each component [m/s]: three times the speed of sound,
 /// at which contact takes seconds a frame, and the time grows with the speed.
-inline constexpr double fastest_given = 1e3;
+inline constexpr double max_given_speed = 1e3;
 
 /// Everything about a cloth that changes while it moves.
 struct State {

@@ -11,7 +11,7 @@ namespace clothsim {
 /// Threads that share loops over points or springs. One, the default, starts no thread and costs
 /// nothing: the loop runs where it is.
 ///
-///   workers.share(n, [&](int begin, int end) { ... });
+///   workers.parallel_for(n, [&](int begin, int end) { ... });
 ///
 /// calls the body for bands that together are [0, n), each once, and returns when all are done. A
 /// band must not depend on another one; then the result is the same to the last bit whatever the
@@ -40,21 +40,22 @@ class Workers {
   static constexpr int dearest = 8;
 
   /// To be called from one thread at a time, and not from within a body. A body must not throw.
-  /// Bands are `least` long or more, but for a loop that is shorter than two of them.
+  /// Bands are `min_band` long or more, but for a loop that is shorter than two of them.
   template <typename Body>
-  void share(int count, const Body& body, int least = 1024, int bands_a_thread = 1) const {
-    if (!pool_ || count < 2 * least) {
+  void parallel_for(int count, const Body& body, int min_band = 1024,
+                    int bands_a_thread = 1) const {
+    if (!pool_ || count < 2 * min_band) {
       body(0, count);
     } else {
       run({[](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); },
-           &body, count, least, bands_a_thread});
+           &body, count, min_band, bands_a_thread});
     }
   }
 
   /// Calls body(k) for each of so many parts that are dear.
   template <typename Body>
   void each(int count, const Body& body) const {
-    share(
+    parallel_for(
         count,
         [&](int begin, int end) {
           for (int k = begin; k < end; ++k) body(k);
@@ -65,11 +66,11 @@ class Workers {
   /// Bands of a loop over parts that are dear, where body(begin, end, result) gives a result for
   /// each: in their order.
   template <typename Result, typename Body>
-  std::vector<Result> gather(int count, const Body& body, int least = dear,
+  std::vector<Result> gather(int count, const Body& body, int min_band = dear,
                              int bands_a_thread = 1) const {
     std::mutex mutex;
     std::map<int, Result> found;  // by the first part
-    share(
+    parallel_for(
         count,
         [&](int begin, int end) {
           Result result;
@@ -77,7 +78,7 @@ class Workers {
           const std::lock_guard<std::mutex> lock(mutex);
           found[begin] = std::move(result);
         },
-        least, bands_a_thread);
+        min_band, bands_a_thread);
     std::vector<Result> results;
     for (auto& [begin, result] : found) results.push_back(std::move(result));
     return results;
@@ -88,7 +89,7 @@ class Workers {
     void (*call)(const void* body, int begin, int end);
     const void* body;
     int count;
-    int least;
+    int min_band;
     int bands_a_thread;
   };
   struct Pool;

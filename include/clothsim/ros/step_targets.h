@@ -25,8 +25,8 @@ class StepTargets {
 
   /// Sets out for the targets of a call. `followed`: frames that something of the node follows; a
   /// target that carries none of them is logged, once. Throws InvalidValue and changes nothing.
-  void aim(const clothsim::Step::Request&, const clothsim::Simulator&,
-           const std::vector<std::string>& followed);
+  void set_targets(const clothsim::Step::Request&, const clothsim::Simulator&,
+                   const std::vector<std::string>& followed);
 
   /// Hands the poses at the end of the next frame of simulation to tf.
   void advance();

@@ -18,7 +18,7 @@ class FrameMotion {
       : pose_(pose), twist_(twist), way_(pose) {}
 
   /// Sets out for `target`, to be there after `frames` frames of `frame_duration` [s] each.
-  void aim(const FrameTarget& target, int frames, double frame_duration);
+  void set_target(const FrameTarget& target, int frames, double frame_duration);
 
   /// Goes on to the end of the next frame of simulation. Once there it stays, at rest.
   const Pose& advance();
@@ -51,10 +51,10 @@ class DrivenFrames {
   /// Has frames, by name, be at their targets after `frames` >= 1 frames of simulation. Where a
   /// target has a start, what follows is put there at once. Throws InvalidValue and changes
   /// nothing; keys begin with the frame.
-  void aim(const std::map<std::string, FrameTarget>& targets, int frames, Simulator&);
+  void set_targets(const std::map<std::string, FrameTarget>& targets, int frames, Simulator&);
 
-  /// Puts a frame at a pose, with what follows it. It has `twist` for the next aim(). Throws
-  /// InvalidValue and changes nothing.
+  /// Puts a frame at a pose, with what follows it. It has `twist` for the next set_targets().
+  /// Throws InvalidValue and changes nothing.
   void place(const std::string& frame, const Pose&, const Twist&, Simulator&);
 
   /// Hands the next poses to the simulator: to be called before each Simulator::step().

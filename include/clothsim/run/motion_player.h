@@ -53,7 +53,7 @@ class MotionPlayer {
   };
 
   void sort_in(const Simulator&, const MotionEntry&, std::size_t item);
-  void aim(const std::string& frame, Track<FrameTarget>&, Simulator&);
+  void set_target(const std::string& frame, Track<FrameTarget>&, Simulator&);
   void act(const MotionAction&, Simulator&);
   void attach(const AttachPoints&, Simulator&) const;
 

@@ -13,8 +13,8 @@
 #include "clothsim/model/workers.h"
 #include "clothsim/search/nearest_distances.h"
 #include "clothsim/search/patches.h"
-#include "clothsim/search/surface_slots.h"
 #include "clothsim/search/tiles.h"
+#include "clothsim/search/tracked_pairs.h"
 
 namespace clothsim {
 
@@ -57,8 +57,8 @@ class NearPairs {
   /// All pairs of surfaces that may come within `floor` [m] of each other while points go straight
   /// from `here` to `ends`, in no order to rely on: as long as no distance between patches falls by
   /// more than sees(). Some are missing where the budget is spent.
-  std::vector<NearPair> may_meet(const Points& here, const Points& ends, double floor,
-                                 const Workers& = {}, WorkBudget* = nullptr);
+  std::vector<NearPair> swept_query(const Points& here, const Points& ends, double floor,
+                                    const Workers& = {}, WorkBudget* = nullptr);
 
   /// Points have gone to the ends that it looked at last.
   void go(const Points& ends, const Workers& = {});
@@ -66,12 +66,13 @@ class NearPairs {
   /// Forgets all that came before.
   void forget();
 
-  /// How much nearer any two points come on the ways that may_meet() looked at last, at most [m].
-  double most_nearer() const { return motions_.most(); }
+  /// How much nearer any two points come on the ways that swept_query() looked at last, at most
+  /// [m].
+  double max_approach() const { return motions_.max(); }
   double sees() const { return sees_; }
 
   /// Nearest that any pair may come [m].
-  double least_nearest() const { return nearest_->least(); }
+  double min_nearest() const { return nearest_->min(); }
 
   /// What the next look goes on with. `read` throws InvalidValue for what was not written.
   void write(MemoryWriter&) const;
@@ -111,7 +112,7 @@ class NearPairs {
 
   /// What is found of a band of patch pairs.
   struct Found {
-    std::vector<SurfacePair> slots;  // that may be missing
+    std::vector<SurfacePair> to_track;  // that may be missing
     std::vector<NearPair> meet;
   };
 
@@ -138,7 +139,7 @@ class NearPairs {
   std::shared_ptr<const std::vector<Patch>> patches_;
   std::shared_ptr<const NearestDistances> nearest_;
   TileShapes shapes_;
-  SurfaceSlots slots_;
+  TrackedPairs tracked_;
   double sees_;    // how much nearer patches may come before they are paired anew [m]
   double paired_;  // patches are from so far on [m]
   double margin_;  // [m]

@@ -51,10 +51,10 @@ class NearestDistances {
   /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
   /// lack what they need.
   double of(int a, int b, std::size_t number) const {
-    return std::min(tiles(a, b).of[number], most_of(side(a, b, number), number));
+    return std::min(tiles(a, b).of[number], max_distance(place(a, b, number), number));
   }
   /// Of a point and a triangle [m].
-  double of_slot(int point, int triangle) const;
+  double of_tracked(int point, int triangle) const;
   /// Of all of them.
   using OfTiles = std::array<float, Tiling::count>;
   OfTiles of_tiles(int a, int b) const;
@@ -70,12 +70,12 @@ class NearestDistances {
   /// The most and the least of any two that count, and the least distance at rest of any that share
   /// no point: on a grid of a point and the long side of a triangle, as of two diagonals side by
   /// side [m].
-  double most() const { return 2 * thickness_; }
-  double least() const {
-    if (stencils_.are_points()) return most();
-    return std::min(edge_share * most(), neighbour_share * least_at_rest_);
+  double max() const { return 2 * thickness_; }
+  double min() const {
+    if (stencils_.are_points()) return max();
+    return std::min(edge_share * max(), neighbour_share * min_at_rest_);
   }
-  double least_at_rest() const { return least_at_rest_; }
+  double min_at_rest() const { return min_at_rest_; }
 
   /// Of points that have an edge: the least on a grid, else the mean [m].
   double spacing() const { return spacing_; }
@@ -93,26 +93,26 @@ class NearestDistances {
         std::visit([&](const auto& of) { return of.number(from, to); }, ways));
   }
   const Tiles& tiles(int a, int b) const { return tiles_[number(tile_ways_, a, b)]; }
-  Tiling::Side side(int a, int b, std::size_t number) const {
+  Tiling::FeaturePlace place(int a, int b, std::size_t number) const {
     return std::max(tiling_->at(a).own[Tiling::of_a[number]],
                     tiling_->at(b).own[Tiling::of_b[number]]);
   }
-  double most_of(Tiling::Side side, std::size_t number) const {
-    if (side == Tiling::lacking) return -1;
+  double max_distance(Tiling::FeaturePlace place, std::size_t number) const {
+    if (place == Tiling::lacking) return -1;
     const bool edges = number >= Tiling::points && number < Tiling::own_points;
-    return edges && side == Tiling::inside ? edge_share * most() : most();
+    return edges && place == Tiling::inside ? edge_share * max() : max();
   }
   template <typename AtRest>
   Tiles make_tiles(const AtRest&) const;
   Tiles make_tiles_of_mesh(int a, int b, const Points& rest);
   Tiles make_tiles_of_grid(const Eigen::Vector2i& way, const Eigen::Vector2d& spacing) const;
-  float most_of(const Tiles&) const;
+  float max_distance(const Tiles&) const;
 
   std::shared_ptr<const Tiling> tiling_;
   Tiling::Range stencils_;
   double thickness_;
   double spacing_;
-  double least_at_rest_;
+  double min_at_rest_;
   Ways tile_ways_, patch_ways_;
   std::vector<Tiles> tiles_;
   std::vector<TileShapes::PairValues> of_patches_;

@@ -37,7 +37,7 @@ class PatchMotions {
   double between(int p, int q) const;
 
   /// That of any two [m].
-  double most() const { return 2 * longest_; }
+  double max() const { return 2 * longest_; }
 
  private:
   std::vector<Box> ways_;  // of the points of each patch [m]

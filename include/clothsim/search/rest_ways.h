@@ -8,17 +8,17 @@
 namespace clothsim {
 
 /// Numbers for how two of some things lie to each other at rest, of a grid: by the way from one to
-/// the other, along columns and rows. Farther on than `most` it is as there.
+/// the other, along columns and rows. Farther on than `max_way` it is as there.
 class GridWays {
  public:
   /// `places`: column and row of each.
-  GridWays(std::vector<Eigen::Vector2i> places, const Eigen::Vector2i& most)
-      : places_(std::move(places)), most_(most) {}
+  GridWays(std::vector<Eigen::Vector2i> places, const Eigen::Vector2i& max_way)
+      : places_(std::move(places)), max_way_(max_way) {}
 
   int number(int from, int to) const { return number_of(way(from, to)); }
   int number_of(const Eigen::Vector2i& way) const {
-    const Eigen::Vector2i place = way.cwiseMax(-most_).cwiseMin(most_) + most_;
-    return place.y() * (2 * most_.x() + 1) + place.x();
+    const Eigen::Vector2i place = way.cwiseMax(-max_way_).cwiseMin(max_way_) + max_way_;
+    return place.y() * (2 * max_way_.x() + 1) + place.x();
   }
   Eigen::Vector2i way(int from, int to) const {
     return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
@@ -27,15 +27,17 @@ class GridWays {
   /// All ways that have a number, by that.
   std::vector<Eigen::Vector2i> ways() const {
     std::vector<Eigen::Vector2i> all;
-    for (int row = -most_.y(); row <= most_.y(); ++row) {
-      for (int column = -most_.x(); column <= most_.x(); ++column) all.emplace_back(column, row);
+    for (int row = -max_way_.y(); row <= max_way_.y(); ++row) {
+      for (int column = -max_way_.x(); column <= max_way_.x(); ++column) {
+        all.emplace_back(column, row);
+      }
     }
     return all;
   }
 
  private:
   std::vector<Eigen::Vector2i> places_;
-  Eigen::Vector2i most_;
+  Eigen::Vector2i max_way_;
 };
 
 /// The same of anything: those that are near have numbers of their own, all others `far`.

@@ -42,14 +42,15 @@ class TileShapes {
   using PairValues = std::array<float, tiles * tiles>;
 
   /// Pairs of tiles that may be within a `gap` beyond the nearest that they may come, or within
-  /// `least` [m], of a patch with itself each once.
+  /// `min_range` [m], of a patch with itself each once.
   struct Near {
     std::array<int, tiles * tiles> pairs;
     std::size_t count;
     float rest;      // the others are so far from each other [m],
     float rest_gap;  // beyond the nearest they may come
   };
-  void look(int patch, int other, const PairValues& nearest, float gap, float least, Near&) const;
+  void look(int patch, int other, const PairValues& nearest, float gap, float min_range,
+            Near&) const;
 
   /// As look(), by the tiles' first corners alone.
   void look_at_points(int patch, int other, const PairValues& nearest, float gap, Near&) const;
@@ -60,7 +61,7 @@ class TileShapes {
 
  private:
   template <typename Measure>
-  void sort_out_near(int patch, int other, const PairValues& nearest, float gap, float least,
+  void sort_out_near(int patch, int other, const PairValues& nearest, float gap, float min_range,
                      const Measure&, Near&) const;
   bool exists(int patch, std::size_t tile) const {
     return (*patches_)[static_cast<std::size_t>(patch)].tiles[tile] != Patch::none;

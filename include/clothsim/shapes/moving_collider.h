@@ -16,13 +16,13 @@ class MovingCollider {
   void place(const Pose& pose);
 
   /// Sets velocities that bring it to `target` in `duration` [s].
-  void aim(const Pose& target, double duration);
+  void set_target(const Pose& target, double duration);
 
   /// Moves it on by h [s].
   void advance(double h);
 
   /// Ends the motion exactly at the pose last aimed at.
-  void arrive();
+  void snap_to_target();
 
   /// Off, it moves on and touches nothing.
   void enable(bool enabled) { enabled_ = enabled; }
@@ -58,7 +58,7 @@ class MovingCollider {
   bool reaches(const Eigen::AlignedBox3d& box, double margin) const;
 
   /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
-  double fastest_in(const Eigen::AlignedBox3d& box) const;
+  double max_speed_in(const Eigen::AlignedBox3d& box) const;
 
  private:
   Shape shape_;

@@ -25,13 +25,13 @@ class EnergyWatch {
   /// small; and whether all frames since the last restart() may have, by a far wider margin.
   ///
   /// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
-  /// `push_out`: speed at which these push out what is in them [m/s]; where it is not 0, springs
-  /// are stretched by that, the frame is judged by the wide margin alone, and it counts anew.
-  /// `wind`: speed of air that blows on it [m/s]. `pushes`: work of forces from outside, and of
-  /// holders on points that slip [J]. False for energies that are not finite.
+  /// `push_out_speed`: speed at which these push out what is in them [m/s]; where it is not 0,
+  /// springs are stretched by that, the frame is judged by the wide margin alone, and it counts
+  /// anew. `wind`: speed of air that blows on it [m/s]. `external_work`: work of forces from
+  /// outside, and of holders on points that slip [J]. False for energies that are not finite.
   bool accepts(const Cloth&, const Vector3& gravity, double dt, const State& before,
                const State& after, const std::vector<MovingCollider>& colliders,
-               double push_out = 0, double wind = 0, double pushes = 0);
+               double push_out_speed = 0, double wind = 0, double external_work = 0);
 
  private:
   bool begun_ = false;

@@ -12,8 +12,8 @@ namespace clothsim {
 
 /// How a scene is going to be integrated.
 struct MethodChoice {
-  std::string method;      // a name of method_names()
-  int least_substeps = 1;  // a frame, whatever the state
+  std::string method;    // a name of method_names()
+  int min_substeps = 1;  // a frame, whatever the state
   Reasons reasons;
   bool is_feasible = true;  // stable and, as far as can be foretold, in real time
   /// Of positions after half a second of falling, of the cloth's size. Foretold by `auto` alone.

@@ -20,9 +20,9 @@ enum class Reason {
   failed_before_set_state,
   // Of the frame itself.
   beyond_stability,
-  newton_ran_out,
+  newton_unconverged,
   limit_yields,
-  passes_ran_out,
+  passes_unconverged,
   crosses_itself,
 };
 

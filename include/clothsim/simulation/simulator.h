@@ -186,8 +186,8 @@ class Simulator {
 
   /// Has step() sum up what the cloth does to the colliders, from the next frame on. Off at first:
   /// then nothing is spent on it. No motion depends on it.
-  void weigh_colliders(bool asks);
-  bool weighs_colliders() const;
+  void measure_wrenches(bool asks);
+  bool measures_wrenches() const;
 
   /// By collider of scene().colliders, in the world: mean force [N] of the cloth on it in the last
   /// step(), and torque [N m] about the origin of its frame, where that was meanwhile. A cloth at

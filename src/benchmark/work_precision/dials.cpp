@@ -14,10 +14,10 @@ namespace {
 constexpr double newton_tolerance = 1e-8;
 
 /// Most substeps a frame that are carried to convergence: it costs milliseconds a step.
-constexpr int most_converged_substeps = 4;
+constexpr int max_converged_substeps = 4;
 
 /// Of a stiff ribbon, they cost seconds.
-constexpr int most_explicit_substeps = 4096;
+constexpr int max_explicit_substeps = 4096;
 
 template <typename Value>
 struct Assign {
@@ -65,7 +65,7 @@ Scene at(Scene scene, const Dial& dial) {
 
 std::optional<Scene> converged(Scene scene, const Dial& dial) {
   if (dial.method != Xpbd::name && !uses_newton(dial.method)) return {};
-  if (!dial.substeps || *dial.substeps > most_converged_substeps) return {};
+  if (!dial.substeps || *dial.substeps > max_converged_substeps) return {};
   scene = at(scene, {uses_newton(dial.method) ? dial.method : ImplicitEuler::name, dial.substeps});
   set_parameter(scene.simulation.method_parameters, "tolerance", newton_tolerance);
   set_parameter(scene.simulation.method_parameters, "max_iterations", 200);
@@ -79,14 +79,14 @@ std::vector<Dial> dials(const Trial& trial, bool quick) {
   const double least =
       omega_max_bound(cloth, cloth.rest_positions) / (2 * trial.scene.simulation.frames_per_second);
   const int unit = std::max(1, static_cast<int>(std::lround(least / 4)));
-  for (int& steps : explicit_steps) steps = std::min(steps * unit, most_explicit_substeps);
+  for (int& steps : explicit_steps) steps = std::min(steps * unit, max_explicit_substeps);
   explicit_steps.erase(std::unique(explicit_steps.begin(), explicit_steps.end()),
                        explicit_steps.end());
   std::vector<Dial> list;
   if (!trial.reference_damping) list.push_back({"auto", {}});  // it chooses for motion
   for (const std::string& method : method_names()) {
     if (uses_newton(method)) {
-      for (int n = 1; n <= trial.most_newton_substeps; n *= 2) list.push_back({method, n});
+      for (int n = 1; n <= trial.max_newton_substeps; n *= 2) list.push_back({method, n});
     } else if (method == Xpbd::name) {
       for (const int n : quick ? std::vector{8} : std::vector{1, 2, 4, 8, 16, 30, 64, 128, 256}) {
         list.push_back({method, n, 1});

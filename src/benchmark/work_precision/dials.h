@@ -29,7 +29,7 @@ std::optional<Scene> converged(Scene, const Dial&);
 
 /// `auto`, every method, and Verlet in single precision, from its coarsest step to its finest:
 /// explicit ones from a fourth of what Verlet's limit asks for, those that solve by Newton's method
-/// to the trial's `most_newton_substeps`. Quick: few and cheap.
+/// to the trial's `max_newton_substeps`. Quick: few and cheap.
 std::vector<Dial> dials(const Trial&, bool quick);
 
 }  // namespace clothsim::work_precision

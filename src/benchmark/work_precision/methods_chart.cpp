@@ -62,7 +62,7 @@ struct Judge {
 };
 
 /// The least error of a run that the reference can tell.
-double least_error(const Reference& reference) {
+double min_error(const Reference& reference) {
   double own = 0;
   for (std::size_t i = 0; i < reference.horizon; ++i) own = std::max(own, reference.own_error(i));
   return own / trusted;
@@ -79,7 +79,7 @@ void add_reference(const Judge& judge, Tables& tables) {
   const double seconds = reference.trajectory.back().time;
   const double horizon =
       reference.horizon > 0 ? reference.trajectory[reference.horizon - 1].time : 0;
-  const double own_error = trusted * least_error(reference);  // up to there
+  const double own_error = trusted * min_error(reference);  // up to there
   tables.references.add({trial.name, trial.scene.cloth.columns, trial.scene.cloth.rows,
                          trial.compared == Compared::rest_shape ? "rest_shape" : "all_frames",
                          seconds, reference.substeps, trial.smooth ? 1 : 0, reference.order,
@@ -125,7 +125,7 @@ void add_run(Judge& judge, const std::string& name, const Dial& dial, const Run&
                    s.horizon,
                    run.predicted_error});
   if (failed || run.outcome != Outcome::done) return;
-  const double least = least_error(judge.reference);
+  const double least = min_error(judge.reference);
   const Contender contender{run.method, run.cost, std::isnan(s.position) ? least : s.position};
   if (name == "auto") {
     judge.chosen = contender;

@@ -8,7 +8,7 @@
 namespace clothsim::work_precision {
 namespace {
 
-constexpr int most_repeats = 3;
+constexpr int max_repeats = 3;
 
 class SimulatorStepper : public Stepper {
  public:
@@ -75,7 +75,7 @@ Run run(const StepperMaker& make, int frames, const Budget& budget) {
   double spent = 0;
   Run run = run_once(*make(), frames, budget.stop, spent);
   run.repeats = 1;
-  while (run.outcome == Outcome::done && run.repeats < most_repeats && spent < budget.repeat) {
+  while (run.outcome == Outcome::done && run.repeats < max_repeats && spent < budget.repeat) {
     run.cost = std::min(run.cost, run_once(*make(), frames, budget.stop, spent).cost);
     ++run.repeats;
   }

@@ -17,9 +17,9 @@ struct Trial {
   Scene scene;
   int frames;
   Compared compared;
-  bool smooth;               // neither contact nor strain limit: the reference must show its order
-  int most_newton_substeps;  // finest step of the methods that cost milliseconds a step
-  bool split;                // solver and scheme error are told apart
+  bool smooth;              // neither contact nor strain limit: the reference must show its order
+  int max_newton_substeps;  // finest step of the methods that cost milliseconds a step
+  bool split;               // solver and scheme error are told apart
   /// Drag of the reference, where it is not the scene's [1/s]: a shape at rest does not depend on
   /// it.
   std::optional<double> reference_damping{};

@@ -19,11 +19,11 @@ constexpr int side = 10;
 constexpr double seconds = 0.5;
 
 /// Finest steps of a run, by what a step costs.
-constexpr int most_steps = 8192;
-constexpr int most_iterative_steps = 1024;
-constexpr int most_newton_steps = 64;
+constexpr int max_steps = 8192;
+constexpr int max_iterative_steps = 1024;
+constexpr int max_newton_steps = 64;
 
-constexpr int least_reference_steps = 4000;  // of rk4, where the springs alone would allow more
+constexpr int min_reference_steps = 4000;  // of rk4, where the springs alone would allow more
 
 /// Energy above the start's, of M g size, that counts as unstable: nothing does work on an undamped
 /// cloth but gravity, whose energy is counted.
@@ -74,16 +74,16 @@ bool is_stable(Scene scene, const std::string& method, int steps, Points& end) {
 }
 
 int finest(const std::string& method) {
-  if (method == ImplicitEuler::name || method == Bdf2::name) return most_newton_steps;
-  if (method == Xpbd::name) return most_iterative_steps;
-  return most_steps;
+  if (method == ImplicitEuler::name || method == Bdf2::name) return max_newton_steps;
+  if (method == Xpbd::name) return max_iterative_steps;
+  return max_steps;
 }
 
 /// Counts of steps, evenly spread over a log scale.
 std::vector<int> step_counts(bool quick) {
   std::vector<int> counts;
   const double factor = quick ? 4 : std::sqrt(2);
-  for (double n = 4; n < 1.01 * most_steps; n *= factor) {
+  for (double n = 4; n < 1.01 * max_steps; n *= factor) {
     counts.push_back(static_cast<int>(std::lround(n)));
   }
   return counts;
@@ -93,7 +93,7 @@ void prepare(Column& column) {
   const Cloth cloth = make_grid(column.scene.cloth);
   column.omega = omega_max_bound(cloth, cloth.rest_positions);
   const int steps =
-      std::max(least_reference_steps, static_cast<int>(std::ceil(8 * column.omega * seconds)));
+      std::max(min_reference_steps, static_cast<int>(std::ceil(8 * column.omega * seconds)));
   if (!is_stable(column.scene, RungeKutta4::name, steps, column.end)) {
     throw Diverged("the reference of a stability map diverged");
   }

@@ -1,4 +1,4 @@
-#include "clothsim/constraints/room.h"
+#include "clothsim/constraints/sleep_bounds.h"
 
 #include <random>
 
@@ -10,9 +10,9 @@ namespace {
 
 using namespace testing;
 
-TEST(Room, NoBlockSleepsThatHasAPointInReach) {
-  // Random ways of points and of shapes that turn, a block of each point: those that Room leaves
-  // out are farther than the reach, and most of those far are left out.
+TEST(SleepBounds, NoBlockSleepsThatHasAPointInReach) {
+  // Random ways of points and of shapes that turn, a block of each point: those that SleepBounds
+  // leaves out are farther than the reach, and most of those far are left out.
   constexpr int count = 60;
   constexpr double reach = 0.05;
   for (const Shape& shape : {Shape(Sphere{0.2}), Shape(Plane{}), Shape(Capsule{0.6, 0.1}),
@@ -21,9 +21,9 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
     std::normal_distribution<double> draw(0, 0.002);
     Points x = random_points(count, 1, 3);
     Pose pose;
-    Travel travel;
-    Room room;
-    room.reset(count);
+    MotionBound motion;
+    SleepBounds bounds;
+    bounds.reset(count);
     std::vector<Span> near;
     int asleep = 0, far = 0;
     for (int k = 0; k < 200; ++k) {
@@ -32,9 +32,9 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
       pose.position += Vector3(draw(engine), draw(engine), draw(engine));
       pose.orientation =
           (Eigen::AngleAxisd(draw(engine), Vector3(0.6, 0, 0.8)) * pose.orientation).normalized();
-      travel.begin(start, x);
-      room.follow(pose, longest_row(x.rowwise() - pose.position.transpose()));
-      room.find_near(travel.total(), reach, near);
+      motion.begin(start, x);
+      bounds.follow(pose, longest_row(x.rowwise() - pose.position.transpose()));
+      bounds.find_near(motion.total(), reach, near);
 
       Scalars distance(count);
       Points normals(count, 3);
@@ -47,48 +47,48 @@ TEST(Room, NoBlockSleepsThatHasAPointInReach) {
       }
       for (int i = 0; i < count; ++i) {
         if (is_near[static_cast<std::size_t>(i)]) {
-          room.keep(i, distance[i], travel.total());
+          bounds.keep(i, distance[i], motion.total());
         } else {
           ASSERT_GT(distance[i], reach) << i << " in step " << k;
           ++asleep;
         }
         far += distance[i] > reach;
       }
-      travel.end(x);
+      motion.end(x);
     }
     EXPECT_GT(asleep, 0.8 * far);
   }
 }
 
-TEST(Room, WhatMovedBetweenStepsCounts) {
+TEST(SleepBounds, WhatMovedBetweenStepsCounts) {
   Points x = Points::Zero(3, 3);
-  Travel travel;
-  travel.begin(x, x);
-  EXPECT_EQ(travel.between_steps(), std::numeric_limits<double>::infinity());
-  travel.end(x);
-  const double before = travel.total();
+  MotionBound motion;
+  motion.begin(x, x);
+  EXPECT_EQ(motion.between_steps(), std::numeric_limits<double>::infinity());
+  motion.end(x);
+  const double before = motion.total();
   x(1, 2) = 0.3;
   Points next = x;
   next(2, 0) = -0.1;
-  travel.begin(x, next);
-  EXPECT_EQ(travel.between_steps(), 0.3);
-  EXPECT_EQ(travel.in_step(), 0.1);
-  EXPECT_NEAR(travel.total() - before, 0.4, 1e-15);
+  motion.begin(x, next);
+  EXPECT_EQ(motion.between_steps(), 0.3);
+  EXPECT_EQ(motion.in_step(), 0.1);
+  EXPECT_NEAR(motion.total() - before, 0.4, 1e-15);
   next(2, 0) = -0.25;
-  travel.go_on(x, next);
-  EXPECT_NEAR(travel.total() - before, 0.55, 1e-15) << "from the step's start";
+  motion.update(x, next);
+  EXPECT_NEAR(motion.total() - before, 0.55, 1e-15) << "from the step's start";
 
-  Room room;
-  room.reset(1);
+  SleepBounds bounds;
+  bounds.reset(1);
   Pose pose;
-  room.follow(pose, 1);
-  room.keep(0, 1, 0);
+  bounds.follow(pose, 1);
+  bounds.keep(0, 1, 0);
   std::vector<Span> near;
-  room.find_near(0, 0.9, near);
+  bounds.find_near(0, 0.9, near);
   EXPECT_TRUE(near.empty());
   pose.position.x() = 0.2;
-  EXPECT_EQ(room.follow(pose, 1), 0.2);
-  room.find_near(0, 0.9, near);
+  EXPECT_EQ(bounds.follow(pose, 1), 0.2);
+  bounds.find_near(0, 0.9, near);
   EXPECT_EQ(near.size(), 1u);
 }
 

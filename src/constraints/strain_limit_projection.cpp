@@ -11,7 +11,7 @@ namespace {
 
 /// A spring this many times longer than its limit is left to the impulses: to repair it at once
 /// would throw its ends about.
-constexpr double beyond_repair = 1.5;
+constexpr double max_projected_ratio = 1.5;
 
 /// points_a += w_a d, points_b -= w_b d.
 void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& points) {
@@ -33,32 +33,32 @@ bool StrainLimit::holds(double tolerance) const {
                      positions_.data());
 }
 
-int StrainLimit::correct(const Cloth& cloth, double tolerance, int max_sweeps, Points& positions,
-                         const Workers& workers) {
+int StrainLimit::project_positions(const Cloth& cloth, double tolerance, int max_passes,
+                                   Points& positions, const Workers& workers) {
   if (gives_way_ || is_slack() || holds(tolerance)) return 0;
   flag_longer_than(longest_ + tolerance, positions, workers);
   bool any = false;
   for_each_flagged([&](int id) { any = add_over(cloth, id, tolerance, positions) || any; });
 
-  int sweeps = 0;
-  while (any && sweeps < max_sweeps) {
+  int passes = 0;
+  while (any && passes < max_passes) {
     // Those over the limit are swept until they hold; then those that share a point with one that
     // has moved are checked.
-    for (bool moves = true; moves && sweeps < max_sweeps; ++sweeps) {
+    for (bool moves = true; moves && passes < max_passes; ++passes) {
       moves = false;
       for (const std::vector<int>& ids : over_) {
         if (budget_) budget_->spend(static_cast<std::int64_t>(ids.size()));
-        moves = shorten(cloth, ids, tolerance, positions, workers) || moves;
+        moves = project_springs(cloth, ids, tolerance, positions, workers) || moves;
       }
     }
     any = find_over_again(cloth, tolerance, positions);
   }
   for (std::vector<int>& ids : over_) ids.clear();
-  return sweeps;
+  return passes;
 }
 
 bool StrainLimit::is_beyond_repair(double stretch) const {
-  return 1 + stretch > beyond_repair * longest_;
+  return 1 + stretch > max_projected_ratio * longest_;
 }
 
 /// Puts a spring on its list if it is to be repaired. Is it?
@@ -67,34 +67,34 @@ bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const P
   if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return false;
   const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
   const double longest = (longest_ + tolerance) * c.rest_length;
-  const double farthest = beyond_repair * longest_ * c.rest_length;
+  const double farthest = max_projected_ratio * longest_ * c.rest_length;
   if (length2 <= longest * longest || length2 > farthest * farthest) return false;
   over_[index(c.colour)].push_back(id);
   return true;
 }
 
 /// Shortens those of `ids`, of one colour, that are over their limit. Were there any?
-bool StrainLimit::shorten(const Cloth& cloth, const std::vector<int>& ids, double tolerance,
-                          Points& positions, const Workers& workers) {
-  shortened_.assign(ids.size(), 0);
-  const auto shorten_band = [&](int begin, int end) {
+bool StrainLimit::project_springs(const Cloth& cloth, const std::vector<int>& ids, double tolerance,
+                                  Points& positions, const Workers& workers) {
+  projected_.assign(ids.size(), 0);
+  const auto project_band = [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Constraint c = constraint(ids[index(i)]);
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
-      const double aim = longest_ + tolerance - tolerance / precision;
-      const double excess = length - aim * c.rest_length;
+      const double target = longest_ + tolerance - tolerance / precision;
+      const double excess = length - target * c.rest_length;
       const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
       pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);
-      shortened_[index(i)] = 1;
+      projected_[index(i)] = 1;
     }
   };
-  workers.share(static_cast<int>(ids.size()), shorten_band, near_at_once);
+  workers.parallel_for(static_cast<int>(ids.size()), project_band, near_at_once);
 
   bool any = false;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (!shortened_[i]) continue;
+    if (!projected_[i]) continue;
     any = true;
     const Constraint c = constraint(ids[i]);
     for (const int point : {c.a, c.b}) {
@@ -155,7 +155,7 @@ void StrainLimit::flag_longer_than(double stretch, const Points& positions,
                       &positions(piece.first, 2), piece.offset, piece.count, longest * longest);
     }
   };
-  workers.share(static_cast<int>(order_.size()), look, near_at_once / Piece::length);
+  workers.parallel_for(static_cast<int>(order_.size()), look, near_at_once / Piece::length);
 }
 
 }  // namespace clothsim

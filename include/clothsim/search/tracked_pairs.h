@@ -18,9 +18,9 @@ namespace clothsim {
 /// gap. It is kept from step to step and walks over the surface: where a triangle beside it has
 /// less, it goes on to that. Not from where it touches to what may come nearer, as nearer
 /// neighbours on the cloth may: nothing would see any more that it touches.
-class SurfaceSlots {
+class TrackedPairs {
  public:
-  struct Slot {
+  struct TrackedPair {
     SurfacePair pair;
     int number;            // among those of its point: stays as it walks
     int owner;             // of the triangles that have the closest place, the first
@@ -30,13 +30,13 @@ class SurfaceSlots {
   };
 
   /// A slot ends where its distance is more than this, of the nearest that its features may come.
-  static constexpr double reach = 1.5;
+  static constexpr double range = 1.5;
 
-  SurfaceSlots(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
+  TrackedPairs(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
 
   /// Has slots walk, and ends those that have come far, or to where one of the same point is.
   /// Returns how many are left.
-  std::int64_t walk(const Points& positions, const Workers& = {});
+  std::int64_t track(const Points& positions, const Workers& = {});
 
   /// Makes a slot of each point and triangle that none of the point has.
   void add(std::vector<SurfacePair>, const Points& positions, const Workers& = {});
@@ -46,9 +46,11 @@ class SurfaceSlots {
   bool covers(const SurfacePair&, float distance) const;
 
   /// Points that may have slots.
-  int size() const { return static_cast<int>(slots_.size()); }
+  int size() const { return static_cast<int>(pairs_.size()); }
   /// Of a point, by number.
-  const std::vector<Slot>& of(int point) const { return slots_[static_cast<std::size_t>(point)]; }
+  const std::vector<TrackedPair>& of(int point) const {
+    return pairs_[static_cast<std::size_t>(point)];
+  }
 
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
@@ -63,14 +65,14 @@ class SurfaceSlots {
   }
   SurfacePair pair(int point, int triangle) const;
   template <typename Visit>
-  void for_each_beside(const Slot&, const Visit&) const;
-  void go_to_nearest(Slot&, const Points&) const;
+  void for_each_adjacent(const TrackedPair&, const Visit&) const;
+  void go_to_nearest(TrackedPair&, const Points&) const;
   void add(int point, int triangle, const Points& positions);
-  bool is_kept(const Slot&, const Slot* begin, const Slot* end) const;
+  bool is_kept(const TrackedPair&, const TrackedPair* begin, const TrackedPair* end) const;
 
   std::shared_ptr<const SurfaceMesh> mesh_;
   std::shared_ptr<const NearestDistances> nearest_;
-  std::vector<std::vector<Slot>> slots_;  // by point
+  std::vector<std::vector<TrackedPair>> pairs_;  // by point
 };
 
 }  // namespace clothsim

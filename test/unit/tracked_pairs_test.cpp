@@ -1,4 +1,4 @@
-#include "clothsim/search/surface_slots.h"
+#include "clothsim/search/tracked_pairs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,8 +35,9 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
         for (const int i : corners(near_)) {
           if (has(far_, i)) edge_.push_back(i);
         }
-        const double to_near = nearest_->of_slot(point, near_);
-        if (edge_.size() == 2 && to_near > 0 && nearest_->of_slot(point, far_) > 1.02 * to_near) {
+        const double to_near = nearest_->of_tracked(point, near_);
+        if (edge_.size() == 2 && to_near > 0 &&
+            nearest_->of_tracked(point, far_) > 1.02 * to_near) {
           return;
         }
       }
@@ -74,14 +75,14 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
   }
 
   /// Where a slot of the far triangle is, once the cloth has moved to such a place.
-  int walk(double apart, double to_near) const {
-    SurfaceSlots slots(mesh_, nearest_);
-    const double at_first = 1.2 * nearest_->of_slot(point, far_);
+  int track(double apart, double to_near) const {
+    TrackedPairs slots(mesh_, nearest_);
+    const double at_first = 1.2 * nearest_->of_tracked(point, far_);
     const auto& [a, b, c] = corners(far_);
-    slots.add({{far_, {point, a, b, c}, nearest_->of_slot(point, far_)}},
+    slots.add({{far_, {point, a, b, c}, nearest_->of_tracked(point, far_)}},
               place(at_first, at_first));
     EXPECT_EQ(slots.of(point).front().pair.triangle, far_);
-    slots.walk(place(apart, to_near));
+    slots.track(place(apart, to_near));
     return slots.of(point).front().pair.triangle;
   }
 
@@ -95,14 +96,16 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
 
 TEST_F(SurfaceSlotsOfNeighbours, StayWhereTheyTouch) {
   // At the other triangle the gap is smaller, but that would let the point come nearer to this.
-  const double may_far = nearest_->of_slot(point, far_), may_near = nearest_->of_slot(point, near_);
-  EXPECT_EQ(walk(0.999 * may_far, 0.99 * may_near), far_);
-  EXPECT_EQ(walk(may_far + 0.9 * (may_far - may_near), 0.99 * may_near), far_);
+  const double may_far = nearest_->of_tracked(point, far_),
+               may_near = nearest_->of_tracked(point, near_);
+  EXPECT_EQ(track(0.999 * may_far, 0.99 * may_near), far_);
+  EXPECT_EQ(track(may_far + 0.9 * (may_far - may_near), 0.99 * may_near), far_);
 }
 
 TEST_F(SurfaceSlotsOfNeighbours, GoOnFromWhereTheyDoNot) {
-  const double may_far = nearest_->of_slot(point, far_), may_near = nearest_->of_slot(point, near_);
-  EXPECT_EQ(walk(may_far + 1.1 * (may_far - may_near), may_near), near_);
+  const double may_far = nearest_->of_tracked(point, far_),
+               may_near = nearest_->of_tracked(point, near_);
+  EXPECT_EQ(track(may_far + 1.1 * (may_far - may_near), may_near), near_);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "clothsim/constraints/room.h"
+#include "clothsim/constraints/sleep_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,26 +23,26 @@ double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 }  // namespace
 
-void Travel::begin(const Points& start, const Points& now) {
+void MotionBound::begin(const Points& start, const Points& now) {
   const bool is_known = seen_.rows() == start.rows();
   between_steps_ = !is_known ? infinity : (are_same(seen_, start) ? 0 : longest_way(seen_, start));
   at_start_ = total_ + (is_known ? between_steps_ : 0);
-  go_on(start, now);
+  update(start, now);
 }
 
-void Travel::go_on(const Points& start, const Points& now) {
+void MotionBound::update(const Points& start, const Points& now) {
   in_step_ = longest_way(start, now);
   total_ = at_start_ + in_step_;
 }
 
-void Room::reset(int blocks) {
+void SleepBounds::reset(int blocks) {
   used_up_at_.assign(static_cast<std::size_t>(blocks), -infinity);
-  least_ = -infinity;
+  min_used_up_at_ = -infinity;
   moved_ = 0;
   is_seen_ = false;
 }
 
-double Room::follow(const Pose& pose, double radius) {
+double SleepBounds::follow(const Pose& pose, double radius) {
   double moved = infinity;
   if (is_seen_) {
     moved = (pose.position - pose_.position).norm();
@@ -56,15 +56,15 @@ double Room::follow(const Pose& pose, double radius) {
   return moved;
 }
 
-void Room::find_near(double travelled, double reach, std::vector<Span>& spans) {
+void SleepBounds::find_near(double travelled, double distance, std::vector<Span>& spans) {
   spans.clear();
-  if (!is_near(travelled, reach)) return;
-  const double most = travelled + moved_ + reach;
-  least_ = infinity;
+  if (!is_near(travelled, distance)) return;
+  const double limit = travelled + moved_ + distance;
+  min_used_up_at_ = infinity;
   for (int b = 0; b < static_cast<int>(used_up_at_.size()); ++b) {
     const double at = used_up_at_[static_cast<std::size_t>(b)];
-    least_ = std::min(least_, at);
-    if (at > most) continue;
+    min_used_up_at_ = std::min(min_used_up_at_, at);
+    if (at > limit) continue;
     const bool follows =
         !spans.empty() && spans.back().end == b && b - spans.back().begin < Span::longest;
     if (follows) {

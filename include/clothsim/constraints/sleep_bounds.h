@@ -23,13 +23,13 @@ struct Span {
 };
 
 /// How far any point of a cloth may have moved.
-class Travel {
+class MotionBound {
  public:
   /// A step has brought the points from `start` to `now`.
   void begin(const Points& start, const Points& now);
 
   /// What followed in the step has brought them to `now`.
-  void go_on(const Points& start, const Points& now);
+  void update(const Points& start, const Points& now);
 
   /// They moved on by `way` [m] at most.
   void add(double way) { total_ += way; }
@@ -58,7 +58,7 @@ class Travel {
 /// Which blocks of points are too far from a collider to touch it. The distance from a surface
 /// changes no faster than point and surface move, whatever the shape: a block sleeps until both
 /// together may have used up the least distance of its points.
-class Room {
+class SleepBounds {
  public:
   /// Nothing is known of so many blocks.
   void reset(int blocks);
@@ -77,25 +77,25 @@ class Room {
   void keep(int block, double distance, double travelled) {
     const double at = travelled + moved_ + distance;
     used_up_at_[static_cast<std::size_t>(block)] = at;
-    least_ = std::min(least_, at);
+    min_used_up_at_ = std::min(min_used_up_at_, at);
   }
   void wake(int block) {
-    used_up_at_[static_cast<std::size_t>(block)] = least_ =
+    used_up_at_[static_cast<std::size_t>(block)] = min_used_up_at_ =
         -std::numeric_limits<double>::infinity();
   }
 
-  /// Can a point be within `reach` [m] of the surface?
-  bool is_near(double travelled, double reach) const {
-    return !(least_ > travelled + moved_ + reach);
+  /// Can a point be within `distance` [m] of the surface?
+  bool is_near(double travelled, double distance) const {
+    return !(min_used_up_at_ > travelled + moved_ + distance);
   }
 
-  /// The blocks of which points can be within `reach` [m] of the surface, ascending.
-  void find_near(double travelled, double reach, std::vector<Span>& spans);
+  /// The blocks of which points can be within `distance` [m] of the surface, ascending.
+  void find_near(double travelled, double distance, std::vector<Span>& spans);
 
  private:
-  std::vector<double> used_up_at_;                           // by block: travelled + moved_
-  double least_ = -std::numeric_limits<double>::infinity();  // of these, or less
-  double moved_ = 0;                                         // way of the surface since ever [m]
+  std::vector<double> used_up_at_;  // by block: travelled + moved_
+  double min_used_up_at_ = -std::numeric_limits<double>::infinity();  // of these, or less
+  double moved_ = 0;  // way of the surface since ever [m]
   bool is_seen_ = false;
   Pose pose_;
 };
