@@ -136,7 +136,7 @@ View read_view(const YAML::Node& root) {
   read_map(root, fields);
   if (named.IsDefined() && !named.IsNull())
     inside("colliders", [&] { read_colliders(named, view); });
-  intrinsics.apply(camera);
+  intrinsics.apply(view.camera);
   validate(view);
   return view;
 }
