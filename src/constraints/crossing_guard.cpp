@@ -24,8 +24,8 @@ constexpr int max_legs = 6;
 struct TruncationBounds {
   double floor;  // [m]
 
-  /// Displacement of their points in any direction, at most [m]: if both make it, they end at the
-  /// floor. Features that start nearer than any can come have no side to be kept on.
+  /// Displacement of their points in any direction, at most [m]: if both move by it, they end at
+  /// the floor. Features that start nearer than any can come have no side to be kept on.
   double way(double distance) const {
     return distance < floor / 2 ? infinity : std::max(distance - floor, 0.0) / 2;
   }
@@ -115,7 +115,7 @@ class Zones {
 };
 
 /// A leg from `here` towards `positions`, on which points move by at most `bounds` [m] relative to
-/// the displacements of their zones; without zones, in all.
+/// the displacements of their zones; without zones, in total.
 Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
             const Points& positions, const Scalars& bounds, Zones* zones) {
   const auto count = static_cast<int>(here.rows());
@@ -221,7 +221,7 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     if (legs == 1) leave_out_projections(near_pairs, truncation, here, by_impulses, positions);
 
     Leg leg;
-    do {  // truncated points may be in the way of others
+    do {  // truncated points may obstruct others
       leg = leg_towards(cloth, step, near_pairs, truncation, here, positions, unseen, has_zones);
       if (step.is_spent()) return 0;
     } while (adds(finder.swept_query(here, leg.ends, truncation.floor, step.workers, step.budget),

@@ -130,8 +130,8 @@ template <typename Point>
 }
 
 /// Bounds the correction for turning by the rate at which the spring lengthens with the velocities
-/// `before` [m/s], of the step's start. A faster turn comes from a velocity impulse that other
-/// constraints have yet to answer: a correction for it would add energy.
+/// `before` [m/s], of the step's start. A faster turn comes from a velocity impulse to which other
+/// constraints have not responded yet: a correction for it would add energy.
 [[gnu::always_inline]] inline void bound_by_lengthening(const FourSprings& s, const Quad* before,
                                                         const Four& direction, Vector& limit) {
   const Vector zero = {};

@@ -30,8 +30,8 @@ constexpr double max_tension = 2;
 /// The same for a spring within the passes, as h^2 T / (m l).
 constexpr double max_tension_in_passes = 8;
 
-/// Factor on the strength for a step of h [s] beyond the longest: such steps belong to implicit
-/// methods, which damp oscillations, and a tension is the same force in them.
+/// Factor on the strength for a step of h [s] that is longer than longest_step: such steps belong
+/// to implicit methods, which damp oscillations, and a tension is the same force in them.
 double times_carried(double h) {
   const double longer = std::max(h / longest_step, 1.0);
   return longer * longer;

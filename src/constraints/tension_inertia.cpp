@@ -14,7 +14,7 @@ namespace {
 
 /// Added inertia, as a multiple of h^2 sum(T / l). More keeps longer steps stable than the weight
 /// needs, but passes converge more slowly with unequal masses: at 0.5 a cloth of 50 x 50 points may
-/// shake for lack of them.
+/// shake for lack of passes.
 constexpr double added = 0.4;
 
 /// Share of added inertia that is left after a step where tension falls. Passes that end early

@@ -44,7 +44,7 @@ std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPai
   const double last_gap = gap_along(last_normal, pair, query.middle) - pair.nearest;
   if (!last && last_gap > 0 && way < last_gap) return {};
 
-  // The pair where impulses act; if it has passed through itself by then, its direction before.
+  // The pair where impulses act; if its features have crossed by then, with the direction before.
   Separation s = separation(pair, query.middle);
   if (s.normal.dot(near.separation.normal) <= 0) {
     s = near.separation;

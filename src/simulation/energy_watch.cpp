@@ -18,8 +18,8 @@ namespace {
 constexpr double usual_growth = 1.5;
 
 /// Energy of unknown source allowed in a frame, in addition to as much as the kinetic and elastic
-/// energy: a lift of the cloth by this share of its size, plus that of rest_speed, as rounding
-/// gives to a cloth without weight. The shipped scenes stay under 0.004 of the first.
+/// energy: a lift of the cloth by this share of its size, plus the kinetic energy at rest_speed, as
+/// rounding gives to a cloth without weight. The shipped scenes stay under 0.004 of the first.
 constexpr double lift = 0.02;
 
 /// The same over any number of frames, of all energy that the cloth can have had: explicit steps

@@ -25,10 +25,10 @@ constexpr double horizon = 0.5;
 
 /// CPU time of impulses per substep [s] and point of a cloth that lies or has folded: where points
 /// alone touch a collider or each other, or the cloth's weight brings half of the springs to their
-/// limit, and where triangles and edges touch, too. Measured by `clothsim_benchmark
-/// --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach contact costs next to
-/// nothing, in an impact several times that: the numbers show which method is cheaper, not which is
-/// in real time.
+/// limit, and where triangles and edges touch, too. Measured by
+/// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
+/// contact costs next to nothing, in an impact several times that: the numbers show which method is
+/// cheaper, not which is in real time.
 constexpr double point_cost = 1.6e-8;
 constexpr double surface_cost = 1.3e-7;
 

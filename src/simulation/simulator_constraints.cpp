@@ -181,7 +181,7 @@ void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepRepo
   }
   ContactStep way{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
   way.budget = step.budget;
-  const Points projected = state.positions;  // kept, unlike those where projections conflict
+  const Points projected = state.positions;  // so that none of it is left out
   self_contacts->guard(cloth, way, projected, state);
   state.velocities = held.velocities;
 }

@@ -111,7 +111,7 @@ int Simulator::Impl::first_substeps() {
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
   int truncated = 0;
   for (double h = frame_context.dt / steps; steps > 0; --steps, ++report.substeps) {
-    // More and shorter ones where tension has risen, or layers have outrun their contacts.
+    // More substeps where tension has risen, or layers have outrun their contacts.
     frame_context.left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
@@ -278,7 +278,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   spend(1);
 
   if (touches() && frame_context.steps_left == 0 && !is_good(state)) {
-    return false;  // no order for detection to sort by
+    return false;  // detection cannot sort such numbers
   }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!holders.empty()) judge_holders(h);

@@ -37,11 +37,11 @@ struct ContactStep {
   const Points& start;         // positions at its start [m]
   const Points& drifted;       // velocities that moved the points to the present positions [m/s]
   const Workers& workers;
-  double left = 0;                       // time until the frame's end, with this step [s]
-  double gravity = min_gravity;          // at least min_gravity [m/s^2]
-  double recovery_factor = 1;            // on the recovery speed, see recovery_factor_after()
-  double stretch = 0;                    // l / L0 - 1 of springs at its end, at most
-  WorkBudget* budget = nullptr;          // of the frame; none: no bound
+  double left = 0;               // time until the frame's end, with this step [s]
+  double gravity = min_gravity;  // at least min_gravity [m/s^2]
+  double recovery_factor = 1;    // factor on the recovery speed, see recovery_factor_after()
+  double stretch = 0;            // l / L0 - 1 of springs at its end, at most
+  WorkBudget* budget = nullptr;  // of the frame; none: no bound
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
   const Points* velocities = nullptr;    // at its start [m/s]; none: `drifted`
   // By point, whether colliders hold it once contacts have been found; none or empty: none.
@@ -50,7 +50,7 @@ struct ContactStep {
   const Points* detected_at = nullptr;  // positions at the detection; none: start
   double since = h;                     // time since the detection, at the step's end [s]
   double ahead = h;                     // time until the next detection [s]
-  double way = 0;  // displacement of points until then, beyond the step's, at most [m]
+  double way = 0;                       // displacement of points until then, beyond the step's [m]
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -14,8 +14,8 @@ namespace clothsim {
 bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 
 /// Distance [m] to add to that of a contact next to a held corner, so that it may sink in by as
-/// much. Without it a triangle could not rest on the collider that it is pinned to: the lever has
-/// no bound.
+/// much. Without it a triangle could not rest on the collider that it is pinned to: contact near
+/// the held corner would need unbounded motion of the free ones.
 double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
 /// The same for a lever as of lever_of().
 double leeway(double lever, const Triangle&);

@@ -70,8 +70,9 @@ class FaceContacts {
     }
   }
 
-  /// Makes the corners immovable that two colliders hold. Triangles may lack their weighted share
-  /// of the distance that such corners lack from the collider, as thin layers do.
+  /// Makes the corners immovable that two colliders hold. A triangle with such corners may be
+  /// nearer to the collider than the offset, by the weighted share of the distance that they lack,
+  /// as layers that have to be thinner are.
   void release_pinched(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
                        const ContactStep&);
 

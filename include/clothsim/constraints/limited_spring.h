@@ -46,8 +46,8 @@ void warm_start_springs(double scale, std::size_t fours, FourSprings* springs,
 
 /// Input for turning springs' impulses to their present directions. Positions, with inverse masses,
 /// and velocities by point; by spring its length at the limit [m], and the velocity impulse and
-/// mass of its impulse. `before`: velocities at the step's start, which tell turning from velocity
-/// impulses; null: all counts as turning.
+/// mass of its impulse. `before`: velocities at the step's start, to distinguish turning from
+/// velocity impulses; null: all counts as turning.
 struct Turn {
   const Quad* positions;
   const Quad* velocities;
@@ -69,7 +69,7 @@ void add_tensions(const FourSprings* springs, const double* longest, std::size_t
 /// Changes in a pass.
 struct PassChange {
   double largest = 0;  // of a rate of elongation [m/s]
-  double descent = 0;  // sum of changes times ways since the pass before; < 0: uphill
+  double descent = 0;  // sum of changes times differences to the pass before; < 0: uphill
 
   void add(const PassChange& other) {
     largest = largest < other.largest ? other.largest : largest;

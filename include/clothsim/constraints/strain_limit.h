@@ -18,8 +18,9 @@
 namespace clothsim {
 
 /// Ratio of the strain tolerance to the residual of a substep's rates, since residuals add up from
-/// step to step. Projection aims inside the tolerance by its share 1 / precision: at the edge its
-/// last bits would take for ever, and farther inside springs that hold others up would go slack.
+/// step to step. The target of the projection is inside the tolerance by its share 1 / precision:
+/// at the edge the last bits would take for ever, and farther inside springs that hold others up
+/// would go slack.
 inline constexpr double precision = 20;
 
 /// Keeps every spring within (1 + limit) times its rest length (Provot 1995).

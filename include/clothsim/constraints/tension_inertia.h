@@ -29,7 +29,7 @@ class TensionInertia {
 
   /// Added mass in a step of h [s] over the mass of all points.
   double mass_ratio(double h) const;
-  /// The same where tension lets every point swing at a frequency [rad/s].
+  /// The same where tension makes every point oscillate at a frequency [rad/s].
   static double mass_ratio_at(double frequency, double h);
 
   /// Highest frequency [rad/s] at which tension makes a point oscillate across its springs between

@@ -49,8 +49,7 @@ class ForceBlocks {
     const PairBand* pairs;
     const SpringRun* run;  // the first that may reach into the block
     const SpringRun* end;
-    Real* force[3];  // on the first points of the block's springs; before them those of earlier
-                     // points
+    Real* force[3];  // on the first points of its springs, after those of earlier points
   };
 
   void group();
