@@ -160,7 +160,7 @@ void ColliderContacts::warm_start(const Cloth& cloth, double scale, State& state
   for (ColliderCache& s : caches_) {
     s.slots.close();
     for (const int block : s.slots.active()) {
-      s.sleep_bounds.wake(block);  // what touches, does not sleep
+      s.sleep_bounds.wake(block);  // blocks in contact do not sleep
     }
     s.slots.warm_start(cloth, scale, state.velocities);
   }

@@ -1,4 +1,4 @@
-// What a cloth does to colliders in a step: the impulses that contact gave it, turned round.
+// The impulses of a cloth on colliders in a step: those of contact, with opposite sign.
 
 #include <array>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr int block_size = ContactSlots::block;
 
-/// Sums by lane, each going its own way.
+/// Sums by lane, independent of each other.
 struct LaneSums {
   std::array<std::array<double, block_size>, 3> impulse{};  // [N s]
   std::array<std::array<double, block_size>, 3> moment{};   // about the origin [N m s]

@@ -1,5 +1,5 @@
-// What is rare where a cloth meets colliders, point by point: steps that may have taken a point
-// through a shape, what a shape was put upon, and what two shapes leave no room.
+// Rare cases of contact, point by point: steps that may have taken a point through a shape, shapes
+// that were put upon the cloth, and pairs of shapes that leave no room.
 
 #include <algorithm>
 #include <cmath>
@@ -11,16 +11,16 @@
 namespace clothsim {
 namespace {
 
-/// How a point that may have passed through the shape in one step lay to it as it came in, and
-/// where it is at the step's end, both in the collider's own frame then.
+/// Entry of a point that may have passed through the shape in one step: its distance and normal as
+/// it came in, and its place at the step's end, both in the collider's own frame at that end.
 struct Entry {
   Distance at;
   Vector3 end;
 };
 
-/// On from where it came in by what is left of its way, along the surface, until that bends away by
-/// its safe depth or leads in anew. What stopped there would be moved against its velocity by
-/// friction, and gain energy; what went far beyond would take the cloth around thin solids.
+/// Moves a point from its entry along the surface by the rest of its path, until that bends away by
+/// its safe depth or leads in again. A point that stopped would be moved against its velocity by
+/// friction, and gain energy; one that went far beyond would take the cloth around thin solids.
 Entry slide(const Shape& shape, const Vector3& at, const Vector3& to, double offset) {
   const Distance d = signed_distance(shape, at, at);
   const Vector3 left = to - at;
@@ -32,14 +32,15 @@ Entry slide(const Shape& shape, const Vector3& at, const Vector3& to, double off
   return {d, entry_point(shape, at, end, offset).value_or(end)};
 }
 
-/// Nothing where it has not come in.
+/// Empty where it has not come in.
 std::optional<Entry> swept_entry(const MovingCollider& collider, const Vector3& from,
                                  const Vector3& to, double offset) {
   const double depth = safe_depth(collider.shape());
   const double turn = collider.last_turn();
   if ((to - from).squaredNorm() <= depth * depth) return std::nullopt;
 
-  // Its way is bent in a frame that turns: piece by piece, each off a chord by less than matters.
+  // In a turning frame the path is curved: pieces that deviate from their chords by less than
+  // matters.
   const Vector3 start = to_world(collider.previous(), from), end = to_world(collider.pose(), to);
   const double radius = std::max(from.norm(), to.norm());
   const int pieces =
@@ -60,9 +61,9 @@ double depth_before(const Shape& shape, const Vector3& from) {
   return std::min(0.0, signed_distance(shape, from, from).value);
 }
 
-/// Direction in which a piece of cloth, of which `held` are the points, leaves a solid about the
-/// origin: square to the piece, away from the middle as it will soon be. On its way out it does not
-/// turn back where the middle is in between. `ways`: of points in a step of h [s].
+/// Direction in which a piece of cloth with the points `held` leaves a solid about the origin:
+/// normal to the piece, away from the predicted middle of the piece. On its way out it does not
+/// turn back as the middle passes through. `ways`: displacements of points in a step of h [s].
 Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& ways, double h,
                       const std::vector<char>& held) {
   Vector3 normal(0, 0, 0), middle(0, 0, 0);
@@ -92,7 +93,7 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
   const Vector3 from = to_local(collider.previous(), row(step.start, i));
   Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
-  // A point that may have passed through goes on along the surface from where it came in.
+  // A point that may have passed through moves on along the surface from its entry.
   const auto entry = swept_entry(collider, from, to, detector.offset);
   if (entry) {
     to = entry->end;
@@ -106,14 +107,14 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
     local_.distance[i] = entry ? signed_distance(shape, to, from).value : d.value;
   }
 
-  // The gap this step would leave if the point only followed the surface.
+  // The gap at the step's end if the point only followed the surface.
   const Vector3 normal = detector.frame.turn * d.normal;
   const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
   const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
   const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
   const double gap = d.value - detector.offset - step.displacement_factor * step.h * drift;
   const double target_velocity = entry ? 0 : -std::max(gap, 0.0) / step.h;
-  // The impulse that ends its approach will carry it on to there.
+  // The impulse that ends its approach will move it on to there.
   if (entry && drift < 0)
     state.positions.row(i) += step.displacement_factor * step.h * drift * normal.transpose();
 
@@ -172,7 +173,7 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
     const double max_distance = 2 * Stacks::max_layer_height(cloth, cloth.offset);
     return can_face(a.normals, b.normals) && a.places.exteriorDistance(b.places) <= max_distance;
   };
-  std::map<std::size_t, ContactManifold> manifolds;  // of those that face another one
+  std::map<std::size_t, ContactManifold> manifolds;  // of those that face another collider
   const auto manifold = [&](std::size_t k) -> const ContactManifold& {
     const int number = penetrations[k].collider;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(number)];
@@ -193,7 +194,7 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
   pinch(colliders, cloth, step, penetrations);
   if (pinches_.count() == 0) return;
 
-  // Nothing else pushes them about.
+  // No other contact acts on these points.
   for (ColliderCache& s : caches_) {
     s.slots.for_each_touching_both(s.slots, [&](int point) {
       if (pinches_.holds(point)) s.slots.remove(point);
@@ -226,7 +227,7 @@ void ColliderContacts::escape(const Penetration& penetration, const MovingCollid
   s.way_out = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   s.is_close = true;
 
-  // All its points go that way, those outside too.
+  // All its points leave that way, those outside too.
   const Vector3 direction = collider.pose().orientation * *s.way_out;
   const double speed = step.recovery_factor * recovery_speed;
   for (int i = 0; i < cloth.num_points(); ++i) {

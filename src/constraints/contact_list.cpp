@@ -8,16 +8,16 @@
 namespace clothsim {
 namespace {
 
-/// Changes that a pass leaves out, of the precision to which it solves.
+/// Changes that a pass skips, of the precision to which it solves.
 constexpr double unseen_share = 0.0125;
 
 /// Least width of a slab, of the mean length of its contacts.
 constexpr double slab_width = 4;
 
-/// Of so many contacts one tells where they lie.
+/// One in so many contacts is sampled for the places of the planes.
 enum { samples_apart = 8 };
 
-/// A key as numbers of the memory: whole ones that are exact.
+/// A key in the memory: so many numbers of so many bits, exact.
 enum { key_bits = 16, key_parts = 4 };
 
 }  // namespace
@@ -81,8 +81,8 @@ void ContactList::warm_start(double scale, Points& velocities) {
   }
 }
 
-/// Slabs of as many contacts each across the longest way they reach: of enough that a pass over one
-/// is not over before another thread is there, and wide enough that most lie within one.
+/// Slabs of equally many contacts across the longest extent: enough of them that a pass over one
+/// outlasts the start of a thread, and wide enough that most contacts lie within one.
 ContactList::Cut ContactList::cut_into_slabs(const Points& positions) const {
   Cut cut;
   const std::size_t count = contacts_.size();

@@ -22,9 +22,9 @@ struct Motion {
   Vector3 origin;    // [m]
 };
 
-/// Where contact is looked for: of a point that is held, where it lies when impulses act, as if it
-/// followed the surface from there on, `way` [s] back along the velocity that brought it to x.
-/// Others may yet pass by: as they lie at x.
+/// The places for the detection of contact. For a point with an impulse: where it lies when
+/// impulses act, as if it followed the surface from there on, `way` [s] back along the velocity
+/// that brought it to x. For others, which may still pass by: x.
 CLOTHSIM_TARGET_CLONES
 void go_back(int count, double way, const Motion& motion, PointRun x, PointRun drifted,
              Block* slots, MutablePointRun from) {
@@ -48,11 +48,11 @@ void go_back(int count, double way, const Motion& motion, PointRun x, PointRun d
   }
 }
 
-/// What is known of some points where contact is looked for.
+/// Data of some points for the detection of contact.
 struct Approach {
   double h;       // [s]
   double way;     // [s] see go_back()
-  double offset;  // that points keep from the surface [m]
+  double offset;  // distance that points keep from the surface [m]
   const double* inv_mass;
   const double* distance;  // [m]
   PointRun normal;
@@ -60,9 +60,9 @@ struct Approach {
   PointRun drifted;   // [m/s]
 };
 
-/// Which points touch, and how slowly they may leave: no faster towards the surface than they would
-/// use up the gap, the one this step would leave if they only followed it. `touching`: how many of
-/// each block.
+/// Marks points in contact, with their target velocity: towards the surface at most as fast as uses
+/// up the gap, the one at the step's end if they only followed the surface. `touching`: number of
+/// such points by block.
 CLOTHSIM_TARGET_CLONES
 void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
   const double h = a.h, way = a.way, offset = a.offset;
@@ -80,7 +80,7 @@ void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
       const bool held = s.normal_impulse[lane] > 0;
       const double gap = distance[i] - offset - (held ? 0 : way * drift);
       const double target = -(gap > 0 ? gap : 0) / h;
-      // Others may yet push a point on the surface into it.
+      // Other constraints may still push a point on the surface into it.
       const bool touches = (inv_mass[i] > 0) & (held | (rate < target) | (gap <= 0));
       s.normal.x[lane] = n.x[i];
       s.normal.y[lane] = n.y[i];
@@ -92,7 +92,7 @@ void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
   }
 }
 
-/// ContactImpulse::warm_start() of these blocks, and what it gives to velocities.
+/// ContactImpulse::warm_start() for these blocks; adds the impulses to the velocities.
 CLOTHSIM_TARGET_CLONES
 void warm_start_blocks(const std::vector<int>& blocks, int points, double scale,
                        const double* inv_mass, Block* slots, MutablePointRun v) {
@@ -119,8 +119,8 @@ void warm_start_blocks(const std::vector<int>& blocks, int points, double scale,
   }
 }
 
-/// ContactImpulse::update() of slot i on a point alone, if its velocity has changed since the last
-/// pass: what others in its block do makes no difference to the last bit. Returns the square of the
+/// ContactImpulse::update() of slot i, for a single point whose velocity has changed since the last
+/// pass: other points of its block make no difference to the last bit. Returns the square of the
 /// change.
 [[gnu::always_inline]] inline double update(Block& s, double friction, const MutablePointRun& v,
                                             int i) {
@@ -158,13 +158,14 @@ void warm_start_blocks(const std::vector<int>& blocks, int points, double scale,
   return cx * cx + cy * cy + cz * cz;
 }
 
-/// Bits of eight numbers, see Lanes: where they differ is quicker to gather than whether they do.
+/// Bits of eight numbers, see Lanes: the difference of all is faster to gather than a comparison of
+/// each.
 using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias));
 [[gnu::always_inline]] inline const Bits& bits(const double* numbers) {
   return *reinterpret_cast<const Bits*>(numbers);
 }
 
-/// The same of a block whose points have changed since the last pass. `largest`: of the squares so
+/// The same for a block whose points have changed since the last pass. `largest`: of the squares so
 /// far, by lane.
 [[gnu::always_inline]] inline void update_block(Block& s, double friction, const MutablePointRun& v,
                                                 double* largest) {
@@ -180,7 +181,7 @@ using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias
   }
 }
 
-/// The same of all these blocks, none of which ends beyond `v`.
+/// The same for all these blocks, none of which ends beyond `v`.
 CLOTHSIM_TARGET_CLONES
 void update_blocks(const int* blocks, std::size_t count, double friction, Block* slots,
                    MutablePointRun v, double* largest) {
@@ -190,8 +191,8 @@ void update_blocks(const int* blocks, std::size_t count, double friction, Block*
   }
 }
 
-/// Lifts free points that are less than `offset` away from the surface to it. `highest`: by how
-/// much at most, by lane.
+/// Lifts free points that are less than `offset` away from the surface to it. `highest`: the
+/// largest displacement so far, by lane.
 CLOTHSIM_TARGET_CLONES
 void lift_out(int count, double offset, const double* free, const double* distance, PointRun n,
               MutablePointRun x, double* highest) {
@@ -323,7 +324,7 @@ double ContactSlots::solve_pass(double friction, Points& velocities) {
   const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
   update_blocks(active_.data(), active_.size() - ends_short, friction, blocks_.data(),
                 run_from(velocities, 0), largest2);
-  if (ends_short) {  // with slots that no point has: they never touch
+  if (ends_short) {  // slots without a point never touch
     const int b = active_.back(), first = first_of(b), zero = 0;
     Triples v{};
     for (int i = first; i < points_; ++i) v.set(i - first, row(velocities, i));

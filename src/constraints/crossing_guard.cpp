@@ -10,29 +10,29 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Features never come nearer than this, of the nearest that impulses let any: far above rounding,
+/// Features never come nearer than this share of the least contact distance: far above rounding,
 /// which would let them cross.
 constexpr double floor_share = 1e-5;
 
-/// More than the motion of two features alike rounds, of the floor.
+/// More than the rounding of the motion of two features alike, as a share of the floor.
 constexpr double rounding = 1e-6;
 
 /// Measurements in a step: points that must wait for others to move get as many chances.
 constexpr int max_legs = 6;
 
-/// What two features at a distance from each other grant.
+/// Bounds on the motion of two features, from their distance.
 struct TruncationBounds {
   double floor;  // [m]
 
-  /// Way of their points, wherever to [m]: if both make it, they end at the floor. What starts
-  /// nearer than anything may ever come has no side to be kept on.
+  /// Displacement of their points in any direction, at most [m]: if both move by it, they end at
+  /// the floor. Features that start nearer than any can come have no side to be kept on.
   double way(double distance) const {
     return distance < floor / 2 ? infinity : std::max(distance - floor, 0.0) / 2;
   }
 
-  /// Gap that must be left at the ends of ways along the direction of a pair at `here`, for a plane
-  /// to be between its features all the way [m]. Where none is between them now, as their direction
-  /// is lost in rounding, no gap will do. What is nearer than the floor comes no nearer.
+  /// Gap at the ends of paths along the direction of a pair at `here` that ensures a plane between
+  /// its features all the way [m]. Infinite where no plane separates them now, as rounding
+  /// dominates their direction. Features nearer than the floor come no nearer.
   double gap(const NearPair& near, const Points& here) const {
     const double distance = near.separation.distance;
     const double now = gap_along(near.separation.normal, near.pair, here);
@@ -41,15 +41,15 @@ struct TruncationBounds {
   }
 };
 
-/// Do the ends of ways from `here` leave that gap, with a plane between the features all the way?
-/// What turns, as layers between fingers that turn, has one that turns along.
+/// Do the ends of paths from `here` leave that gap, with a plane between the features all the way?
+/// For features that turn, as layers between turning fingers, the plane turns along.
 bool leave(const NearPair& near, double gap, const Points& here, const Points& ends) {
   if (gap_along(near.separation.normal, near.pair, ends) >= gap) return true;
   return separation(near.pair, ends).distance >= gap &&
          min_gap_turning(near.pair, here, ends) >= gap / 2;
 }
 
-/// Brings what touches, and is held together by repairs alone, to where impulses bring it.
+/// Moves features in contact that projections alone hold together to where impulses bring them.
 void leave_out_projections(const std::vector<NearPair>& near_pairs,
                            const TruncationBounds& truncation, const Points& here,
                            const Points& by_impulses, Points& positions) {
@@ -61,15 +61,15 @@ void leave_out_projections(const std::vector<NearPair>& near_pairs,
   }
 }
 
-/// Where a leg ends, and the shares of their ways that points go, 1 of most.
+/// Ends of a leg, and the shares of their displacements that points make, at most 1.
 struct Leg {
   Points ends;
   Scalars shares;
 };
 
-/// Points that are kept apart by being cut short, with what they are kept from. Each zone has a way
-/// of its own, as impact zones have (Bridson, Fedkiw & Anderson 2002): what is held back goes along
-/// with that. Of what neither pins nor two colliders hold it is the mean by mass.
+/// Sets of points whose truncation keeps them apart. Each zone has a displacement of its own, as
+/// impact zones have (Bridson, Fedkiw & Anderson 2002), in which its truncated points take part:
+/// the mean of the points that pins or two colliders hold, else the mean by mass.
 class Zones {
  public:
   explicit Zones(int num_points) : next_(static_cast<std::size_t>(num_points)) {
@@ -83,7 +83,7 @@ class Zones {
   void join(int a, int b) { next(of(a)) = of(b); }
   void join_all() { std::fill(next_.begin(), next_.end(), 0); }
 
-  /// For each point, that of its zone.
+  /// For each point, the displacement of its zone.
   Points common_ways(const Cloth& cloth, const ContactStep& step, const Points& ways) {
     const auto count = static_cast<int>(ways.rows());
     const auto holds = [&](int i) {
@@ -111,11 +111,11 @@ class Zones {
  private:
   int& next(int point) { return next_[static_cast<std::size_t>(point)]; }
 
-  std::vector<int> next_;  // of the same zone; its first one: itself
+  std::vector<int> next_;  // another of the same zone; for its first: itself
 };
 
-/// A leg from `here` towards `positions`, on which points go no farther than `bounds` [m] beyond
-/// the ways of their zones; without zones, than that.
+/// A leg from `here` towards `positions`, on which points move by at most `bounds` [m] relative to
+/// the displacements of their zones; without zones, in total.
 Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
             const Points& positions, const Scalars& bounds, Zones* zones) {
   const auto count = static_cast<int>(here.rows());
@@ -134,9 +134,8 @@ Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
   return leg;
 }
 
-/// A leg from `here` towards `positions`. Where a plane between two features does not stay, on the
-/// ways so shortened, both are bound to their room. What is not among the pairs has the room
-/// `unseen` [m].
+/// A leg from `here` towards `positions`. Where a plane between two features does not stay on the
+/// truncated paths, both get their bound. `unseen`: bound for features that are in no pair [m].
 Leg leg_towards(const Cloth& cloth, const ContactStep& step,
                 const std::vector<NearPair>& near_pairs, const TruncationBounds& truncation,
                 const Points& here, const Points& positions, double unseen, bool has_zones) {
@@ -164,14 +163,15 @@ Leg leg_towards(const Cloth& cloth, const ContactStep& step,
   }
 }
 
-/// Where ways are longer than the finder sees, binds them all to what it does [m]. Did it so?
+/// Where displacements exceed the range of the finder, bounds them all by that range [m]. Returns
+/// whether it does.
 bool narrow(const NearPairs& finder, const TruncationBounds& truncation, double& unseen) {
   if (finder.max_approach() <= finder.sees() || unseen < infinity) return false;
   unseen = truncation.way(finder.sees());
   return true;
 }
 
-/// Adds pairs that are not yet there. Were there any?
+/// Adds pairs that are not yet there. Returns whether there were any.
 bool adds(const std::vector<NearPair>& more, std::vector<NearPair>& near_pairs) {
   const auto before = [](const NearPair& a, const NearPair& b) { return a.key < b.key; };
   std::sort(near_pairs.begin(), near_pairs.end(), before);
@@ -185,10 +185,10 @@ bool adds(const std::vector<NearPair>& more, std::vector<NearPair>& near_pairs) 
   return !added.empty();
 }
 
-/// Gives what is held back the velocity of the way that it made, and no more than it had: repairs
-/// and push-outs have moved it, too, and what they did is no velocity. So it is with the points
-/// that they moved beside it: from what is knotted, impulses would part them and repairs bring them
-/// back.
+/// Gives truncated points the velocity of their displacement, with at most the speed that they had:
+/// projections have moved them, too, and are no velocity. The same holds for points beside them
+/// that projections moved: otherwise impulses would part a knot and projections would close it
+/// again.
 void slow_down(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                const Scalars& shares, State& state) {
   for (int i = 0; i < cloth.num_points(); ++i) {
@@ -221,14 +221,14 @@ int keep_from_crossing(const Cloth& cloth, const ContactStep& step, const Points
     if (legs == 1) leave_out_projections(near_pairs, truncation, here, by_impulses, positions);
 
     Leg leg;
-    do {  // what is held back may be in the way of others
+    do {  // truncated points may obstruct others
       leg = leg_towards(cloth, step, near_pairs, truncation, here, positions, unseen, has_zones);
       if (step.is_spent()) return 0;
     } while (adds(finder.swept_query(here, leg.ends, truncation.floor, step.workers, step.budget),
                   near_pairs) ||
              narrow(finder, truncation, unseen));
 
-    // A pin goes where it is told or stays: the cloth does not take it along.
+    // A pin moves to its target or stays: the cloth does not take it along.
     if (has_zones && (cloth.inv_mass.array() == 0 && leg.shares.array() < 1).any()) {
       has_zones = false;
       continue;

@@ -28,7 +28,7 @@ bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth
 
 double leeway(double lever, const Triangle& t) {
   constexpr double min_lever = 0.25;  // below it contacts may sink in
-  constexpr double max_share = 0.1;   // of the longest edge, where there is none
+  constexpr double max_share = 0.1;   // of the longest edge, at a lever of 0
   if (lever >= min_lever) return 0;
   const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
   return max_share * edge * (1 - lever / min_lever);
@@ -59,7 +59,7 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const 
   const bool inside = result.distance && result.distance->value < 0;
   if (!inside && !fast) return result;
 
-  // It may have been in the solid before, or have come through it.
+  // It may have been in the solid before, or have passed through it.
   const auto before = distance_with_leeway(shape, cloth, corners, from, 0);
   if (before && before->value < 0) {
     result.before = before->value;

@@ -8,10 +8,10 @@
 namespace clothsim {
 namespace {
 
-/// Ways in which a triangle can touch: with its edges, from corner i to i + 1, with its face.
+/// Features of a triangle in contact: its edges, from corner i to i + 1, and its face.
 enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
 
-/// With which of them it does; empty where it touches with a corner alone.
+/// The feature in contact; empty where a corner alone touches.
 std::optional<Feature> feature_of(const CornerWeights& w) {
   const auto zeros = std::count(w.begin(), w.end(), 0.0);
   if (zeros > 1) return std::nullopt;
@@ -19,7 +19,7 @@ std::optional<Feature> feature_of(const CornerWeights& w) {
   return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
 }
 
-/// Longest way of a corner between where impulses act and the step's end [m].
+/// Largest displacement of a corner from where impulses act to the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
   double longest2 = 0;
   for (const int i : corners) {
@@ -57,7 +57,7 @@ void FaceContacts::look_at(const ColliderQuery& at, int triangle, ContactList::L
   const auto& [number, collider, cloth, step, margin, local, state, penetrating_faces] = at;
   const Shape& shape = collider.shape();
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
-  // As it lies where impulses act, unless it is to be stopped or led out.
+  // The triangle as it lies where impulses act, unless it is to be stopped or led out.
   const Triangle middle = clothsim::triangle_of(local.middle, corners);
   FaceApproach found;
   found.distance = distance_with_leeway(shape, cloth, corners, middle, margin);
@@ -110,14 +110,14 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
       collider.velocity_at(weighted(state.positions, corners, weights));
   const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
   if (swept) {
-    // Back to where it came in, less what the impulse that ends its approach will move it.
+    // Back to where it came in, less the displacement by the impulse that ends its approach.
     const double back =
         cloth.offset - distance.value + step.displacement_factor * step.h * std::min(0.0, drift);
     spread(corners, moves, back / yield * normal, state.positions);
     spread(corners, moves, back / yield * distance.normal, local.to);
   }
 
-  // The gap this step would leave if the triangle only followed the surface.
+  // The gap at the step's end if the triangle only followed the surface.
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
   const double gap = distance.value - cloth.offset;
   const double target_velocity = swept ? 0 : -std::max(gap, 0.0) / step.h;
@@ -186,7 +186,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
   for (int pass = 1; pass <= passes_in_vain; ++pass) {
     bool again = false;
     const auto move_out = [&](int, const Corners& corners) {
-      // In the first pass all, then those with a corner that has just moved.
+      // All in the first pass, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
       const FaceApproach found = approach(collider, cloth, corners, local, cloth.offset);

@@ -11,15 +11,15 @@
 namespace clothsim {
 namespace {
 
-/// Weights of the cloth that a holder bears unless told otherwise. A cloth that falls from level
-/// into its pins pulls each with up to 1.4, a frame that turns one by a right angle in a third of a
-/// second with 5.
+/// Weights of the cloth that a holder bears by default. A cloth that falls from level into its pins
+/// loads each with up to 1.4; a frame that turns one by a right angle in a third of a second, with
+/// 5.
 constexpr double borne_weights = 10;
 
-/// Stretch up to which it pulls a cloth without strain limit.
+/// Stretch up to which a holder pulls a cloth without strain limit.
 constexpr double usual_stretch = 0.1;
 
-/// Share f of the strength that rubs where a point slips.
+/// Share f of the strength that acts as friction where a point slips.
 constexpr double slip_friction = 0.1;
 
 /// Time [s] in which a point that has slipped comes back, where that takes less than
@@ -29,8 +29,8 @@ constexpr double return_time = 0.1;
 /// Distance from its target at which a point sticks again, of the shortest spring.
 constexpr double stick_share = 1e-3;
 
-/// Speed from which a held point presses on a collider [m/s]: slower are roundings of a frame that
-/// carries both.
+/// Speed from which a held point presses on a collider [m/s]: lower ones are rounding in a frame
+/// that carries both.
 constexpr double min_approach = 1e-6;
 
 Vector3 clamped(const Vector3& v, double max_norm) {
@@ -38,7 +38,7 @@ Vector3 clamped(const Vector3& v, double max_norm) {
   return length > max_norm ? Vector3(max_norm / length * v) : v;
 }
 
-/// Does a point that a holder moves at velocity `v` [m/s] press on a collider, which it touches?
+/// Does a point that a holder moves at velocity `v` [m/s] press on a collider in contact with it?
 bool is_pressed_into(const MovingCollider& collider, const Vector3& x, const Vector3& v,
                      double offset) {
   if (!collider.reaches({x, x}, 2 * offset)) return false;
@@ -49,7 +49,7 @@ bool is_pressed_into(const MovingCollider& collider, const Vector3& x, const Vec
   return normal.dot(v - collider.velocity_at(x)) < -min_approach;
 }
 
-/// Is a point where it was to be, but for the roundings of some thousand steps?
+/// Is a point at its place, except for the rounding of some thousand steps?
 bool is_at(const Vector3& x, const Vector3& place) {
   constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
   return (x - place).norm() <= rounding * std::max({1.0, x.norm(), place.norm()});
@@ -176,7 +176,7 @@ Vector3 Holders::velocity_now(const Point& p) const {
   return (p.target - p.start) / (dt_ - p.begun);
 }
 
-/// Where the holder has the point now.
+/// Place of the point on its holder now.
 Vector3 Holders::place_now(const Point& p) const {
   const double left = dt_ - p.begun;
   return left > 0 ? Vector3(p.start + (elapsed_ - p.begun) / left * (p.target - p.start)) : p.start;
@@ -260,7 +260,7 @@ double Holders::solve_pass(Points& velocities) {
     if (!p.slips) continue;
     const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
-    // The impulse that leaves it at rest on its holder: does it pull towards the target?
+    // `rest` leaves the point at rest on its holder: does it pull towards the target?
     const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
     const Vector3 impulse =
         leaves ? clamped(rest, strongest) : clamped(rest + p.mass * p.want, returning);
@@ -311,8 +311,8 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
   return changes;
 }
 
-/// Shares a holder's strength among its points: each bears what pulls it up to a maximum that is
-/// the same for all, so that the sum is the strength.
+/// Shares a holder's strength S among its points, with a common bound b on their loads F_i: sum
+/// min(F_i, b) = S. Points with a higher load slip.
 bool Holders::give_way(const std::vector<std::size_t>& points, double strength, double h) {
   std::vector<double> loads;  // [N] of those that stick
   for (const std::size_t i : points) {

@@ -9,16 +9,17 @@
 namespace clothsim {
 namespace {
 
-/// Most of a violation that a step works off. Kept impulses integrate it, so a large share
-/// overshoots where sweeps stop early, and worst where most springs are at their limit: there it is
-/// a third of this, and this would ring for ever.
+/// Largest share of a violation that a step corrects. Warm-started impulses integrate it, so a
+/// large share overshoots where passes stop early, most where most springs are at their limit:
+/// there the share is smaller, divided by 1 + 3 times the share of active springs, as this one
+/// would ring for ever.
 constexpr double max_violation_share = 0.008;
 
-/// Largest share of its length that a spring is shortened in a step for turning: that of a turn by
-/// 0.1. Beyond, the middle of a step says too little about its end.
+/// Largest share of its length by which a spring is shortened in a step for turning: that of a turn
+/// by 0.1. Beyond, the middle of a step says too little about its end.
 constexpr double max_turning_share = 0.005;
 
-/// Four numbers as the vector units see them.
+/// Four numbers as a vector register.
 using Vector = double __attribute__((vector_size(32), may_alias));
 
 using LooseVector = double __attribute__((vector_size(32), aligned(8), may_alias));
@@ -48,7 +49,7 @@ struct Four {
   Vector x, y, z;
 };
 
-/// What the ends of four springs have, of points that are Quad or const Quad.
+/// The ends of four springs, as Quad or const Quad.
 template <typename Point>
 struct Ends {
   [[gnu::always_inline]] Ends(const FourSprings& s, Point* points) {
@@ -65,7 +66,7 @@ struct Ends {
   dot = a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// From the first to the second ends.
+/// Differences from the first to the second ends.
 template <typename Point>
 [[gnu::always_inline]] inline void gather_differences(const Ends<Point>& ends, Four& four) {
   const Vector p = vector(*ends.b[0]) - vector(*ends.a[0]);
@@ -101,8 +102,8 @@ template <typename Point>
   }
 }
 
-/// Ways between the ends of four springs where the step's impulses act, `back` [s] ago, and their
-/// rates.
+/// Differences between the ends of four springs where the step's impulses act, `back` [s] ago, and
+/// their rates.
 [[gnu::always_inline]] inline void gather_middle(const FourSprings& s, const Quad* positions,
                                                  const Quad* velocities, double back, Four& d,
                                                  Four& rates) {
@@ -121,16 +122,16 @@ template <typename Point>
   }
 }
 
-/// Gives springs these masses, 0 where none acts, and velocity impulses.
+/// Sets the masses of springs, 0 for inactive ones, and velocity impulses.
 [[gnu::always_inline]] inline void carry(FourSprings& s, const Vector& mass,
                                          const LooseVector& velocity_impulse) {
   vector(s.velocity_impulse) = vector(s.before) = mass > 0 ? velocity_impulse : Vector{};
   vector(s.mass) = mass;
 }
 
-/// A spring that has turned so fast lengthens at that rate by the velocities `before` [m/s], of the
-/// step's start. More is a velocity impulse that others are yet to answer: to shorten the spring
-/// for it would feed energy.
+/// Bounds the correction for turning by the rate at which the spring lengthens with the velocities
+/// `before` [m/s], of the step's start. A faster turn comes from a velocity impulse to which other
+/// constraints have not responded yet: a correction for it would add energy.
 [[gnu::always_inline]] inline void bound_by_lengthening(const FourSprings& s, const Quad* before,
                                                         const Four& direction, Vector& limit) {
   const Vector zero = {};
@@ -165,14 +166,14 @@ void prepare_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSp
   const double share = std::min(step.rate * step.h, max_violation_share) / (1 + 3 * step.active);
   for (std::size_t i = 0; i < fours; ++i) {
     FourSprings& s = springs[i];
-    // Where the ends were when the step's impulses act: there they make no angular momentum.
+    // The ends when the step's impulses act: there they add no angular momentum.
     Four speed, d;
     gather_middle(s, positions, velocities, back, d, speed);
     Vector length2;
     set_dot(d, d, length2);
-    Vector w_a, w_b;  // inverse masses, with what tension adds
+    Vector w_a, w_b;  // inverse masses, with added inertia
     gather_inv_masses(Ends(s, positions), w_a, w_b);
-    // Others are slack, or between two pins, and have no direction to hold.
+    // Others are slack, or between two pins, and have no direction.
     const auto is_long = length2 * (w_a + w_b) > 0;
     Vector length;
     for (int k = 0; k < 4; ++k) length[k] = std::sqrt(length2[k]);
@@ -186,9 +187,9 @@ void prepare_springs(LimitStep step, const Turn& turn, std::size_t fours, FourSp
     carry(s, mass, four_at(velocity_impulses, i) * (four_at(masses, i) / mass));
     vector(s.share) = w_a * mass;
 
-    // How fast it may still lengthen: up to its limit within a step, or shorter if it is over. A
-    // spring that turns at speed v across grows by h^2 v^2 / 2 l in a step if it may not lengthen
-    // in the middle of it: half its centripetal acceleration v^2 / l over h makes up for that.
+    // Rate of elongation allowed: up to the limit within a step, negative if over it. A spring that
+    // turns at speed v across grows by h^2 v^2 / (2 l) in a step if it may not lengthen in the
+    // middle of it: half its centripetal acceleration v^2 / l, times h, corrects that.
     Vector along, across2;
     set_dot(speed, direction, along);
     const Four across = {speed.x - along * direction.x, speed.y - along * direction.y,

@@ -10,8 +10,8 @@
 namespace clothsim {
 namespace {
 
-/// Most that corners may stand off a shape to keep their triangles off it, of the longest edge: an
-/// edge e does so by e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
+/// Largest extra distance at which points keep triangles off a shape, of the longest edge: an edge
+/// e needs e^2 / (6 r) on a sphere of radius r, so that it may be 3/8 of r.
 constexpr double highest_lift = 1.0 / 16;
 
 /// Stretch beyond the strain limit that springs may have for a while.
@@ -44,7 +44,7 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   if (cloth.triangles.empty()) return std::numeric_limits<double>::infinity();
-  // All triangles of a grid are alike. Without shear springs nothing but its sides holds a cell.
+  // All triangles of a grid are alike. Without shear springs only its sides hold a cell.
   const auto& [a, b, c] = cloth.triangles.front();
   const auto length = [&](int i, int j) {
     return (cloth.rest_positions.row(j) - cloth.rest_positions.row(i)).norm();
@@ -54,8 +54,8 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   });
   const double edge =
       sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
-  // Those that have no limit get the usual one: how far points are lifted is to change with springs
-  // only where they stretch further.
+  // A cloth without limit gets the usual one: the distance of points changes with their springs
+  // only where these stretch further.
   static const double usual_limit = Material().strain_limit.value();
   const double limit = cloth.strain_limit.value_or(usual_limit);
   return (1 + std::max(limit + usual_excess, stretch)) * edge;

@@ -6,23 +6,22 @@
 namespace clothsim {
 namespace {
 
-/// Pull of the strain limit that all points between two colliders bear along them, of the weight of
-/// the whole cloth: as of a gripper that lifts it by one point and shakes it. With ten, fingers
-/// that pull it from its pins stretched it by 70 to 90 %.
+/// Largest pull of the strain limit along two colliders that all points between them bear, in
+/// weights of the whole cloth: as for a gripper that lifts it by one point and shakes it. With ten,
+/// fingers that pull it from its pins stretched it by 70 to 90 %.
 constexpr double strongest_grip = 3;
 
 Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
   return (normal_a - normal_b).normalized();
 }
 
-/// Friction of what a point touches on a side: of the collider, or of the weakest in a row of
-/// layers.
+/// Friction at a point on one side: that of the collider, or the least in a row of layers.
 double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   const double of_collider = side.collider->friction();
   return side.touches ? of_collider : std::min(of_collider, cloth.friction);
 }
 
-/// How firmly that holds the point: surfaces rub in a row, each of which yields by 1 / friction.
+/// Firmness of that grip: surfaces rub in series, with a compliance of 1 / friction each.
 double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   if (friction_of(side, cloth) == 0) return 0;
   const double layers = (side.layer_height - cloth.offset) / (2 * cloth.thickness);
@@ -30,16 +29,16 @@ double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   return 1 / (side.touches ? yield : yield + layers / cloth.friction);
 }
 
-/// Is the wedge between them so narrow that friction keeps what it presses on from slipping out? It
-/// is where its angle is below the sum of both angles of friction, the arctangents of both
-/// coefficients m and n. Without friction nothing sticks, whatever roundings make of the normals.
+/// Is the wedge between them so narrow that friction keeps its content from slipping out? It is
+/// where its angle is below the sum of both angles of friction, the arctangents of both
+/// coefficients m and n. Without friction nothing sticks, whatever the rounding of the normals.
 bool jams(const Vector3& normal_a, const Vector3& normal_b, double m, double n) {
   const double cos_wedge = -normal_a.dot(normal_b);
   if (m + n == 0) return false;
   return cos_wedge * std::sqrt((1 + m * m) * (1 + n * n)) > 1 - m * n;
 }
 
-/// Where a point is between both, from 0 at a to 1 at b; in the middle where they overlap.
+/// Place of a point between both, from 0 at a to 1 at b; in the middle where they overlap.
 double share_across(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b) {
   const double gap = a.distance + b.distance;
   return gap > 0 ? std::clamp(a.distance / gap, 0.0, 1.0) : 0.5;
@@ -116,7 +115,7 @@ double Pinches::solve_pass(Points& velocities) {
   return std::sqrt(largest2);
 }
 
-/// Along both, with what the limit pulls beyond what the grip bears [m/s].
+/// Velocity along both by the excess of the strain limit's pull over the grip [m/s].
 Vector3 Pinches::slip(Pinch& p) const {
   const Vector3 pull = p.pull - p.across.dot(p.pull) * p.across;
   const double strength = pull.norm(), strongest = p.grip / collider_pairs_[p.pair].points;

@@ -15,8 +15,8 @@ void SelfContacts::refresh(const Cloth& cloth, const ContactStep& step, State& s
   contacts_.warm_start_again(state.velocities);
 }
 
-/// Colliders alone move what they pinch. What is pinched in part, they push together: the rest
-/// would have to leap to keep its distance.
+/// Colliders alone move pinched points. The impulse on contacts that are pinched in part is
+/// bounded: their other points would have to leap to keep their distance.
 void SelfContacts::release_pinched(const Pinches& pinches, Points& velocities) {
   contacts_.release_pinched(pinches, Pinches::max_overlap_impulse * weight_, velocities);
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// To the same bits; by far quicker than to measure.
+/// Compares bits, which is far faster than to measure.
 bool are_same(const Points& a, const Points& b) {
   const auto bytes = static_cast<std::size_t>(a.size()) * sizeof(double);
   return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), bytes) == 0;

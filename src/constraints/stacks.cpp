@@ -22,7 +22,7 @@ Box around(const ContactManifold& manifold, const Points& positions) {
   return box;
 }
 
-/// The jaw without what is not within the box.
+/// The part of the manifold within the box.
 ContactManifold within(const Box& box, const ContactManifold& manifold, const Points& positions) {
   ContactManifold result{manifold.collider, manifold.offset, {}};
   for (const ContactPoint& f : manifold.contact_points) {
@@ -31,7 +31,7 @@ ContactManifold within(const Box& box, const ContactManifold& manifold, const Po
   return result;
 }
 
-/// Of a point from which no layer is known to the jaw, as the step began.
+/// Distance to a point at the step's start, before any layers between are known.
 Pinches::ColliderDistance distance_to(const ContactManifold& manifold, const Vector3& x) {
   const Pose& pose = manifold.collider.previous();
   const Vector3 local = to_local(pose, x);
@@ -46,7 +46,7 @@ Pinches::ColliderDistance touching(const ContactManifold& manifold,
   return side;
 }
 
-/// Of what touches the jaw there.
+/// Distance of the manifold's own contact.
 Pinches::ColliderDistance own_distance(const ContactManifold& manifold, const ContactPoint& f,
                                        const Points& start) {
   if (f.triangle == ContactPoint::no_triangle) {
@@ -55,7 +55,7 @@ Pinches::ColliderDistance own_distance(const ContactManifold& manifold, const Co
   return touching(manifold, {&manifold.collider, f.normal, f.distance, 0, false});
 }
 
-/// What touches a jaw.
+/// The contacts of a manifold by point and triangle.
 class ContactPointIndex {
  public:
   explicit ContactPointIndex(const ContactManifold& manifold) : manifold_(manifold) {
@@ -68,13 +68,14 @@ class ContactPointIndex {
     }
   }
 
-  /// On that triangle.
+  /// Contacts within that triangle.
   std::vector<const ContactPoint*> on(int triangle) const {
     const auto found = triangles_.find(triangle);
     return found == triangles_.end() ? std::vector<const ContactPoint*>() : found->second;
   }
 
-  /// The jaw as seen from where another one touches. It is touched there if the points are.
+  /// Distance of the collider from a contact of the other one. It touches there if it touches the
+  /// points.
   Pinches::ColliderDistance beyond(const ContactPoint& f, const Points& start) const {
     bool touches = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -94,7 +95,7 @@ class ContactPointIndex {
 
 bool can_face(const Normals& a, const Normals& b) {
   if (a.isEmpty() || b.isEmpty()) return false;
-  double min_product = 0;  // of the product of two normals
+  double min_product = 0;  // bound on the scalar product of two normals
   for (int axis = 0; axis < 3; ++axis) {
     const double p[] = {a.min()[axis], a.max()[axis]};
     const double q[] = {b.min()[axis], b.max()[axis]};
@@ -124,12 +125,11 @@ void Stacks::pinch(const ContactManifold& all_of_a, const ContactManifold& all_o
   propagate_heights();
   for (const Node& node : nodes_) {
     if (node.a.layer_height == 0 || node.b.layer_height == 0) {
-      continue;  // nothing lies between it and a jaw
+      continue;  // no chain of layers to one of the colliders
     }
     if (node.a.touches && node.b.touches && !node.is_between) continue;  // beside each other
     const Vector3 x = row(start, node.point);
-    // No layers are a grip that are hit faster than contact leads what is caught: impulses let
-    // piles fly apart.
+    // Layers that are hit faster than recovery_speed are no grip: impulses let piles fly apart.
     const double speed = (b.collider.velocity_at(x) - a.collider.velocity_at(x)).norm();
     if (!node.is_between && speed > recovery_speed) continue;
     if (Pinches::leave_no_room(node.a, node.b, x, h)) {
@@ -210,7 +210,7 @@ void Stacks::add_edges(const ContactManifold& a, const ContactManifold& b, const
         const Pinches::ColliderDistance &of_upper = nodes_[static_cast<std::size_t>(upper)].a,
                                         &of_lower = nodes_[static_cast<std::size_t>(lower)].a;
         const double cosine = touch.normal.dot(of_upper.normal);
-        // So that no chain comes back to where it began.
+        // In this order chains have no cycle.
         if (cosine > Pinches::facing && of_upper.distance > of_lower.distance) {
           edges_.push_back({lower, upper, touch.nearest});
         } else if (cosine < -Pinches::facing && of_upper.distance < of_lower.distance) {
@@ -221,7 +221,7 @@ void Stacks::add_edges(const ContactManifold& a, const ContactManifold& b, const
   });
 }
 
-/// Longest chains from either jaw: there are no circles, so that it ends.
+/// Finds the longest chains from either collider. It ends, since chains have no cycle.
 void Stacks::propagate_heights() {
   const auto raise = [](Pinches::ColliderDistance& to, const Pinches::ColliderDistance& from,
                         double layer_height) {

@@ -15,23 +15,23 @@
 namespace clothsim {
 namespace {
 
-/// Rate [1/s] at which impulses work off a violation, where drag is faster.
+/// Rate [1/s] at which impulses correct a violation, where drag is faster.
 constexpr double violation_rate = 5;
 
-/// That rate, of drag's, where drag is slower. Kept impulses integrate: a slow wave x of tension,
-/// of which the passes of a step find a share a, has x'' = -c x' - p and p' = (a / h) (x' + rate
-/// x), and grows where rate > c.
+/// That rate over drag's, where drag is slower. Warm-started impulses integrate: a slow wave x of
+/// tension, of which the passes of a step find a share a, has x'' = -c x' - p and p' = (a / h) (x'
+/// + rate x), and grows where rate > c.
 constexpr double drag_share = 0.95;
 
-/// Strength of the limit, as x = h^2 sum(T / l) / m of a point, of the impulses that a step begins
-/// with: neighbours that tension swings against each other are stable below it.
+/// Strength of the limit, as x = h^2 sum(T / l) / m of a point, for the impulses that a step begins
+/// with: below it neighbours that oscillate against each other under tension are stable.
 constexpr double max_tension = 2;
 
-/// The same of a spring in the passes, as h^2 T / (m l).
+/// The same for a spring within the passes, as h^2 T / (m l).
 constexpr double max_tension_in_passes = 8;
 
-/// Times as much as a step of h [s] bears that is longer than the longest: such are steps of
-/// implicit methods, which damp what swings, and a tension is the same force in them.
+/// Factor on the strength for a step of h [s] that is longer than longest_step: such steps belong
+/// to implicit methods, which damp oscillations, and a tension is the same force in them.
 double times_carried(double h) {
   const double longer = std::max(h / longest_step, 1.0);
   return longer * longer;
@@ -107,8 +107,8 @@ std::vector<double> StrainLimit::tension_across() const {
   return across;
 }
 
-/// Cuts the impulses, before they are made `scale` times as large for a step as much longer, to
-/// those that it can carry.
+/// Reduces the impulses, before they are scaled for a step `scale` times as long, to the strength
+/// of the limit in it.
 void StrainLimit::bound_impulses(double scale) {
   const std::vector<double> across = tension_across();
   const double h = scale * step_.h;
@@ -179,7 +179,7 @@ void StrainLimit::read(MemoryReader& memory) {
     Vector3 direction{0, 0, 0};
   };
   std::vector<Kept> kept(memory.count());
-  std::pair<int, int> last{-1, -1};  // colour and id: the order of sweeps
+  std::pair<int, int> last{-1, -1};  // colour and id: the order of passes
   for (Kept& k : kept) {
     k.id = memory.index(pieces_.size() * Piece::length);
     const std::pair<int, int> here{constraint(k.id).colour, k.id};
@@ -211,7 +211,7 @@ void StrainLimit::read(MemoryReader& memory) {
 }
 
 void StrainLimit::warm_start(double h, double displacement_factor, State& state) {
-  const double scale = step_.h > 0 ? h / step_.h : 0;  // the same forces over this step's length
+  const double scale = step_.h > 0 ? h / step_.h : 0;  // for the same forces
   if (scale > 0) bound_impulses(scale);
   step_ = {h, displacement_factor, 0, 0};
   max_velocity_impulse_ = max_tension_in_passes * times_carried(h) * shortest_ / h;
@@ -232,12 +232,12 @@ void StrainLimit::warm_start(double h, double displacement_factor, State& state)
   }
 }
 
-/// Time until a spring may reach its limit, while its ends go no faster against each other than any
-/// point does against the cloth [s].
+/// Time until a spring may reach its limit [s], while its ends move against each other no faster
+/// than any point does relative to the cloth.
 double StrainLimit::slack(const Cloth& cloth, const State& state) const {
   const double speed = 2 * (longest_beyond_mean(state.velocities) + others_);
   const double limit = longest_ - 1;
-  if (limit * shortest_ <= speed * step_.h) return 0;  // by far the cheaper look
+  if (limit * shortest_ <= speed * step_.h) return 0;  // by far the cheaper check
   return (limit - worst_stretch(cloth, state.positions)) * shortest_ / speed;
 }
 
@@ -247,7 +247,7 @@ void StrainLimit::prepare(const Cloth& cloth, double displacement_factor, State&
   store(state.velocities);
 }
 
-/// Takes back what warm_start() has given, and gives it anew along the present directions.
+/// Takes back the impulses of warm_start(), and applies them along the present directions.
 void StrainLimit::turn_impulses(const Cloth& cloth, double displacement_factor, State& state,
                                 const Workers& workers, const Points* before) {
   step_.displacement_factor = displacement_factor;
@@ -292,7 +292,8 @@ void StrainLimit::store(Points& velocities) const {
     set_row(velocities, touched_[i], velocities_[i]);
 }
 
-/// Springs of one colour, which share no point. Sums are of segments, whoever has taken them.
+/// Springs of one colour, which share no point. Sums are by segment, so they do not depend on
+/// threads.
 PassChange StrainLimit::solve_colour(int colour, double momentum, bool goes_back,
                                      const Workers& workers) {
   const int first = colour > 0 ? colour_ends_[index(colour - 1)] : 0;
@@ -305,7 +306,7 @@ PassChange StrainLimit::solve_colour(int colour, double momentum, bool goes_back
                         goes_back, max_velocity_impulse_, velocities_.data());
     }
   };
-  workers.parallel_for(end - first, solve_segments, 2);  // one is over before a thread is there
+  workers.parallel_for(end - first, solve_segments, 2);  // a single one ends before a thread starts
   PassChange change;
   for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
   return change;
@@ -325,7 +326,7 @@ PassChange StrainLimit::solve_active(double momentum, bool comes_back, const Wor
 
 /// Passes with momentum over velocities_ until one changes no rate by more than `enough` [m] as a
 /// displacement, at least `min_passes` and at most `max_passes`. Those after the first `min_passes`
-/// come back, too: what passes in one order leave behind, much momentum amplifies.
+/// go forth and back: strong momentum amplifies the residual of passes in one order.
 StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_passes,
                                       Momentum& momentum, const Workers& workers) {
   Passes passes{0, 0};
@@ -333,7 +334,7 @@ StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_pas
     if (passes.count == min_passes) momentum = Momentum();
     extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
     const PassChange change = solve_active(momentum.share(), passes.count >= min_passes, workers);
-    if (!gives_way_) momentum.next(change.descent);  // towards what cannot be met it overshoots
+    if (!gives_way_) momentum.next(change.descent);  // else it would overshoot
     passes = {passes.count + 1, step_.h * change.largest};
   } while (passes.count < max_passes && (passes.count < min_passes || passes.change > enough));
   return passes;
@@ -354,7 +355,7 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
   turn_impulses(cloth, displacement_factor, state, workers, nullptr);
   Momentum momentum(std::min(momentum_, static_cast<double>(min_passes)));
   const Passes passes = pass(enough, min_passes, max_passes, momentum, workers);
-  // What asks for more passes, is another problem.
+  // A step that needs more passes is a different problem.
   momentum_ = passes.count == min_passes ? momentum.strength() : 1;
 
   const double way = step_.displacement_factor * step_.h;

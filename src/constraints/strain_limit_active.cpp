@@ -1,18 +1,18 @@
-// Which springs strain_limit.cpp holds in a step, in the order of their sweeps.
+// The springs that strain_limit.cpp holds in a step, in the order of its passes.
 
 #include <algorithm>
 
 #include "clothsim/constraints/strain_limit.h"
 
 namespace clothsim {
-/// Springs longer than their limit, and those an impulse still holds. False where they are those of
-/// the last step.
+/// Finds springs longer than their limit, and those that an impulse still holds. Returns false
+/// where they are those of the last step.
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   flag_longer_than(longest_, positions, workers);
   for (std::size_t i = 0; i < ids_.size(); ++i) {
     if (velocity_impulses_[i] > 0) flag(ids_[i]);
   }
-  if (flags_ == last_flags_) return false;  // as ever at rest
+  if (flags_ == last_flags_) return false;  // usual at rest
   last_flags_ = flags_;
 
   last_touched_ = touched_;
@@ -24,8 +24,8 @@ bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
   return true;
 }
 
-/// Lists the flagged springs in fours of one colour, with the impulses of last_ids_: all that have
-/// some are flagged, and come in the same order.
+/// Lists the flagged springs in fours of one colour, with the impulses of last_ids_: all springs
+/// with an impulse are flagged, and come in the same order.
 void StrainLimit::list_active() {
   clear_active();
   std::size_t next = 0;  // in last_ids_
@@ -42,7 +42,7 @@ void StrainLimit::list_active() {
   close_active();
 }
 
-/// Lists a spring; `next`: where in last_ids_ it is, or later ones.
+/// Lists a spring; `next`: its place in last_ids_, or that of a later one.
 void StrainLimit::list(int id, const Piece& piece, std::size_t& next) {
   while (next < last_ids_.size() && last_velocity_impulses_[next] == 0) ++next;
   const bool pulled = next < last_ids_.size() && last_ids_[next] == id;

@@ -1,4 +1,4 @@
-// Repairs of positions: what the impulses of strain_limit.cpp have left over.
+// Projection of positions: violations that the impulses of strain_limit.cpp leave.
 
 #include <algorithm>
 #include <numeric>
@@ -9,8 +9,8 @@
 namespace clothsim {
 namespace {
 
-/// A spring this many times longer than its limit is left to the impulses: to repair it at once
-/// would throw its ends about.
+/// Springs longer than this multiple of their limit are left to the impulses: a projection at once
+/// would throw their ends about.
 constexpr double max_projected_ratio = 1.5;
 
 /// points_a += w_a d, points_b -= w_b d.
@@ -25,8 +25,8 @@ void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& p
 
 }  // namespace
 
-/// Do the springs hold their limit after solve()? Those that it has not swept were within it, and
-/// are longer by what their ends have moved at most.
+/// Do the springs hold their limit after solve()? Inactive springs were within it, and have grown
+/// by the displacements of their ends at most.
 bool StrainLimit::holds(double tolerance) const {
   return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
          !any_longer(active_.data(), lengths_.data(), fours(), 1 + tolerance / longest_,
@@ -42,8 +42,8 @@ int StrainLimit::project_positions(const Cloth& cloth, double tolerance, int max
 
   int passes = 0;
   while (any && passes < max_passes) {
-    // Those over the limit are swept until they hold; then those that share a point with one that
-    // has moved are checked.
+    // Passes over the springs above the limit until they hold it; then a check of those that share
+    // a point with one that has moved.
     for (bool moves = true; moves && passes < max_passes; ++passes) {
       moves = false;
       for (const std::vector<int>& ids : over_) {
@@ -61,7 +61,7 @@ bool StrainLimit::is_beyond_repair(double stretch) const {
   return 1 + stretch > max_projected_ratio * longest_;
 }
 
-/// Puts a spring on its list if it is to be repaired. Is it?
+/// Lists a spring if it needs projection. Returns whether it does.
 bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const Points& positions) {
   const Constraint c = constraint(id);
   if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return false;
@@ -73,7 +73,8 @@ bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const P
   return true;
 }
 
-/// Shortens those of `ids`, of one colour, that are over their limit. Were there any?
+/// Shortens those of `ids`, of one colour, that are over their limit. Returns whether there were
+/// any.
 bool StrainLimit::project_springs(const Cloth& cloth, const std::vector<int>& ids, double tolerance,
                                   Points& positions, const Workers& workers) {
   projected_.assign(ids.size(), 0);
@@ -106,8 +107,8 @@ bool StrainLimit::project_springs(const Cloth& cloth, const std::vector<int>& id
   return any;
 }
 
-/// Lists the springs over their limit among those of points that have moved since the last time.
-/// Are there any?
+/// Lists the springs over their limit at points that have moved since the last time. Returns
+/// whether there are any.
 bool StrainLimit::find_over_again(const Cloth& cloth, double tolerance, const Points& positions) {
   if (first_spring_.empty()) list_springs_of_points(cloth);
   for (std::vector<int>& ids : over_) ids.clear();

@@ -12,25 +12,25 @@
 namespace clothsim {
 namespace {
 
-/// Inertia added, of h^2 sum(T / l). More keeps longer steps stable than the weight asks for, but
-/// passes have a harder time with masses that differ: at 0.5 a cloth of 50 x 50 points may shake
-/// for want of them.
+/// Added inertia, as a multiple of h^2 sum(T / l). More keeps longer steps stable than the weight
+/// needs, but passes converge more slowly with unequal masses: at 0.5 a cloth of 50 x 50 points may
+/// shake for lack of passes.
 constexpr double added = 0.4;
 
-/// What inertia keeps of itself from step to step where tension falls. Passes that end early leave
-/// noise in tension, and inertia that followed that would make the next step's: at 0.9 the same
-/// cloth may shake for ever.
+/// Share of added inertia that is left after a step where tension falls. Passes that end early
+/// leave noise in tension, and inertia that followed it would make the noise of the next step: at
+/// 0.9 the same cloth may shake for ever.
 constexpr double kept = 0.97;
 
-/// Most of that, of a point's mass: with more, no step is stable. With x = h^2 sum(T / l) / m that
-/// is x < 2 (1 + added x). Where pins or colliders ask for what cannot be, tension has no end.
+/// Largest added inertia over a point's mass: with more, no step is stable. With x = h^2 sum(T / l)
+/// / m that is x < 2 (1 + added x). Where pins or colliders conflict, tension has no bound.
 constexpr double max_added = added / (0.5 - added);
 
-/// Points of which it is worth to see that none has any: dividing takes longer.
+/// Points that are checked together for tension, as the division takes longer than the check.
 constexpr int block = num_lanes * num_lanes;
 
-/// Inverse masses with time2 * stiffness more, of free points. Drops stiffness beyond the most,
-/// that is lost in a mass, or at a point that is held.
+/// Sets inverse masses with the added inertia time2 * stiffness, for free points. Drops stiffness
+/// beyond the largest, below the rounding of a mass, or at held points.
 CLOTHSIM_TARGET_CLONES
 void add_inertia(int count, double time2, const double* mass, const double* without,
                  double* stiffness, double* inv_mass) {
@@ -86,7 +86,8 @@ double largest_ratio(int count, const double* numbers, const double* divisors) {
   return result;
 }
 
-/// What a cloth is as a rigid body, about an origin, and what inertia beyond its mass has taken.
+/// Moments of a cloth as a rigid body, about an origin, and the momentum that added inertia has
+/// taken.
 struct Body {
   double first[3];   // m x [kg m]
   double second[6];  // m x x, xx yy zz xy yz zx [kg m^2]
@@ -94,15 +95,15 @@ struct Body {
   double angular[3];
 };
 
-/// Where the points were when the step's impulses acted, and what they carry.
+/// The points when the step's impulses acted, and their momentum.
 struct Carriers {
   PointRun x;  // at the step's end
   PointRun v;
   PointRun before;  // velocities as the step began
   const double* mass;
   const double* stiffness;
-  double way;    // back to where impulses acted, of a velocity [s]
-  double time2;  // inertia of a stiffness [s^2]
+  double way;    // time back to where impulses acted [s]
+  double time2;  // inertia per stiffness [s^2]
   double decay;  // of velocities by drag in the step
   Vector3 origin;
 };
@@ -148,7 +149,7 @@ void add_up(int count, const Carriers& c, Body& sums) {
   }
 }
 
-/// Gives points velocities shift + turn x (middle - origin), and what these move them.
+/// Adds velocities shift + turn x (middle - origin) to points, and the displacements by these.
 CLOTHSIM_TARGET_CLONES
 void move_rigidly(int count, const Vector3& shift, const Vector3& turn, const Vector3& origin,
                   double way, MutablePointRun x, MutablePointRun v) {
@@ -205,7 +206,7 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
           std::exp(-cloth.damping * h), origin},
          body);
 
-  // About the centre of mass, as a rigid motion of the whole.
+  // A rigid motion of the whole, about the centre of mass.
   const Vector3 centre = Vector3(body.first[0], body.first[1], body.first[2]) / mass_;
   const Vector3 momentum(body.momentum[0], body.momentum[1], body.momentum[2]);
   const Vector3 angular =

@@ -9,21 +9,21 @@
 namespace clothsim {
 namespace {
 
-/// Way that points may go from one look to the next, of the nearest that any features may come:
-/// what comes together meanwhile was seen ahead by its velocities then. With twice as much towels
-/// take as long, with 0.1 an eighth longer.
+/// Displacement of points between two detections, of the least contact distance: contacts in
+/// between were found ahead from the velocities at the first. With twice as much towels take as
+/// long, with 0.1 an eighth longer.
 constexpr double unseen_way = 0.25;
 
 }  // namespace
 
-/// What a step has that its contacts are made of.
+/// Data of a step for its contacts.
 struct TouchFinder::Query {
   const Cloth& cloth;
   double h;                  // of the step [s]
-  double ahead;              // until contacts are sought anew [s]
+  double ahead;              // time until the next detection [s]
   const Points& middle;      // where impulses act [m]
   const Points& velocities;  // [m/s]
-  double strongest;          // push of what stops nothing [N s]
+  double strongest;          // largest impulse for a pair at rest [N s]
 };
 
 TouchFinder::Query TouchFinder::query_in(const Cloth& cloth, const ContactStep& step,
@@ -32,26 +32,27 @@ TouchFinder::Query TouchFinder::query_in(const Cloth& cloth, const ContactStep& 
           middle_, state.velocities, cloth.mass.sum() * step.gravity * step.h};
 }
 
-/// Of a pair that may touch within the step, or had an impulse in the last one.
+/// Contact of a pair that may touch within the step, or had an impulse in the last one.
 std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPair& near,
                                                const Contact* last) {
   const SurfacePair& pair = near.pair;
   if (near.separation.distance == 0) return {};
 
-  // Most do not get there.
+  // A cheap check that excludes most pairs.
   const Vector3& last_normal = near.separation.normal;
   const double way = query.ahead * -gap_along(last_normal, pair, query.velocities);
   const double last_gap = gap_along(last_normal, pair, query.middle) - pair.nearest;
   if (!last && last_gap > 0 && way < last_gap) return {};
 
-  // As they lie where impulses act; if they have passed through each other by then, as they lay.
+  // The pair where impulses act; if its features have crossed by then, with the direction before.
   Separation s = separation(pair, query.middle);
   if (s.normal.dot(near.separation.normal) <= 0) {
     s = near.separation;
     s.distance = s.normal.dot(weighted_sum(pair.points, s.weights, query.middle));
   }
 
-  // The gap may close until contacts are sought anew. Others may yet push a touching pair together.
+  // The gap may close until the next detection. Other constraints may still push a touching pair
+  // together.
   const double gap = s.distance - pair.nearest;
   const double target_velocity = gap > 0 ? -gap / query.ahead : -overlap_share * gap / query.h;
   const double rate = s.normal.dot(weighted_sum(pair.points, s.weights, query.velocities));
@@ -72,15 +73,15 @@ std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPai
   return contact;
 }
 
-/// Looks as far ahead as points may go until it looks again.
+/// Detects pairs as far ahead as points may move until the next detection.
 void TouchFinder::look(const ContactStep& step) {
-  // By velocities that have met contact: by those that forces gave since, all of a pile at rest
-  // would be about to touch.
+  // With velocities after contact: with those after forces, all of a pile at rest would be about to
+  // touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
   const double max_time = unseen_way * near_.min_nearest() / longest_beyond_mean(velocities);
   double time = std::max(step.ahead, std::min(step.left, max_time));
-  // An impulse moves points from the middle of its step on: they would overlap by half of their
-  // way.
+  // An impulse moves points from the middle of its step on: without this they would overlap by half
+  // of their displacement.
   if (kind_ == SelfCollision::points) time += step.displacement_factor * step.h;
   looked_at_ = step.detected_at ? *step.detected_at : step.start;
   near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
@@ -131,7 +132,7 @@ void TouchFinder::refresh(const Cloth& cloth, const ContactStep& step, const Sta
 
 int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                        State& state) {
-  if (looked_at_.rows() == 0) {  // it has judged the way until now
+  if (looked_at_.rows() == 0) {  // the path until now has been checked
     looked_at_ = step.start;
     time_ = step.since;
     way_ = 0;
@@ -147,7 +148,7 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   return truncated;
 }
 
-/// Of the way since it looked.
+/// Applies the guard to the path since the last detection.
 int TouchFinder::judge(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
                        State& state) {
   ContactStep whole{time_, step.displacement_factor, looked_at_, step.drifted, step.workers};

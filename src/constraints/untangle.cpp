@@ -12,36 +12,37 @@
 namespace clothsim {
 namespace {
 
-/// Passes, at most: crossings of small depth take up to 50.
+/// Largest number of passes: crossings of small depth take up to 50.
 constexpr int max_passes = 200;
 
-/// Way of a point towards the surface that it goes back through, in a pass, of the
-/// shortest edge: little against the distance from one layer to the next but one.
+/// Displacement of a point in a pass towards the surface that it crosses, at most, of the shortest
+/// edge: small relative to the distance between one layer and the next but one.
 constexpr double max_way = 0.2;
 
-/// Way of such a point beyond that surface, of the shortest edge: it ends clearly on its own side.
+/// Displacement of such a point beyond that surface, of the shortest edge: it ends clearly on its
+/// own side.
 constexpr double beyond = 0.02;
 
-/// What a point goes of the mean way of its neighbours, and over how many cells they take it along:
-/// so that the cloth bends where it moves, and does not crease.
+/// Share of the mean displacement of its neighbours that a point takes, and cells over which they
+/// take it along: so the cloth bends where it moves, and does not crease.
 constexpr double passed_on = 0.9;
 constexpr int max_rounds = 8;
 
-/// Sine of an edge's angle with a triangle, at least, by which a contour becomes shorter.
+/// Sine of an edge's angle with a triangle, at least, where a contour is made shorter.
 constexpr double min_sine = 0.1;
 
-/// A contour that divides no surface must become shorter by this share of their way at each
-/// crossing: less is that of a straight one, which does not tell.
+/// A contour that divides no surface must become shorter by this share of the displacement at each
+/// crossing: less occurs for a straight one, and is no indication.
 constexpr double min_shortening = 0.2;
 
 /// Points of a surface on either side of a contour.
 struct PartSizes {
   std::array<int, 2> below_and_above;  // of the surface that it crosses, by the normal there
-  bool are_divided;                    // or they hang together beside an end of the contour
+  bool are_divided;                    // else the sides join beside an end of the contour
 };
 
-/// Counts the points of a surface beside a contour, each on the side that it is nearer to along the
-/// surface: where the contour divides the surface, those of the parts.
+/// Counts the points of a surface beside a contour, each on the side to which it is nearer along
+/// the surface: where the contour divides the surface, those of the parts.
 class PartCounter {
  public:
   explicit PartCounter(const SurfaceEdges& surface)
@@ -84,13 +85,13 @@ class PartCounter {
   }
 
   const SurfaceEdges& surface_;
-  std::vector<int> caches_;  // of points
+  std::vector<int> caches_;  // side by point
   std::vector<bool> is_cut_;
   PartSizes sizes_{};
   std::vector<int> visited_;
 };
 
-/// Ways of points, each the mean of those that are asked of it.
+/// Displacements of points, each the mean of the requested ones.
 class Ways {
  public:
   explicit Ways(const Cloth& cloth)
@@ -98,7 +99,7 @@ class Ways {
         sums_(Points::Zero(cloth.num_points(), 3)),
         weights_(Scalars::Zero(cloth.num_points())) {}
 
-  /// Asks for `way` [m] of a point against a place on a triangle, shared by what they weigh.
+  /// Requests `way` [m] of a point relative to a place on a triangle, divided by inverse mass.
   void ask(int point, const std::array<int, 3>& triangle, const std::array<double, 3>& weights,
            const Vector3& way) {
     double mobility = cloth_.inv_mass[point];
@@ -110,7 +111,7 @@ class Ways {
     for (std::size_t k = 0; k < 3; ++k) add(triangle[k], weights[k], -way / mobility);
   }
 
-  /// What all go, with those beside them.
+  /// The displacements of all points, with those beside the requested ones.
   Points spread(const SurfaceEdges& surface) const {
     Points ways = sums_;
     for (int i = 0; i < ways.rows(); ++i) ways.row(i) /= std::max(1.0, weights_[i]);
@@ -142,7 +143,7 @@ class Ways {
   Scalars weights_;
 };
 
-/// A cloth's surface where it is now.
+/// The surface of a cloth at given positions.
 class Surface {
  public:
   Surface(const Cloth& cloth, const SurfaceEdges& edges, const Points& positions)
@@ -159,7 +160,7 @@ class Surface {
   /// Is the edge's first end above the triangle?
   bool is_above(const EdgeCrossing& c) const { return c.normal.dot(along(c)) < 0; }
 
-  /// Of the edge's triangles, unit.
+  /// Mean normal of the edge's triangles, unit.
   Vector3 normal_at(const EdgeCrossing& c) const {
     Vector3 sum = Vector3::Zero();
     for (const int triangle : edges_[c.edge].triangles) {
@@ -168,12 +169,12 @@ class Surface {
     return sum.stableNormalized();
   }
 
-  /// By how much the contour becomes shorter there as the edge goes along a direction, as its
-  /// product with this: both triangles of the edge end their stretches of the contour there.
+  /// Rate at which the contour becomes shorter there as the edge moves, as a gradient: in both
+  /// triangles of the edge a part of the contour ends there.
   Vector3 shortening(const EdgeCrossing& c) const {
     const Vector3 direction = along(c).stableNormalized();
     const Vector3 place = row(positions_, edges_[c.edge].points[0]) + c.share * along(c);
-    Vector3 into = Vector3::Zero();  // the stretches
+    Vector3 into = Vector3::Zero();  // sum of the directions of these parts
     for (const int triangle : edges_[c.edge].triangles) {
       if (triangle < 0) continue;
       Vector3 middle = Vector3::Zero();
@@ -201,11 +202,11 @@ class Surface {
   const Points& positions_;
 };
 
-/// By surface, whether what goes back is its part above the other one, or that below.
+/// By surface: true where its part above the other one goes back, false where the part below does.
 std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingContour& contour,
                                      PartCounter& counter) {
-  double facing = 0;  // above 0: both surfaces face one way
-  double rise = 0;    // of the first above the second by which the contour becomes shorter
+  double facing = 0;  // > 0: both surfaces face the same way
+  double rise = 0;    // > 0: the contour shortens as the first surface rises over the second
   std::array<PartSizes, 2> sizes{};
   std::size_t count = 0;
   for (std::size_t s = 0; s < 2; ++s) {
@@ -221,8 +222,8 @@ std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingConto
     sizes[s] = cuts.empty() ? PartSizes{{endless, endless}, false} : counter.count(cuts);
   }
 
-  // The parts on one flank of the contour belong together: of surfaces that face one way, what is
-  // above the second and what is below the first.
+  // The parts on one flank of the contour belong together: for surfaces that face the same way, the
+  // part above the second and the part below the first.
   const bool is_turned = facing > 0;
   const auto parts_on = [&](bool flank) { return std::array<bool, 2>{flank, flank != is_turned}; };
   if (!sizes[0].are_divided && !sizes[1].are_divided &&
@@ -236,7 +237,7 @@ std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingConto
   return parts_on(size_on(true) < size_on(false));
 }
 
-/// Ways that take a cloth apart a little, of edges of a length [m].
+/// Displacements of a pass that take crossing parts apart. `edge_length`: the shortest edge [m].
 Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& contours,
                   double edge_length) {
   Ways ways(surface.cloth());

@@ -10,13 +10,13 @@
 namespace clothsim {
 namespace {
 
-/// Waves of gusts along each axis have frequencies between these [Hz]. From one to the next it is
-/// the golden ratio, so that the period of all is far longer than a scene runs.
+/// Waves of gusts along each axis have frequencies between these [Hz]. The ratio of one to the next
+/// is the golden ratio, so that the common period is far longer than the run of a scene.
 constexpr double min_frequency = 0.1;
 constexpr double max_frequency = 3;
 const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
 
-/// Added to squared areas [m^4] and speeds [m^2/s^2] that are divided by, or rooted.
+/// Added to squared areas [m^4] and speeds [m^2/s^2] before divisions and roots.
 constexpr double tiny = std::numeric_limits<double>::min();
 
 struct Columns {
@@ -57,7 +57,7 @@ void add_forces(Columns p, Columns v, int b, int c, int count, double across, do
   }
 }
 
-/// Sums for points [0, count) what triangles do to them, of which columns of cells begin there.
+/// Sums the forces of triangles on points [0, count), of which columns of cells begin there.
 CLOTHSIM_TARGET_CLONES
 void gather(const double* lower, const double* upper, int columns, int count,
             double* __restrict forces) {
@@ -76,7 +76,7 @@ Vector3 wind_at(const Vector3& mean, const Gusts& gusts, double time) {
   for (int axis = 0; axis < 3; ++axis) {
     double sum = 0, amplitudes = 0;
     for (double frequency = min_frequency; frequency < max_frequency; frequency *= golden_ratio) {
-      // A power of f^-5/3 df in bands that are as wide as they are high.
+      // For a power of f^-5/3 df in bands of equal relative width.
       const double amplitude = std::pow(frequency, -1.0 / 3);
       const double phase = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
       sum += amplitude * std::sin(2 * M_PI * (frequency * time + phase));
@@ -94,7 +94,8 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   forces_.setZero(n, 3);
   if (cloth.triangles.empty()) return forces_;
 
-  // Triangles by the first point of their cell, with room before it for points without one.
+  // Triangles by the first point of their cell; entries before them stay zero for points without
+  // one.
   const int before = columns + 1;
   for (Points* points : {&lower_, &upper_}) {
     if (points->rows() != before + n) points->setZero(before + n, 3);
@@ -134,7 +135,7 @@ double air_rate(const Cloth& cloth, const std::array<double, 2>& drag, double sp
       (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
   const double area = cell * (cloth.rows - 1) * (cloth.columns - 1);
   const double mass_per_area = cloth.mass.sum() / area;
-  // The square's derivative has the factor 2.
+  // The factor 2 is that of the derivative of the square.
   return air_density * std::max(drag[0], drag[1]) * speed / mass_per_area;
 }
 

@@ -16,7 +16,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
            state.velocities.row(i) == returned_.velocities.row(i);
   };
 
-  // Where points go without springs.
+  // The step without springs.
   const State start = state;
   if (!has_last) add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
@@ -48,12 +48,12 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
                                      : past_of(cloth, start.positions, h);
   last_ = start;
 
-  // How springs change that.
+  // The change by springs.
   solver_.solve(cloth, weights, state.positions, displacement_, past);
   state.positions += displacement_;
   state.velocities.array() += displacement_.array().colwise() / gain.array();
   returned_ = state;
-  if (!(max_speed_in_history(cloth) < max_given_speed)) forget();  // no one could read it again
+  if (!(max_speed_in_history(cloth) < max_given_speed)) forget();  // read() would refuse it
 }
 
 void Bdf2::write(MemoryWriter& memory, const Cloth& cloth) const {

@@ -16,14 +16,14 @@
 namespace clothsim {
 namespace {
 
-/// Directions that one pass over a block's points sums: those of a classic cloth.
+/// Directions whose forces one pass over a block's points sums: those of a classic cloth.
 enum { max_terms = 6 };
 
-/// Added to squared lengths [m^2]: a spring of no length gets a finite factor, and no force.
+/// Added to squared lengths [m^2]: a spring of zero length gets a finite factor, and no force.
 template <typename Real>
 constexpr Real min_length2 = std::numeric_limits<Real>::min();
 
-/// Where points begin in each coordinate's column.
+/// Addresses of points in each coordinate's column.
 template <typename Real>
 struct Columns {
   const Real* x;
@@ -32,8 +32,9 @@ struct Columns {
 };
 
 /// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
-/// division take twice as long as all the rest: a start of few bits with Newton's method, or of
-/// single precision with Halley's, takes longer, since it needs the units that do the rest.
+/// division take twice as long as all the rest. Alternatives, an estimate of few bits with Newton's
+/// method, or one of single precision with Halley's, take longer, since they need the units that do
+/// the rest.
 template <typename Real>
 [[gnu::always_inline]] inline void pull_of(Columns<Real> p, int offset, int count,
                                            double rest_length, double stiffness,
@@ -64,8 +65,8 @@ void pull(Columns<float> p, int offset, int count, double rest_length, double st
   pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
 }
 
-/// What acts between points i and i + offset of a fabric, see PairBand, and its internal damping
-/// [s]: of springs, of bends.
+/// Springs and bends between points i and i + offset of a fabric, see PairBand, and their internal
+/// damping [s]: of springs, of bends.
 struct Pairs {
   const double* spring;
   const double* bend;
@@ -138,7 +139,7 @@ void narrow(const double* x, double origin, int count, float* __restrict to) {
   for (int i = 0; i < count; ++i) to[i] = static_cast<float>(x[i] - origin);
 }
 
-/// Adds to start * g the first `n` of `force`, less what they are `offset` points before.
+/// Adds to start * g the first `n` of `force`, less their values `offset` points before.
 template <int n, typename Real, typename Start>
 [[gnu::always_inline]] inline void sum_of(double g, const Start* start, const Real* const* force,
                                           const int* offset, int count, Real* __restrict total) {
@@ -150,7 +151,7 @@ template <int n, typename Real, typename Start>
   }
 }
 
-/// The same for an `n` that is told at run time, `n_max` at most.
+/// The same for an `n` known at run time, `n_max` at most.
 template <int n_max = max_terms, typename Real, typename Start>
 [[gnu::always_inline]] inline void sum_up_to_six_of(int n, double g, const Start* start,
                                                     const Real* const* force, const int* offset,
@@ -181,8 +182,8 @@ void sum_up_to_six(int n, double g, const float* start, const float* const* forc
 
 int end_of(const SpringRun& run) { return run.first + run.count; }
 
-/// Clears what stands between runs, one point after the other: they are two or three mostly, too
-/// few for a call of memset. `force` begins at point `first`.
+/// Clears the gaps between runs, one point after the other: mostly two or three, too few for a call
+/// of memset. `force` begins at point `first`.
 template <typename Real>
 [[gnu::optimize("no-tree-loop-distribute-patterns", "no-tree-vectorize")]] void clear_gaps(
     const SpringRun* run, const SpringRun* end, int first, int to, Real* const force[3]) {
@@ -197,7 +198,7 @@ template <typename Real>
   }
 }
 
-/// Bytes in a line of the caches. Stores that begin at one are twice as fast as those across two.
+/// Bytes in a cache line. Stores that begin at one are twice as fast as those across two.
 constexpr std::size_t line = sizeof(Lanes);
 
 template <typename Real>
@@ -226,7 +227,7 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
   for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
   buffer_.resize(size);
 
-  // What springs of the points before `begin` pull.
+  // The forces of springs that begin before `begin`.
   void* aligned = buffer_.data();
   std::size_t bytes = static_cast<std::size_t>(size) * sizeof(Real);
   Real* free = static_cast<Real*>(std::align(line, sizeof(Real), aligned, bytes));
@@ -255,8 +256,8 @@ void ForceBlocks<Real>::group() {
   });
 }
 
-/// Positions as Real. Single precision counts from a point of the cloth: far from the origin of
-/// space it would see too little of it.
+/// Positions as Real. In single precision they are relative to a point of the cloth, to keep digits
+/// far from the origin.
 template <typename Real>
 void ForceBlocks<Real>::take_points() {
   if constexpr (std::is_same_v<Real, double>) {
@@ -285,7 +286,7 @@ void ForceBlocks<Real>::take_points() {
 template <typename Real>
 void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
   const int end = first + count;
-  int from = 0, to = 0;  // where something may act
+  int from = 0, to = 0;  // range of springs that exist
   if (d.pairs != nullptr) {
     to = static_cast<int>(d.pairs->bend.size());
   } else {
@@ -351,7 +352,7 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
   int n = 0;
   bool has_begun = false;
   const auto add = [&] {
-    if (has_begun) {  // what is summed so far is the start of the rest
+    if (has_begun) {  // the sum so far is the start of the rest
       sum_up_to_six(n, 1, forces, force, offset, count_, forces);
     } else {
       sum_up_to_six(n, loads_.gravity[axis], &cloth_.mass[first_], force, offset, count_, forces);

@@ -21,7 +21,7 @@ void append_names(std::vector<std::string>& names) {
   }
 }
 
-/// Place in the list, or its length where there is no such method.
+/// Place in the list, or its length where the method does not exist.
 std::size_t index_of(const std::string& name) {
   const std::vector<std::string> names = method_names();
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());

@@ -9,7 +9,7 @@
 namespace clothsim {
 namespace {
 
-/// Of the grid: a cell has two triangles, on either side of its diagonal from its first point.
+/// Cells of the grid: each has two triangles, on either side of its diagonal from its first point.
 class Cells {
  public:
   explicit Cells(const Cloth& cloth) : columns_(cloth.columns - 1), rows_(cloth.rows - 1) {}

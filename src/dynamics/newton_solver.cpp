@@ -14,10 +14,10 @@
 namespace clothsim {
 namespace {
 
-/// Shortest step tried, of Newton's. Below, it is lost in rounding.
+/// Shortest step tried, of Newton's. Below it is lost in rounding.
 constexpr double shortest_step = std::numeric_limits<double>::epsilon();
 
-/// Longest spring [m], or of bends alone the distance of two neighbours.
+/// Longest spring [m], or with bends alone the distance of two neighbours.
 double longest_link(const Cloth& cloth) {
   if (!cloth.springs.empty()) return longest_rest_length(cloth);
   const BendRun& run = cloth.bends.front();
@@ -42,7 +42,7 @@ struct NewtonSolver::Impl {
   Parameters parameters;
   bool unconverged = false;
   SpringSystem<3> system;
-  Scalars spare;     // inertia for each spring of a point [N/m], infinite at pins
+  Scalars spare;     // inertia available to each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
   Points gradient;   // of the potential [N]
   Points step;       // Newton's [m]
@@ -50,9 +50,9 @@ struct NewtonSolver::Impl {
   Eigen::Matrix<double, 3, Eigen::Dynamic> rhs;
 };
 
-/// A spring shorter than at rest pushes across itself with a stiffness -s. Two ends of inertia p
-/// and q bear that, and the matrix stays positive definite, for s < p q / (p + q), with p and q
-/// shares of theirs that add up to less than all: as large as what the point keeps for itself.
+/// A compressed spring has a stiffness -s across itself. Two ends of inertia p and q keep the
+/// matrix positive definite for s < p q / (p + q). Here p and q are equal shares of the inertia of
+/// each point, one for each of its springs and one that the point keeps.
 void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weights) {
   Scalars springs = Scalars::Zero(cloth.num_points());
   for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
@@ -64,7 +64,7 @@ void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weight
           .select(weights.array() / (springs.array() + 1), std::numeric_limits<double>::infinity());
 }
 
-/// `block` to both points, -`block` between them, but for pins.
+/// Adds `block` to both points, -`block` between them, except for pins.
 void NewtonSolver::Impl::add_between(const Cloth& cloth, int id, int a, int b,
                                      const Eigen::Matrix3d& block) {
   const bool free_a = cloth.inv_mass[a] > 0;
@@ -85,7 +85,7 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
       spring = damped(run, cloth.internal_damping[0], past.lengths[static_cast<std::size_t>(id)],
                       past.time);
     }
-    // What the ends' inertia has left for each spring bears some push across it.
+    // The share of the ends' inertia for each spring permits some negative stiffness across it.
     const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
     const double min_across = spring.stiffness > 0 ? -bearable / spring.stiffness : 0;
     add_between(cloth, id, a, b,
@@ -94,7 +94,7 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
   });
 }
 
-/// Their pairs follow the springs. Some push, but all together are positive semidefinite.
+/// Their pairs follow the springs. Some are negative, but all together are positive semidefinite.
 void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
   const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
   int id = cloth.num_springs();
@@ -104,7 +104,7 @@ void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
   });
 }
 
-/// Newton's step from `positions` and `gradient`. False where the numbers leave none.
+/// Newton's step from `positions` and `gradient`. False where there is none.
 bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, const Past& past) {
   system.begin(cloth);
   for (int i = 0; i < cloth.num_points(); ++i) {
@@ -121,7 +121,8 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
   return step.allFinite();
 }
 
-/// Takes as much of `step` as makes the potential fall. False where none does.
+/// Takes the largest of the shares 1, 1/2, 1/4 .. of `step` that lowers the potential. False where
+/// none does.
 bool NewtonSolver::Impl::descend(const Cloth& cloth, const Scalars& weights, const Points& y,
                                  const Past& past, Points& d) {
   const double before = incremental_potential(cloth, weights, y, d, past);

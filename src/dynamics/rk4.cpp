@@ -44,7 +44,7 @@ struct Band {
 }  // namespace
 
 double RungeKutta4::displacement_factor(double damping, double h) {
-  // Displacement over velocity that a constant force gives in one step.
+  // Displacement over velocity by a constant force in one step.
   const double half = Drag(damping, h / 2).decay;
   return (1 + 2 * half) / (1 + 4 * half + half * half);
 }
@@ -58,7 +58,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   const double whole = Drag(cloth.damping, h).decay;
   const Points& x0 = state.positions;
   const Points& v0 = state.velocities;
-  // The forces at x, then what follows from them, point by point.
+  // The forces at x, then the updates that follow from them, point by point.
   const auto stage = [&](const Points& x, const Points& v, const auto& update) {
     compute_forces(cloth, loads, x, forces_, workers, &v);
     workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
@@ -74,7 +74,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
     band.kick(half, h / 2 * half, v0, forces_, v_);
   });
 
-  // In the middle, by those.
+  // Slopes in the middle, with the first ones.
   stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
     band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
@@ -82,7 +82,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
     band.kick(half, h / 2, v0, forces_, v_);
   });
 
-  // In the middle again.
+  // Slopes in the middle, with the second ones.
   stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
     band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
@@ -90,7 +90,7 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
     band.kick(whole, h * half, v0, forces_, v_);
   });
 
-  // At the end.
+  // Slopes at the end.
   stage(x_, v_, [&](const Band& band) {
     band.advance(h / 6, end_positions_, v_, state.positions);
     band.kick(1, h / 6, end_velocities_, forces_, state.velocities);

@@ -21,12 +21,13 @@ constexpr int block = points_at_once;
 /// Coefficients of a symmetric 3 x 3 matrix, each in a column of its own: xx, yy, zz, xy, yz, xz.
 enum { coefficients = 6 };
 
-/// What single precision may be off by, of a frequency's square: some tens of roundings of the sum
-/// of all springs at a point, which is less than three times that. Half of its digits are enough.
+/// Bound on the error of single precision, of a frequency's square: some tens of roundings of the
+/// sum of all springs at a point, which is less than three times that. Half of its digits are
+/// enough.
 const double single_margin = std::sqrt(std::numeric_limits<float>::epsilon());
 
-/// Eigenvalues are compared, and returned, up to this share: among equal ones each would have to be
-/// computed.
+/// Eigenvalues are compared, and returned, up to this share: otherwise each of several equal ones
+/// would be computed.
 constexpr double share = 512 * std::numeric_limits<double>::epsilon();
 
 /// Points that are compared at once.
@@ -40,8 +41,8 @@ struct Matrices {
   Real* operator[](int coefficient) const { return first + coefficient * stride; }
 };
 
-/// A spring that is no longer than sqrt(min_length2) [m] has no direction. It counts nothing, as
-/// it has no force; in single precision, where that is not sure, it counts in all directions.
+/// A spring no longer than sqrt(min_length2) [m] has no direction. It does not count, as it has no
+/// force; in single precision, where that is uncertain, it counts in all directions.
 template <typename Real>
 constexpr Real min_length2 = std::numeric_limits<Real>::min();
 template <typename Real>
@@ -110,7 +111,7 @@ void add(const float* __restrict what, int count, float* __restrict sum) {
   for (int i = 0; i < count; ++i) sum[i] += what[i];
 }
 
-/// How many points i in [0, count) have an eigenvalue of 2 s / m above `omega2`? By the pivots of
+/// Number of points i in [0, count) with an eigenvalue of 2 s / m above `omega2`, by the pivots of
 /// omega2 m / 2 - s: far cheaper than the values. Pins (no inverse mass) have none.
 template <typename Real>
 [[gnu::always_inline]] inline int counted_above(const Matrices<Real>& s, const double* inv_mass,
@@ -137,11 +138,11 @@ bool are_below(const Matrices<float>& s, const double* inv_mass, int count, doub
   return counted_above(s, inv_mass, count, omega2) == 0;
 }
 
-/// S_i of a block of points, see the header: of springs that begin at them and of those that end.
+/// S_i of a block of points, see the header: over springs that begin and springs that end at them.
 template <typename Real>
 class StiffnessBlock {
  public:
-  /// Of points [first, first + count), `count` at most `block`.
+  /// For points [first, first + count), `count` at most `block`.
   void sum(const Cloth& cloth, const Points& positions, int first, int count) {
     sums_.assign(coefficients * block, 0);
     for_each_band(cloth, [&](const SpringBand& band) {
@@ -180,7 +181,7 @@ class StiffnessBlock {
   std::vector<Real> springs_;  // of one band
 };
 
-/// Has single precision no doubt that all frequencies are below `omega`?
+/// Does single precision prove that all frequencies are below `omega`?
 bool are_surely_below(const Cloth& cloth, const Points& positions, double omega,
                       const Workers& workers) {
   const double omega2 = omega * omega * (1 - single_margin);
@@ -207,7 +208,7 @@ double largest_eigenvalue(const Matrices<double>& s, int i) {
 /// omega_b^2 of the bends.
 double bends_omega2(const Cloth& cloth) {
   Scalars sums = Scalars::Zero(cloth.num_points());
-  for (const PairBand& band : cloth.pairs) {  // off the diagonal, and what that adds to it
+  for (const PairBand& band : cloth.pairs) {  // entries off the diagonal, and their part of it
     const auto count = band.bend.size();
     sums.head(count) += band.bend.cwiseAbs() + band.bend;
     sums.tail(count) += band.bend.cwiseAbs() + band.bend;
@@ -215,12 +216,12 @@ double bends_omega2(const Cloth& cloth) {
   return sums.cwiseProduct(cloth.inv_mass).maxCoeff();
 }
 
-/// What bends and internal damping make of the springs' frequencies.
+/// The effect of bends and internal damping on the springs' frequencies.
 struct BendsAndDamping {
   explicit BendsAndDamping(const Cloth& cloth)
       : bends(cloth.bends.empty() ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
 
-  /// Is there anything?
+  /// Is there any effect?
   bool any() const { return bends > 0 || damping != std::array<double, 2>{}; }
 
   /// The frequency for springs of omega_s^2 = `springs`.
@@ -229,7 +230,8 @@ struct BendsAndDamping {
     return (rate + std::sqrt(rate * rate + 4 * (springs + bends))) / 2;
   }
 
-  /// Of the springs where `with` gives `omega`; zero where bends alone have more.
+  /// Frequency of the springs for which `with` gives `omega`; zero where that of bends alone is
+  /// higher.
   double without(double omega) const {
     const double left = omega * omega - bends * (1 + damping[1] * omega);
     return std::sqrt(std::max(left, 0.0) / (1 + damping[0] * omega));
@@ -264,7 +266,7 @@ double springs_bound(const Cloth& cloth, const Points& positions, double min_ome
 
 double springs_bound(const Cloth& cloth) {
   Scalars stiffness = Scalars::Zero(cloth.num_points());
-  for_each_band(cloth, [&](const SpringBand& band) {  // and what is none between runs
+  for_each_band(cloth, [&](const SpringBand& band) {  // gaps between runs included
     stiffness.segment(band.first(), band.count()).array() += band.begin->stiffness;
     stiffness.segment(band.first() + band.begin->offset, band.count()).array() +=
         band.begin->stiffness;

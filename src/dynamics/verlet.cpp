@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// Where points begin in each coordinate's column.
+/// Addresses of points in each coordinate's column.
 struct Columns {
   Columns(Points& points, int i) : x(&points(i, 0)), y(&points(i, 1)), z(&points(i, 2)) {}
   double* x;
@@ -28,7 +28,7 @@ void drift(int count, double t, double distance, const double* inv_mass, Columns
   }
 }
 
-/// What a step of h [s] does to velocities and positions, beside the drag of `half` of it.
+/// Factors of a step of h [s] for velocities and positions, and the drag of half of it.
 struct Kick {
   Kick(double damping, double step)
       : h(step),
@@ -38,11 +38,11 @@ struct Kick {
 
   double h;
   Drag half;
-  double velocity;  // that a constant acceleration gives [s]
-  double position;  // likewise [s^2]
+  double velocity;  // per constant acceleration [s]
+  double position;  // per constant acceleration [s^2]
 };
 
-/// What the first drift does to velocities, v *= exp(-c h / 2), the kick and the second drift.
+/// The change of velocities by the first drift, v *= exp(-c h / 2), the kick and the second drift.
 template <typename Real>
 [[gnu::always_inline]] inline void kick_and_drift_by(int count, const Kick& kick,
                                                      const double* inv_mass, const Real* f,
@@ -73,7 +73,7 @@ void kick_and_drift(int count, const Kick& kick, const double* inv_mass, const f
 }  // namespace
 
 double VelocityVerlet::displacement_factor(double damping, double h) {
-  // Displacement over velocity that a constant force gives in one step.
+  // Displacement over velocity by a constant force in one step.
   const Drag drag(damping, h);
   return drag.fall / (drag.distance * h);
 }
@@ -93,13 +93,13 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   using Real = typename Forces::Scalar;
   const Kick kick(cloth.damping, h);
   const int n = cloth.num_points();
-  // In the middle of the step. What a band needs of the next one must stay until it is done: where
-  // there is but one band, points move in place, which saves a third of the caches' traffic.
+  // Positions in the middle of the step. A band must keep those that the next one needs: with a
+  // single band, points move in place, which saves a third of the memory traffic.
   Points& middle = workers.threads() == 1 ? state.positions : middle_;
-  if (middle.rows() != n) middle.resize(n, 3);  // another thread may ask how many
+  if (middle.rows() != n) middle.resize(n, 3);  // another thread may read the size
   forces.resize(n);
 
-  // Internal damping asks for velocities, of the next band too.
+  // Internal damping needs velocities, of the next band too.
   const Points* velocities = nullptr;
   if (is_damped(cloth)) {
     if (workers.threads() > 1) velocities_ = state.velocities;

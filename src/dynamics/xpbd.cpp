@@ -11,9 +11,9 @@ namespace clothsim {
 
 namespace {
 
-/// Sorts constraints by colour, in their order each with the first colour that none of its points
-/// has yet: of springs at most twice those of a point, less one, and of bends, of which a point has
-/// ten, no more than the bits of a word.
+/// Sorts constraints by colour, each with the first colour that none of its points has yet: for
+/// springs at most twice those of a point, less one; for bends, of which a point has ten, no more
+/// than the bits of a word.
 template <typename Constraint>
 class Colouring {
  public:
@@ -85,7 +85,7 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
   for_each_bend(cloth, [&](const Bend& bend) {
     double inv_mass = 0;
     for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      for (std::size_t l = 0; l < bend.points.size(); ++l) {  // those in the middle may be one
+      for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
         if (bend.points[k] != bend.points[l]) continue;
         inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficient(k) * Bend::coefficient(l);
       }
@@ -97,7 +97,8 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
   colouring.move_to(bends_, bend_colour_ends_);
 }
 
-/// What constraints of a step from `positions` aim at, between rest and where they are.
+/// Sets the targets of constraints in a step from `positions`, between their rest values and the
+/// present ones.
 void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
   const auto& [of_springs, of_bends] = cloth.internal_damping;
   for (Constraint& spring : constraints_) {
@@ -140,9 +141,9 @@ void Xpbd::solve_bends(const Cloth& cloth, bool back, Points& positions, const W
   });
 }
 
-/// With r the way to start + w sum of lambda u: points go r / (1 + 2 w sum of |lambda| / l), since
-/// a spring under tension lambda that is turned by a distance across it turns its push back by
-/// lambda / l of that, and its other end may do the same. This converges however long the step.
+/// With r the difference to start + w sum of lambda u, points move by r / (1 + 2 w sum of |lambda|
+/// / l): a displacement across a spring of tension lambda turns its force by lambda / l of that,
+/// and its other end may do the same. This converges however long the step.
 void Xpbd::realign(const Cloth& cloth, Points& positions) {
   target_ = start_;
   reactions_.setZero();

@@ -9,12 +9,12 @@
 namespace clothsim {
 namespace {
 
-/// Pairs count as touching from this far beyond the nearest they may come, of the least distance at
-/// rest: with a third of it, some of a pile at rest come and go.
+/// Margin beyond the contact distance within which pairs count as touching, of the least distance
+/// at rest: with a third of it, some pairs of a pile at rest come and go.
 constexpr double margin_share = 0.036;
 
-/// Patches that are near each other are measured anew after so many looks, however still they lie:
-/// what is found late is found then.
+/// Patches that are near each other are measured again after so many queries, even at rest: pairs
+/// that were found late are found then.
 constexpr int longest_sleep = 256;
 
 }  // namespace
@@ -56,9 +56,10 @@ NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)
       paired_(TrackedPairs::range * nearest_->max() + sees_),
       margin_(margin_share * nearest_->min_at_rest()) {}
 
-/// Pairs the patches that are near enough; those that were paired before go on.
+/// Pairs the patches that are near enough; existing pairs are kept.
 void NearPairs::pair_patches() {
-  // Points see all that touches on a way, however long; ways of surfaces are cut to what is seen.
+  // With points alone all contacts on a path are found, however long; paths of surfaces are
+  // truncated to the range.
   const double within = paired_ + (of_points_ ? motions_.max() : 0);
   std::vector<Box> boxes, wider;
   for (const Patch& patch : *patches_) {
@@ -90,7 +91,7 @@ void NearPairs::pair_patches() {
   paired_nearer_ = 0;
 }
 
-/// How much nearer patches come on straight ways from where they are.
+/// Computes the approach of patches on straight paths from their present positions.
 void NearPairs::foresee(const Points& ends, const Workers& workers) {
   motions_.follow(*patches_, last_, ends, workers);
   if (paired_nearer_ + motions_.max() > sees_) pair_patches();
@@ -111,7 +112,7 @@ void NearPairs::go(const Points& ends, const Workers& workers) {
   last_ = ends;
 }
 
-/// Points may be elsewhere than they have been followed to.
+/// Accounts for points that are elsewhere than the queries have followed them.
 void NearPairs::be_at(const Points& positions, const Workers& workers) {
   if (last_.rows() == 0) {
     last_ = positions;
@@ -122,7 +123,7 @@ void NearPairs::be_at(const Points& positions, const Workers& workers) {
   }
 }
 
-/// Where the tiles of patches are that are due.
+/// Updates the tiles of the patches to be measured.
 void NearPairs::shape(const std::vector<PatchPair*>& due, const Workers& workers) {
   std::vector<char> is_due(patches_->size(), 0);
   for (const PatchPair* pair : due) {
@@ -134,7 +135,7 @@ void NearPairs::shape(const std::vector<PatchPair*>& due, const Workers& workers
 }
 
 /// Measures pairs of patches, and returns all features that may come within a `floor` [m] on the
-/// way looked at last; none at -infinity.
+/// paths of the last query; none at -infinity.
 std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due, double floor,
                                              const Workers& workers, WorkBudget* budget) {
   shape(due, workers);
@@ -142,7 +143,7 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
       static_cast<int>(due.size()),
       [&](int begin, int end, Found& found) {
         for (int k = begin; k < end; ++k) {
-          if (budget && budget->is_spent()) break;  // what was begun is taken back
+          if (budget && budget->is_spent()) break;  // the frame will be taken back
           PatchPair& pair = *due[static_cast<std::size_t>(k)];
           if (of_points_) {
             measure_points(pair);
@@ -163,12 +164,12 @@ std::vector<NearPair> NearPairs::measure_all(const std::vector<PatchPair*>& due,
   return meet;
 }
 
-/// Are features nearer than the margin, or on the way to where they touch?
+/// Are features within the margin, or on a path to contact?
 bool NearPairs::may_touch(const SurfacePair& pair, const Separation& s, const Points& ahead) const {
   return s.distance <= pair.nearest + margin_ || gap_along(s.normal, pair, ahead) <= pair.nearest;
 }
 
-/// Tracked pairs, by their points and numbers.
+/// Adds tracked pairs, by their points and numbers.
 void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
       tracked_.size(), [&](int begin, int end, std::vector<NearPair>& found) {
@@ -184,7 +185,7 @@ void NearPairs::collect_points(const Points& ahead, const Workers& workers) {
   for (const auto& found : bands) near_.insert(near_.end(), found.begin(), found.end());
 }
 
-/// Edges and points on lists, by their keys.
+/// Adds listed edges and points, by their keys.
 void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
   const auto bands = workers.gather<std::vector<NearPair>>(
       static_cast<int>(patch_pairs_.size()),
@@ -217,8 +218,8 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   be_at(positions, workers);
   const std::int64_t visited = tracked_.track(positions, workers);
   if (budget) budget->spend(visited);
-  // Those are due that may touch in a step like the last one, and some of what is near. Of points
-  // ways are told apart: they are seen by nothing else.
+  // Measured are patches that may touch in a step like the last one, and in turn some near ones.
+  // With points alone paths are computed first: nothing else would detect these contacts.
   if (of_points_) foresee(ahead, workers);
   std::vector<PatchPair*> due;
   int to_turn = looks_++ % longest_sleep;

@@ -1,4 +1,4 @@
-// What two patches have near each other: near_pairs.cpp says when they are measured.
+// Features of two patches that are near each other: near_pairs.cpp decides when they are measured.
 
 #include <algorithm>
 
@@ -14,14 +14,15 @@ constexpr std::size_t lanes = TileShapes::tiles;
 constexpr float infinity = TileShapes::infinity;
 constexpr auto range = static_cast<float>(TrackedPairs::range);
 
-/// Slots are proposed up to this share of a triangle beside it: further out another one is nearer.
+/// Points are tracked up to this share of a triangle beside it: farther outside another one is
+/// nearer.
 constexpr float outside_tolerance = 0.1F;
 
-/// Edges of layers that points see are listed up to this, of the nearest that they may come: a
-/// quarter as far as slots reach.
+/// Range in which edges of layers with near points are listed, of their contact distance: a quarter
+/// of that of tracked pairs.
 constexpr float edge_range = 1 + (range - 1) / 4;
 
-/// What distances of sixteen pairs of tiles come to.
+/// Results for the distances of sixteen pairs of tiles.
 struct Judged {
   Row to_touch;
   Row to_meet;
@@ -29,7 +30,7 @@ struct Judged {
   std::array<int, lanes> meet;
 };
 
-/// `nearest`: that features may come, below 0 where there are none. `within`: what may meet.
+/// `nearest`: contact distances, below 0 for missing features. `within`: distance for `meet`.
 CLOTHSIM_TARGET_CLONES
 void judge(const TileShapes::Features& distances, const TileShapes::Features& nearest,
            float rounding, float within, Judged& judged) {
@@ -40,7 +41,7 @@ void judge(const TileShapes::Features& distances, const TileShapes::Features& ne
   min_gap.fill(-infinity);
   std::array<int, lanes> near{}, meet{};
   for (std::size_t k = 0; k < Tiling::own_points; ++k) {
-    // Where points see a layer, they keep it off before edges touch.
+    // Where points are near a layer, their contacts keep it off before edges touch.
     for (std::size_t i = 0; k == Tiling::points && i < lanes; ++i) {
       ranges[i] = near[i] != 0 ? edge_range : range;
       min_gap[i] = near[i] != 0 ? infinity : -infinity;
@@ -68,7 +69,8 @@ std::pair<int, int> NearPairs::tiles(const PatchPair& pair, int number) const {
           (*patches_)[static_cast<std::size_t>(pair.q)].tiles[tile % lanes]};
 }
 
-/// Finds what has no slot yet, which edges are near, and what is within a distance [m].
+/// Finds features that are not tracked yet, edges that are near, and features within a distance
+/// [m].
 void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
@@ -84,7 +86,7 @@ void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   }
 }
 
-/// Lists the points that are near, or may be on the way looked at last.
+/// Lists the points that are near, or may be on the paths of the last query.
 void NearPairs::measure_points(PatchPair& pair) const {
   pair.listed.clear();
   const float rounding = shapes_.rounding(pair.p, pair.q);
@@ -96,12 +98,12 @@ void NearPairs::measure_points(PatchPair& pair) const {
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
   for (std::size_t k = 0; k < near.count; ++k) {
     const auto& [a, b] = tiles(pair, near.pairs[k]);
-    if (nearest_->of(a, b, Tiling::own_points) < 0) continue;  // neighbours, or none of their own
+    if (nearest_->of(a, b, Tiling::own_points) < 0) continue;  // neighbours, or not its own
     pair.listed.push_back({a, b, static_cast<int>(Tiling::own_points), 0});
   }
 }
 
-/// Of up to sixteen pairs of tiles.
+/// For up to sixteen pairs of tiles.
 void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t count, double within,
                               Found& found) const {
   TileShapes::Features may;
@@ -127,7 +129,7 @@ void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t cou
       if (is_near && k >= Tiling::points) {
         pair.listed.push_back({a, b, static_cast<int>(k), distance - nearest});
       }
-      // Beside a triangle another one is nearer, but for what is beyond the border.
+      // Beside a triangle another one is nearer, except beyond the border.
       const bool may_be_tracked =
           is_near && k < Tiling::points &&
           (distances.within[k][i] > -outside_tolerance || distance < nearest ||

@@ -11,17 +11,17 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Features of a mesh that are nearer than this at rest, of its edges, are one: a seam.
+/// Features of a mesh that are nearer than this at rest, of its mean edge, are one: a seam.
 constexpr double seam = 1e-3;
 
-/// [m]; 0 where there is none.
+/// [m]; 0 without edges.
 double mean_edge(const SurfaceMesh& mesh, const Points& rest) {
   double sum = 0;
   for (const auto& [a, b] : mesh.edges) sum += (row(rest, a) - row(rest, b)).norm();
   return mesh.edges.empty() ? 0 : sum / static_cast<double>(mesh.edges.size());
 }
 
-/// Along rows and along columns; where there is but one of them, as of the other.
+/// Spacing along rows and along columns; with a single row or column both are that of the other.
 Eigen::Vector2d spacing_of(const Cloth& cloth) {
   const auto to = [&](int point) -> double {
     return (row(cloth.rest_positions, point) - row(cloth.rest_positions, 0)).norm();
@@ -45,7 +45,7 @@ void visit_near_patches(const std::vector<Patch>& patches, const Points& rest, d
   BoxTree(wider).visit_overlaps(visit);
 }
 
-/// Of two features at rest; below 0 where they share a point.
+/// Distance of two features at rest; below 0 where they share a point.
 double distance_at_rest(const SurfacePair& pair, const Points& rest) {
   const auto& [a, b, c, d] = pair.points;
   const bool share = a == c || a == d || b == d || (pair.edges() ? b == c : a == b);
@@ -69,7 +69,7 @@ NearestDistances::Tiles NearestDistances::make_tiles(const AtRest& at_rest) cons
   return tiles;
 }
 
-/// Of those that count.
+/// Largest over the features that count.
 float NearestDistances::max_distance(const Tiles& tiles) const {
   return static_cast<float>(
       *std::max_element(tiles.of.data() + stencils_.begin, tiles.of.data() + stencils_.end));
@@ -88,7 +88,7 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   for (const Patch& patch : patches) {
     of_patches.push_back(places[static_cast<std::size_t>(patch.tiles[0])] / Patch::side);
   }
-  // Farther on both are as far apart as they ever need to be, or not on the cloth.
+  // Tiles farther apart have the full contact distance, or do not exist.
   const Eigen::Vector2d last(cloth.columns - 1, cloth.rows - 1);
   const double far = std::ceil(max() / (neighbour_share * spacing_)) + 2;
   const Eigen::Vector2i max_way = last.cwiseMin(far).cast<int>();
@@ -96,7 +96,7 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   for (const Eigen::Vector2i& way : ways.ways()) {
     tiles_.push_back(make_tiles_of_grid(way, spacing));
   }
-  // Farther on none of their tiles are within that.
+  // Patches farther apart have no tiles within that.
   const GridWays patch_ways(std::move(of_patches),
                             max_way / Patch::side + Eigen::Vector2i::Constant(2));
   for (const Eigen::Vector2i& way : patch_ways.ways()) {
@@ -114,7 +114,7 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   patch_ways_ = patch_ways;
 }
 
-/// Both in rows of two points.
+/// Both tiles in rows of two points.
 NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector2i& way,
                                                              const Eigen::Vector2d& spacing) const {
   const Tiling cells(2, 4);

@@ -22,7 +22,7 @@ Patch patch_of(const Tiling& tiling, const Tiles& tiles) {
   return patch;
 }
 
-/// Adds the patches of some tiles, by where their centres are.
+/// Adds the patches of some tiles, cut by the places of their centres.
 void halve(const Tiling& tiling, const Points& centres, int* begin, int* end,
            std::vector<Patch>& patches) {
   if (end - begin <= Patch::side * Patch::side) {
@@ -85,7 +85,7 @@ void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from,
   });
 }
 
-/// The farthest apart that two of their ways are.
+/// The largest distance between two of their displacements.
 double PatchMotions::between(int p, int q) const {
   const Box &a = ways_[static_cast<std::size_t>(p)], &b = ways_[static_cast<std::size_t>(q)];
   return std::min((a.max() - b.min()).cwiseMax(b.max() - a.min()).norm(), max());

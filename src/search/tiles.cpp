@@ -14,8 +14,8 @@ constexpr std::size_t n = TileShapes::tiles;
 
 using Row = TileShapes::Row;
 
-/// Tells which of `distances` are within `gap` of their `nearest` or within `min_range`, if any,
-/// and keeps how far the others are at least, and beyond their nearest.
+/// Marks the `distances` within `gap` of their `nearest` or within `min_range`; updates the least
+/// of the others, and of their difference from nearest. Returns whether any is marked.
 CLOTHSIM_TARGET_CLONES
 bool sort_out(const Row& distances, const float* __restrict nearest, float gap, float min_range,
               std::array<int, n>& near, Row& rest, Row& rest_gap) {
@@ -34,14 +34,14 @@ bool sort_out(const Row& distances, const float* __restrict nearest, float gap, 
 
 using Numbers = std::array<int, n>;
 
-/// Takes the corners of tiles by number: a loop over them takes a fold 4 % longer.
+/// Takes the corners of tiles by number: with a loop over them a fold takes 4 % longer.
 CLOTHSIM_TARGET_CLONES
 void pick(const TileShapes::Corners& from, const Numbers& numbers, TileShapes::Corners& to) {
   for (std::size_t corner = 0; corner < Tiling::corners; ++corner) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Row& row = from[corner][axis];
       Row& picked = to[corner][axis];
-#ifdef __clang__  // shuffles by constants alone
+#ifdef __clang__  // its shuffles need constants
       for (std::size_t k = 0; k < n; ++k) picked[k] = row[static_cast<std::size_t>(numbers[k])];
 #else
       using Floats = float __attribute__((vector_size(n * sizeof(float)), aligned(4), may_alias));
@@ -70,7 +70,7 @@ void TileShapes::update(int patch, const Points& positions) {
     const auto& points = tiling_->at(tiles_of[exists(patch, k) ? k : 0]).points;
     for (std::size_t corner = 0; corner < Tiling::corners; ++corner) {
       const int point = points[corner];
-      const Vector3 seen = row(positions, point) - row(positions, 0);  // fewer digits are lost
+      const Vector3 seen = row(positions, point) - row(positions, 0);  // preserves digits
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<float>(seen[static_cast<Eigen::Index>(axis)]);
         corners_[static_cast<std::size_t>(patch)][corner][axis][k] = at;
@@ -87,7 +87,7 @@ float TileShapes::rounding(int patch, int other) const {
                   roundings_[static_cast<std::size_t>(other)]);
 }
 
-/// `measure`: takes the distances from a tile to all of the other patch.
+/// `measure`: computes the distances from a tile to all of the other patch.
 template <typename Measure>
 void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, float gap,
                                float min_range, const Measure& measure, Near& near) const {

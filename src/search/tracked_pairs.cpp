@@ -17,7 +17,7 @@ SurfacePair TrackedPairs::pair(int point, int triangle) const {
   return {triangle, {point, a, b, c}, nearest_->of_tracked(point, triangle)};
 }
 
-/// Triangles beside a slot's that hold its closest place, too: beyond an edge, around a corner.
+/// Adjacent triangles that contain the pair's closest place, too: beyond an edge, around a corner.
 template <typename Visit>
 void TrackedPairs::for_each_adjacent(const TrackedPair& tracked_pair, const Visit& visit) const {
   const auto& points = tracked_pair.pair.points;
@@ -33,7 +33,7 @@ void TrackedPairs::for_each_adjacent(const TrackedPair& tracked_pair, const Visi
   }
 }
 
-/// From triangle to triangle beside it, as long as these have a smaller gap.
+/// Moves a pair from triangle to adjacent triangle while the gap gets smaller.
 void TrackedPairs::go_to_nearest(TrackedPair& tracked_pair, const Points& positions) const {
   for (bool goes = true; goes;) {
     goes = false;
@@ -49,7 +49,7 @@ void TrackedPairs::go_to_nearest(TrackedPair& tracked_pair, const Points& positi
       });
       const SurfacePair adjacent = pair(here.pair.points[0], t);
       if (!leads_nearer && adjacent.nearest <= here.pair.nearest) return;
-      // Where it touches it stays: what may come nearer there would let it come nearer here.
+      // A pair in contact stays: a smaller contact distance there would let it come nearer here.
       const double nearer = tracked_pair.pair.nearest - adjacent.nearest;
       if (nearer > 0 && tracked_pair.gap() <= nearer) return;
       const Separation s = separation(adjacent, positions);
@@ -61,7 +61,8 @@ void TrackedPairs::go_to_nearest(TrackedPair& tracked_pair, const Points& positi
   }
 }
 
-/// Is it not far, and none of these, of the same point, at the same place and as far off?
+/// Is it near, and at another place than these pairs of the same point with at least its contact
+/// distance?
 bool TrackedPairs::is_kept(const TrackedPair& tracked_pair, const TrackedPair* begin,
                            const TrackedPair* end) const {
   return tracked_pair.last.distance <= range * tracked_pair.pair.nearest &&
@@ -96,7 +97,7 @@ bool TrackedPairs::covers(const SurfacePair& pair, float distance) const {
   const auto nearest = static_cast<float>(pair.nearest);
   return std::any_of(tracked.begin(), tracked.end(), [&](const TrackedPair& tracked_pair) {
     if (tracked_pair.pair.triangle == pair.triangle) return true;
-    // A neighbour on the cloth that may come nearer does not keep off what may not.
+    // A neighbour with a smaller contact distance does not keep off one with a larger one.
     const auto of_tracked = static_cast<float>(tracked_pair.pair.nearest);
     if (of_tracked < nearest || tracked_pair.gap() > distance - nearest) return false;
     const auto& of = corners(tracked_pair.pair.triangle);
@@ -109,7 +110,7 @@ void TrackedPairs::add(std::vector<SurfacePair> pairs, const Points& positions,
   std::sort(pairs.begin(), pairs.end(), [](const SurfacePair& a, const SurfacePair& b) {
     return std::tie(a.points[0], a.triangle) < std::tie(b.points[0], b.triangle);
   });
-  std::vector<std::size_t> first;  // of each point
+  std::vector<std::size_t> first;  // by point
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (k == 0 || pairs[k].points[0] != pairs[k - 1].points[0]) first.push_back(k);
   }
@@ -123,14 +124,14 @@ void TrackedPairs::add(std::vector<SurfacePair> pairs, const Points& positions,
   });
 }
 
-/// Its nearest to the last bit, from whichever side its tiles were looked at.
+/// Its nearest triangle is the same to the last bit, whichever side its tiles were measured from.
 void TrackedPairs::add(int point, int triangle, const Points& positions) {
   TrackedPair tracked_pair{pair(point, triangle), 0, triangle};
   tracked_pair.last = separation(tracked_pair.pair, positions);
   go_to_nearest(tracked_pair, positions);
   std::vector<TrackedPair>& others = pairs_[static_cast<std::size_t>(point)];
   if (!is_kept(tracked_pair, others.data(), others.data() + others.size())) return;
-  // The first number that is free.
+  // The first free number.
   auto place = others.begin();
   for (; place != others.end() && place->number == tracked_pair.number; ++place)
     ++tracked_pair.number;

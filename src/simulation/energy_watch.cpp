@@ -13,17 +13,17 @@
 namespace clothsim {
 namespace {
 
-/// Kinetic energy may grow by this factor in a frame, or by that of twice a frame's fall from rest,
-/// before all energies are compared: more cannot be a blow-up unseen.
+/// Factor by which kinetic energy may grow in a frame (or by that of twice a frame's fall from
+/// rest) before all energies are compared: a blow-up exceeds it.
 constexpr double usual_growth = 1.5;
 
-/// Energy that may come from nowhere in a frame, beside as much as it has of kinetic and elastic
-/// energy: a lift of the cloth by this share of its size, and speed that is calm, as roundings give
-/// to a cloth without weight. The shipped scenes stay under 0.004 of the first.
+/// Energy of unknown source allowed in a frame, in addition to as much as the kinetic and elastic
+/// energy: a lift of the cloth by this share of its size, plus the kinetic energy at rest_speed, as
+/// rounding gives to a cloth without weight. The shipped scenes stay under 0.004 of the first.
 constexpr double lift = 0.02;
 
-/// The same over any number of frames, of all that the cloth can have had: explicit steps just
-/// below their limit show their fastest waves with some tens of the energy that they have.
+/// The same over any number of frames, of all energy that the cloth can have had: explicit steps
+/// just below their limit show their fastest waves with some tens of times their true energy.
 constexpr double margin_in_all = 100;
 
 Eigen::AlignedBox3d box_of(const State& before, const State& after) {
@@ -35,11 +35,11 @@ Eigen::AlignedBox3d box_of(const State& before, const State& after) {
   return box;
 }
 
-/// Ways that points are taken in a frame [m], N x 3 each; empty: none is.
+/// Displacements of driven points in a frame [m], N x 3 each; empty: none.
 struct Drive {
   double max_speed = 0;  // of pins and of the surfaces of colliders near the cloth [m/s]
   Points pinned;
-  Points pushed;  // perhaps, by colliders
+  Points pushed;  // by colliders, possibly
 };
 
 void take(int i, const Vector3& way, int count, Points& ways) {
@@ -60,11 +60,11 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
     if (cloth.inv_mass[i] > 0) continue;
     const Vector3 velocity = row(after.velocities, i);
     drive.max_speed = std::max(drive.max_speed, velocity.norm());
-    if (!velocity.isZero()) take(i, dt * velocity, count, drive.pinned);  // but for roundings
+    if (!velocity.isZero()) take(i, dt * velocity, count, drive.pinned);  // except for rounding
   }
-  // Bounds of all points take time, which robots that stand still are not worth.
+  // Bounds of all points take time, which colliders at rest do not need.
   if (std::none_of(colliders.begin(), colliders.end(), moves)) return drive;
-  // A triangle that touches has corners that are not farther away than its edges are long.
+  // The corners of a triangle in contact are at most as far away as its edges are long.
   const double edge =
       std::max(longest_rest_length(cloth), longest_edge(after.positions, cloth.triangles));
   const Eigen::AlignedBox3d box = box_of(before, after);
@@ -81,7 +81,7 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   return drive;
 }
 
-/// Work of what takes points along by these lengths [m] against bends [J], as below.
+/// Work against bends [J] of driving points by these lengths [m], as below.
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const Bend& bend) {
@@ -93,14 +93,14 @@ double work_on_bends(const Cloth& cloth, const State& before, const Scalars& len
   return work;
 }
 
-/// Work of what takes points along against springs [J]: F s + k s^2 / 2 with the force at first,
-/// where both ends go their ways, or one of them.
+/// Work against springs [J] of driving points: F s + k s^2 / 2 with the initial force, where one or
+/// both ends are driven.
 double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
   if (ways.size() == 0) return 0;
   const Scalars lengths = ways.rowwise().norm();
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    if (lengths[a] == 0 && lengths[b] == 0) return;  // as nearly all where a pin is moved
+    if (lengths[a] == 0 && lengths[b] == 0) return;  // nearly all where a pin is moved
     const double way = std::max({lengths[a], lengths[b], (ways.row(b) - ways.row(a)).norm()});
     const double length = (before.positions.row(b) - before.positions.row(a)).norm();
     work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
@@ -128,7 +128,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
                           double wind, double external_work) {
   const double mass = (cloth.inv_mass.array() > 0).select(cloth.mass.array(), 0).sum();
   const double g = gravity.norm();
-  const auto unseen = [&] {  // asked for in few frames
+  const auto unseen = [&] {  // needed in few frames
     const Eigen::RowVector3d extent =
         cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
     return mass * (g * lift * extent.maxCoeff() + rest_speed * rest_speed / 2);
@@ -139,7 +139,8 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
     begun_ = true;
   }
 
-  // A point that a moving surface hits leaves with twice its speed at most; work against weight.
+  // A point that a moving surface hits leaves with twice its speed at most; plus work against
+  // weight.
   const Drive drive = drive_of(cloth, dt, before, after, colliders);
   const double speed = std::max(drive.max_speed, wind) + push_out_speed;
   const double work = mass * (2 * speed * speed + g * speed * dt) + external_work;
@@ -152,7 +153,7 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
   if (!(kinetic_after <= margin_in_all * (given_ + std::max(fallen, 0.0)))) return false;
 
   if (push_out_speed > 0) {
-    restart();  // what led it out has stretched it
+    restart();  // recovery has stretched the cloth
     return true;
   }
 

@@ -23,19 +23,19 @@ namespace {
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
-/// CPU time of impulses a substep [s] per point of a cloth that lies or has folded: where points
+/// CPU time of impulses per substep [s] and point of a cloth that lies or has folded: where points
 /// alone touch a collider or each other, or the cloth's weight brings half of the springs to their
 /// limit, and where triangles and edges touch, too. Measured by
 /// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
-/// contact is next to nothing, in an impact several times that: it tells which method is cheaper,
-/// not what is in real time.
+/// contact costs next to nothing, in an impact several times that: the numbers show which method is
+/// cheaper, not which is in real time.
 constexpr double point_cost = 1.6e-8;
 constexpr double surface_cost = 1.3e-7;
 
-/// Costs up to this many times each other are the same, as far as those tell.
+/// Costs that differ by up to this factor count as equal, given the accuracy of those.
 constexpr double alike = 1.5;
 
-/// What errors depend on.
+/// Quantities on which errors depend.
 struct Motion {
   double size;       // of the cloth [m]
   double gravity;    // [m/s^2]
@@ -44,13 +44,13 @@ struct Motion {
   double axial;      // lowest frequency along the cloth's longer side, hung from one end [rad/s]
   double swing;      // frequency of a sheet that swings about one edge [rad/s]
   double loaded;     // share of the horizon in which something holds the cloth
-  bool held;         // whether something does, sooner or later
-  double buckling;   // rate at which an upright column that stands on something buckles [1/s]
-  double folded;     // rms over the cloth of how far it has folded when that ends [m]
+  bool held;         // whether something does, now or later
+  double buckling;   // buckling rate of an upright column that stands on something [1/s]
+  double folded;     // rms of the fold depth over the cloth at the end of buckling [m]
   bool rings;        // with fast waves, in which errors grow
 };
 
-/// How far a cloth that nothing holds may fall [m]: to the nearest collider.
+/// Height from which a free cloth falls [m]: to the nearest collider.
 double fall_height(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
   double height = std::numeric_limits<double>::infinity();
   for (const ColliderSpec& collider : colliders) {
@@ -64,8 +64,8 @@ double fall_height(const Cloth& cloth, const std::vector<ColliderSpec>& collider
   return std::max(height, 0.0);
 }
 
-/// A free cloth falls with drag, exactly in all methods, until it lands: share of the horizon that
-/// is left then, in frames of `frame` [s].
+/// A free cloth falls with drag, exactly in all methods, until it lands. Returns the share of the
+/// horizon that is left then, in frames of `frame` [s].
 double share_after_fall(double height, double frame, const Motion& m) {
   const int samples = static_cast<int>(std::ceil(horizon / frame));
   for (int i = 1; i <= samples; ++i) {
@@ -76,9 +76,9 @@ double share_after_fall(double height, double frame, const Motion& m) {
   return 0;
 }
 
-/// A column that stands on something has no stiffness across: under the weight W above it a link
-/// of length a buckles at the rate sqrt(4 W / (m a)), until folds are as deep as links are long,
-/// over the part of the cloth that has buckled by then.
+/// A column that stands on something has no stiffness across: under the weight W above it a link of
+/// length a buckles at the rate sqrt(4 W / (m a)), until folds are as deep as links are long, over
+/// the part of the cloth that has buckled by then.
 void add_buckling(const Cloth& cloth, double height, Motion& m) {
   const double link = shortest_rest_length(cloth);
   if (m.loaded == 0 || height < 0.5 * m.size) return;
@@ -87,9 +87,9 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
   m.folded = part * link * std::log(std::max(link / unevenness(cloth), M_E));
 }
 
-/// A held cloth bends as it comes down. Beyond this omega_max t times g t^2 / L, the angle by which
-/// it does, a stiff one rings with fast waves, in which errors grow a threefold to a hundredfold:
-/// next neighbours differ by ten times, so that nothing foretells them. Measured.
+/// A held cloth bends as it comes down. Where omega_max t times g t^2 / L, the angle of the bend,
+/// exceeds this, a stiff cloth rings with fast waves, in which errors grow by a factor of 3 to 100.
+/// Neighbours in parameters differ by a factor of ten, so no error is predicted. Measured.
 constexpr double onset = 30000;
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
@@ -118,23 +118,22 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
 }
 
 /// A method that `auto` may take: the others are worse than one of these at every cost and error
-/// (docs/benchmarks.md). One that does not take impulses in its stride, as those of contact and the
-/// strain limit are, is taken where springs alone act. Errors [m] over the horizon for a substep of
-/// h [s] and CPU seconds a substep are fits to measurements, in the form that theory gives where it
-/// does.
+/// (docs/benchmarks.md). A method that handles impulses of contact and the strain limit badly is
+/// taken where springs alone act. Errors [m] over the horizon for a substep of h [s], and CPU
+/// seconds per substep, are fits to measurements, of a theoretical form where there is one.
 struct Candidate {
   const char* method;
   bool takes_impulses;
   bool damps_fast_waves;
-  bool softens;  // leaves springs softer than they are, which the error of positions hardly tells
+  bool softens;  // makes springs too soft, which hardly shows in the error of positions
   double (*error)(const Motion&, double h);
   double (*cost)(double springs, double points);
 };
 
-/// What a method's `error` of the springs of a cloth that is held all the time comes to here.
-/// Errors of phase grow with the time under load, and the part of the cloth that waves have reached
-/// grows with it: with t^1.5 in all, or t^2 in the mean over the horizon. A fold's rate is off by
-/// the share (rate h)^2 / 24; contact leaves no method a better order.
+/// Error in this scene from the `error` of springs in a cloth that is held all the time. Phase
+/// errors grow with the time under load, and with them the part of the cloth that waves have
+/// reached: as t^1.5 in total, or t^2 in the mean over the horizon. A fold's rate has a relative
+/// error of (rate h)^2 / 24; with contact no method has a better order.
 double under_load(const Motion& m, double h, double error) {
   const double of_rate = m.buckling * m.buckling * h * h / 24;
   return m.loaded * m.loaded * (error + of_rate * m.folded);
@@ -148,9 +147,9 @@ double verlet_error(const Motion& m, double h) {
   return under_load(m, h, 0.65 * phase);
 }
 
-/// Of fourth order, led by the fast waves: fitted. Its stages see a cloth that is held fall by a
-/// whole step before impulses take it back: it hangs 2 mm off at two substeps a frame, and on a
-/// sphere it creeps at some mm/s for ever.
+/// Fourth order, dominated by the fast waves: fitted. In its stages a held cloth falls by a whole
+/// step before impulses correct it: it hangs 2 mm off at two substeps a frame, and on a sphere it
+/// creeps at some mm/s for ever.
 double rk4_error(const Motion& m, double h) {
   const double waves = 840 * m.gravity * std::pow(m.axial, 1.2) * std::pow(h, 4) * horizon;
   return under_load(m, h, waves);
@@ -161,8 +160,8 @@ double bdf2_error(const Motion& m, double h) {
   return under_load(m, h, 0.056 * m.gravity * std::pow(h, 1.3) * horizon);
 }
 
-/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted, and there to
-/// stay however late it lands.
+/// One iteration leaves the cloth too soft, the more so the stiffer it is: fitted. The error does
+/// not shrink if the cloth lands late.
 double xpbd_error(const Motion& m, double h) {
   const double held = 0.035 * m.gravity * std::pow(h, 1.5) * std::pow(m.omega_max, 0.8) * horizon;
   return m.held ? held : 0;
@@ -196,19 +195,18 @@ double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& coll
   return cost * cloth.num_points();
 }
 
-/// Substeps of a frame of a method with this limit that the cloth needs as the scene has it,
-/// whatever comes.
+/// Substeps per frame that the cloth needs with a method of this limit, from the scene alone.
 int usual_substeps(double stability_limit, const SimulationSpec& spec, const Cloth& cloth,
                    const std::vector<ColliderSpec>& colliders) {
   const double dt = 1 / spec.frames_per_second;
   const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt);
   const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
-  const double limit = max_substeps - 1;  // a slow frame rate is no reason to refuse a scene
+  const double limit = max_substeps - 1;  // a slow frame rate does not refuse a scene
   return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), limit)));
 }
 
-/// A candidate with the substeps it would take.
+/// A candidate with its number of substeps.
 struct Offer {
   const Candidate* candidate;
   int substeps;
@@ -224,7 +222,7 @@ double stability_limit_of(const std::string& method) {
   return std::visit([](const auto& m) { return m.stability_limit; }, make_integrator(method));
 }
 
-/// None where nothing tells how the cloth is going to move.
+/// Empty where the motion of the cloth cannot be predicted.
 std::optional<double> error_of(const Candidate& c, const Motion& m, double h) {
   if (m.gravity == 0 || (m.rings && !c.damps_fast_waves)) return {};
   return c.error(m, h) / m.size;
@@ -239,7 +237,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
     return error_of(c, motion, dt / n).value_or(0) > spec.tolerance;
   };
   const int links = cloth.num_springs() + cloth.num_bends();  // of about the same cost
-  const double step_cost =                                    // contact aside
+  const double step_cost =                                    // without contact
       c.cost(links, cloth.num_points()) +
       (cloth.strain_limit ? point_cost * cloth.num_points() : 0);
   const double affordable_steps = 1 / (spec.frames_per_second * step_cost);
@@ -248,7 +246,7 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   if (spec.substeps) {
     n = *spec.substeps;
   } else {
-    // As many as the tolerance asks for and real time allows.
+    // As many as the tolerance requires and real time allows.
     const int affordable = static_cast<int>(std::clamp(
         affordable_steps, static_cast<double>(needed), static_cast<double>(max_substeps)));
     while (is_off(n) && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
@@ -266,8 +264,8 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
           n <= affordable_steps};
 }
 
-/// The choice that a scene has made. Its cost is foretold by that of the candidate whose steps are
-/// alike: those of implicit methods factorise, those of explicit ones sum up forces.
+/// The choice of the scene. Its cost is that of the candidate with similar steps: implicit methods
+/// factorise, explicit ones sum forces.
 MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
                           const std::vector<ColliderSpec>& colliders) {
   const double limit = stability_limit_of(spec.method);
@@ -290,7 +288,7 @@ bool cheaper(const Offer& a, const Offer& b) { return a.cost < b.cost; }
 
 bool finer(const Offer& a, const Offer& b) { return a.error < b.error; }
 
-/// Explicit methods keep energy and momenta.
+/// Explicit methods conserve energy and momenta.
 bool explicit_or_cheaper(const Offer& a, const Offer& b) {
   return a.is_explicit != b.is_explicit ? a.is_explicit : cheaper(a, b);
 }
@@ -302,8 +300,7 @@ Offers best(Offers begin, Offers end) {
   return std::min_element(begin, end, is_better);
 }
 
-/// The cheapest; where that softens springs, one that does not for the same cost, as far as one can
-/// tell.
+/// The cheapest; where that softens springs, one of about the same cost that does not.
 Offers cheapest_and_stiff(Offers begin, Offers end) {
   const Offers cheapest = best<cheaper>(begin, end);
   if (!cheapest->candidate->softens) return cheapest;
@@ -313,7 +310,7 @@ Offers cheapest_and_stiff(Offers begin, Offers end) {
   return best<cheaper>(begin, stiff == begin ? end : stiff);
 }
 
-/// The first rule that is for any offer takes the best of those.
+/// The first rule that fits any offer takes the best of those that fit.
 struct Rule {
   Reason reason;
   bool (*is_for)(const Offer&);

@@ -1,4 +1,4 @@
-// What a frame may cost: a state that was set may be anything, and no frame may hang.
+// The budget of a frame: a state that was set may be arbitrary, and no frame may hang.
 
 #include <algorithm>
 
@@ -7,15 +7,15 @@
 namespace clothsim {
 namespace {
 
-/// Visits that a frame may take for each point from a state that was set, beside one in each pass
-/// of the substeps that the springs alone need. 50 x 50 points get a second.
+/// Visits to each point allowed in a frame from a state that was set, plus one for each pass of the
+/// substeps for the springs alone. 50 x 50 points get a second.
 constexpr double visits_a_point = 40e3;
 
 }  // namespace
 
 void Simulator::Impl::allow_work(double dt) {
-  // From a state that the simulation came to, one in each pass of all substeps that there may be:
-  // what is hit at 100 m/s takes a fifth of it.
+  // From a state of the simulation itself: one for each pass of all possible substeps. A hit at 100
+  // m/s takes a fifth of it.
   const double visits =
       is_given ? visits_a_point + max_passes * min_substeps(dt) : max_passes * max_substeps;
   budget.allow(cloth.num_points() * visits);

@@ -1,5 +1,5 @@
-// What holds at a substep's end: springs within their limit, points off colliders, the cloth off
-// itself.
+// The constraints at a substep's end: springs within their limit, points off colliders, the cloth
+// off itself.
 
 #include <algorithm>
 #include <cmath>
@@ -13,32 +13,33 @@
 namespace clothsim {
 namespace {
 
-/// Passes over the constraints in a substep. The least is usual: kept impulses start almost right,
-/// and a pass costs little next to the rest, but one alone lets slow waves of tension swing for
-/// seconds.
+/// Passes over the constraints in a substep. The minimum is usual: warm-started impulses are almost
+/// right, and a pass costs little compared to the rest, but after a single one slow waves of
+/// tension oscillate for seconds.
 constexpr int min_passes = 4;
 constexpr int min_passes_alone = 6;
 
-/// Passes that repair what those have left, at most.
+/// Largest number of passes of the projection after those.
 constexpr int max_projection_passes = 600;
 
 /// Precision where only the limit acts.
 constexpr double precision_alone = 14;
 
-/// While a cloth in contact moves within itself, this many strain tolerances of that speed do: 1 %
-/// with the usual tolerance. Errors are those of the steps then, for half to two thirds of the
-/// passes. At 4 % a sphere shot through a pile leaves knots, and fingers lose their grip.
+/// While a cloth in contact deforms, constraints are solved to this many strain tolerances of its
+/// relative speed: 1 % with the usual tolerance. Errors are then those of the steps, for half to
+/// two thirds of the passes. At 4 % a sphere shot through a pile leaves knots, and fingers lose
+/// their grip.
 constexpr double motion_precision = 2.5;
 
-/// Times as much does for its contacts with itself. What overlaps then is what a step's own
-/// curvature leaves over: at 0.1 % it is as much, for seven to nine times the passes.
+/// Factor on that for self contact. The overlap then is that left by the curvature within a step:
+/// at 0.1 % it is as large, for seven to nine times the passes.
 constexpr double folding_precision = 4;
 
-/// Mean square of `count` numbers beyond their mean.
+/// Mean square deviation of `count` numbers from their mean.
 CLOTHSIM_TARGET_CLONES
 double variance(int count, const double* numbers) {
   Lanes sum = {}, squares = {};
-  const double middle = numbers[0];  // near it, or what they share would drown what they do not
+  const double middle = numbers[0];  // near the mean, to preserve digits
   int i = 0;
   for (; i + num_lanes <= count; i += num_lanes) {
     const Lanes x = lanes_at(numbers + i) - middle;
@@ -57,7 +58,7 @@ double variance(int count, const double* numbers) {
   return std::max(0.0, (all_squares - all * all / count) / count);
 }
 
-/// Root mean square of the velocities beyond their mean [m/s].
+/// Root mean square of the velocities relative to their mean [m/s].
 double speed_within(const Points& velocities) {
   double sum = 0;
   const int count = static_cast<int>(velocities.rows());
@@ -65,7 +66,7 @@ double speed_within(const Points& velocities) {
   return std::sqrt(sum);
 }
 
-/// Moves points by what has changed of their velocities, of `count` numbers, since they followed.
+/// Moves points by the changes of their velocities, of `count` numbers, since the last call.
 CLOTHSIM_TARGET_CLONES
 void follow(Eigen::Index count, double way, const double* velocities, double* followed,
             double* positions) {
@@ -76,7 +77,8 @@ void follow(Eigen::Index count, double way, const double* velocities, double* fo
   }
 }
 
-/// Of the shortest spring, without springs of two neighbours [m]: what precision is a share of.
+/// Length of the shortest spring; without springs that between two neighbours [m]. Precision is
+/// relative to it.
 double min_spacing(const Cloth& cloth) {
   if (!cloth.springs.empty() || cloth.num_points() < 2) return shortest_rest_length(cloth);
   return (cloth.rest_positions.row(1) - cloth.rest_positions.row(0)).norm();
@@ -90,7 +92,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   const double tolerance = scene.simulation.strain_tolerance;
   const double length = tolerance * min_spacing(cloth);  // [m]
   if (strain_limit) {
-    // A frame ends within the limit, and nobody knows how fast colliders push out what is in them.
+    // A frame ends within the limit, and the speed of recovery from colliders is unknown.
     if (frame_context.left <= h || frame_context.recovers) strain_limit->wake();
     strain_limit->warm_start(h, displacement_factor, state);
     frame_context.gives_way = frame_context.gives_way || strain_limit->gives_way();
@@ -105,8 +107,8 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (runs_detection) plan_detection(h);
   const ContactStep step = contact_step(h, displacement_factor, touches_of_itself);
 
-  // Impulses that keep points off colliders, the cloth off itself and springs within their limit:
-  // first those of the last step, so that springs are held where all of them lead.
+  // The impulses of the last step, first of all contacts: the strain limit then sees the velocities
+  // with all of them.
   runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
   follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
@@ -121,7 +123,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts && runs_detection) by_impulses = state.positions;
 
-  // What curvature and early stops have left in the positions.
+  // Violations left in the positions by curvature and early ends of passes.
   if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
     runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state.positions)
@@ -163,14 +165,14 @@ void Simulator::Impl::refresh_contacts(const ContactStep& step) {
 void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
   const int truncated = self_contacts->guard(cloth, step, by_impulses, state);
   report.held_back += truncated;
-  // Not where more is asked of the limit than it can grant, nor where fingers hold on.
+  // Not where the limit yields, nor where colliders pinch.
   const bool may_project =
       strain_limit && !strain_limit->gives_way() && collider_contacts.pinches().count() == 0;
   if (truncated > 0 && may_project) project_beside_truncated(step, report);
 }
 
-/// Springs beside points that were held back hang on them. They are shortened, and this way is
-/// guarded like any other. It is no velocity.
+/// Shortens springs beside truncated points, which these stretch. The guard checks this
+/// displacement as well. It does not change velocities.
 void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepReport& report) {
   const State held = state;
   project_springs(cloth, passes_in_vain, report);
@@ -179,7 +181,7 @@ void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepRepo
   }
   ContactStep way{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
   way.budget = step.budget;
-  const Points projected = state.positions;  // none of this is left out, as other repairs may be
+  const Points projected = state.positions;  // so that none of it is left out
   self_contacts->guard(cloth, way, projected, state);
   state.velocities = held.velocities;
 }
@@ -224,17 +226,18 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
   const double at_rest = std::min(length / precision, rest_speed * h);
   Precision result;
-  // What the limit leaves over keeps piles from coming to rest.
+  // Residuals of the limit keep piles from coming to rest.
   result.stretch = std::max(length / precision, self_contacts ? 0 : moving);
   result.touch = std::max(at_rest, moving);
   result.fold = std::max(at_rest, folding_precision * moving);
-  result.unseen_fold = result.fold - at_rest;  // at rest all is seen
+  result.unseen_fold = result.fold - at_rest;  // at rest no change is skipped
   return result;
 }
 
 void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   const Precision& small = frame_context.closeness;
-  // One pass solves points on colliders, which are alone, where kept impulses have the rest.
+  // One pass solves points on colliders, which are independent, where warm-started impulses fit the
+  // rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
   const int required_passes =
       runs_detection || is_limited || collider_contacts.has_faces() ? min_passes : 1;
@@ -245,7 +248,7 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   while (passes < max_passes) {
     double folding = 0;
     if (strain_limit && passes < limit_passes) {
-      // Alone while springs change more than contacts last did: these take longer to go through.
+      // Springs alone while they change more than contacts did: passes over contacts take longer.
       const StrainLimit::Passes springs = strain_limit->solve_passes(
           std::max(small.stretch, touched), limit_passes - passes, state.velocities, workers);
       stretching = springs.change;
@@ -262,11 +265,11 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
         std::max(collider_contacts.solve_pass(state.velocities),
                  holders.any_slips() ? frame_context.h * holders.solve_pass(state.velocities) : 0);
     if (!colliders.empty()) spend(1);
-    // What fingers hold, or the cloth itself, does not wait for springs.
+    // Pinched points and self contact do not wait for springs.
     if (!self_contacts && pinches.count() == 0) touched = touching;
     const bool limited = stretching <= small.stretch || passes >= limit_passes;
     const bool solved = limited && touching <= small.touch && folding <= small.fold;
-    const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // so is the next pass
+    const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // as in the next pass
     if ((solved && (passes >= required_passes || is_still)) || budget.is_spent()) break;
   }
   report.sweeps += passes;

@@ -1,4 +1,4 @@
-// Forces on points from outside, and those within the cloth.
+// External forces on points, and tensions within the cloth.
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// What a point may be pushed with, far beyond a machine's.
+/// Forces on a point from a call, far beyond those of a machine.
 constexpr Range force_range{-1e6, 1e6, "N"};
 
 }  // namespace
@@ -64,7 +64,7 @@ std::vector<double> Simulator::tensions() const {
     const double parting = length > 0 ? rate.dot(way) / length : 0;
     tensions.push_back(run.stiffness * (length - run.rest_length + viscous * parting));
   });
-  // The limit acts at a substep's end, when drag has taken some of what forces gave in it.
+  // The limit acts at a substep's end, when drag has reduced the effect of forces in it.
   const double h = impl_->last_substep;
   if (impl_->strain_limit && h > 0) {
     impl_->strain_limit->add_strengths(1 / Drag(cloth().damping, h).distance, tensions);

@@ -32,7 +32,7 @@ bool is_good(const State& state) {
 }  // namespace
 
 Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepReport& report) {
-  const int recoveries = report.recoveries;  // all else is of this try
+  const int recoveries = report.recoveries;  // all other numbers are of this try
   report = {};
   report.recoveries = recoveries;
   frame_context = {frame_context.dt};
@@ -99,7 +99,7 @@ int Simulator::Impl::first_substeps() {
     if (!collider_contacts.recovers()) min_steps = std::max(min_steps, substeps_for_parting(dt));
   }
   if (has_air()) {
-    // Air takes no more than all of the velocity against it in a substep.
+    // Air removes at most all of the relative velocity in a substep.
     const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
     const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
     min_steps = std::max(min_steps, static_cast<int>(steps));
@@ -111,7 +111,7 @@ int Simulator::Impl::first_substeps() {
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
   int truncated = 0;
   for (double h = frame_context.dt / steps; steps > 0; --steps, ++report.substeps) {
-    // More and shorter ones where tension has come, or layers went too far for their contacts.
+    // More substeps where tension has risen, or layers have outrun their contacts.
     frame_context.left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
@@ -151,8 +151,8 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
 }
 
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
-  // A limit that gives way pulls with more than a step can carry: no fault of the method, but for
-  // speeds that no pull explains.
+  // A limit that yields pulls with more than a step can carry, which is no failure of the method,
+  // except at speeds that no pull explains.
   const bool may_be_pulled = frame_context.gives_way &&
                              !report.reasons.has(Reason::beyond_stability) &&
                              longest_row(state.velocities) < max_given_speed;
@@ -173,13 +173,13 @@ bool Simulator::Impl::is_beyond_stability(double h) const {
 }
 
 bool Simulator::Impl::follows_tension() const {
-  // Implicit methods keep to one step: to change it costs them a factorisation or their history.
+  // Implicit methods keep one step: a change costs them a factorisation or their history.
   return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
 }
 
 int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
   const Vector3& gravity = scene.simulation.gravity;
-  // What is being pushed out of a collider is no tension: as many as follow the whole weight.
+  // The forces of recovery are no tension: as many steps as the tension of the whole weight needs.
   if (collider_contacts.recovers()) {
     return std::max(min_steps, substeps_at_weight(cloth, gravity, dt));
   }
@@ -205,13 +205,12 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 bool Simulator::Impl::is_out_of_reach() {
   const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                                 state.positions.colwise().maxCoeff().transpose());
-  // What pins and springs do beside what it does by itself, hardly ever is as much and an edge
-  // more.
+  // Pins and springs hardly ever move points farther than their own motion does, plus an edge.
   const double edge = shortest_rest_length(cloth);
   const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
   const double own = longest_row(state.velocities) + pull * frame_context.dt;
   frame_context.allowed_way = 2 * own * frame_context.dt + edge;
-  // Contact begins that much before the surfaces meet.
+  // Contact begins at this distance of the surfaces.
   const double apart = edge + cloth.thickness;
   return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
     return collider.reaches(
@@ -225,7 +224,7 @@ double Simulator::Impl::contact_speed() const {
   Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                           state.positions.colwise().maxCoeff().transpose());
   const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
-  const double fall = pull * frame_context.dt / 2;  // of the frame itself
+  const double fall = pull * frame_context.dt / 2;  // in the frame itself
   double max_speed = 0;
   for (const MovingCollider& collider : colliders) {
     const double speed = own + collider.max_speed_in(box);
@@ -237,8 +236,8 @@ double Simulator::Impl::contact_speed() const {
 }
 
 const Cloth& Simulator::Impl::add_tension_mass(double h) {
-  // Implicit methods hold tension by themselves. Where contact passes impacts on, steps follow it:
-  // with inertia piles that are hit keep knots.
+  // Implicit methods are stable under tension. Where contact transmits impacts, steps follow
+  // tension instead: with added inertia, piles that are hit keep knots.
   if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
   strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
   return cloth_with_tension_mass;
@@ -270,7 +269,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (&inert == &cloth_with_tension_mass) {
     report.added_mass = std::max(report.added_mass, strain_limit->inertia().mass_ratio(h));
   }
-  // Half of the pushes before and half after: a point that nothing else acts on moves as it must.
+  // Half of the external forces before and half after: a point without other forces moves exactly.
   apply_external_forces(inert, h / 2);
   std::visit([&](auto& m) { m.step(inert, loads, h, state, workers); }, method->integrator);
   apply_external_forces(inert, h / 2);
@@ -279,7 +278,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   spend(1);
 
   if (touches() && frame_context.steps_left == 0 && !is_good(state)) {
-    return false;  // numbers to sort by
+    return false;  // detection cannot sort such numbers
   }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!holders.empty()) judge_holders(h);
@@ -291,7 +290,7 @@ double Simulator::Impl::stretch_after(double h) const {
   if (frame_context.approach_speed == 0) return frame_context.stretch;
   const bool is_kept =
       strain_limit && substeps_at_speed(cloth, frame_context.approach_speed, h) == 1;
-  if (is_kept) return frame_context.stretch;  // the limit takes back what so little parts
+  if (is_kept) return frame_context.stretch;  // the limit corrects so small an elongation
   const double so_far =
       frame_context.is_fast ? worst_stretch(cloth, state.positions) : frame_context.stretch;
   return so_far + frame_context.approach_speed * h / shortest_rest_length(cloth);

@@ -1,5 +1,4 @@
-// Points of the cloth that are attached to frames while it moves, and what it does to frames and
-// colliders.
+// Points of the cloth that are attached to frames, and its wrenches on frames and colliders.
 
 #include <algorithm>
 #include <string>
@@ -15,8 +14,8 @@ namespace {
 
 constexpr Range radius_range{0, 1e6, "m"};
 
-/// Constraints act at a substep's end, when drag has taken some of what forces gave in it. As
-/// forces through the substep they would be that much larger.
+/// Constraints act at a substep's end, when drag has reduced the effect of forces in it. As forces
+/// through the substep their impulses are larger by this factor.
 double as_force(const Cloth& cloth, double h) { return h / Drag(cloth.damping, h).distance; }
 
 }  // namespace
@@ -61,7 +60,7 @@ void Simulator::Impl::judge_holders(double h) {
   const double scale = as_force(cloth, h);
   if (holders.any_sticks()) {
     if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
-      solver->add_reactions(cloth, h, impulses);  // as far as it solved
+      solver->add_reactions(cloth, h, impulses);  // the part that it solved
     } else {
       holders.add_spring_impulses(cloth, h, state, impulses);
     }

@@ -1,4 +1,4 @@
-// Values that change between two frames.
+// Changes of values between two frames.
 
 #include <algorithm>
 #include <utility>
@@ -32,7 +32,7 @@ void Simulator::Impl::check_feasible(const SimulationSpec& spec, const Cloth& wi
 void Simulator::Impl::renew_self_contacts(const Cloth& last, const Cloth& now) {
   if (now.self_collision != last.self_collision || now.thickness != last.thickness) {
     self_contacts = make_self_contacts(now);
-  } else if (now.mass != last.mass) {  // an impulse of pairs belongs to their masses
+  } else if (now.mass != last.mass) {  // impulses of pairs depend on their masses
     if (self_contacts) self_contacts->reset();
   }
 }

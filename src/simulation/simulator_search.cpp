@@ -1,10 +1,10 @@
-// Which substeps seek what touches, and which go on with what is near.
+// Which substeps run detection, and which use known contacts.
 //
-// Stiff, light springs ask for much shorter steps than the motion does. So a substep that seeks
-// plans how many others may go by what it finds: those aim anew what is near, and neither look for
-// more nor guard the cloth from crossing itself. Bounds on how far points and colliders go keep
-// them from meeting anything else, and all that they did is judged by the next search. The last
-// substep of a frame always seeks.
+// Stiff, light springs need much shorter steps than the motion does. So a substep with detection
+// plans how many others may use its results: those update known contacts, and neither detect more
+// nor run the guard. Bounds on the displacements of points and colliders exclude contact with
+// anything else, and the next detection covers their whole path. The last substep of a frame always
+// runs detection.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ bool Simulator::Impl::is_settled() const {
 void Simulator::Impl::plan_detection(double h) {
   frame_context.planned_steps = 1;
   frame_context.may_go = frame_context.collider_speed = 0;
-  // What a scene names, or a method bears, is for all.
+  // All steps of a length that the scene sets, and those of implicit methods, run detection.
   const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
   const double longest = std::min(longest_step, frame_context.motion_step);
   if (has_own_step || 2 * h > longest || !is_settled()) return;
@@ -51,7 +51,8 @@ double Simulator::Impl::max_undetected() {
     const Clearance keeps = clearance(collider.shape(), cloth, stretch_after(longest_step));
     if (!collider.reaches(box, speed * longest_step + keeps.points)) continue;
     frame_context.collider_speed = std::max(frame_context.collider_speed, speed);
-    // Triangles that have touched with corners alone may sink in, beside what they are left in.
+    // Triangles that have touched with corners alone may sink in by this, beyond their present
+    // depth.
     if (keeps.faces) max_way = std::min(max_way, may_sink / 2);
   }
   return max_way;
@@ -70,7 +71,7 @@ void Simulator::Impl::count_displacement(double h) {
 }
 
 bool Simulator::Impl::may_skip_detection(double h) const {
-  const double next = 2 * h * max_speed(state.velocities);  // twice as fast, at most
+  const double next = 2 * h * max_speed(state.velocities);  // at most twice as fast
   return is_settled() && frame_context.gone + next <= frame_context.may_go;
 }
 

@@ -1,4 +1,4 @@
-// States out of a simulator and into it.
+// States from and for a simulator.
 
 #include <algorithm>
 #include <array>
@@ -13,14 +13,14 @@
 namespace clothsim {
 namespace {
 
-/// Counts up when the numbers that make up a memory change.
+/// Increases when the numbers that make up a memory change.
 enum { memory_version = 15 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
 }
 
-/// What of a scene decides which numbers a memory has.
+/// Properties of a scene on which the numbers of a memory depend.
 using MemoryShape = std::array<double, 9>;
 
 MemoryShape shape_of(const Scene& scene, const Cloth& cloth) {
@@ -89,7 +89,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   MemoryReader memory(numbers);
   for (std::size_t i = 0; i < MemoryShape().size(); ++i) memory.number();
 
-  // The method, which may be another one since a frame failed.
+  // The method, which may have changed after a failed frame.
   const Cloth free = without_grips();
   Method read_method(scene.simulation, free, scene.colliders);
   const std::vector<std::string> names = method_names();
@@ -136,7 +136,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     throw InvalidValue({"time"}, to_text(given.time),
                        "a number from 0 to below " + to_text(farthest) + " [s]");
   }
-  // The points that stick are those of the memory, at its end.
+  // The end of the memory has the points that stick.
   Holders given_holders = holders;
   if (memory.size() >= holders.memory_size()) {
     const auto size = static_cast<std::ptrdiff_t>(holders.memory_size());
@@ -163,7 +163,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     read(memory);
   }
   const State last = state;
-  state = given;  // which may be the same one
+  state = given;  // `given` may be the same object
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (cloth.inv_mass[i] > 0) continue;
     state.positions.row(i) = last.positions.row(i);
@@ -252,7 +252,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->grips = saved.grips;
   impl_->hold_points();
   if (impl_->fits(saved.memory)) {
-    impl_->renew_self_contacts(cloth, saved.cloth);  // what its memory tells of
+    impl_->renew_self_contacts(cloth, saved.cloth);  // those of its memory
     impl_->read(saved.memory);
     const bool is_other_material = has_other_material(saved.cloth, cloth);
     if (is_other_material) impl_->forget_history();

@@ -15,22 +15,21 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.85;
 
-/// h omega for the springs of a point that carry the whole cloth's weight. Inertia that tension
-/// adds keeps longer steps stable, but they stretch soft and heavy cloth beyond its limit as it
-/// falls.
+/// h omega for the springs of a point that carry the whole cloth's weight. Added inertia keeps
+/// longer steps stable, but they stretch soft and heavy cloth beyond its limit as it falls.
 constexpr double weight_limit = 4.4;
 
 /// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip
 /// of a box a cloth trembles for ever at 0.7 and rests at 0.5, on a sphere it rests at 1.4. Between
-/// two colliders tension grows without end: as many steps as the weight asks for at that must do.
+/// two colliders tension has no bound: the steps that the weight needs at this value must suffice.
 constexpr double touching_limit = 0.5;
 
-/// Inertia that tension adds at most, of the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
-/// that hangs by two corners rests at 0.02 and shakes at 0.05, for want of passes.
+/// Largest inertia added for tension, over the cloth's mass. A cloth of 50 x 50 or 100 x 100 points
+/// that hangs by two corners rests at 0.02 and shakes at 0.05, for lack of passes.
 constexpr double max_added_mass = 0.015;
 
 /// Frequency [rad/s] across the springs of a point that carry `pull` [N], as the strain limit can
-/// make them near a pin: omega^2 = T / (m l). Without a strain limit 0.
+/// cause near a pin: omega^2 = T / (m l). 0 without a strain limit.
 double pull_frequency(const Cloth& cloth, double pull) {
   if (!cloth.strain_limit || cloth.springs.empty()) return 0;
   return std::sqrt(pull * cloth.inv_mass.maxCoeff() / shortest_rest_length(cloth));
@@ -68,7 +67,7 @@ int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
 
 int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt, int min_steps) {
   const double max_rate = 2 * longest_row(velocities) / shortest_rest_length(cloth);
-  if (dt * max_rate <= way_share * min_steps) return min_steps;  // by far the cheaper look
+  if (dt * max_rate <= way_share * min_steps) return min_steps;  // by far the cheaper check
   const double rate = worst_stretch(cloth, velocities) + 1;      // |v_b - v_a| / L0, largest
   return std::max(min_steps, whole_steps(dt * rate / way_share));
 }
@@ -80,7 +79,7 @@ int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
 int substeps_at_tension(const Cloth& cloth, double pull, double frequency, double dt, int min_steps,
                         bool is_smooth) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
-  if (dt * frequency <= limit * min_steps) return min_steps;  // by far the cheaper look
+  if (dt * frequency <= limit * min_steps) return min_steps;  // by far the cheaper check
   const double max_frequency = pull_frequency(cloth, pull);
   return std::max(min_steps, whole_steps(dt * (std::min(frequency, max_frequency) / limit)));
 }
@@ -88,7 +87,7 @@ int substeps_at_tension(const Cloth& cloth, double pull, double frequency, doubl
 int substeps_at_mass_ratio(const Cloth& cloth, const Vector3& gravity, double mass_ratio, double dt,
                            int min_steps) {
   if (mass_ratio <= max_added_mass * min_steps * min_steps) {
-    return min_steps;  // the weight looks at all points
+    return min_steps;  // the weight takes a loop over all points
   }
   const double on_either_side = std::sqrt(2) * weight_frequency(cloth, gravity);
   const double max_ratio = TensionInertia::mass_ratio_at(on_either_side, dt);

@@ -10,8 +10,8 @@
 
 namespace clothsim {
 
-/// Which points changed their velocity since they were last looked at: passes over contacts leave
-/// out those where no point did.
+/// The points whose velocity has changed since the last look: passes over contacts skip contacts
+/// without such a point.
 class ChangedPoints {
  public:
   /// All `count` points count as changed at the next look.
@@ -21,8 +21,8 @@ class ChangedPoints {
     for (const int point : points) marked_[static_cast<std::size_t>(point)] = 1;
   }
 
-  /// Finds those that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by more
-  /// than `min_change` [m/s] from what they were when they were last found.
+  /// Finds the points that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by
+  /// more than `min_change` [m/s] from those at which they were last found.
   void look(const Points& velocities, double min_change, const Workers& = {});
 
   bool any(const std::array<int, 4>& points) const {

@@ -9,24 +9,24 @@
 
 namespace clothsim {
 
-/// Impulse that a surface gives to what touches it [N s]; of single points over their mass [m/s].
+/// Impulse of a surface on the cloth [N s]; for contacts of single points over their mass [m/s].
 struct ContactImpulse {
   Vector3 normal{0, 0, 1};            // into free space
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
-  double target_velocity = 0;         // least normal velocity off the surface allowed [m/s]
+  double target_velocity = 0;         // least normal velocity allowed, off the surface > 0 [m/s]
   double friction = 0;
-  double max_normal_impulse = std::numeric_limits<double>::infinity();  // in all
+  double max_normal_impulse = std::numeric_limits<double>::infinity();  // in total
   double max_separating_impulse =
-      std::numeric_limits<double>::infinity();  // where it parts, not stops
+      std::numeric_limits<double>::infinity();  // where it separates an overlap
   double normal_impulse = 0;                    // along the normal, >= 0
   Vector3 friction_impulse{0, 0, 0};  // against sliding, at most friction * normal_impulse
 
-  /// Brings it up to date where the cloth touches with `velocity` [m/s], and moves like a
-  /// `mass`: an impulse changes that velocity by itself over it. Returns the change.
+  /// Updates the impulse for the relative motion of a contact with `velocity` [m/s] and effective
+  /// `mass`: an impulse p changes that velocity by p / mass. Returns the change of the impulse.
   Vector3 update(const Vector3& velocity, double mass) {
     const Vector3 v = velocity - surface_velocity;
 
-    // Off the surface, or towards it no faster than the gap allows.
+    // The normal velocity may not fall below target_velocity.
     const double rate = normal.dot(v);
     double new_normal_impulse = normal_impulse + mass * (target_velocity - rate);
     if (target_velocity > 0) {
@@ -35,7 +35,7 @@ struct ContactImpulse {
     }
     new_normal_impulse = std::clamp(new_normal_impulse, 0.0, max_normal_impulse);
 
-    // Against sliding, as far as Coulomb's cone reaches.
+    // Projection onto Coulomb's cone.
     Vector3 new_friction_impulse = friction_impulse - mass * (v - rate * normal);
     const double max_friction = friction * new_normal_impulse;
     const double length2 = new_friction_impulse.squaredNorm();
@@ -50,14 +50,14 @@ struct ContactImpulse {
     return change;
   }
 
-  /// Makes it `scale` times as large, in the directions of now.
+  /// Scales the impulse, and makes its friction tangential to the present normal.
   void warm_start(double scale) {
     normal_impulse *= scale;
     friction_impulse *= scale;
     friction_impulse -= normal.dot(friction_impulse) * normal;
   }
 
-  /// Has warm_start() go on with that of the last step.
+  /// Takes the impulse of the last step, for warm_start().
   void keep(const ContactImpulse& last) {
     normal_impulse = last.normal_impulse;
     friction_impulse = last.friction_impulse;
@@ -65,20 +65,20 @@ struct ContactImpulse {
 
   Vector3 total() const { return normal_impulse * normal + friction_impulse; }
 
-  /// Lets it push with that much at most, now too.
+  /// Bounds the normal impulse, and the present one too.
   void weaken(double strongest) {
     max_normal_impulse = std::min(max_normal_impulse, strongest);
     if (normal_impulse > max_normal_impulse) warm_start(max_normal_impulse / normal_impulse);
   }
 
-  /// Lets it push no more.
+  /// Ends the contact: no impulse from now on.
   void let_go() {
     target_velocity = -std::numeric_limits<double>::infinity();
     normal_impulse = friction = 0;
     friction_impulse.setZero();
   }
 
-  /// What the next step starts with: the impulse, not the surface.
+  /// The state that the next step starts with: the impulse, not the surface.
   void write(MemoryWriter& memory) const {
     memory.add(normal_impulse);
     memory.add(friction_impulse);

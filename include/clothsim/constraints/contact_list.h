@@ -24,41 +24,42 @@ inline Vector3 weighted_sum(const std::array<int, 4>& points, const std::array<d
   return {along(0), along(1), along(2)};
 }
 
-/// A place of a cloth, of up to four points, that a surface touches: a collider's, or its own.
+/// A contact of a cloth, at up to four points, with a collider or with itself.
 struct Contact {
-  std::uint64_t key = 0;            // of what touches what: the same in any step
-  std::array<int, 4> points{};      // those of weight 0 are any
-  std::array<double, 4> weights{};  // it moves with the sum of w_k v_k
-  std::array<double, 4> moves{};    // of the points by an impulse: w_k / m_k [1/kg]
-  double mass = 0;                  // that impulses meet: 1 / sum w_k moves_k; 0: no end of it [kg]
-  double nearest = 0;               // room that the surfaces need between them [m]
+  std::uint64_t key = 0;            // identifies the pair of features, the same in any step
+  std::array<int, 4> points{};      // those of weight 0 are arbitrary
+  std::array<double, 4> weights{};  // its velocity is the sum of w_k v_k
+  std::array<double, 4> moves{};    // of the points per impulse: w_k / m_k [1/kg]
+  double mass = 0;                  // effective mass [kg]: 1 / sum w_k moves_k; 0: infinite
+  double nearest = 0;               // distance that the surfaces keep [m]
   ContactImpulse impulse = {};      // on the points, by weight [N s]
 
-  /// Sets what it moves, and its mass: all of its points by their inverse masses.
+  /// Sets `moves` and `mass` from the inverse masses of the points.
   void compute_effective_mass(const Cloth&);
-  /// Moves its point number k no more.
+  /// Makes point number k immovable.
   void hold(std::size_t k);
 
-  /// Adds what an impulse [N s] does to the points.
+  /// Adds the velocity changes of the points by an impulse [N s].
   void give(const Vector3& impulse, Points& velocities) const;
 
  private:
   void set_mass();
 };
 
-/// Contacts of a step, by their keys, whatever has found them: one law, that of ContactImpulse, for
-/// each in turn (projected Gauss-Seidel), one memory of impulses from step to step, and one rule of
-/// which a pass leaves out.
+/// The contacts of a step in the order of their keys, whoever detected them. Each is solved in turn
+/// by ContactImpulse (projected Gauss-Seidel), impulses are kept from step to step, and passes skip
+/// contacts whose points have not changed.
 class ContactList {
  public:
-  /// Begins a step of h [s]: contacts of before are those to go on with.
+  /// Begins a step of h [s]: the present contacts become those of the last step.
   void start_over(double h);
 
-  /// Those of the last step that had an impulse, to be asked for by ascending keys from `first` on.
+  /// Contacts of the last step that had an impulse. Keys must be asked for in ascending order, from
+  /// `first` on.
   class Last {
    public:
     Last(const ContactList&, std::uint64_t first);
-    /// None: null.
+    /// The contact with this key; null: none.
     const Contact* of(std::uint64_t key);
 
    private:
@@ -66,30 +67,30 @@ class ContactList {
     std::vector<Contact>::const_iterator end_;
   };
 
-  /// Calls visit(contact) for those of the last step, by ascending keys.
+  /// Calls visit(contact) for contacts of the last step, by ascending keys.
   template <typename Visit>
   void for_each_last(Visit&& visit) const {
     for (const Contact& c : last_) visit(c);
   }
 
-  /// Contacts by ascending keys, each with its impulse of the last step, as it was then.
+  /// Adds contacts, by ascending keys, each with its impulse of the last step.
   void add(const Contact& contact) { contacts_.push_back(contact); }
   void add(const std::vector<Contact>&);
 
   /// To be called when a step has all of its contacts: gives points the impulses of the last step,
-  /// over this one's length. `positions`: by which to tell threads apart.
+  /// scaled by the lengths of the steps. `positions`: by which contacts are divided over threads.
   void warm_start(const Points& positions, Points& velocities);
 
   /// In another step of the same length, gives points the impulses of the last one once more.
   void warm_start_again(Points& velocities) { warm_start(1, velocities); }
 
-  /// One pass over the contacts, but for those where no point has changed by more than a share of
-  /// `precision` [m/s] since they were looked at; where it is below 0, over all. Returns the
-  /// largest change of a contact's velocity [m/s].
+  /// One pass over the contacts, except for those whose points have changed by less than a share of
+  /// `precision` [m/s] since their last update; over all where it is below 0. Returns the largest
+  /// change of a contact's velocity [m/s].
   double solve_pass(double precision, Points& velocities, const Workers& = {});
 
-  /// Contacts with what colliders hold act no more; those that it is a part of, with no more than
-  /// `strongest` [N s]. Takes back from the velocities [m/s] what warm_start() gave beyond that.
+  /// Ends contacts of which colliders hold all points, and bounds those of which they hold some by
+  /// `strongest` [N s]. Takes the excess of warm_start() back from the velocities [m/s].
   void release_pinched(const Pinches&, double strongest, Points& velocities);
 
   std::vector<Contact>& contacts() { return contacts_; }
@@ -101,12 +102,12 @@ class ContactList {
   /// Forgets the impulses.
   void reset();
 
-  /// The impulses. `read` throws InvalidValue for what was not written.
+  /// The impulses. `read` throws InvalidValue for data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
  private:
-  /// A contact, by number, and its points: most passes look at no more of it.
+  /// A contact, by number, and its points: most passes read no more of it.
   struct Place {
     std::array<int, 4> points;
     int contact;
@@ -124,14 +125,14 @@ class ContactList {
   double solve_group(const std::vector<Place>&, double min_change, Points& velocities);
 
   double h_ = 0;
-  double scale_ = 0;  // of the last step's impulses, over the same forces' in this one
+  double scale_ = 0;  // factor on the impulses of the last step: ratio of the steps' lengths
   std::vector<Contact> contacts_;
   std::vector<Contact> last_;
-  /// Contacts within each of n slabs, then those across one plane, of every other plane first, then
-  /// those across more. The groups up to each of `stages_` have no point in common.
+  /// Contacts within each of n slabs, then those across one plane, even planes first, then those
+  /// across more. Groups of one stage have no point in common; `stages_` has the end of each stage.
   std::vector<std::vector<Place>> groups_;
   std::array<int, 4> stages_{};
-  std::vector<double> changes_;  // of each group in a pass
+  std::vector<double> changes_;  // by group, in a pass
   ChangedPoints changed_;
 };
 

@@ -17,10 +17,10 @@
 namespace clothsim {
 
 /// Contacts of the points of a cloth with one collider, a slot for each point: loops over blocks of
-/// points vectorise, and impulses stay where they are from step to step.
+/// points vectorise, and impulses stay in place from step to step.
 ///
-/// What it does to a point is what ContactImpulse does, whose update() is the same law. Blocks none
-/// of whose points touch are not looked at. No result depends on how points make blocks.
+/// The law is that of ContactImpulse::update(). Blocks without contacts are skipped. Results do not
+/// depend on the division into blocks.
 class ContactSlots {
  public:
   /// Points of a block: as many as the widest vector unit takes.
@@ -56,11 +56,11 @@ class ContactSlots {
   /// Contacts of the points of a block, see ContactImpulse.
   struct Block {
     Triples normal;
-    Triples surface;                            // its velocity [m/s]
-    alignas(64) double target_velocity[block];  // -infinity: no contact, as of one that is let go
-    alignas(64) double normal_impulse[block];   // 0 but in blocks that are active
-    Triples friction_impulse;                   // likewise
-    // Velocities that the last pass left the points with: none needs another until they change.
+    Triples surface;                            // velocity of the surface [m/s]
+    alignas(64) double target_velocity[block];  // -infinity: no contact
+    alignas(64) double normal_impulse[block];   // 0 except in active blocks
+    Triples friction_impulse;                   // 0 except in active blocks
+    // Velocities of the points after the last pass: no update until they change.
     Triples left;
   };
 
@@ -69,9 +69,9 @@ class ContactSlots {
 
   bool fits(const Cloth& cloth) const { return points_ == cloth.num_points(); }
 
-  /// What finds contacts in a step.
+  /// Data for the detection of contacts with one collider in a step.
   struct Detector {
-    /// `asked`: of all points. Nothing farther away than its `near` can touch.
+    /// `asked`: for all points. Nothing farther away than its `near` can touch.
     Detector(const MovingCollider&, double offset, const Asked& asked);
 
     const MovingCollider& collider;
@@ -79,7 +79,7 @@ class ContactSlots {
     Frame before;   // at the step's start
     double offset;  // that points keep from the surface [m]
 
-    /// Of the points from this one on.
+    /// `asked` for the points from `first` on.
     Asked asked(int first) const;
 
    private:
@@ -92,15 +92,16 @@ class ContactSlots {
   /// Finds the contacts of some blocks. To be called in ascending order.
   void find(const Span&, const Detector&, const Cloth&, const ContactStep&, const State&);
 
-  /// The contact of one point, whether it was found or not: at the surface that faces `normal`,
-  /// which it may not leave slower than at `target_velocity` [m/s].
+  /// Sets the contact of one point, whether it was detected or not: with a surface of this normal,
+  /// and a normal velocity of at least `target_velocity` [m/s].
   void put(int point, const Vector3& normal, const Vector3& surface_velocity,
            double target_velocity);
 
-  /// Ends a contact that there is.
+  /// Ends an existing contact.
   void remove(int point);
 
-  /// To be called when all contacts of a step have been found: drops the others' impulses.
+  /// To be called when all contacts of a step have been found: clears the impulses of blocks
+  /// without contacts.
   void close();
 
   /// Gives the points the impulses of the last step, `scale` times as large.
@@ -109,18 +110,18 @@ class ContactSlots {
   /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
   double solve_pass(double friction, Points& velocities);
 
-  /// Moves points of some blocks, at `positions` after a step from `start`, to the offset. Those
-  /// that are not `free`, from the first on, stay. `min_distances`: of each block, how near to the
-  /// surface a point was [m]. Returns the longest way of a point [m].
+  /// Moves points of some blocks, at `positions` after a step from `start`, to the offset. Points
+  /// that are not `free`, from the first on, stay. `min_distances`: by block, least distance of a
+  /// point from the surface [m]. Returns the largest displacement of a point [m].
   static double project_positions(const Span&, const Detector&, const double* free,
                                   const Points& start, Points& positions, double* min_distances);
 
-  /// Does a contact of this step touch it?
+  /// Does a point have a contact in this step?
   bool touches(int point) const {
     return has_active(point / block) && at(point / block).target_velocity[point % block] >
                                             -std::numeric_limits<double>::infinity();
   }
-  /// Has it an impulse, before warm_start() that of the last step?
+  /// Does a point have an impulse (before warm_start(): of the last step)?
   bool is_held(int point) const { return at(point / block).normal_impulse[point % block] > 0; }
   bool has_active(int b) const {
     return !is_active_.empty() && is_active_[static_cast<std::size_t>(b)] != 0;
@@ -132,8 +133,8 @@ class ContactSlots {
   ContactImpulse contact(int point, double friction) const;
   Vector3 normal(int point) const { return at(point / block).normal.get(point % block); }
 
-  /// Adds what the points, at `positions`, gave the collider in the step, times `scale`: impulse
-  /// [N s] and its moment about `origin` [N m s].
+  /// Adds the impulses of the points, at `positions`, on the collider in the step, times `scale`:
+  /// impulse [N s] and its moment about `origin` [N m s].
   void add_impulses(const Cloth&, double scale, const Vector3& origin, const Points& positions,
                     Wrench& sum) const;
 
@@ -159,7 +160,7 @@ class ContactSlots {
     }
   }
 
-  /// An impulse for a warm start. Points in ascending order.
+  /// Sets an impulse for a warm start. Points in ascending order.
   void hold(int point, const ContactImpulse&);
 
  private:

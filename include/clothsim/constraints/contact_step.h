@@ -9,48 +9,48 @@
 
 namespace clothsim {
 
-/// Contact takes a cloth to weigh as much as on Earth at least: where there is no gravity it is
-/// pressed and pulled all the same [m/s^2].
+/// Least gravity [m/s^2] for the weight of a cloth in contact: cloth without gravity is pressed and
+/// pulled, too.
 inline constexpr double min_gravity = 9.81;
 
-/// Share of an overlap that a step works off. All of it would feed energy to what is pressed on: a
-/// cloth on a tip would shake for ever, and so would piles, whose kept impulses integrate it.
+/// Share of an overlap that a step corrects. A correction of all of it would add energy: a cloth on
+/// a tip would shake for ever, and so would piles, whose warm-started impulses integrate it.
 inline constexpr double overlap_share = 0.01;
 
-/// Contact is solved to this speed at least [m/s], however short the steps: what is left of each
-/// step's solution shakes a cloth that lies, and what friction leaves over, creeps.
+/// Contact is solved at least to this speed [m/s], however short the steps: the residual of each
+/// step shakes a cloth at rest, and a residual of friction lets it creep.
 inline constexpr double rest_speed = 5e-4;
 
-/// Longest substep where contact or the strain limit act, and longest that steps go on with what
-/// was near before [s]: longer ones tremble on a sphere and hang farther off than the limit's
-/// tolerance leaves (see docs/experiments.md).
+/// Longest substep where contact or the strain limit act, and longest time between two detections
+/// [s]. With longer ones a cloth trembles on a sphere, and a hanging one deviates by more than the
+/// tolerance of the limit (see docs/experiments.md).
 inline constexpr double longest_step = 3e-3;
 
-/// Passes at what may be impossible, at most: over a strain limit that yields, where more would
+/// Most passes where constraints may conflict: over a strain limit that yields, where more would
 /// only pull harder, and over triangles in a collider, each of which may move its neighbours in.
 inline constexpr int passes_in_vain = 50;
 
-/// The step after which contacts are sought.
+/// A step, for the detection of contacts after it.
 struct ContactStep {
   double h;                    // [s]
-  double displacement_factor;  // share of h for which an impulse given in the step moves a point
+  double displacement_factor;  // share of h for which an impulse of the step moves a point
   const Points& start;         // positions at its start [m]
-  const Points& drifted;       // the velocities that brought the points where they are [m/s]
+  const Points& drifted;       // velocities that moved the points to the present positions [m/s]
   const Workers& workers;
-  double left = 0;               // until the frame's end, with this step [s]
-  double gravity = min_gravity;  // [m/s^2], no less
-  double recovery_factor = 1;    // of what comes out of a collider, see recovery_factor_after()
-  double stretch = 0;            // l / L0 - 1 that springs may have at its end
-  WorkBudget* budget = nullptr;  // of the frame; none: all is done
+  double left = 0;               // time until the frame's end, with this step [s]
+  double gravity = min_gravity;  // at least min_gravity [m/s^2]
+  double recovery_factor = 1;    // factor on the recovery speed, see recovery_factor_after()
+  double stretch = 0;            // l / L0 - 1 of springs at its end, at most
+  WorkBudget* budget = nullptr;  // of the frame; none: no bound
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
-  const Points* velocities = nullptr;    // at its start [m/s]; none: those that drifted
-  // By point, whether colliders hold it when contacts have been found; none or empty: none.
+  const Points* velocities = nullptr;    // at its start [m/s]; none: `drifted`
+  // By point, whether colliders hold it once contacts have been found; none or empty: none.
   const std::vector<char>* held = nullptr;
-  // Of steps that go on with contacts of one that sought them.
-  const Points* detected_at = nullptr;  // positions when they were sought; none: start
-  double since = h;                     // then, at its end [s]
-  double ahead = h;                     // until they are sought anew [s]
-  double way = 0;                       // that points may go until then, beyond the step's [m]
+  // For steps that use the contacts of an earlier detection:
+  const Points* detected_at = nullptr;  // positions at the detection; none: start
+  double since = h;                     // time since the detection, at the step's end [s]
+  double ahead = h;                     // time until the next detection [s]
+  double way = 0;                       // displacement of points until then, beyond the step's [m]
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -7,8 +7,8 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 
-// What acts on a triangle at a point of it acts on its corners, in the shares that the point has of
-// them.
+// A force or impulse at a point of a triangle acts on the corners in proportion to the barycentric
+// weights of that point.
 
 namespace clothsim {
 
@@ -27,8 +27,8 @@ inline Vector3 weighted(const Points& points, const Corners& corners,
       .transpose();
 }
 
-/// By how much an impulse at a point of a triangle moves its corners, by the point's weights of
-/// them: by inverse mass, over that of the lightest. Held ones not at all.
+/// Displacements of the corners by an impulse at a point of a triangle: the point's weight times
+/// inverse mass, over the largest inverse mass of a corner. 0 for held corners.
 inline CornerWeights moves_of(const Cloth& cloth, const Corners& corners,
                               const CornerWeights& weights) {
   double largest = 0;
@@ -41,7 +41,7 @@ inline CornerWeights moves_of(const Cloth& cloth, const Corners& corners,
   return moves;
 }
 
-/// Adds a change to the corners by how much each moves.
+/// Adds a change to the corners in proportion to `moves`.
 inline void spread(const Corners& corners, const CornerWeights& moves, const Vector3& change,
                    Points& points) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -49,7 +49,7 @@ inline void spread(const Corners& corners, const CornerWeights& moves, const Vec
   }
 }
 
-/// Velocity at the point of those weights, over an impulse there.
+/// Velocity at the point with these weights, per impulse there.
 inline double yield_of(const CornerWeights& weights, const CornerWeights& moves) {
   return weights[0] * moves[0] + weights[1] * moves[1] + weights[2] * moves[2];
 }
@@ -58,8 +58,8 @@ inline bool any_held(const Cloth& cloth, const Corners& corners) {
   return std::any_of(corners.begin(), corners.end(), [&](int i) { return cloth.inv_mass[i] == 0; });
 }
 
-/// Velocity at a contact over that of the corner which moves fastest for it, where one is held:
-/// next to that the free ones have long ways to go. 1 where all are free.
+/// Velocity at a contact over that of its fastest corner, where a corner is held: near a held
+/// corner the free ones move far. 1 where all are free.
 inline double lever_of(const Cloth& cloth, const Corners& corners, const CornerWeights& weights) {
   if (!any_held(cloth, corners)) return 1;
   const CornerWeights moves = moves_of(cloth, corners, weights);

@@ -8,18 +8,18 @@
 namespace clothsim {
 
 /// Lets the points of a cloth move from the start of a step to `state` as far as its surface cannot
-/// cross itself, whatever moves them, and returns how many it holds back. These have the velocity
-/// of the way they made, and no more than they had.
+/// cross itself, whatever moves them. Returns the number of truncated points. Their velocity
+/// becomes that of the truncated displacement, with at most the speed that they had.
 ///
-/// Between two measurements of distances, points move on straight ways. Two features between which
-/// there are planes of one direction at both ends have one all the way. Where none of the direction
-/// in which they are closest now will be between them, no point of them goes farther than a share,
-/// below a half, of their distance (Chen et al. 2025, "Offset Geometric Contact"; Lan et al. 2024,
-/// Gaia).
+/// Between two measurements of distances points move on straight paths. Two features that are
+/// separated at both ends by planes of one direction are separated all the way. Where no plane
+/// along their present shortest distance separates them afterwards, no point of them moves farther
+/// than a share, below a half, of that distance (Chen et al. 2025, "Offset Geometric Contact"; Lan
+/// et al. 2024, Gaia).
 ///
-/// `by_impulses`: where the points would be before repairs of springs and push-outs of colliders
-/// [m]. These know nothing of the cloth's contact with itself, so what touches, and is held
-/// together by them alone, goes without.
+/// `by_impulses`: positions [m] before the projections of springs and of colliders. Projections do
+/// not account for self contact: features in contact that projections alone hold together go
+/// without them.
 int keep_from_crossing(const Cloth&, const ContactStep&, const Points& by_impulses, NearPairs&,
                        State&);
 

@@ -10,23 +10,24 @@
 
 namespace clothsim {
 
-/// Is a corner held in the solid? Then so is the triangle.
+/// Is a corner held in the solid? Then the triangle counts as held there.
 bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 
-/// How much further away a contact next to a held corner counts, so that it may sink in by as much:
-/// by a lever without end a triangle could not rest on what it is pinned to [m].
+/// Distance [m] to add to that of a contact next to a held corner, so that it may sink in by as
+/// much. Without it a triangle could not rest on the collider that it is pinned to: contact near
+/// the held corner would need unbounded motion of the free ones.
 double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
-/// The same, of a lever as of lever_of().
+/// The same for a lever as of lever_of().
 double leeway(double lever, const Triangle&);
 
-/// As face_distance(), with that leeway.
+/// face_distance(), with that leeway added.
 std::optional<FaceDistance> distance_with_leeway(const Shape&, const Cloth&, const Corners&,
                                                  const Triangle&, double margin);
 
-/// Distance of a triangle at a step's end, and whether it is that of a sweep.
+/// Distance of a triangle at a step's end, and whether it results from a sweep.
 struct FaceApproach {
   std::optional<FaceDistance> distance;
-  double before = 0;  // [m] at the step's start, where negative
+  double before = 0;  // distance at the step's start, where negative [m]
   bool swept = false;
 };
 
@@ -39,7 +40,7 @@ template <class Visit>
 void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
                    const LocalCloth& local, double margin, Visit visit) {
   const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
-  const double far = margin + edge / std::sqrt(3);  // of the nearest corner
+  const double far = margin + edge / std::sqrt(3);  // distance of the nearest corner
   const double way = longest_row(local.to - local.from);
   const bool fast = way > safe_depth(shape);
   for (int b = 0; b < blocks.count(); ++b) {

@@ -23,15 +23,15 @@ struct PenetratingFace {
   double depth;         // [m] at the step's start
 };
 
-/// Edges and faces of a cloth on colliders that are not smooth against its triangles. As in
-/// ColliderContacts, but each contact acts on the three corners of a triangle, in the shares that
-/// its point has of them, and moves each by its inverse mass. What a corner touches is left to the
-/// contact of that point. So is all of a triangle with a corner that is held in the solid, which
-/// nothing could bring out. Next to a held corner a triangle may sink in by up to a tenth of its
+/// Contacts of edges and faces of a cloth with colliders that are not smooth relative to its
+/// triangles. As in ColliderContacts, except that each contact acts on the three corners of a
+/// triangle, by their barycentric weights and inverse masses. Contact at a corner is left to the
+/// contact of that point. Triangles with a corner that is held in the solid have none, as nothing
+/// could bring them out. Next to a held corner a triangle may sink in by up to a tenth of its
 /// longest edge.
 class FaceContacts {
  public:
-  /// Begins a step of h [s]: contacts of before are those to go on with.
+  /// Begins a step of h [s]: the present contacts become those of the last step.
   void start_over(double h);
 
   /// A collider beside a cloth, in a step.
@@ -40,7 +40,7 @@ class FaceContacts {
     const MovingCollider& collider;
     const Cloth& cloth;
     const ContactStep& step;
-    double margin;  // how far away a triangle may be that matters within the step [m]
+    double margin;  // distance within which a triangle may touch in the step [m]
     LocalCloth& local;
     State& state;
     std::vector<PenetratingFace>& penetrating_faces;
@@ -50,7 +50,7 @@ class FaceContacts {
   /// moved back.
   void find(const ColliderQuery&);
 
-  /// The same of the triangles that had contacts with it in the last step.
+  /// The same for the triangles that had contacts with the collider in the last step.
   void find_again(const ColliderQuery&);
 
   /// Gives the contacts the impulses of the last step.
@@ -70,8 +70,9 @@ class FaceContacts {
     }
   }
 
-  /// Acts on no corner that is held. What such corners lack of their distance from the collider, as
-  /// layers that have to be thinner do, their triangles may lack by their shares.
+  /// Makes the corners immovable that two colliders hold. A triangle with such corners may be
+  /// nearer to the collider than the offset, by the weighted share of the distance that they lack,
+  /// as layers that have to be thinner are.
   void release_pinched(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
                        const ContactStep&);
 
@@ -89,7 +90,7 @@ class FaceContacts {
     list_.contacts()[contact].impulse.target_velocity = places_[contact].lever * speed;
   }
 
-  /// As of ContactSlots, to each collider's sum, about its frame's origin.
+  /// As ContactSlots::add_impulses(), to the sum of each collider, about the origin of its frame.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
@@ -100,13 +101,13 @@ class FaceContacts {
   void read(MemoryReader& memory) { list_.read(memory); }
 
  private:
-  /// What a contact has besides.
+  /// Further data of a contact.
   struct Place {
-    double lever;     // velocity there over the fastest corner's
+    double lever;     // velocity there over that of the fastest corner
     double distance;  // from the surface, where impulses act [m]
   };
 
-  /// A key has a collider, a triangle and a feature that touches: an edge, 0 to 2, or the face, 3.
+  /// A key has a collider, a triangle and the feature in contact: an edge, 0 to 2, or the face, 3.
   enum { triangle_bit = 2, collider_bit = 32 };
   static std::uint64_t key_of(int collider, int triangle, std::size_t feature) {
     return static_cast<std::uint64_t>(collider) << collider_bit |
@@ -120,13 +121,14 @@ class FaceContacts {
   /// Adds the contacts of a triangle. To be called in the order of their keys.
   void look_at(const ColliderQuery&, int triangle, ContactList::Last&);
 
-  /// Adds a contact at `distance`, if it matters in this step. `last`: what it was, if it was.
+  /// Adds a contact at `distance`, if it matters in this step. `last`: the contact in the last
+  /// step; null: none.
   void add(const ColliderQuery&, std::uint64_t key, const Contact* last,
            const FaceDistance& distance, bool swept, double depth);
 
   TriangleBlocks blocks_;
   ContactList list_;
-  std::vector<Place> places_;  // as list_; none of a list that was read
+  std::vector<Place> places_;  // as list_; empty for a list that was read
 };
 
 }  // namespace clothsim

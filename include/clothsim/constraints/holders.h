@@ -19,14 +19,13 @@ struct Hold {
   int holder;  // number of the holder, which points may share
 };
 
-/// What holds the points of a cloth, each holder with a strength.
+/// The holders of a cloth's points, pins or grips, each with a strength S [N].
 ///
-/// A point sticks as long as the cloth pulls with less than its holder can give: it is kinematic,
-/// of infinite mass. Beyond that it slips: it has its mass again, and the holder pulls it towards
-/// its target with all of its share of the strength. Once the cloth pulls with less, the holder
-/// brings the point back, and it sticks again where it has arrived. In between, a band of the
-/// strength rubs as Coulomb friction does, so that a slip comes to rest. All of it is one monotone
-/// law of force and velocity:
+/// A point sticks while its load is below its share of the strength: it is kinematic, of infinite
+/// mass. Above that it slips: it has its own mass, and the holder pulls it towards its target with
+/// all of its share. Once the load is lower, the holder brings the point back, and it sticks again
+/// at its target. A share f of the strength acts as Coulomb friction, so that a slip comes to rest.
+/// Force F and velocity follow one monotone law:
 ///
 ///   F = S                 while the point leaves,
 ///   F from (1 - f) S to S while it stays behind its target, at rest relative to the holder,
@@ -35,40 +34,41 @@ struct Hold {
 /// A held point that is moved against a collider slips, too: the collider is the stronger of both.
 class Holders {
  public:
-  /// Holds these points, of holders with `strengths` [N]. Points that were held before go on as
-  /// they are; others stick where they are. A holder that names no strength bears ten times the
-  /// weight of the cloth, as a robot that lifts, shakes and swings it does, and what stretches all
-  /// springs of its points to their strain limit, or by a tenth where there is none: a cloth that
-  /// is light and stiff is pulled with more than its weight.
+  /// Holds these points, with the holders' `strengths` [N]. Points that were held before keep their
+  /// state; others stick where they are. A holder without a strength gets ten times the weight of
+  /// the cloth, enough for a robot that lifts, shakes and swings it, plus the force that stretches
+  /// all springs of its points to their strain limit, or by a tenth where there is none: the loads
+  /// of a light and stiff cloth exceed its weight.
   void hold(const std::vector<Hold>&, const std::vector<std::optional<double>>& strengths,
             const Cloth&, double gravity, const Points& positions);
 
   bool empty() const { return points_.empty(); }
   bool holds(int point) const;
 
-  /// Takes the mass of the points that stick from the cloth, and gives others theirs.
+  /// Makes the mass of points that stick infinite, and gives others their own.
   void apply(Cloth&) const;
 
-  /// Sets out for `targets` [m], as hold() has the points, to be reached in dt [s].
+  /// Begins a frame of dt [s] in which the points move to `targets` [m], in the order of hold().
   void begin_frame(const std::vector<Vector3>& targets, double dt, State&);
   /// Puts points that stick at their targets, to the last bit.
   void end_frame(State&) const;
-  /// Puts a point at once where it is to be [m], and has it stick there.
+  /// Puts a point at its target [m] at once, where it sticks.
   void place(std::size_t hold, const Vector3& target, State&);
 
-  /// To be called as a substep of h [s] begins, with colliders as they will be at its end. Has
-  /// points slip that are pressed against these. Whether what sticks has changed.
+  /// To be called as a substep of h [s] begins, with colliders as they will be at its end. Points
+  /// that are pressed against these slip. Returns whether the set of points that stick has changed.
   bool begin_substep(double h, const Cloth&, const std::vector<MovingCollider>&,
                      const Points& positions);
 
-  /// Finds what pulls on slipping points, and gives them their last impulses.
+  /// Finds the velocities wanted of slipping points, and applies their impulses of the last step.
   void warm_start(const Cloth&, const ContactStep&, State&);
   /// One pass over slipping points. Returns the largest change of a velocity [m/s].
   double solve_pass(Points& velocities);
 
-  /// After a substep of h [s]: what the cloth has given each point that sticks, `impulses` [N s],
-  /// N x 3. `scale`: by which the impulses of solve_pass() are larger as forces through the
-  /// substep. Lets points slip, and stick again. Whether what sticks has changed.
+  /// After a substep of h [s]. `impulses`: of the cloth on each point that sticks [N s], N x 3.
+  /// `scale`: factor from the impulses of solve_pass() to those of the same forces through the
+  /// substep. Lets points slip, or stick again. Returns whether the set of points that stick has
+  /// changed.
   bool judge(const Cloth&, double h, double scale, const Vector3& gravity, const Points& impulses,
              State&);
 
@@ -87,19 +87,20 @@ class Holders {
   double strongest() const { return *std::max_element(strengths_.begin(), strengths_.end()); }
   int point(std::size_t hold) const { return points_[hold].hold.point; }
   bool sticks(std::size_t hold) const { return !points_[hold].slips; }
-  /// Impulse [N s] that the cloth put on the holder through this point in the frame, without that
-  /// of the point's own acceleration.
+  /// Impulse [N s] of the cloth on the holder through this point in the frame, without that of the
+  /// point's own acceleration.
   const Vector3& frame_impulse(std::size_t hold) const { return points_[hold].frame_impulse; }
-  /// Of the holder, the forces [N] on all its points in a step of dt [s], by amount.
+  /// Sum of the magnitudes of a holder's forces [N] on its points in a step of dt [s].
   double force(int holder, double dt) const;
-  /// How far the point is from its target [m], after end_frame().
+  /// Distance of the point from its target [m], after end_frame().
   double lag(std::size_t hold, const Points& positions) const {
     return points_[hold].slips ? (points_[hold].target - row(positions, point(hold))).norm() : 0;
   }
-  /// Work [J] that holders have done in the frame, at most, on the points that slip now.
+  /// Bound on the work [J] of holders in the frame on the points that slip now.
   double work() const;
 
-  /// As so many numbers. `read` throws InvalidValue for what was not written.
+  /// The state, as memory_size() numbers. `read` throws InvalidValue for data that is not from
+  /// `write`.
   std::size_t memory_size() const;
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
@@ -107,14 +108,14 @@ class Holders {
  private:
   struct Point {
     Hold hold;
-    Vector3 start;   // where it was to be as the frame began [m]
-    Vector3 target;  // and is to be as it ends [m]
+    Vector3 start;   // target as the frame began [m]
+    Vector3 target;  // target as it ends [m]
     bool slips = false;
     bool is_pressed = false;   // against a collider
-    double max_force = 0;      // that it may be pulled with [N]
-    double begun = 0;          // when it was at `start`, in the frame [s]
+    double max_force = 0;      // largest force of the holder on it [N]
+    double begun = 0;          // time in the frame when it was at `start` [s]
     Vector3 impulse{0, 0, 0};  // on the point in the last substep [N s]
-    Vector3 want{0, 0, 0};     // velocity towards the target [m/s]
+    Vector3 want{0, 0, 0};     // wanted velocity towards the target [m/s]
     Vector3 carried{0, 0, 0};  // velocity of the holder [m/s]
     Vector3 given{0, 0, 0};    // impulse of the cloth on the holder in the substep [N s]
     Vector3 frame_impulse{0, 0, 0};
@@ -145,9 +146,9 @@ class Holders {
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]
   double h_ = 0;               // of the last substep with slipping points [s]
-  double time_ = 0;            // in which a force gives such impulses, less with drag [s]
+  double time_ = 0;            // effective time of a force in a step, shortened by drag [s]
   double dt_ = 1;              // of the frame [s]
-  double elapsed_ = 0;         // of it, with the substep at hand [s]
+  double elapsed_ = 0;         // of the frame, with the current substep [s]
 };
 
 }  // namespace clothsim

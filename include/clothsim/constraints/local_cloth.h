@@ -10,14 +10,14 @@
 
 namespace clothsim {
 
-/// A cloth about one collider, in the collider's own frame.
+/// A cloth in the frame of one collider.
 struct LocalCloth {
   Points from;         // at a step's start [m]
   Points to;           // at its end [m]
-  Points middle;       // where impulses act, as if it followed the collider from there on [m]
+  Points middle;       // where impulses act, as if they followed the collider from there on [m]
   Scalars distance;    // of `to` from the surface, see signed_distances() [m]
-  double longest = 0;  // of the ways from `from` to `to`, however they bend as the frame turns [m]
-  double edge = 0;     // no triangle's is longer [m]
+  double longest = 0;  // path from `from` to `to`, with the turn of the frame [m]
+  double edge = 0;     // bound on the edges of triangles [m]
 
   void place(const MovingCollider&, const Points& start, const Points& end);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
@@ -25,52 +25,53 @@ struct LocalCloth {
 
 /// How contact keeps the triangles of a cloth out of a shape.
 struct Clearance {
-  double points;  // [m] that points keep from the surface, the cloth's offset or more
+  double points;  // distance that points keep from the surface, the cloth's offset or more [m]
   bool faces;     // whether edges and faces have contacts of their own
 };
 
-/// A plane needs its points alone. So does a round or smooth shape that is large against the
-/// triangles: corners that keep off it by as much as they would if the longest triangle lay on it
-/// keep all of them off it. Not between two colliders that leave no room, where `pinched`: corners
-/// that stand off would take of what there is. `stretch`: of the most stretched spring, which
-/// counts where it is well over the strain limit.
+/// Contacts of points alone suffice for a plane. They also do for a round or smooth shape that is
+/// large relative to the triangles, with points at the distance that keeps the longest triangle off
+/// the shape. Not between two colliders that leave no room (`pinched`), where such a distance would
+/// take of it. `stretch`: of the most stretched spring; it counts where it is well over the strain
+/// limit.
 Clearance clearance(const Shape&, const Cloth&, double stretch = 0, bool pinched = false);
 
-/// Longest edge that a triangle may have where no spring is stretched by a twentieth of its length
-/// beyond the strain limit, or a usual one where there is none, or by more than `stretch`; infinite
-/// without triangles [m].
+/// Longest edge of a triangle [m] where springs are stretched by at most a twentieth of their
+/// length beyond the strain limit (a usual one where there is none), or by `stretch` if that is
+/// more; infinite without triangles.
 double longest_edge_within_limit(const Cloth&, double stretch);
 
-/// Speed at which what a collider was put upon comes out of it [m/s].
+/// Speed at which cloth leaves a collider that was put upon it, at most [m/s].
 inline constexpr double recovery_speed = 2;
 
-/// Time [s] in which it comes out where that takes less than this speed.
+/// Time [s] in which it leaves where that takes less than this speed.
 inline constexpr double recovery_time = 0.05;
 
-/// Time [s] in which it does, where nothing but the cloth's weight holds it. Where pins hold it, it
-/// would be pushed for ever: so half as fast for each such time more.
+/// Time [s] that recovery takes where only the cloth's weight opposes it. Where pins hold the cloth
+/// in, recovery would never end: the speed halves for each such time more.
 inline constexpr double recovery_patience = 0.5;
 
-/// How much of that speed is left after a `time` [s] of it.
+/// Factor on recovery_speed after a `time` [s] of recovery.
 inline double recovery_factor_after(double time) {
   return std::min(1.0, std::exp2(1 - time / recovery_patience));
 }
 
-/// Speed [m/s] that contact gives to what is so deep in a solid [m]: none where it is out, and that
-/// little to what others have pushed in by a fraction of a millimetre that it does not leap.
+/// Speed [m/s] of recovery from a depth in a solid [m]: 0 outside, and too low for a leap where
+/// other constraints have pushed in a point by a fraction of a millimetre.
 inline double way_out_speed(double depth) {
   return std::min(recovery_speed, depth / recovery_time);
 }
 
-/// What is pressed on may sink in that far from where contact keeps it [m].
+/// Distance by which loaded points may sink in from where contact keeps them [m].
 inline constexpr double may_sink = surface_offset / 2;
 
-/// Where contact moves what is `distance` from a surface and should keep `kept` [m].
+/// Distance to which contact moves a point at `distance` from a surface that should keep `kept`
+/// [m].
 inline double raised(double distance, double kept) {
   return std::max(kept - may_sink, distance + overlap_share * (kept - distance));
 }
 
-/// How far from a surface what was `before` away from it, at the step's start, must end [m].
+/// Distance from a surface at the step's end, at least, of a point at `before` at its start [m].
 inline double required_distance(double before, double offset, double h) {
   return before < 0 ? std::min(offset, before + recovery_speed * h) : offset;
 }

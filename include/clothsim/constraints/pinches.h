@@ -14,21 +14,22 @@ namespace clothsim {
 
 /// Points of a cloth that two colliders leave no room.
 ///
-/// What surfaces that close on a cloth, one layer or several, ask of it cannot all be met, and
-/// impulses that try grow without end. So such a point goes across them in its share of what is
-/// between both, and layers keep their order; where they overlap, it goes as their mean.
-/// Solids press as hard as it takes: where friction can keep it from slipping out, it does, and the
-/// point goes along with both, more with what holds it firmer, whatever pushes it. Else it slips.
-/// So it does where the strain limit pulls it with more than its share of some weights of the whole
-/// cloth: pins or other solids may be behind that, and what they pull would be torn.
+/// Contacts with two surfaces that close on one or several layers cannot all be met, and their
+/// impulses would grow without bound. Instead a pinched point gets a velocity. Across the surfaces
+/// it is interpolated between both by the place of the point, so that layers keep their order;
+/// where the surfaces overlap, it is their mean. Where friction can keep the point from slipping
+/// out, it also moves along with both, more with the surface that holds it more firmly, whatever
+/// acts on it: solids press as hard as needed. Else it slips. It also slips where the strain limit
+/// pulls it with more than its share of some weights of the whole cloth: pins or other solids may
+/// cause that pull, and the cloth would tear.
 class Pinches {
  public:
-  /// What a point has to do with one of two colliders.
+  /// Position of a point relative to one of two colliders.
   struct ColliderDistance {
     const MovingCollider* collider;
     Vector3 normal;       // of its surface, towards the point, unit
-    double distance;      // from it at the step's start [m]
-    double layer_height;  // that the point and the layers between them need there [m]
+    double distance;      // from the surface at the step's start [m]
+    double layer_height;  // distance that the point and the layers between them need [m]
     bool touches;         // no other layer is between them
   };
 
@@ -41,37 +42,39 @@ class Pinches {
   /// wedge impulses push sideways.
   static constexpr double facing = 0.5;
 
-  /// Push on what is held in part, or out of an overlap of layers, of the weight of the cloth: what
-  /// colliders or layers ask of it may be more than it can give.
+  /// Largest impulse on features that are held in part, or out of an overlap of layers, in weights
+  /// of the cloth: colliders or layers may demand more than the cloth can give.
   static constexpr double max_overlap_impulse = 0.25;
 
   /// Do surfaces with these normals face each other?
   static bool face_each_other(const Vector3& a, const Vector3& b);
 
-  /// Will there be less than a point at `x` [m] needs between both at the end of a step of h [s]?
+  /// At the end of a step of h [s], will the gap between both be at most the distance that a point
+  /// at `x` [m] needs?
   static bool leave_no_room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
                             double h);
 
-  /// Takes a point at `x` [m], unless it is taken, that two colliders leave no room.
+  /// Adds a point at `x` [m] that two colliders leave no room, unless it was added before.
   void add(int point, const Vector3& x, const ColliderDistance& a, const ColliderDistance& b,
            const Cloth&);
 
   /// Gives the points their velocities. Returns the largest change [m/s].
   double solve_pass(Points& velocities);
 
-  /// What the strain limit has given to all points of the cloth in the step so far, N x 3 [m/s].
+  /// Sets the velocity changes by the strain limit of all points of the cloth in the step so far, N
+  /// x 3 [m/s].
   void set_pulls(const Points& given);
 
-  /// It has given what velocities, N x 3 [m/s], have changed by since the last sweep.
+  /// Adds the changes of `velocities`, N x 3 [m/s], by the strain limit since the last pass.
   void add_pulls(const Points& velocities);
 
-  /// Puts the points back where those velocities bring them from `start`, as far as they do not
+  /// Moves the points back to where those velocities bring them from `start`, where they do not
   /// slip.
   void project_positions(const Points& start, Points& positions) const;
 
-  /// As of FaceContacts. Of two colliders the one that pushed has what a point got across them; of
-  /// what it got along them each has its share. What both press against each other through the
-  /// point is in no sum: nothing says how much that is.
+  /// As FaceContacts::add_impulses(). Across both colliders the one that pushed gets the impulse;
+  /// along them each gets its share. The impulse with which both press against each other through
+  /// the point is in no sum: it is indeterminate.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
@@ -81,7 +84,7 @@ class Pinches {
   bool holds_any(const std::array<int, 3>& points) const {
     return std::any_of(points.begin(), points.end(), [&](int point) { return holds(point); });
   }
-  /// Velocity that a point which has been added is to have [m/s].
+  /// Prescribed velocity of a point that has been added [m/s].
   const Vector3& velocity(int point) const {
     return pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(point)])].velocity;
   }
@@ -92,9 +95,9 @@ class Pinches {
   const std::vector<char>& held() const { return held_; }
 
   int count() const { return static_cast<int>(pinches_.size()); }
-  /// Those that are pulled with more than the grip bears.
+  /// Points that are pulled with more than the grip bears.
   int slipping() const;
-  /// The first of them; -1: none.
+  /// The first point; -1: none.
   int first() const { return pinches_.empty() ? -1 : pinches_.front().point; }
 
  private:
@@ -104,12 +107,12 @@ class Pinches {
     Vector3 across;    // from a to b
     const MovingCollider* a;
     const MovingCollider* b;
-    double share_of_b;  // of what holds it along them
-    double grip;        // greatest pull along them that it bears, were it alone; 0: slides [m/s]
-    std::size_t pair;   // that hold it
-    Vector3 given;      // by which this has changed its velocity in the step [m/s]
-    Vector3 pull;       // that the strain limit has changed it by [m/s]
-    Vector3 left;       // velocity after the last sweep [m/s]
+    double share_of_b;  // share of b in the grip along them
+    double grip;        // largest pull along them that it bears alone; 0: slides [m/s]
+    std::size_t pair;   // of colliders that hold it
+    Vector3 given;      // change of its velocity by the pinch in the step [m/s]
+    Vector3 pull;       // change of its velocity by the strain limit [m/s]
+    Vector3 left;       // velocity after the last pass [m/s]
     bool slips;
   };
 
@@ -128,7 +131,7 @@ class Pinches {
   std::vector<Pinch> pinches_;
   std::vector<ColliderPair> collider_pairs_;
   std::vector<char> held_;
-  std::vector<int> number_;  // by point, of those that are held
+  std::vector<int> number_;  // by point: its place in pinches_
 };
 
 }  // namespace clothsim

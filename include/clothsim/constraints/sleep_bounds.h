@@ -10,11 +10,11 @@
 
 namespace clothsim {
 
-/// Points, or springs, that are worth a thread: half a microsecond of work. What so many have stays
-/// in the nearest cache.
+/// Points, or springs, that are worth a thread: half a microsecond of work. Their data stays in the
+/// nearest cache.
 inline constexpr int near_at_once = 512;
 
-/// Blocks that follow one another, at most so many: what a loop over their points takes at once.
+/// Consecutive blocks, at most `longest`: the range of one loop over their points.
 struct Span {
   static constexpr int longest = near_at_once / num_lanes;
 
@@ -22,29 +22,29 @@ struct Span {
   int end;
 };
 
-/// How far any point of a cloth may have moved.
+/// Bound on the displacement of all points of a cloth.
 class MotionBound {
  public:
-  /// A step has brought the points from `start` to `now`.
+  /// A step has moved the points from `start` to `now`.
   void begin(const Points& start, const Points& now);
 
-  /// What followed in the step has brought them to `now`.
+  /// Constraints in the step have moved them to `now`.
   void update(const Points& start, const Points& now);
 
-  /// They moved on by `way` [m] at most.
+  /// They have moved on by `way` [m] at most.
   void add(double way) { total_ += way; }
 
   /// The step ends with the points at `now`.
   void end(const Points& now) { seen_ = now; }
 
-  /// The longest ways of a point in all steps and between them together [m].
+  /// Sum of the largest displacements of a point in all steps and between them [m].
   double total() const { return total_; }
 
-  /// Longest way of a point within the step [m].
+  /// Largest displacement of a point within the step [m].
   double in_step() const { return in_step_; }
 
-  /// Longest way of a point between the last step's end and this one's start [m]; infinity for the
-  /// first.
+  /// Largest displacement of a point between the last step's end and this one's start [m]; infinity
+  /// for the first.
   double between_steps() const { return between_steps_; }
 
  private:
@@ -56,24 +56,25 @@ class MotionBound {
 };
 
 /// Which blocks of points are too far from a collider to touch it. The distance from a surface
-/// changes no faster than point and surface move, whatever the shape: a block sleeps until both
-/// together may have used up the least distance of its points.
+/// changes no faster than point and surface move, whatever the shape: a block sleeps until the
+/// displacements of both may have used up the least distance of its points.
 class SleepBounds {
  public:
-  /// Nothing is known of so many blocks.
+  /// Resets the bounds, for so many blocks.
   void reset(int blocks);
 
   bool is_of(int blocks) const { return used_up_at_.size() == static_cast<std::size_t>(blocks); }
 
   /// The collider is at `pose` now, and no point is farther from its origin than `radius` [m],
-  /// which matters only if it turned. Returns how far its surface can have moved since the last
-  /// call [m].
+  /// which matters only if it turned. Returns a bound on the displacement of its surface since the
+  /// last call [m].
   double follow(const Pose& pose, double radius);
 
-  /// Pose that it was seen at.
+  /// Pose at the last call of follow().
   const Pose& pose() const { return pose_; }
 
-  /// No point of a block is nearer to the surface than `distance` [m], after a way of `travelled`.
+  /// No point of a block is nearer to the surface than `distance` [m], after a total displacement
+  /// of `travelled`.
   void keep(int block, double distance, double travelled) {
     const double at = travelled + moved_ + distance;
     used_up_at_[static_cast<std::size_t>(block)] = at;
@@ -89,13 +90,13 @@ class SleepBounds {
     return !(min_used_up_at_ > travelled + moved_ + distance);
   }
 
-  /// The blocks of which points can be within `distance` [m] of the surface, ascending.
+  /// Finds the blocks with points that can be within `distance` [m] of the surface, ascending.
   void find_near(double travelled, double distance, std::vector<Span>& spans);
 
  private:
   std::vector<double> used_up_at_;  // by block: travelled + moved_
-  double min_used_up_at_ = -std::numeric_limits<double>::infinity();  // of these, or less
-  double moved_ = 0;  // way of the surface since ever [m]
+  double min_used_up_at_ = -std::numeric_limits<double>::infinity();  // their minimum, or less
+  double moved_ = 0;  // total displacement of the surface [m]
   bool is_seen_ = false;
   Pose pose_;
 };

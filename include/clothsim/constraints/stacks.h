@@ -11,15 +11,15 @@
 
 namespace clothsim {
 
-/// Where a collider touches a cloth: at a point of it, or within a triangle.
+/// A contact of a collider with a cloth: at a point of it, or within a triangle.
 struct ContactPoint {
   static constexpr int no_triangle = -1;
 
   int triangle;
-  std::array<int, 3> points;      // its corners; a point alone stands thrice
-  std::array<double, 3> weights;  // of the points, where it touches; sum 1
+  std::array<int, 3> points;      // corners of the triangle; a single point three times
+  std::array<double, 3> weights;  // of the points at the contact; sum 1
   Vector3 normal;                 // of the surface, towards the cloth, unit
-  double distance;                // from it [m]; of a point it is found anew
+  double distance;                // from the surface [m]; for a point it is measured again
 
   Vector3 place(const Points& positions) const {
     return weights[0] * row(positions, points[0]) + weights[1] * row(positions, points[1]) +
@@ -27,50 +27,52 @@ struct ContactPoint {
   }
 };
 
-/// A collider that may hold a cloth together with another one.
+/// A collider that may hold a cloth together with another one, and its contacts.
 struct ContactManifold {
   const MovingCollider& collider;
-  double offset;  // that points keep from it [m]
+  double offset;  // distance that points keep from it [m]
   std::vector<ContactPoint> contact_points;
 };
 
 /// Bounds of the normals of a surface where it touches a cloth.
 using Normals = Eigen::AlignedBox3d;
 
-/// False where no surface with normals within the one faces any within the other.
+/// False where no normal within one of the bounds faces any within the other.
 bool can_face(const Normals& a, const Normals& b);
 
 /// Layers of a cloth between two colliders that face each other.
 ///
-/// Each layer needs its thickness: a point needs the offset where it touches a collider, else what
-/// the points that it lies upon need, and what keeps it from them; of several chains of layers down
-/// to the collider the longest. A point that needs more between both than there is, or will be at
-/// the step's end, is pinched. So one rule does for any number of layers.
+/// Each layer needs its thickness. The layer_height of a point is the offset where it touches a
+/// collider, else that of the point it lies upon plus the distance that both keep; of several
+/// chains of layers down to the collider the longest counts. A point is pinched if it needs more
+/// between both colliders than there is, or will be at the step's end. So one rule covers any
+/// number of layers.
 class Stacks {
  public:
-  /// How far from each other two colliders may hold a cloth, which keeps `offset` from either [m]:
-  /// with so many layers that more are a pile and no grip.
+  /// Largest distance between two colliders [m] that hold a cloth with `offset` from each: more
+  /// layers are a pile and no grip.
   static double max_layer_height(const Cloth& cloth, double offset) {
     constexpr int max_layers = 8;
     return 2 * (offset + max_layers * cloth.thickness);
   }
 
-  /// Pinches the points that the jaws leave no room in a step of h [s] from `start` [m, N x 3].
+  /// Pinches the points that both colliders leave no room in a step of h [s] from `start` [m, N x
+  /// 3].
   void pinch(const ContactManifold& a, const ContactManifold& b, const Cloth&, const Points& start,
              double h, const SelfTouches*, Pinches&);
 
  private:
-  /// A point that is between the jaws.
+  /// A point between the colliders.
   struct Node {
     int point;
-    bool is_between;  // where both touch one place of the cloth
+    bool is_between;  // both touch the cloth at one place
     Pinches::ColliderDistance a, b;
   };
 
-  /// One point lies upon another, as seen from jaw a. By number of their nodes.
+  /// One point lies upon another, as seen from collider a: numbers of their nodes.
   struct Edge {
     int below, above;
-    double layer_height;  // that both need between them [m]
+    double layer_height;  // distance that both keep [m]
   };
 
   void add_contact_points(const ContactManifold& a, const ContactManifold& b, const Points& start);
@@ -78,14 +80,14 @@ class Stacks {
                  double max_distance, const SelfTouches&);
   void propagate_heights();
 
-  /// Number of the node of a point, if it is between the jaws; else less than 0.
+  /// Number of the node of a point, if it is between the colliders; else less than 0.
   int node_between(int point, const ContactManifold& a, const ContactManifold& b,
                    const Points& start, double max_distance);
-  /// A point where the jaws are so near; of several the nearest counts.
+  /// Adds a point at these distances; of several the nearest counts.
   void add(int point, const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b);
 
   std::vector<Node> nodes_;
-  std::vector<int> node_of_;  // by point: its number, or why there is none
+  std::vector<int> node_of_;  // by point: its node, or why there is none
   std::vector<Edge> edges_;
 };
 

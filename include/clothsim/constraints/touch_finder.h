@@ -12,34 +12,34 @@
 
 namespace clothsim {
 
-/// Of points or of surfaces, not off nor automatic.
+/// `kind`: points or surface, neither off nor automatic.
 inline Tiling::Range stencils_of(SelfCollision kind) {
   return kind == SelfCollision::surface ? Tiling::of_surfaces : Tiling::of_points;
 }
 
-/// Finds where a cloth touches itself, 2 * thickness apart: points and triangles, edges and edges,
-/// or points alone.
+/// Detects self contacts, 2 * thickness apart: points and triangles, edges and edges, or points
+/// alone.
 ///
-/// Impulses alone keep them apart: moving at once what is too close would shake piles. Of surfaces
-/// what they leave over cannot cross either, see keep_from_crossing(): a cloth that does not cross
-/// itself never does. Points cannot see an edge or a face pass between them; this is the cheap
-/// method.
+/// Impulses alone keep features apart: a projection of overlaps would shake piles. With surfaces,
+/// residual motion cannot cross either, see keep_from_crossing(): a cloth without crossings stays
+/// without. With points alone, the cheap method, an edge or a face may pass between points.
 ///
-/// What is near is sought, and ways are judged, as often as points move: in steps that are short
-/// for the springs' sake, not in each. A frame's last step has its way judged in any case.
+/// Detection and guard run as often as the motion of points requires: not in each of the steps that
+/// are short for the springs' sake. The guard always runs in a frame's last step.
 class TouchFinder {
  public:
   TouchFinder(const Cloth& cloth, SelfCollision kind)
       : kind_(kind), near_(cloth, stencils_of(kind)) {}
 
-  /// Adds what touches after a step to `state`.
+  /// Adds the contacts after a step to `state`.
   void find(const Cloth&, const ContactStep&, const State&, ContactList&);
 
-  /// Aims those that push anew in another step to `state`. Others are kept.
+  /// Updates the contacts with an impulse in another step to `state`. Others are kept.
   void refresh(const Cloth&, const ContactStep&, const State&, ContactList&);
 
-  /// As keep_from_crossing(), from where it last looked on, or where it has judged the way from
-  /// there, from the step's start on; 0 where that can wait. Nothing holds points alone back.
+  /// keep_from_crossing(), for the path since the last detection, or from the step's start where
+  /// the guard has checked the path since then; 0 where that can wait. With points alone nothing is
+  /// truncated.
   int guard(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
 
   void restart_detection() {
@@ -62,10 +62,11 @@ class TouchFinder {
 
   SelfCollision kind_;
   NearPairs near_;
-  Points middle_;     // where impulses of a step act, of points that may touch in it [m]
-  Points looked_at_;  // positions, until the guard has judged the way from there [m]; then no rows
+  Points middle_;     // where impulses of a step act, for points that may touch in it [m]
+  Points looked_at_;  // positions at the last detection, until the guard has checked the path from
+                      // there [m]; then no rows
   double time_ = 0;   // since then [s]
-  double way_ = 0;    // of a point since then, beyond the mean of all, at most [m]
+  double way_ = 0;  // displacement of a point since then, relative to the mean of all, at most [m]
 };
 
 }  // namespace clothsim

@@ -10,8 +10,8 @@
 
 namespace clothsim {
 
-/// The triangles of a cloth in blocks of neighbours: what no box about a block's points touches,
-/// none of its triangles does.
+/// The triangles of a cloth in blocks of neighbours: where the box around a block's points touches
+/// nothing, none of its triangles does.
 class TriangleBlocks {
  public:
   /// Triangles of a block: as many as the widest vector unit takes.
@@ -25,10 +25,10 @@ class TriangleBlocks {
   std::size_t first_of(int b) const { return static_cast<std::size_t>(b) * size; }
   std::size_t end_of(int b) const { return std::min(first_of(b + 1), triangles_); }
 
-  /// About all points of a block.
+  /// Around all points of a block.
   Eigen::AlignedBox3d box(int b, const Points& positions) const;
 
-  /// Least of its points' values.
+  /// Least of the values of its points.
   double min(int b, const Scalars& values) const;
 
  private:

@@ -14,16 +14,16 @@ struct Untangled {
   int left = 0;
 };
 
-/// Takes apart a cloth that crosses itself by a small depth: moves points of `positions` [m], and
-/// less those beside them, until no triangles cross. Where passes run out first, it leaves the
-/// positions at which the fewest did. Pins stay; points do not go into colliders.
+/// Resolves self crossings of small depth: moves points of `positions` [m], and less those beside
+/// them, until no triangles cross. Where passes run out first, the result is the positions with the
+/// fewest crossings. Pins stay; points do not go into colliders.
 ///
 /// Where two surfaces cross, a contour divides each, and the smaller part goes back through the
 /// other surface: global intersection analysis (Baraff, Witkin & Kass 2003, "Untangling Cloth"). A
 /// contour that divides neither, as at a fold, is made shorter (Volino & Magnenat-Thalmann 2006,
 /// "Resolving Surface Collisions through Intersection Contour Minimization").
 ///
-/// `is_interrupted`, where there is one, is asked before each pass and ends them.
+/// `is_interrupted`, if given, is called before each pass and ends them.
 Untangled untangle(const Cloth&, const std::vector<MovingCollider>&, Points& positions,
                    const std::function<bool()>& is_interrupted = {});
 

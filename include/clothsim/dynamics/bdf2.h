@@ -12,19 +12,19 @@
 namespace clothsim {
 
 /// The backward differentiation formula of two steps, 3 x' - 4 x + x_last = 2 h v', the same for v.
-/// Second order, stable at any step, damps fast swings. Hairer & Wanner, Solving Ordinary
+/// Second order, stable at any step, damps fast oscillations. Hairer & Wanner, Solving Ordinary
 /// Differential Equations II, V.1; for cloth, Choi & Ko 2002, "Stable but responsive cloth".
 ///
-/// History belongs to a point and holds while nothing but the method moves it. A point without (at
-/// the start, after h or the material has changed, and when the caller has given it an impulse
-/// since the last step, as contact and the strain limit do) takes a step of implicit Euler: the
-/// difference v - v_last would give a third of that impulse again. Single such steps cost no order;
-/// points that are held all the time move at order 1, as impulses do.
+/// The history of a point is valid while nothing but the method moves it. A point without history
+/// (at the start, after h or the material has changed, and after an impulse by the caller, as those
+/// of contact and the strain limit) takes a step of implicit Euler: the difference v - v_last would
+/// add a third of that impulse again. Single such steps do not lower the order; points that are
+/// held all the time move at order 1, as impulses do.
 ///
-/// Drag: v is replaced by exp(c t) v, and the force's weight 2 h / 3 by (1 - e)(3 - e) / 3 c with
-/// e = exp(-c h), so that drag alone and the end speed of a fall are exact for velocities.
+/// Drag: v is replaced by exp(c t) v, and the force's weight 2 h / 3 by (1 - e)(3 - e) / 3 c with e
+/// = exp(-c h), so that drag alone and the end speed of a fall are exact for velocities.
 ///
-/// Internal damping takes rates by the formula in steps in which all free points have a history,
+/// Internal damping uses rates by the formula in steps in which all free points have a history,
 /// else over the one step.
 class Bdf2 {
  public:
@@ -41,25 +41,26 @@ class Bdf2 {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  /// Takes the next step as the first.
+  /// The next step is as the first.
   void forget() { watch_ = {}; }
 
   bool unconverged() const { return solver_.unconverged(); }  // see Integrator
 
-  /// The history, where it still holds for the cloth. `read` throws InvalidValue for what was not
-  /// written.
+  /// The history, where it is valid for the cloth. `read` throws InvalidValue for data that is not
+  /// from `write`.
   void write(MemoryWriter&, const Cloth&) const;
   void read(MemoryReader&, const Cloth&);
 
  private:
-  /// Of the free points' velocities before the last step and ways in it [m/s].
+  /// Largest component of free points' velocities before the last step and displacements per h in
+  /// it [m/s].
   double max_speed_in_history(const Cloth&) const;
 
   NewtonSolver solver_;
   ClothWatch watch_;
-  double h_ = 0;         // [s] of the last step; 0: there is none
-  State last_;           // as the last step found it
-  State returned_;       // as the last step left it
+  double h_ = 0;         // of the last step [s]; 0: none
+  State last_;           // as it was before the last step
+  State returned_;       // as it was after the last step
   Points displacement_;  // by the springs [m], N x 3
 };
 

@@ -6,8 +6,8 @@
 
 namespace clothsim {
 
-/// A stencil of bending: its points, with coefficients that add up to zero. The two in the middle
-/// are the same point where it runs along a line.
+/// A stencil of bending: its points, with coefficients of sum 0. The two in the middle are the same
+/// point where it runs along a line.
 struct Bend {
   std::array<int, 4> points;
   double stiffness;  // [N/m]
@@ -22,7 +22,7 @@ struct Bend {
   }
 };
 
-/// Calls visit(bend) for every stencil, in the order of cloth.bends. For what is not hot.
+/// Calls visit(bend) for every stencil, in the order of cloth.bends. Not for hot loops.
 template <typename Visitor>
 void for_each_bend(const Cloth& cloth, Visitor&& visit) {
   for (const BendRun& run : cloth.bends) {

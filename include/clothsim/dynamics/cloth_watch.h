@@ -7,15 +7,15 @@
 
 namespace clothsim {
 
-/// Tells a method when what it keeps from earlier steps (a factor, colours, history) no longer
-/// holds.
+/// Tells a method when data of earlier steps (a factorisation, colours, history) is no longer
+/// valid.
 class ClothWatch {
  public:
   /// Do springs, bends, masses, pins, drag or the step h [s] differ from those of the last call?
   /// True at the first call.
   bool changed(const Cloth&, double h);
 
-  /// The same question, which leaves the last call as it is.
+  /// The same without an update.
   bool differs(const Cloth&, double h) const;
 
  private:

@@ -20,7 +20,7 @@ struct Drag {
   double fall;      // travelled from rest per unit of acceleration [s^2]
 
  private:
-  /// (t - distance) / c; by its series where the two nearly cancel, to 1e-13 of it.
+  /// (t - distance) / c; by its series where the difference cancels, to 1e-13 of it.
   static double fall_of(double c, double t, double distance) {
     const double u = c * t;
     if (u > 0.01) return (t - distance) / c;
@@ -28,14 +28,14 @@ struct Drag {
   }
 };
 
-/// Where loads act alone, adds to positions what an exact fall with drag has in a step of h [s]
-/// beyond h v, by the velocity v at the step's end: by that alone a cloth falls g h t / 2 too deep
-/// in a time t. To be called at the step's start. What is held needs h v, or it would hang off.
+/// Where loads act alone, adds to positions the difference of an exact fall with drag in a step of
+/// h [s] to h v, with v the velocity at the step's end: with h v alone a cloth falls g h t / 2 too
+/// deep in a time t. To be called at the step's start. A held cloth needs h v, or its rest position
+/// would be off.
 void add_fall(const Cloth&, const Loads&, double h, State&);
 
-/// First half of the methods of implicit Euler's family: a step of h [s] without springs,
-/// v = v exp(-c h) + g (1 - exp(-c h)) / c, then x += h v, but for add_fall(). Pins keep their
-/// velocity.
+/// First half of the methods of implicit Euler's family: a step of h [s] without springs, v = v
+/// exp(-c h) + g (1 - exp(-c h)) / c, then x += h v, plus add_fall(). Pins keep their velocity.
 void coast(const Cloth&, const Loads&, double h, State&);
 
 /// Inertia m_i / (h (1 - exp(-c h)) / c) [N/m] of the points against springs that move them after

@@ -8,7 +8,7 @@ namespace clothsim {
 /// Sum of m v^2 / 2 over the free points [J].
 double kinetic_energy(const Cloth&, const State&);
 
-/// Sum of k (l - L0)^2 / 2 over the springs and of what bends have [J].
+/// Sum of k (l - L0)^2 / 2 over the springs, plus the energy of bends [J].
 double elastic_energy(const Cloth&, const Points& positions);
 
 /// Sum of -m g.x over the free points [J], zero at the origin.

@@ -6,8 +6,8 @@
 
 namespace clothsim {
 
-/// Points that are summed at once: what their springs give fits the second-level cache. Measured;
-/// shorter loops lose more than the first level wins.
+/// Points that are summed at once: the forces of their springs fit the second-level cache.
+/// Measured; shorter loops lose more than the first level wins.
 inline constexpr int points_at_once = 2560;
 
 /// Gravity and the forces of springs and bends on points [begin, end) of a cloth, a block of points
@@ -17,22 +17,22 @@ inline constexpr int points_at_once = 2560;
 ///     blocks.sum(axis, f);  // f[i] acts on point blocks.first() + i, i < blocks.count()
 ///   }
 ///
-/// Springs of one offset are computed for a whole block as if every point had one, the few that are
-/// none are cleared, and each point sums what pulls it from both sides: no force is added to memory
-/// twice, and what a block needs of earlier ones stays in the nearest caches. A point's force is
-/// the same to the last bit wherever blocks begin and end.
+/// Springs of one offset are computed for a whole block as if every point had one, the few that do
+/// not exist are cleared, and each point sums the forces from both sides: no force is added to
+/// memory twice, and data of earlier blocks stays in the nearest caches. A point's force is the
+/// same to the last bit wherever blocks begin and end.
 ///
-/// `Real`: double, or float. Then springs are computed and summed in single precision, twice as
-/// many at once.
+/// `Real`: double, or float. With float, springs are computed and summed in single precision, twice
+/// as many at once.
 template <typename Real>
 class ForceBlocks {
  public:
-  /// All must outlive this. `positions`: N x 3 [m]. `velocities`: likewise [m/s], for internal
-  /// damping; none leaves it out.
+  /// All must outlive this. `positions`: N x 3 [m]. `velocities`: N x 3 [m/s], for internal
+  /// damping; null: no damping.
   ForceBlocks(const Cloth&, const Loads&, const Points& positions, int begin, int end,
               const Points* velocities = nullptr);
 
-  /// Goes to the next block; false where none is left.
+  /// Moves to the next block; false where none is left.
   bool next();
 
   int first() const { return first_; }
@@ -42,20 +42,20 @@ class ForceBlocks {
   void sum(int axis, Real* forces) const;
 
  private:
-  /// What acts between points of one offset: springs of one length and stiffness, neighbours in
-  /// cloth.springs, ascending; or all of a fabric's `pairs`.
+  /// Springs of one offset, length and stiffness, neighbours in cloth.springs, ascending; or all of
+  /// a fabric's `pairs`.
   struct Direction {
     int offset;
     const PairBand* pairs;
     const SpringRun* run;  // the first that may reach into the block
     const SpringRun* end;
-    Real* force[3];  // on the first points of the block's springs, after those of points before
+    Real* force[3];  // on the first points of its springs, after those of earlier points
   };
 
   void group();
   void take_points();
   void fill(Direction&, int first, int count, Real* const force[3]) const;
-  /// What acts on points [from, from + count), each the first of something.
+  /// Computes the forces of springs or pairs with the first points [from, from + count).
   void pull_between(const Direction&, int from, int count, Real* const force[3]) const;
   void keep_history();
 
@@ -66,10 +66,10 @@ class ForceBlocks {
   int count_ = 0;
   int end_;
   std::vector<Direction> directions_;
-  const Points* velocities_;                         // none where nothing is damped
+  const Points* velocities_;                         // null: no damping
   const Real* points_[3];                            // columns of positions
-  const Real* rates_[3];                             // of velocities, where there are some
-  Eigen::Matrix<Real, Eigen::Dynamic, 1> narrowed_;  // these, where Real is not double
+  const Real* rates_[3];                             // of velocities, if any
+  Eigen::Matrix<Real, Eigen::Dynamic, 1> narrowed_;  // both, where Real is not double
   Eigen::Matrix<Real, Eigen::Dynamic, 1> buffer_;    // of all directions
 };
 

@@ -6,7 +6,7 @@
 
 namespace clothsim {
 
-/// What acts on a cloth from outside, apart from drag (a property of the cloth) and contact.
+/// External loads on a cloth, apart from drag (a property of the cloth) and contact.
 struct Loads {
   Vector3 gravity{0, 0, -9.8};  // [m/s^2]
   bool acts_alone = false;      // nothing holds the cloth: methods let it fall exactly
@@ -14,10 +14,10 @@ struct Loads {
 
 /// Writes gravity and the forces of springs and bends [N] at `positions` to `forces`, both N x 3.
 /// Hooke's law: k (l - L0) (x_b - x_a) / l on point a, the opposite on b. A spring of zero length
-/// has no direction and gives no force. Bends: minus the gradient of their energy, see BendRun.
+/// has no direction and no force. Bends: minus the gradient of their energy, see BendRun.
 ///
-/// `velocities` [m/s], N x 3: adds what internal damping makes of them, k tau_0 times the rate of a
-/// spring's length, and the force of bends at tau_1 times the velocities. None: leaves that out.
+/// `velocities` [m/s], N x 3: adds internal damping, k tau_0 times the rate of a spring's length,
+/// and the force of bends at tau_1 times the velocities. Null: no damping.
 void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
                     const Workers& = {}, const Points* velocities = nullptr);
 

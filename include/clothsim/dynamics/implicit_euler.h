@@ -11,8 +11,8 @@ namespace clothsim {
 
 /// v += h f(x') / m, x' = x + h v, with the forces of the step's end. First order, stable at any
 /// step; an oscillator of frequency omega loses the share 1 - 1 / sqrt(1 + h^2 omega^2) of its
-/// swing in a step. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.3; for cloth,
-/// Baraff & Witkin 1998, "Large steps in cloth simulation".
+/// amplitude in a step. Hairer & Wanner, Solving Ordinary Differential Equations II, IV.3; for
+/// cloth, Baraff & Witkin 1998, "Large steps in cloth simulation".
 ///
 /// Drag is solved exactly for velocities: v = v exp(-c h) + (f / m) (1 - exp(-c h)) / c.
 class ImplicitEuler {

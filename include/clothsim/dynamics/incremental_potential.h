@@ -6,7 +6,7 @@
 
 namespace clothsim {
 
-/// What an implicit step minimises over displacements d of the free points [m], N x 3:
+/// The function that an implicit step minimises over displacements d of the free points [m], N x 3:
 ///   sum_i w_i |d_i|^2 / 2 + elastic energy at y + d + damping_potential() there [J],
 /// with weights w [N/m], zero at pins (Martin et al. 2011, "Example-based elastic materials", 3.2).
 double incremental_potential(const Cloth&, const Scalars& weights, const Points& y, const Points& d,

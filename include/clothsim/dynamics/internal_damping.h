@@ -6,11 +6,11 @@
 
 namespace clothsim {
 
-/// Internal damping as implicit steps see it: rates are differences to the past, of a spring's
-/// length l as (l - l_past) / time, of positions likewise. What a step minimises then has, beside
-/// its springs of k (l - L0)^2 / 2, those of (k tau / time) (l - l_past)^2 / 2: together one spring
-/// again, see damped(). Acting on lengths, damping takes nothing from a cloth that turns as a
-/// whole. Kane et al. 2000, "Variational integrators and the Newmark algorithm", for dissipation.
+/// Internal damping in implicit steps: rates are differences to the past, for a spring's length l
+/// as (l - l_past) / time, for positions alike. The potential of a step then has, in addition to
+/// springs k (l - L0)^2 / 2, those of (k tau / time) (l - l_past)^2 / 2: together one spring again,
+/// see damped(). As it acts on lengths, damping does not affect rigid rotation. Kane et al. 2000,
+/// "Variational integrators and the Newmark algorithm", for dissipation.
 struct Past {
   double time = 0;              // [s]
   std::vector<double> lengths;  // of the springs, in the order of for_each_spring [m]
@@ -19,7 +19,7 @@ struct Past {
   bool empty() const { return lengths.empty() && points.size() == 0; }
 };
 
-/// What an implicit step of h [s] from `positions` compares with; empty without internal damping.
+/// The past of an implicit step of h [s] from `positions`; empty without internal damping.
 Past past_of(const Cloth&, const Points& positions, double h);
 
 /// The same for the formula 3 x' - 4 x + x_last = 2 h v' of two steps.
@@ -35,7 +35,7 @@ inline DampedSpring damped(const SpringRun& run, double damping, double past, do
   return {run.stiffness * (1 + share), (run.rest_length + share * past) / (1 + share)};
 }
 
-/// Sum of (k tau / time) (l - l_past)^2 / 2 over the springs and the same of bends [J].
+/// Sum of (k tau / time) (l - l_past)^2 / 2 over the springs, plus the same for bends [J].
 double damping_potential(const Cloth&, const Past&, const Points& positions);
 
 /// Adds its derivative by positions [N].

@@ -8,15 +8,15 @@
 
 namespace clothsim {
 
-/// Finds where springs pull points that inertia holds: the displacements d of the free points that
+/// Solves the equilibrium of springs and inertia: the displacements d of the free points that
 /// minimise the incremental potential
-///   sum_i w_i |d_i|^2 / 2 + sum over springs k (l(y + d) - L0)^2 / 2 + what bends have,
+///   sum_i w_i |d_i|^2 / 2 + sum over springs k (l(y + d) - L0)^2 / 2 + energy of bends,
 /// as every implicit step does (Martin et al. 2011, "Example-based elastic materials", 3.2).
 ///
 /// Newton's method with clamped spring Hessians, so that the matrix is positive definite, and
 /// backtracking on the potential (Nocedal & Wright, Numerical Optimization, 3.1). The matrix is
 /// factorised by Eigen's sparse L D L^T; its ordering and pattern are kept while the springs join
-/// the same points. Every step taken leaves the momentum sum of w d at zero without pins.
+/// the same points. Every step leaves the momentum sum of w d at zero without pins.
 class NewtonSolver {
  public:
   struct Parameters {
@@ -36,13 +36,13 @@ class NewtonSolver {
   NewtonSolver& operator=(NewtonSolver&&) noexcept;
 
   /// `weights` [N/m] by point, above zero at free points; `y` [m], N x 3. Writes d [m], N x 3, zero
-  /// at pins; not a number where the numbers given leave no positive definite matrix. `past`: for
-  /// internal damping; empty leaves it out. Returns the Newton steps taken.
+  /// at pins; NaN where the input has no positive definite matrix. `past`: for internal damping;
+  /// empty: none. Returns the number of Newton steps.
   int solve(const Cloth&, const Scalars& weights, const Points& y, Points& d,
             const Past& past = {});
 
-  /// Whether the last solve() ended before a step was as small as `tolerance`: the iterations ran
-  /// out, or no share of a step made the potential fall.
+  /// Whether the last solve() ended before a step was as small as `tolerance`: at the maximum of
+  /// iterations, or where no share of a step lowered the potential.
   bool unconverged() const;
 
  private:

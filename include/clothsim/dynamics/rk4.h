@@ -8,12 +8,12 @@
 
 namespace clothsim {
 
-/// The classical Runge-Kutta method. Fourth order, four forces a step; stable for
-/// h < sqrt(8) / omega_max, where it takes energy out of fast swings: a step keeps the share
-/// 1 - z^6 / 72 + z^8 / 576, with z = h omega.
-/// Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.1.
+/// The classical Runge-Kutta method. Fourth order, four forces a step; stable for h < sqrt(8) /
+/// omega_max, where it takes energy out of fast oscillations: a step keeps the share 1 - z^6 / 72 +
+/// z^8 / 576, with z = h omega. Hairer, Norsett & Wanner, Solving Ordinary Differential Equations
+/// I, II.1.
 ///
-/// Drag goes in by its integrating factor: the method is applied to exp(c t) v (Lawson 1967,
+/// Drag enters by its integrating factor: the method is applied to exp(c t) v (Lawson 1967,
 /// "Generalized Runge-Kutta processes"), so drag alone gives v0 exp(-c t) whatever the step.
 class RungeKutta4 {
  public:
@@ -39,7 +39,7 @@ class RungeKutta4 {
  private:
   Points forces_;                          // [N], N x 3
   Points x_, v_;                           // of the stage
-  Points end_positions_, end_velocities_;  // summed up over the stages
+  Points end_positions_, end_velocities_;  // sums over the stages
 };
 
 }  // namespace clothsim

@@ -13,19 +13,19 @@
 namespace clothsim {
 
 /// A symmetric positive definite system over the points of a cloth, with a Size x Size block for
-/// each point and each pair that a spring or a bend joins. Pins have the unit block and no part in
-/// any spring.
+/// each point and each pair that a spring or a bend joins. Pins have the unit block, without
+/// springs.
 ///
 /// Solved by Eigen's L D L^T with approximate minimum degree ordering. At 50 x 50 points with
 /// blocks of 3 it factorises in 46 ms; CHOLMOD of SuiteSparse takes 69 ms (supernodal) and 60 ms
-/// (simplicial) with Debian's plain BLAS, and 38 ms with OpenBLAS, which the package would have to
-/// ask for.
+/// (simplicial) with Debian's plain BLAS, and 38 ms with OpenBLAS, which would be one more
+/// dependency.
 template <int Size>
 class SpringSystem {
  public:
   using Block = Eigen::Matrix<double, Size, Size>;
 
-  /// Sets all to zero, and lays out the matrix anew where other points are joined than before.
+  /// Sets all to zero, and lays out the matrix again where the joined points have changed.
   void begin(const Cloth& cloth) {
     Joints joints{{cloth.num_points(), 0, 0}};
     for (const SpringRun& run : cloth.springs) joints.push_back({run.first, run.offset, run.count});
@@ -84,7 +84,7 @@ class SpringSystem {
   }
 
   void lay_out(const Cloth& cloth) {
-    // Below the diagonal: for each point the other ends, ascending.
+    // Entries below the diagonal: for each point the other ends, ascending.
     const int n = cloth.num_points();
     std::vector<std::vector<int>> ends(static_cast<std::size_t>(n));
     for_each_joint(cloth, [&](int a, int b) { ends[static_cast<std::size_t>(a)].push_back(b); });
@@ -114,7 +114,7 @@ class SpringSystem {
     solver_.analyzePattern(matrix_);
   }
 
-  Joints joints_;                       // what the layout is of
+  Joints joints_;                       // of the layout
   std::vector<int> ranks_;              // by pair: place of b among the ends of a
   Eigen::SparseMatrix<double> matrix_;  // lower half
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;

@@ -7,7 +7,7 @@
 
 namespace clothsim {
 
-/// Calls visit(run, a, b) for every spring, in the order of cloth.springs. For what is not hot.
+/// Calls visit(run, a, b) for every spring, in the order of cloth.springs. Not for hot loops.
 template <typename Visitor>
 void for_each_spring(const Cloth& cloth, Visitor&& visit) {
   for (const SpringRun& run : cloth.springs) {
@@ -17,14 +17,14 @@ void for_each_spring(const Cloth& cloth, Visitor&& visit) {
   }
 }
 
-/// Neighbours in cloth.springs that differ in where they begin and how many they are, ascending: a
-/// kernel takes them as one, from the first point of the first to the last of the last, and what
-/// lies between them is no spring.
+/// Neighbours in cloth.springs that differ in their first points and counts, ascending: a kernel
+/// takes them as one, from the first point of the first to the last of the last, gaps between runs
+/// included.
 struct SpringBand {
   const SpringRun* begin;
   const SpringRun* end;
 
-  int first() const { return begin->first; }  // of the points that springs begin at
+  int first() const { return begin->first; }  // of the first points of springs
   int count() const { return (end - 1)->first + (end - 1)->count - first(); }
 
   /// Calls visit(begin, end) for the points between runs, from first() on.
@@ -52,14 +52,14 @@ void for_each_band(const Cloth& cloth, Visitor&& visit) {
   }
 }
 
-/// Of all springs [m]; infinite without springs.
+/// Shortest of all springs [m]; infinite without springs.
 inline double shortest_rest_length(const Cloth& cloth) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
   return shortest;
 }
 
-/// Of all springs [m]; zero without springs.
+/// Longest of all springs [m]; zero without springs.
 inline double longest_rest_length(const Cloth& cloth) {
   double longest = 0;
   for (const SpringRun& run : cloth.springs) longest = std::max(longest, run.rest_length);

@@ -10,9 +10,9 @@ namespace clothsim {
 /// v += h f(x) / m, x += h v. First order, symplectic without drag; stable for h < 2 / omega_max.
 /// Hairer, Lubich & Wanner, Geometric Numerical Integration, I.1.2.
 ///
-/// Its positions are those of Verlet's method, its velocities belong half a step earlier, but for a
-/// fall, which is exact. Drag is
-/// solved exactly for velocities: v = v exp(-c h) + (f / m) (1 - exp(-c h)) / c.
+/// Its positions are those of Verlet's method, its velocities belong half a step earlier, except in
+/// a fall, which is exact. Drag is solved exactly for velocities: v = v exp(-c h) + (f / m) (1 -
+/// exp(-c h)) / c.
 class SymplecticEuler {
  public:
   static constexpr const char* name = "symplectic_euler";

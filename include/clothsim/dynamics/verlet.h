@@ -7,16 +7,16 @@
 
 namespace clothsim {
 
-/// Stoermer-Verlet as drift, kick, drift. Second order, symplectic without drag; stable for
-/// h < 2 / omega_max; an oscillator of frequency omega swings at w with sin(w h / 2) = omega h / 2.
+/// Stoermer-Verlet as drift, kick, drift. Second order, symplectic without drag; stable for h < 2 /
+/// omega_max; an oscillator of frequency omega oscillates at w with sin(w h / 2) = omega h / 2.
 /// Hairer, Lubich & Wanner, Geometric Numerical Integration, I.1.4.
 ///
-/// The drift form asks for one force a step, wherever constraints and contact have put the points
+/// The drift form needs one force a step, wherever constraints and contact have put the points
 /// since the last one; kick, drift, kick (its conjugate, with the same limit and frequency) would
-/// need a second. Drag is solved exactly within each drift, and with it a force that is constant: a
-/// cloth falls as it should, and drag alone gives v0 exp(-c t) and x0 + v0 (1 - exp(-c t)) / c,
-/// whatever the step. Pins move at their own velocity. Internal damping follows the velocities that
-/// the step begins with: half a step late, so of first order in what it takes.
+/// need a second. Drag is solved exactly within each drift, and with it a constant force: a fall is
+/// exact, and drag alone gives v0 exp(-c t) and x0 + v0 (1 - exp(-c t)) / c, whatever the step.
+/// Pins move at their own velocity. Internal damping uses the velocities at the step's start: half
+/// a step late, so the energy that it takes is accurate to first order.
 class VelocityVerlet {
  public:
   static constexpr const char* name = "verlet";
@@ -26,7 +26,7 @@ class VelocityVerlet {
   static double displacement_factor(double damping, double h);  // see Integrator
 
   struct Parameters {
-    /// Of the springs' forces. Positions and velocities are always double.
+    /// For the springs' forces. Positions and velocities are always double.
     enum Precision : int { double_precision, single_precision };
     Precision precision = double_precision;
 
@@ -49,10 +49,10 @@ class VelocityVerlet {
   void step_by(Forces&, const Cloth&, const Loads&, double h, State&, const Workers&);
 
   Parameters parameters_;
-  Points middle_;      // positions in the middle of the step [m], N x 3; with one thread none
+  Points middle_;      // positions in the middle of the step [m], N x 3; empty with one thread
   Points velocities_;  // before the step [m/s], N x 3; only with threads and internal damping
-  Scalars forces_;     // along one axis [N], N; none in single precision
-  Eigen::VectorXf single_forces_;  // these then
+  Scalars forces_;     // along one axis [N], N; empty in single precision
+  Eigen::VectorXf single_forces_;  // the same in single precision
 };
 
 }  // namespace clothsim

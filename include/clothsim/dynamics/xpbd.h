@@ -13,21 +13,21 @@
 namespace clothsim {
 
 /// Extended position based dynamics: implicit Euler solved spring by spring, Gauss-Seidel on the
-/// springs' multipliers lambda, dlambda = (-C - a lambda) / (w_1 + w_2 + a) with C = l - L0 and
-/// a = 1 / (k h^2). Macklin et al. 2016, "XPBD"; small steps with one iteration each rather than
-/// many iterations: Macklin et al. 2019, "Small steps in physics simulation".
+/// springs' multipliers lambda, dlambda = (-C - a lambda) / (w_1 + w_2 + a) with C = l - L0 and a =
+/// 1 / (k h^2). Macklin et al. 2016, "XPBD"; small steps with one iteration each rather than many
+/// iterations: Macklin et al. 2019, "Small steps in physics simulation".
 ///
-/// Multipliers start at zero in each step and are kept over its iterations. Springs are swept by
-/// colour, no two of a colour sharing a point. An iteration goes forth and back (symmetric
+/// Multipliers start at zero in each step and are kept over its iterations. Passes over springs go
+/// by colour, no two of a colour sharing a point. An iteration goes forth and back (symmetric
 /// Gauss-Seidel): one that goes forth alone can feed fast waves, and stiff cloth trembles for ever.
 /// Drag as in implicit Euler.
 ///
-/// As published, a push stays where a spring pointed when it was given, and the limit of many
-/// iterations is not quite implicit Euler's. So each iteration but the first brings points to where
-/// the multipliers put them along the springs as they point now.
+/// As published, each correction keeps the direction of its spring at that time, and the limit of
+/// many iterations is not quite implicit Euler's. So each iteration but the first moves points to
+/// the places that the multipliers give with the springs' present directions.
 ///
 /// A bend is a constraint on the three components of its stencil; its direction never turns.
-/// Internal damping makes constraints stiffer, towards what they were when the step began: see
+/// Internal damping makes constraints stiffer, towards their values at the step's start: see
 /// DampedSpring.
 class Xpbd {
  public:
@@ -51,10 +51,10 @@ class Xpbd {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  /// Adds what springs and bends gave the held points in the last step, of h [s] [N s, N x 3]: as
-  /// forces through the step. Momentum balances by these with one iteration, however long the step;
-  /// with more, as far as they converge. What springs ask for where the step ends is more, by as
-  /// much as the step has not solved.
+  /// Adds the impulses of springs and bends on held points in the last step, of h [s] [N s, N x 3],
+  /// as forces through the step. With these momentum balances with one iteration, however long the
+  /// step; with more, as far as they converge. The forces of the springs at the step's end are
+  /// larger, by the residual of the step.
   void add_reactions(const Cloth&, double h, Points& impulses) const;
 
   static constexpr bool unconverged() { return false; }  // see Integrator
@@ -94,9 +94,9 @@ class Xpbd {
   std::vector<double> lambda_;           // as constraints_
   std::vector<BendConstraint> bends_;    // by colour
   std::vector<int> bend_colour_ends_;    // in bends_
-  Points reactions_;                     // sums of what multipliers gave held points [kg m], N x 3
-  Points start_;                         // positions before the sweeps [m], N x 3
-  Points target_;                        // where multipliers put the points [m], N x 3
+  Points reactions_;                     // sums of corrections on held points [kg m], N x 3
+  Points start_;                         // positions before the passes [m], N x 3
+  Points target_;                        // of points, by the multipliers [m], N x 3
   Scalars turn_;                         // stiffness against turning, times inverse mass, N
 };
 

@@ -20,68 +20,68 @@ namespace clothsim {
 
 /// A pair of features, at the positions last measured.
 struct NearPair {
-  std::uint64_t key;  // the same for the same features at any time, and where a point's slot walks
+  std::uint64_t key;  // constant for the same features, and for a tracked pair
   SurfacePair pair;
   Separation separation;
 };
 
-/// Finds the pairs of a cloth's features that are near each other while it moves, in two ways.
+/// Detects the pairs of a cloth's features that are near each other while it moves, in two ways.
 ///
-/// What may touch: points have slots that walk over the surface, and edges that cross where no
-/// point does are listed. These may be found a little late, and are few. Of points alone, all that
-/// are near each other are listed.
+/// approaching(): pairs that may touch. Tracked pairs of a point and a triangle move over the
+/// surface, and edges that cross where no point is near are listed. These may be found a little
+/// late, and are few. With points alone, all near pairs are listed.
 ///
-/// What may meet: all features that come as near as a floor on the way. None is missed.
+/// swept_query(): all features that come as near as a floor on their paths. None is missed.
 ///
-/// The surface is any of triangles: a cloth's grid, or several sheets, with holes and seams. It is
-/// cut into patches. Two of them are measured against each other, and then sleep until
-/// they have used up what was between them. So what is found depends on what came before: see
+/// The surface is any mesh of triangles: a cloth's grid, or several sheets, with holes and seams.
+/// It is cut into patches. Two of them are measured against each other, and then sleep until their
+/// approach may have used up the distance between them. So results depend on the history: see
 /// write().
 class NearPairs {
  public:
-  /// Of a mesh whose points are at `rest` [m, N x 3], of surfaces or of points. It takes
-  /// some 17 kB a point, and three to four times the time of a grid.
+  /// For a mesh with points at `rest` [m, N x 3], of surfaces or of points. Construction takes some
+  /// 17 kB a point, and three to four times the time of a grid.
   NearPairs(const SurfaceMesh&, const Points& rest, double thickness,
             const Tiling::Range& stencils = Tiling::of_surfaces);
-  /// Of a cloth's grid, also of one row or column.
+  /// For a cloth's grid, also of one row or column.
   explicit NearPairs(const Cloth&, const Tiling::Range& stencils = Tiling::of_surfaces);
 
-  /// Pairs at `positions` that may touch on the way to `ahead` [m, N x 3, finite], or are nearer
-  /// than they may come plus a margin, by ascending key. Edges are closest inside both, and of the
-  /// triangles that a point is as near to there is one. Some are missing where the budget is spent.
+  /// Pairs at `positions` that may touch on the paths to `ahead` [m, N x 3, finite], or are nearer
+  /// than their contact distance plus a margin, by ascending key. Edges are closest at inner points
+  /// of both, and of several triangles at the same distance from a point one is returned. Some are
+  /// missing where the budget is spent.
   const std::vector<NearPair>& approaching(const Points& positions, const Points& ahead,
                                            const Workers& = {}, WorkBudget* = nullptr);
-  /// Those that it found last.
+  /// The result of the last call.
   const std::vector<NearPair>& approaching() const { return near_; }
 
-  /// All pairs of surfaces that may come within `floor` [m] of each other while points go straight
-  /// from `here` to `ends`, in no order to rely on: as long as no distance between patches falls by
-  /// more than sees(). Some are missing where the budget is spent.
+  /// All pairs of surfaces that may come within `floor` [m] of each other while points move
+  /// straight from `here` to `ends`, in no reliable order: as long as no distance between patches
+  /// falls by more than sees(). Some are missing where the budget is spent.
   std::vector<NearPair> swept_query(const Points& here, const Points& ends, double floor,
                                     const Workers& = {}, WorkBudget* = nullptr);
 
-  /// Points have gone to the ends that it looked at last.
+  /// The points have moved to the ends of the last query.
   void go(const Points& ends, const Workers& = {});
 
-  /// Forgets all that came before.
+  /// Forgets the history.
   void forget();
 
-  /// How much nearer any two points come on the ways that swept_query() looked at last, at most
-  /// [m].
+  /// Largest approach of any two points on the paths of the last swept_query() [m].
   double max_approach() const { return motions_.max(); }
   double sees() const { return sees_; }
 
-  /// Nearest that any pair may come [m].
+  /// Least contact distance of any pair [m].
   double min_nearest() const { return nearest_->min(); }
 
-  /// What the next look goes on with. `read` throws InvalidValue for what was not written.
+  /// The state for the next query. `read` throws InvalidValue for data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
  private:
-  /// What does not change as points move.
+  /// Data that does not change as points move.
   struct Surface {
-    std::shared_ptr<const SurfaceMesh> mesh;  // nothing of points
+    std::shared_ptr<const SurfaceMesh> mesh;  // empty with points alone
     std::shared_ptr<const Tiling> tiling;
     std::shared_ptr<const std::vector<Patch>> patches;
     std::shared_ptr<const NearestDistances> nearest;
@@ -96,23 +96,23 @@ class NearPairs {
     int a;
     int b;
     int number;
-    double gap;  // that is left of the one last measured [m]
+    double gap;  // rest of the gap at the last measurement [m]
   };
 
   /// Two patches, or one with itself.
   struct PatchPair {
     int p;
     int q;
-    double step = 0;  // that they may come nearer on the way looked at last [m]
-    // How much nearer they may come before features touch that have no slot, or any meet [m].
+    double step = 0;  // approach on the paths of the last query, at most [m]
+    // Approach before features touch that are not tracked, or before any meet [m].
     double to_touch = 0;
     double to_meet = 0;
-    std::vector<Listed> listed = {};  // where no point sees a triangle
+    std::vector<Listed> listed = {};  // edges where no point is near, or near points
   };
 
-  /// What is found of a band of patch pairs.
+  /// Results of a band of patch pairs.
   struct Found {
-    std::vector<SurfacePair> to_track;  // that may be missing
+    std::vector<SurfacePair> to_track;  // candidates for tracking
     std::vector<NearPair> meet;
   };
 
@@ -127,7 +127,7 @@ class NearPairs {
   void collect_points(const Points& ahead, const Workers&);
   void collect_listed(const Points& ahead, const Workers&);
 
-  // near_pairs_measure.cpp: what two patches have near each other.
+  // near_pairs_measure.cpp: features of two patches that are near each other.
   void measure(PatchPair&, double within, Found&) const;
   void measure_points(PatchPair&) const;
   void measure_batch(PatchPair&, const int* pairs, std::size_t count, double within, Found&) const;
@@ -140,14 +140,14 @@ class NearPairs {
   std::shared_ptr<const NearestDistances> nearest_;
   TileShapes shapes_;
   TrackedPairs tracked_;
-  double sees_;    // how much nearer patches may come before they are paired anew [m]
-  double paired_;  // patches are from so far on [m]
+  double sees_;    // approach of patches until they are paired again [m]
+  double paired_;  // distance within which patches are paired [m]
   double margin_;  // [m]
 
   std::vector<PatchPair> patch_pairs_;  // ascending
-  double paired_nearer_ = 0;            // that any two may have come since they were paired [m]
+  double paired_nearer_ = 0;            // approach of any two since they were paired, at most [m]
   int looks_ = 0;
-  Points last_;  // positions last given; none yet: no rows
+  Points last_;  // positions last given; at first no rows
   PatchMotions motions_;
   std::vector<NearPair> near_;
 };

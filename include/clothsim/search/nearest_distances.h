@@ -15,51 +15,50 @@
 
 namespace clothsim {
 
-/// How near two features of a cloth may come: 2 * thickness, or where they are neighbours on the
-/// cloth, a quarter of their distance at rest, so that it can fold sharply and yet not pass through
-/// itself.
+/// Contact distance of two features: 2 * thickness, or for neighbours on the cloth a quarter of
+/// their distance at rest, so that it can fold sharply without passing through itself.
 ///
-/// Two edges inside the cloth may come a share of that nearer. Where layers lie on each other their
-/// points keep them 2 * thickness apart, and edges would only tell the same again; the share is
-/// left to them where folds cross whose points miss each other. An edge of the border has no cloth
-/// beside it that points could meet: it keeps the whole distance.
+/// Two edges inside the cloth have a share of that. Where layers lie on each other, points keep
+/// them 2 * thickness apart, and contacts of edges would be redundant; they remain where folds
+/// cross whose points miss each other. An edge of the border has no cloth beside it with points for
+/// contact: it keeps the whole distance.
 ///
-/// Points have no surface: those that are neighbours, with a rest distance below twice that of
-/// contact, are left out. A fold between them has no room for a layer.
+/// Points alone: neighbours, with a rest distance below twice that of contact, are left out. A fold
+/// between them has no room for a layer.
 ///
-/// A grid looks the same from every cell, so the distances are kept by the way from one tile to the
-/// other. On any other surface those of tiles that are near each other at rest are kept one by one.
+/// A grid looks the same from every cell, so distances are stored by the offset between tiles. On
+/// any other surface they are stored for each pair of tiles that are near each other at rest.
 class NearestDistances {
  public:
-  /// How near neighbours on the cloth may come, of their distance at rest.
+  /// Contact distance of neighbours on the cloth, of their distance at rest.
   static constexpr double neighbour_share = 0.25;
-  /// How near edges inside the cloth may come, of 2 * thickness: with all of it two thirds of the
+  /// Contact distance of edges inside the cloth, of 2 * thickness: with all of it two thirds of the
   /// contacts of a pile are of edges, with this a tenth, and it comes to rest sooner.
   static constexpr double edge_share = 0.8;
-  /// From where on points are no neighbours at rest, of the contact distance.
+  /// Rest distance from which points are no neighbours, of the contact distance.
   static constexpr double apart_at_rest = 2;
 
-  /// Of a surface in tiles and patches at `rest` [m, N x 3]. `stencils`: the pairs of features that
-  /// count.
+  /// For a surface in tiles and patches at `rest` [m, N x 3]. `stencils`: the pairs of features
+  /// that count.
   NearestDistances(const SurfaceMesh&, const Points& rest, double thickness,
                    std::shared_ptr<const Tiling>, const std::vector<Patch>&,
                    const Tiling::Range& stencils);
-  /// Of a grid.
+  /// For a grid.
   NearestDistances(const Cloth&, std::shared_ptr<const Tiling>, const std::vector<Patch>&,
                    const Tiling::Range& stencils);
 
-  /// Of pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
-  /// lack what they need.
+  /// For pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
+  /// one of them does not exist.
   double of(int a, int b, std::size_t number) const {
     return std::min(tiles(a, b).of[number], max_distance(place(a, b, number), number));
   }
-  /// Of a point and a triangle [m].
+  /// For a point and a triangle [m].
   double of_tracked(int point, int triangle) const;
-  /// Of all of them.
+  /// For all features of tiles a and b.
   using OfTiles = std::array<float, Tiling::count>;
   OfTiles of_tiles(int a, int b) const;
 
-  /// Of those that count of the tiles of patches p <= q: the most of each pair of tiles [m].
+  /// For patches p <= q: the largest of each pair of tiles, over the features that count [m].
   const TileShapes::PairValues& of_patches(int p, int q) const {
     return of_patches_[number(patch_ways_, p, q)];
   }
@@ -67,9 +66,9 @@ class NearestDistances {
     return tiling_->at(tile).own[Tiling::own_point] == Tiling::border;
   }
 
-  /// The most and the least of any two that count, and the least distance at rest of any that share
-  /// no point: on a grid of a point and the long side of a triangle, as of two diagonals side by
-  /// side [m].
+  /// The largest and the least for features that count, and the least distance at rest of features
+  /// that share no point: on a grid that of a point and the long side of a triangle, as of two
+  /// diagonals side by side [m].
   double max() const { return 2 * thickness_; }
   double min() const {
     if (stencils_.are_points()) return max();
@@ -77,12 +76,12 @@ class NearestDistances {
   }
   double min_at_rest() const { return min_at_rest_; }
 
-  /// Of points that have an edge: the least on a grid, else the mean [m].
+  /// Distance of points that share an edge: the least on a grid, else the mean [m].
   double spacing() const { return spacing_; }
 
  private:
   using Ways = std::variant<NearWays, GridWays>;
-  /// Of two tiles, as if at the border, and inside.
+  /// For two tiles, as if at the border, and inside.
   struct Tiles {
     std::array<double, Tiling::count> of;
     OfTiles inside;

@@ -7,8 +7,8 @@
 
 namespace clothsim {
 
-/// Numbers for how two of some things lie to each other at rest, of a grid: by the way from one to
-/// the other, along columns and rows. Farther on than `max_way` it is as there.
+/// Numbers for the relative place of two items of a grid at rest: by the offset from one to the
+/// other, along columns and rows. Beyond `max_way` the number is that at it.
 class GridWays {
  public:
   /// `places`: column and row of each.
@@ -24,7 +24,7 @@ class GridWays {
     return places_[static_cast<std::size_t>(to)] - places_[static_cast<std::size_t>(from)];
   }
 
-  /// All ways that have a number, by that.
+  /// All offsets that have a number, in its order.
   std::vector<Eigen::Vector2i> ways() const {
     std::vector<Eigen::Vector2i> all;
     for (int row = -max_way_.y(); row <= max_way_.y(); ++row) {
@@ -40,7 +40,7 @@ class GridWays {
   Eigen::Vector2i max_way_;
 };
 
-/// The same of anything: those that are near have numbers of their own, all others `far`.
+/// The same for any surface: near items have numbers of their own, all others `far`.
 class NearWays {
  public:
   enum { far = 0 };

@@ -12,8 +12,8 @@
 
 namespace clothsim {
 
-/// Where tiles are, side by side and in single precision, so that as many pairs as a patch has
-/// tiles are measured at once; see DistanceRows. rounding() is that of their places.
+/// Positions of tiles, side by side and in single precision, so that as many pairs as a patch has
+/// tiles are measured at once; see DistanceRows. rounding() bounds the error of these positions.
 class TileShapes {
  public:
   static constexpr std::size_t tiles = DistanceRows::size;  // of a patch
@@ -23,7 +23,7 @@ class TileShapes {
   using Row = DistanceRows::Row;
   using Features = std::array<Row, Tiling::own_points>;
   using Corners = DistanceRows::Hulls;
-  /// Of up to as many pairs of tiles.
+  /// For up to as many pairs of tiles.
   struct Distances {
     Features values;                         // [m]
     std::array<Row, Tiling::points> within;  // least barycentric coordinate of the point
@@ -31,32 +31,32 @@ class TileShapes {
 
   TileShapes(std::shared_ptr<const Tiling>, std::shared_ptr<const std::vector<Patch>>);
 
-  /// Takes the tiles of a patch as they are at `positions` [m, N x 3]: the same for all that are
+  /// Sets the tiles of a patch at `positions` [m, N x 3]: the same for all patches that are
   /// compared.
   void update(int patch, const Points& positions);
 
-  /// What rounding of places does to a distance between two patches [m].
+  /// Error of a distance between two patches by the rounding of positions [m].
   float rounding(int patch, int other) const;
 
   /// A number for each pair i * tiles + j of tiles of two patches.
   using PairValues = std::array<float, tiles * tiles>;
 
-  /// Pairs of tiles that may be within a `gap` beyond the nearest that they may come, or within
-  /// `min_range` [m], of a patch with itself each once.
+  /// Pairs of tiles that may be within their contact distance plus a `gap`, or within `min_range`
+  /// [m]; for a patch with itself each once.
   struct Near {
     std::array<int, tiles * tiles> pairs;
     std::size_t count;
-    float rest;      // the others are so far from each other [m],
-    float rest_gap;  // beyond the nearest they may come
+    float rest;      // least distance of the others [m],
+    float rest_gap;  // less their contact distance [m]
   };
   void look(int patch, int other, const PairValues& nearest, float gap, float min_range,
             Near&) const;
 
-  /// As look(), by the tiles' first corners alone.
+  /// As look(), for the tiles' first corners alone.
   void look_at_points(int patch, int other, const PairValues& nearest, float gap, Near&) const;
 
-  /// Distances of the surfaces' features of `count` of these pairs, up to `tiles`; the last one
-  /// fills up.
+  /// Distances of the surface features of `count` of these pairs, up to `tiles`; the last one fills
+  /// the rest.
   void measure(int patch, int other, const int* pairs, std::size_t count, Distances&) const;
 
  private:

@@ -14,40 +14,40 @@
 
 namespace clothsim {
 
-/// What points are near: each slot is a point and a triangle, the one of a layer with the least
-/// gap. It is kept from step to step and walks over the surface: where a triangle beside it has
-/// less, it goes on to that. Not from where it touches to what may come nearer, as nearer
-/// neighbours on the cloth may: nothing would see any more that it touches.
+/// Pairs of a point and a triangle near it, the one of a layer with the least gap. A pair is kept
+/// from step to step and moves to an adjacent triangle with a smaller gap. It does not move from a
+/// triangle that it touches to one with a smaller contact distance, as nearer neighbours on the
+/// cloth have: the contact would no longer be seen.
 class TrackedPairs {
  public:
   struct TrackedPair {
     SurfacePair pair;
-    int number;            // among those of its point: stays as it walks
-    int owner;             // of the triangles that have the closest place, the first
-    Separation last = {};  // when it was looked at
+    int number;            // among those of its point: stays as the triangle changes
+    int owner;             // first of the triangles with the closest place
+    Separation last = {};  // at the last measurement
 
     double gap() const { return last.distance - pair.nearest; }
   };
 
-  /// A slot ends where its distance is more than this, of the nearest that its features may come.
+  /// Distance beyond which a pair is no longer tracked, of its contact distance.
   static constexpr double range = 1.5;
 
   TrackedPairs(std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const NearestDistances>);
 
-  /// Has slots walk, and ends those that have come far, or to where one of the same point is.
-  /// Returns how many are left.
+  /// Moves pairs to adjacent triangles, and drops those that are far, or at the same place as
+  /// another one of the point. Returns the number left.
   std::int64_t track(const Points& positions, const Workers& = {});
 
-  /// Makes a slot of each point and triangle that none of the point has.
+  /// Tracks each of these pairs that is not tracked yet.
   void add(std::vector<SurfacePair>, const Points& positions, const Workers& = {});
 
-  /// Does a slot of the point keep it off a triangle that is at a `distance` [m]? It is there, or
-  /// beside it with no larger a gap.
+  /// Does a tracked pair of the point keep it off a triangle at a `distance` [m]? It is at that
+  /// triangle, or at an adjacent one with no larger a gap.
   bool covers(const SurfacePair&, float distance) const;
 
-  /// Points that may have slots.
+  /// Points that may have tracked pairs.
   int size() const { return static_cast<int>(pairs_.size()); }
-  /// Of a point, by number.
+  /// Those of a point, by number.
   const std::vector<TrackedPair>& of(int point) const {
     return pairs_[static_cast<std::size_t>(point)];
   }

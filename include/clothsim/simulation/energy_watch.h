@@ -9,26 +9,26 @@
 
 namespace clothsim {
 
-/// Judges after each frame whether the cloth may have the energy it has. A method that blows up
-/// multiplies its energy within a frame, or little by little, long before numbers overflow.
+/// Checks after each frame whether the energy of the cloth is possible. An unstable method
+/// multiplies the energy within a frame, or little by little, long before numbers overflow.
 class EnergyWatch {
  public:
-  /// Counts anew from the next frame on: after a change that no work explains.
+  /// Restarts the count with the next frame: after a change that no work explains.
   void restart() { begun_ = false; }
 
-  /// What it has counted. `read` throws InvalidValue for what was not written.
+  /// The state of the count. `read` throws InvalidValue for data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
-  /// Whether a frame of `dt` [s] from `before` to `after` may have gained the energy it did: no
-  /// more than moving pins and colliders can have put in as work, besides a margin for what is
-  /// small; and whether all frames since the last restart() may have, by a far wider margin.
+  /// Whether the energy gained in a frame of `dt` [s] from `before` to `after` is possible: at most
+  /// the work of moving pins and colliders, plus a margin for small energies. The same for all
+  /// frames since the last restart(), with a far wider margin.
   ///
   /// Both states hold the velocities that pins have within the frame, and `colliders` their motion.
-  /// `push_out_speed`: speed at which these push out what is in them [m/s]; where it is not 0,
-  /// springs are stretched by that, the frame is judged by the wide margin alone, and it counts
-  /// anew. `wind`: speed of air that blows on it [m/s]. `external_work`: work of forces from
-  /// outside, and of holders on points that slip [J]. False for energies that are not finite.
+  /// `push_out_speed`: speed of recovery from colliders [m/s]; where it is not 0, recovery
+  /// stretches springs: the wide margin alone applies, and the count restarts. `wind`: speed of the
+  /// air [m/s]. `external_work`: work of external forces, and of holders on points that slip [J].
+  /// False for energies that are not finite.
   bool accepts(const Cloth&, const Vector3& gravity, double dt, const State& before,
                const State& after, const std::vector<MovingCollider>& colliders,
                double push_out_speed = 0, double wind = 0, double external_work = 0);

@@ -13,13 +13,13 @@
 
 namespace clothsim {
 
-/// Forces that bound a grip.
+/// Bounds on the force of a grip.
 struct GripForces {
   std::optional<double> tear_force;  // [N]
   std::optional<double> strength;    // [N]
 };
 
-/// Points of a cloth that a frame carries about, as a hand does.
+/// Points of a cloth that move with a frame, as in a hand.
 struct Grip {
   struct Held {
     int point;
@@ -27,10 +27,10 @@ struct Grip {
   };
   std::vector<Held> held;
   Pose pose;                         // of the frame, at the end of the next frame of simulation
-  std::optional<double> tear_force;  // [N] beyond which it lets go; empty: never
-  std::optional<double> strength;    // [N] that it pulls with at most; empty: default_strength()
-  Wrench wrench;   // that the cloth put on the frame, about its origin: mean of the last step
-  double lag = 0;  // of the point that is farthest behind its place in the frame [m]
+  std::optional<double> tear_force;  // beyond which it lets go [N]; empty: never
+  std::optional<double> strength;    // largest pull [N]; empty: default_strength()
+  Wrench wrench;   // of the cloth on the frame, about its origin: mean of the last step
+  double lag = 0;  // largest distance of a point from its place in the frame [m]
 };
 
 /// All grips of a simulation, by the name of their frame. Each of their points moves in a straight
@@ -41,7 +41,7 @@ class Grips {
   bool empty() const { return all_.empty(); }
 
   /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"}, {"strength"} and changes
-  /// nothing: for a point that is none of the cloth's, or that `holders` have already.
+  /// nothing: for a point that is not of the cloth, or that `holders` have already.
   void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
               const GripForces&, const Holders& holders, const Points& positions);
 
@@ -52,8 +52,8 @@ class Grips {
 
   void clear() { all_.clear(); }
 
-  /// Calls visit(number of the grip, point, where it is to be [m]) for all points, in an order that
-  /// stays while nothing is attached or detached.
+  /// Calls visit(number of the grip, point, target [m]) for all points, in an order that stays
+  /// while nothing is attached or detached.
   template <typename Visit>
   void for_each_held(Visit&& visit) const {
     int number = 0;
@@ -63,11 +63,12 @@ class Grips {
     }
   }
 
-  /// Sets wrenches and lags after a step of dt [s]. `first`: of the grips' points in `holders`.
+  /// Sets wrenches and lags after a step of dt [s]. `first`: place of the grips' points in
+  /// `holders`.
   void measure(const Cloth&, double dt, const Holders& holders, std::size_t first,
                const State& before, const State& after);
 
-  /// The points of grips that pull harder than they hold.
+  /// The points of grips whose force is beyond their tear force.
   std::vector<int> torn() const;
 
   /// For an archive that writes or reads its arguments.

@@ -5,9 +5,9 @@
 
 namespace clothsim {
 
-/// Why a frame was integrated as it was, and what fell short in it.
+/// Reasons for the integration of a frame, and for its shortcomings.
 enum class Reason {
-  // Of the choice of a method.
+  // For the choice of a method.
   named_by_scene,
   no_springs,
   error_unforetold,
@@ -18,7 +18,7 @@ enum class Reason {
   // After a frame failed.
   method_failed,
   failed_before_set_state,
-  // Of the frame itself.
+  // For the frame itself.
   beyond_stability,
   newton_unconverged,
   limit_yields,
@@ -26,19 +26,19 @@ enum class Reason {
   crosses_itself,
 };
 
-/// Reasons for programs to ask for, and in words.
+/// A set of reasons for programs, and the same in words.
 class Reasons {
  public:
   Reasons() = default;
   Reasons(Reason first, const std::string& detail = {}) { add(first, detail); }
 
-  /// `detail` ends what the text says of that reason.
+  /// `detail` ends the clause of that reason.
   void add(Reason, const std::string& detail = {});
 
   bool has(Reason reason) const { return all_.count(reason) > 0; }
   const std::set<Reason>& all() const { return all_; }
 
-  /// A sentence, a clause for each in the order that they came.
+  /// A sentence with a clause for each reason, in the order of add().
   const std::string& text() const { return text_; }
 
   /// For an archive that writes or reads its arguments.

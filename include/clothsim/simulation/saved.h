@@ -7,7 +7,7 @@
 
 namespace clothsim {
 
-/// All that moves, and the cloth that did: for those who keep it elsewhere than in memory.
+/// A copy of everything that moves, and of the cloth, outside the numbers of a memory.
 struct Simulator::Saved {
   Cloth cloth;
   State state;
@@ -16,7 +16,7 @@ struct Simulator::Saved {
   std::vector<Vector3> pin_targets;
   Grips grips;
   std::vector<Wrench> collider_wrenches;
-  Points forces;          // from outside [N], no rows: none
+  Points forces;          // external forces [N]; no rows: none
   double last_substep;    // [s]
   int given_crossings;    // see Simulator::given_crossings()
   double frame_duration;  // [s]
