@@ -9,7 +9,7 @@ namespace {
 
 void make_storage(const Renderbuffer& buffer, GLenum format, int width, int height, int samples) {
   glBindRenderbuffer(GL_RENDERBUFFER, buffer.id());
-  // One sample a pixel is asked for as none: a buffer of its own kind.
+  // For one sample a pixel, 0 is passed: a buffer without multisampling.
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format, width,
                                    height);
 }
@@ -35,7 +35,8 @@ const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats{{
     {GL_R32F, GL_RED, GL_FLOAT, sizeof(float), infinity},
     {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 0},
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
-    {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not draw to GL_RGB32F
+    {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not support drawing to
+                                                             // GL_RGB32F
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
 }};
 
@@ -58,7 +59,8 @@ void ColorTarget::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, drawn_.id());
 void ColorTarget::resolve_for_reading() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, read_.id());
-  glEnable(GL_FRAMEBUFFER_SRGB);  // the mean of the samples' light, whatever was drawn since
+  glEnable(GL_FRAMEBUFFER_SRGB);  // averages the samples in linear light; draws may have disabled
+                                  // it
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, read_.id());
   glReadBuffer(GL_COLOR_ATTACHMENT0);

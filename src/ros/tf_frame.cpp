@@ -77,7 +77,7 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
       held_.erase(held);
     }
     if (!is_static && newest_stamps_.is_late(transform)) continue;
-    // tf2 logs what it refuses.
+    // tf2 logs transforms that it refuses.
     const bool is_taken = buffer_.setTransform(transform, event.getPublisherName(), is_static);
     if (!is_taken || is_static) continue;
     newest_ = std::max(newest_, stamp);

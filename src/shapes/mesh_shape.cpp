@@ -86,7 +86,7 @@ class ClosestFeatures {
     if (!has_tip) add_inside(ways[ways[0].value > ways[1].value ? 0 : 1]);
   }
 
-  /// `surely`: inside, whatever the other features say.
+  /// `surely`: inside, even if another feature is nearer.
   void add_inside(const FaceDistance& found, bool surely = true) {
     is_inside_ = is_inside_ || surely;
     if (found.value > inside_.value) inside_ = found;

@@ -40,7 +40,7 @@ class ContactTopics {
   std::string world_frame_;
   ros::Publisher contacts_;
   std::vector<WrenchTopic> wrenches_;
-  bool asked_ = false;  // of the frame under way
+  bool asked_ = false;  // in the frame in progress
 };
 
 }  // namespace clothsim_ros

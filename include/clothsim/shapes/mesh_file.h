@@ -22,8 +22,9 @@ struct MeshFile {
 inline constexpr Range mesh_scale_range{1e-6, 1e6, ""};
 
 /// Reads an STL, OBJ or DAE file. `scale` [m per unit of the file; a negative one mirrors]
-/// multiplies the unit that a DAE file names; z is up in all files, whatever a DAE file says, as in
-/// RViz. Throws InvalidValue, without a key, for a file that is missing, too large or no solid.
+/// multiplies the unit that a DAE file names; z is up in all files, also where a DAE file says
+/// otherwise, as in RViz. Throws InvalidValue, without a key, for a file that is missing, too large
+/// or no solid.
 TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
 
 /// The solid in a file, or several where shells overlap, see split_overlapping(). Scenes that read
