@@ -4,8 +4,7 @@
 
 uniform float id;
 uniform mat3 ray_of_pixel;  // the direction of (u, v, 1) from the camera
-uniform mat3 pixel_before;  // (u, v, 1) * depth in the last picture, from a position relative to
-                            // its camera
+uniform mat3 pixel_before;  // from a position there to (u, v, 1) * depth in the last picture
 uniform float near_before;  // [m] the near plane then; infinity: no last picture of this object
 
 layout(location = 0) out float depth;  // along the optical axis [m]

@@ -29,8 +29,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;  // farther words count as
-                                                                      // different
+  std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;  // farther: another word
   std::string found;
   for (const std::string& candidate : words) {
     const std::size_t away = distance(word, candidate);

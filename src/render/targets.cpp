@@ -35,8 +35,7 @@ const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats{{
     {GL_R32F, GL_RED, GL_FLOAT, sizeof(float), infinity},
     {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 0},
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
-    {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not support drawing to
-                                                             // GL_RGB32F
+    {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not draw to GL_RGB32F
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
 }};
 
@@ -59,8 +58,7 @@ void ColorTarget::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, drawn_.id());
 void ColorTarget::resolve_for_reading() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, read_.id());
-  glEnable(GL_FRAMEBUFFER_SRGB);  // averages the samples in linear light; draws may have disabled
-                                  // it
+  glEnable(GL_FRAMEBUFFER_SRGB);  // averages samples in linear light; draws may disable it
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, read_.id());
   glReadBuffer(GL_COLOR_ATTACHMENT0);

@@ -184,8 +184,7 @@ struct Reconfigure::Impl {
     const auto apply = [this, name, ns, &simulator, &changes](const ColliderConfig& config) {
       if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
-      clothsim::validate_contact(live.thickness, config.friction);  // for an error with this
-                                                                    // value's name
+      clothsim::validate_contact(live.thickness, config.friction);  // to name this value in errors
       live.collider_friction[name] = config.friction;
       simulator.set(live);
       clothsim::Change change;

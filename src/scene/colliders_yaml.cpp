@@ -22,7 +22,6 @@ struct Key {
   std::function<void()> check = [] {};
   std::function<void(double)> grow = [](double) {};                             // on all sides [m]
   std::function<void(const std::filesystem::path&)> load = [](const auto&) {};  // after all keys
-                                                                                // are read
 };
 
 Key place(Pose& pose, const char* name = "center") {

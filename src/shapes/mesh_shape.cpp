@@ -224,7 +224,7 @@ std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double r
 
 void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double reach,
                             const VisitLine& visit) const {
-  constexpr double square = 0.1;  // largest sine between a ridge and the plane of `normal`
+  constexpr double square = 0.1;  // largest sine between a ridge and the plane normal to `normal`
   constexpr double sharp = 0.35;  // ridges that bend less do not support a triangle [rad]
   double most = reach + padding;
   file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {

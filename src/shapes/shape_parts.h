@@ -9,7 +9,7 @@ namespace clothsim {
 using Weights = std::array<double, 3>;
 
 /// Limit on the steps towards a surface. Each comes nearer by at least half the offset, so only a
-/// grazing point takes so many; it stops where it is then.
+/// grazing point takes so many steps; it is stopped there.
 inline constexpr int max_approaches = 300;
 
 inline Vector3 at(const Triangle& t, const Weights& w) {

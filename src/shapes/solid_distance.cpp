@@ -28,10 +28,10 @@ constexpr double band_cells = 2;
 /// corner's weight.
 constexpr double smallest = 1e-9;
 
-/// Number of triangles, spread over all, at which the thickness is measured.
+/// Most triangles, spread over all, whose thickness is measured.
 constexpr std::size_t max_measured = 2000;
 
-/// Bound on the rounding of a distance to float.
+/// Factor from a distance rounded to float to a lower bound of it.
 constexpr double just_below = 1 - 1e-6;
 
 }  // namespace

@@ -21,7 +21,7 @@ class WorkBudget {
   /// May be called from any thread.
   void spend(std::int64_t visits) { left_.fetch_sub(visits, std::memory_order_relaxed); }
 
-  /// A search that finds this true stops: its step will be undone.
+  /// Code that finds this true stops: its work will be undone.
   bool is_spent() const { return left_.load(std::memory_order_relaxed) < 0; }
 
  private:

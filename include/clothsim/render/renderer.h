@@ -39,8 +39,7 @@ struct Images {
   std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
   std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where there is none
-  std::vector<float> normals;  // x, y, z of the unit normal in the optical frame; NaN where there
-                               // is none
+  std::vector<float> normals;  // unit normal x, y, z in the optical frame; NaN where there is none
 
   /// Optical flow [pixel], right and down: the displacement of the surface point in a pixel since
   /// the last picture, from its pixel in that picture to this one. NaN without a surface, for

@@ -44,8 +44,7 @@ class FrameFollower {
 
   /// State of a frame that a run needs to continue.
   struct Memory {
-    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame, from the first
-                                                  // transform on
+    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame, once seen
     JumpWatch watch;
   };
   using Saved = std::vector<Memory>;

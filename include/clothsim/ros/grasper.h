@@ -52,8 +52,7 @@ class Grasper {
     ros::Publisher publisher;
     std::string frame;
     std::optional<ros::Time> stamp;         // of the frame's last wrench; empty: none so far
-    std::optional<ros::SteadyTime> let_go;  // when the frame released its points; empty: it holds
-                                            // points
+    std::optional<ros::SteadyTime> let_go;  // when the frame released its points; empty: it has not
   };
 
   /// Advertises the topic of a frame that holds points.

@@ -62,8 +62,7 @@ class Outputs {
   bool markers_due_ = false;      // the state has changed since the last ones
   bool others_shown_ = false;     // markers of another scene may be shown
   ros::SteadyTime next_markers_;  // time before which none are sent
-  ros::CallbackQueue newcomers_;  // subscribers, except those of markers, that wait for their first
-                                  // message
+  ros::CallbackQueue newcomers_;  // subscribers that wait for a first message, not markers
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
   ros::Publisher colliders_publisher_;

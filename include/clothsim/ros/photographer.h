@@ -117,8 +117,7 @@ class Photographer {
   unsigned topology_seq_ = 0;     // of the last picture
   double next_ = 0;               // [s] of simulated time: when a picture is due
   ros::SteadyTime next_refresh_;  // time before which refresh() takes none
-  ros::SteadyTime stands_;        // time from which refresh() takes pictures, if no frame comes
-                                  // before
+  ros::SteadyTime stands_;        // refresh() takes pictures from then on if no frame comes
   RateMeter rate_;
   int drawn_ = 0;       // pictures drawn up to the last status
   int dropped_ = 0;     // the same for dropped ones

@@ -74,8 +74,7 @@ class TfListener {
   ros::Time now_;     // time of the last receive()
   ros::Time newest_;  // newest stamp in the buffer
   NewestStamps newest_stamps_;
-  std::set<std::string> own_frames_;  // moved by put(): transforms of these from this node are
-                                      // ignored
+  std::set<std::string> own_frames_;  // of put(): transforms of these from this node are ignored
   std::map<std::string, geometry_msgs::TransformStamped> held_;  // as put() got them
   bool has_heard_ = false;  // transforms of others since hold()
   Throttle warnings_{warning_period};
@@ -87,8 +86,7 @@ struct FrameStatus {
   bool seen = false;       // a transform to the world has come
   bool lost = false;       // seen, but too old now
   double age = 0;          // [s] age of the latest transform; 0 for a static one
-  std::string apart_from;  // the world frame, where tf knows this frame but not how to transform it
-                           // to the world
+  std::string apart_from;  // the world frame, where tf does not connect this frame to it
 };
 
 /// The latest pose of a tf frame. A frame that is lost keeps its last pose.

@@ -20,7 +20,8 @@ class FrameMotion {
   /// Starts towards `target`, to arrive after `frames` frames of `frame_duration` [s] each.
   void set_target(const FrameTarget& target, int frames, double frame_duration);
 
-  /// The pose at the end of the next frame of simulation. After its arrival the frame is at rest.
+  /// Advances to the end of the next frame of simulation and returns the pose there. After its
+  /// arrival the frame is at rest.
   const Pose& advance();
 
   bool has_arrived() const { return done_ == frames_; }

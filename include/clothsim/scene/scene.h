@@ -44,8 +44,7 @@ inline constexpr Range place_range{-1e12, 1e12, "m"};
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
   std::optional<Vector3> wind;      // [m/s], the mean; empty: no air, except for gusts
-  double gusts = 0;                 // [m/s] largest deviation of each component of the wind from
-                                    // the mean
+  double gusts = 0;                 // [m/s] largest deviation of each component from the mean
   double frames_per_second = 90;    // [Hz]
   std::optional<int> substeps;      // per frame; empty: as many as the method needs
   double strain_tolerance = 0.004;  // allowed strain above cloth.strain_limit, of the rest length

@@ -192,8 +192,7 @@ class Solid {
   bool is_sheet_;
   std::vector<Vector3> vertices_;
   std::vector<std::array<int, 3>> triangles_;
-  std::vector<Corners> corners_;  // of the triangles; apart from the normals, which few queries
-                                  // need
+  std::vector<Corners> corners_;  // of the triangles; few queries need their normals
   std::vector<Ball> balls_;       // about them
   std::vector<Face> faces_;
   std::vector<Vector3> vertex_normals_;

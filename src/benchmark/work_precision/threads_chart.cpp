@@ -58,8 +58,7 @@ std::vector<Job> threads_jobs(const Options& options) {
       jobs.push_back([=] {
         Time times[2];
         constexpr int rounds = 3;
-        for (int round = 0; round < rounds; ++round) {  // in turn, so that both run under the same
-                                                        // conditions
+        for (int round = 0; round < rounds; ++round) {  // in turn: under the same conditions
           for (const int threads : {1, 2}) {
             Scene scene = s.scene(side);
             scene.simulation.threads = threads;

@@ -10,8 +10,7 @@ namespace clothsim::work_precision {
 struct Contender {
   std::string method;  // by its name in `auto`
   double cost;         // [CPU ms per simulated second]
-  double error;        // of positions, of the size; at least the error that the reference can
-                       // resolve
+  double error;        // of positions, of the size; not below that of the reference
 };
 
 /// The most accurate of `runs` by methods other than that of `chosen` that cost no more: the best
