@@ -1,4 +1,4 @@
-// Normal of a height map laid on the surface.
+// Normal of a height map on the surface.
 #include "lighting.glsl"
 
 uniform sampler2D height_map;

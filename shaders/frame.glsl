@@ -1,4 +1,4 @@
-// What holds for a whole picture. Positions are relative to the camera, along the world's axes, so
+// Uniforms of a whole picture. Positions are relative to the camera, along the world's axes, so
 // that they stay small wherever the scene is.
 layout(std140) uniform Frame {
   mat4 clip_from_eye;

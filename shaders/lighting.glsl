@@ -7,12 +7,12 @@ uniform float kd;
 uniform float ks;
 uniform float power;
 
-// A light in the surface itself gives a bright spot, not infinity.
+// A light on the surface itself gives a bright spot, not infinity.
 const float nearest_light_squared = 1e-6;  // [m^2]
 
 struct Incoming {
   vec3 direction;      // l, from the surface to the light
-  float irradiance;    // I / r^2, less what a shadow takes
+  float irradiance;    // I / r^2, reduced by shadow
 };
 
 Incoming incoming_light() {

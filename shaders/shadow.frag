@@ -1,3 +1,3 @@
 #version 330 core
-// Into a shadow map: depth alone.
+// Draws a shadow map: depth alone.
 void main() {}

@@ -1,9 +1,9 @@
-// How much of the light comes to a surface, by a shadow map where the picture has one.
+// The share of the light that reaches a surface, by a shadow map where the picture has one.
 #ifdef SHADOWS
 uniform sampler2DShadow shadow_map;
 
-// Pixels of the map that a surface is lifted by along its normal, and towards the light, so that it
-// does not shade itself (Holbert 2011, "Normal offset shadows").
+// Pixels of the map by which a surface is lifted along its normal, and towards the light, so that
+// it does not shade itself (Holbert 2011, "Normal offset shadows").
 const vec2 lift = vec2(2.0, 1.0);
 
 float unshadowed(vec3 to_light) {

@@ -1,4 +1,4 @@
-// What a surface hands to its fragments. The normal faces the camera's side: both sides are lit.
+// Inputs of the fragments of a surface. The normal faces the camera's side: both sides are lit.
 #include "frame.glsl"
 
 in vec3 surface_position;

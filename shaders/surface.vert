@@ -13,7 +13,7 @@ uniform vec3 translation;   // of the mesh's origin, relative to the camera [m]
 uniform mat3 rotation_before;
 uniform vec3 translation_before;  // relative to the camera then [m]
 uniform float displacement; // [m] along the normal for a height of 1
-uniform float shrinkage;    // [m] against the normal, so that cloth lying on it is seen
+uniform float shrinkage;    // [m] against the normal, so that cloth on the surface stays visible
 uniform sampler2D height_map;
 
 out vec3 surface_position;  // relative to the camera [m]

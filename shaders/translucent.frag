@@ -3,7 +3,7 @@
 
 uniform sampler2D image;
 uniform float alpha;
-uniform float alpha_lit;  // where the light falls in full; alpha where none falls
+uniform float alpha_lit;  // in full light; alpha without light
 
 void main() {
   vec3 n = smooth_normal();

@@ -9,20 +9,21 @@ in vec3 surface_before;
 
 uniform float displacement;
 
-// Rasterizers round corners to 1/256 of a pixel: what they interpolate belongs to a point that much
-// beside the pixel's ray. The ray meets the triangle's plane here; all that is linear in it is led here
-// by the same steps to the next pixels.
+// Rasterizers round corners to 1/256 of a pixel, so interpolated values belong to a point that far
+// beside the pixel's ray. Here the ray is intersected with the triangle's plane; these steps, in
+// pixels, correct every value that is linear in the plane.
 vec2 steps_to_ray(vec3 ray) {
   vec3 x = dFdx(surface_position), y = dFdy(surface_position), n = cross(x, y);
   vec3 way = dot(n, surface_position) / dot(n, ray) * ray - surface_position;
-  if (!(dot(way, way) < dot(x, x) + dot(y, y))) return vec2(0.0);  // it is seen edge on
+  if (!(dot(way, way) < dot(x, x) + dot(y, y))) return vec2(0.0);  // seen edge-on
   return vec2(dot(cross(way, y), n), dot(cross(x, way), n)) / max(dot(n, n), 1e-30);
 }
 
 vec2 along(vec2 steps, vec2 a) { return a + steps.x * dFdx(a) + steps.y * dFdy(a); }
 vec3 along(vec2 steps, vec3 a) { return a + steps.x * dFdx(a) + steps.y * dFdy(a); }
 
-// What is displaced has the normal of the triangle that is drawn: its own is of the mesh before.
+// Displaced surfaces get the normal of the drawn triangle: the smooth one is that of the mesh
+// without displacement.
 vec3 normal_of_surface(vec3 smooth_normal) {
   if (displacement == 0.0) return (gl_FrontFacing ? 1.0 : -1.0) * safe_normalize(smooth_normal);
   vec3 n = safe_normalize(cross(dFdx(surface_position), dFdy(surface_position)));

@@ -1,11 +1,11 @@
-// The images of the surfaces themselves, of meshes and of exact spheres. One that is not wanted has no
-// target: what is written to it goes nowhere.
+// The images of the surfaces themselves, of meshes and of exact spheres. An image that is not
+// wanted has no target: its output is discarded.
 #include "frame.glsl"
 
 uniform float id;
-uniform mat3 ray_of_pixel;  // the way of (u, v, 1) from the camera
-uniform mat3 pixel_before;  // (u, v, 1) * depth in the last picture, from a place relative to its camera
-uniform float near_before;  // [m] the near plane then; infinity: this was not there
+uniform mat3 ray_of_pixel;  // the direction of (u, v, 1) from the camera
+uniform mat3 pixel_before;  // from a position there to (u, v, 1) * depth in the last picture
+uniform float near_before;  // [m] the near plane then; infinity: no last picture of this object
 
 layout(location = 0) out float depth;  // along the optical axis [m]
 layout(location = 1) out float mask;
@@ -19,8 +19,8 @@ vec2 nowhere() { return vec2(intBitsToFloat(0x7fc00000)); }  // NaN
 
 vec3 pixel_ray() { return safe_normalize(ray_of_pixel * vec3(gl_FragCoord.xy - 0.5, 1.0)); }
 
-// The normal on the side that is seen. Smooth normals lean away from the camera near an outline: they
-// are brought back to square to the ray.
+// The normal on the visible side. Smooth normals lean away from the camera near an outline: those
+// are made perpendicular to the ray.
 vec3 facing(vec3 n, vec3 ray) {
   vec3 bent = n - max(0.0, dot(n, ray)) * ray;
   return dot(bent, bent) > 1e-12 ? safe_normalize(bent) : -ray;

@@ -1,9 +1,10 @@
 #version 120
 
-// Points of the cloth, lit by RViz's lamp, on the side that the camera sees. They are lifted off the
-// cloth to that side: it does not flicker against what it lies on. Lines and points are brought nearer
-// to the camera, where they are seen at the same place and not hidden by the surface.
-// Light is computed here and not for each pixel: a software renderer takes most of its time for those.
+// Points of the cloth, lit by RViz's lamp, on the side that faces the camera. They are lifted off
+// the cloth to that side, so that the cloth does not flicker against the surface it lies on. Lines
+// and points are moved nearer to the camera, along the line of sight, so that the surface does not
+// hide them. Light is computed per point and not per pixel, where a software renderer takes most of
+// its time.
 
 uniform mat4 world_view;
 uniform mat4 projection;
@@ -17,11 +18,11 @@ uniform vec4 lamp_place;     // in the camera's frame; w is 0: a direction
 varying vec4 lit_color;
 varying vec2 map_place;
 
-// RViz's ambient light is black: what the lamp does not reach is to be seen, too.
+// RViz's ambient light is black: surfaces that the lamp does not reach stay visible by this.
 const vec3 least_light = vec3(0.3);
 
-// Where the surface is seen edge-on, neighbouring points turn now the one, now the other side to the
-// camera: within this cosine the light of both sides is mixed.
+// Where the surface is seen edge-on, neighbouring points may face the camera with different sides:
+// below this cosine the light of both sides is mixed.
 const float edge_on = 0.2;
 
 void main() {

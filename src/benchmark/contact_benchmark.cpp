@@ -1,5 +1,5 @@
-// What self contact costs on the folded cloth of self_collision, part by part, how much faster than
-// real time a folded cloth goes, and what colliders cost a cloth that lies on them.
+// Cost of self contact on the folded cloth of self_collision, part by part; ratio of a folded
+// cloth's simulated time to real time; cost of colliders under a cloth.
 
 #include <benchmark/benchmark.h>
 
@@ -32,8 +32,8 @@ const Settled& settled(SelfCollision kind) {
   return kind == SelfCollision::points ? points : surface;
 }
 
-/// A substep from the folded cloth as it was, so that it stays folded: drift, then the contact that
-/// is measured.
+/// A substep from the initial folded cloth, so that it stays folded: drift, then the measured
+/// contact.
 struct Drift {
   explicit Drift(const Settled& from)
       : start(from.simulator.state().positions),
@@ -54,7 +54,7 @@ struct Drift {
   double displacement_factor;
 };
 
-/// Self contact of a substep: what is near, four sweeps.
+/// Self contact of a substep: search, four sweeps.
 void whole_step(benchmark::State& run, SelfCollision kind) {
   const Settled& scene = settled(kind);
   const Cloth& cloth = scene.simulator.cloth();
@@ -75,8 +75,8 @@ void points_step(benchmark::State& run) { whole_step(run, SelfCollision::points)
 
 void surface_step(benchmark::State& run) { whole_step(run, SelfCollision::surface); }
 
-/// The same of the collider that a cloth has come to lie on: `sphere` and `plane` have contacts
-/// with points alone, `table` and `rod` with faces, too.
+/// The same for the collider that a cloth lies on: `sphere` and `plane` have contacts with points
+/// only, `table` and `rod` with faces, too.
 void collider_step(benchmark::State& run, const std::string& name) {
   const Scene scene = load(name);
   const Settled lying(scene, 4);
@@ -95,7 +95,7 @@ void collider_step(benchmark::State& run, const std::string& name) {
   count_points(run, cloth);
 }
 
-/// Every pair of patches sought anew: in motion a small part of this a substep.
+/// A search of every pair of patches; in motion, a substep searches a small part of them.
 void broad_phase(benchmark::State& run, SelfCollision kind) {
   const Settled& scene = settled(kind);
   const Cloth& cloth = scene.simulator.cloth();
@@ -115,7 +115,7 @@ void points_broad_phase(benchmark::State& run) { broad_phase(run, SelfCollision:
 
 void surface_broad_phase(benchmark::State& run) { broad_phase(run, SelfCollision::surface); }
 
-/// Distances of what is near, while points tremble by 1e-6 m.
+/// Distances of near pairs, while points move by 1e-6 m.
 void surface_narrow_phase(benchmark::State& run) {
   const Settled& scene = settled(SelfCollision::surface);
   const Cloth& cloth = scene.simulator.cloth();
@@ -135,7 +135,7 @@ void surface_narrow_phase(benchmark::State& run) {
   count_points(run, cloth);
 }
 
-/// A substep whose contacts have been found.
+/// A substep after the detection of its contacts.
 struct Begun {
   Begun() : contacts(cloth, SelfCollision::surface), drift(settled(SelfCollision::surface)) {
     contacts.prepare(cloth, drift.step(), drift.state);
@@ -156,7 +156,7 @@ void surface_response(benchmark::State& run) {
   count_points(run, step.cloth);
 }
 
-/// The bound of every point's way.
+/// The bound of every point's displacement.
 void surface_bounds(benchmark::State& run) {
   Begun step;
   for (auto _ : run) {
@@ -166,7 +166,7 @@ void surface_bounds(benchmark::State& run) {
   count_points(run, step.cloth);
 }
 
-/// The judge: no part of a substep, run once a second in the node.
+/// The check for crossings: not part of a substep, run once a second in the node.
 void intersection_count(benchmark::State& run) {
   const Settled& scene = settled(SelfCollision::points);
   const Cloth& cloth = scene.simulator.cloth();
@@ -179,8 +179,8 @@ void intersection_count(benchmark::State& run) {
   count_points(run, cloth);
 }
 
-/// Seconds of self_collision with surfaces, in wall time: `side` x `side` points at so many frames
-/// a second, the second that folds, those after, and one of the folded cloth.
+/// Wall time of self_collision with surfaces [s]: `side` x `side` points at `rate` frames a second;
+/// the second that folds, the seconds after, and one of the folded cloth.
 void surface_real_time(benchmark::State& run) {
   const auto side = static_cast<int>(run.range(0));
   Scene scene = pile(SelfCollision::surface);

@@ -1,6 +1,6 @@
-// What scenes cost by the number of their points, in units that machines agree on: classic seconds,
-// CPU time over that of the classic configuration on pinned2 at 50 x 50 points, frame by frame in
-// turn.
+// Cost of scenes by the number of their points, in a unit that hardly depends on the machine:
+// classic seconds, CPU time over that of the classic configuration on pinned2 at 50 x 50 points,
+// with frames of both in turn.
 
 #include <benchmark/benchmark.h>
 
@@ -16,7 +16,7 @@ namespace {
 /// A scene of this benchmark with `side` x `side` points.
 Scene scene_of(const std::string& name, int side) {
   Scene scene;
-  if (name == "springs") {  // pinned2 without what is no spring
+  if (name == "springs") {  // pinned2 with springs only
     scene = load("pinned2");
     scene.cloth.material.strain_limit.reset();
   } else if (name == "fold_points" || name == "fold_surface") {
@@ -41,7 +41,7 @@ Scene scene_of(const std::string& name, int side) {
   return scene;
 }
 
-/// Classic seconds a simulated second, of the first `seconds` of a scene.
+/// Classic seconds per simulated second, in the first `seconds` of a scene.
 void cost(benchmark::State& run, const std::string& name) {
   const int side = static_cast<int>(run.range(0)), seconds = static_cast<int>(run.range(1));
   double spent = 0, classic_spent = 0;
@@ -58,7 +58,7 @@ void cost(benchmark::State& run, const std::string& name) {
       const double middle = process_cpu_seconds();
       spent += middle - start;
       ++frames;
-      if (frame * longest >= 1) continue;  // a second of it tells
+      if (frame * longest >= 1) continue;  // a second is enough
       classic->step();
       classic_spent += process_cpu_seconds() - middle;
       ++classic_frames;

@@ -5,7 +5,7 @@
 
 namespace clothsim {
 
-/// CPU time of this thread [s]: other work on the machine does not count.
+/// CPU time of this thread [s]: independent of other work on the machine.
 inline double cpu_seconds() {
   timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -19,7 +19,7 @@ inline double process_cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Time on the wall [s].
+/// Wall time [s].
 inline double wall_seconds() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration<double>(now).count();

@@ -1,4 +1,4 @@
-// What it costs to let points go: per point that a call names, however many are held.
+// Cost of detaching points: per point that a call names, for any number of attached points.
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
-// The kernels of a substep against the plain loop over springs, and against what the machine can
-// do.
+// The kernels of a substep against a plain loop over springs, and against the peak rates of the
+// machine.
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double h = 1e-5;  // [s]
 
-/// The yardstick: one spring at a time, points as rows.
+/// The baseline: one spring at a time, points as rows.
 void plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, Points& f) {
   f = cloth.mass * loads.gravity.transpose();
   for_each_spring(cloth, [&](const SpringRun& spring, int a, int b) {
@@ -31,7 +31,7 @@ void plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, Point
   });
 }
 
-/// A grid of run.range(0) points a side at its default material.
+/// A grid of run.range(0) points a side with its default material.
 struct Setup {
   explicit Setup(const benchmark::State& run) {
     ClothSpec spec;
@@ -44,9 +44,10 @@ struct Setup {
   Points forces;
 };
 
-/// Times `kernel` and, in turn, the plain loop, so that both meet the same machine. Prints how many
-/// times the plain loop it is, and what it takes of the peak rates: square roots and divisions (one
-/// each a spring), other arithmetic, and traffic of the second-level cache.
+/// Times `kernel` and the plain loop in turn, so that both run under the same conditions. Prints
+/// the ratio of the plain loop to the kernel, and the kernel's shares of the peak rates: square
+/// roots and divisions (one each a spring), other arithmetic, and traffic of the second-level
+/// cache.
 template <typename Kernel>
 void against_plain(benchmark::State& run, Setup& setup, double operations, double bytes,
                    Kernel&& kernel) {
@@ -82,7 +83,7 @@ void against_plain(benchmark::State& run, Setup& setup, double operations, doubl
   run.counters["of L2 copy"] = bytes / peak.l2_copy / time;
 }
 
-// A spring takes 12 operations but for its square root and division, and each side of it 3 more; a
+// A spring takes 12 operations besides its square root and division, and each side of it 3 more; a
 // point's weight 3. A spring's force is written, and read for both of its ends.
 double force_operations(const Cloth& cloth) {
   return 18.0 * cloth.num_springs() + 3.0 * cloth.num_points();
@@ -117,8 +118,8 @@ void forces_and_integration_single(benchmark::State& run) {
   integration(run, VelocityVerlet::Parameters::single_precision);
 }
 
-/// Wall time of forces and integration with one thread and, in turn, with two: the least of each,
-/// to which other work on the machine adds nothing.
+/// Wall time of forces and integration with one thread and, in turn, with two: the minimum of each,
+/// which is least affected by other work on the machine.
 void two_threads(benchmark::State& run) {
   using Clock = std::chrono::steady_clock;
   Setup setup(run);

@@ -52,7 +52,7 @@ void divisions(const double* __restrict x, int n, double* __restrict y) {
   for (int i = 0; i < n; ++i) y[i] = 1.5 / x[i];
 }
 
-/// What `work`, which does `amount`, does per second at its best.
+/// Highest rate of `work`, which does `amount`, per second.
 template <typename Work>
 double rate(double amount, Work&& work) {
   double best = 0;

@@ -1,4 +1,4 @@
-// Frames a second of each shader at three sizes, and where the time goes. One frame is a moving
+// Frames a second of each shader at three sizes, and the time of each stage. One frame is a moving
 // cloth of 50 x 50 points over a sphere and a plane, as colour, depth and mask.
 
 #include <benchmark/benchmark.h>
@@ -18,7 +18,7 @@ Renderer& renderer() {
   return instance;
 }
 
-/// The cloth at two moments, so that every frame uploads one.
+/// The cloth at two times, so that every frame uploads one.
 struct Scene {
   Snapshot snapshot;
   std::array<std::shared_ptr<const Points>, 2> moments;
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
               .c_str(),
           render, shader, width, height, wanted)
           ->Unit(benchmark::kMillisecond)
-          ->MeasureProcessCPUTime()  // of all threads: a software driver draws in its own
+          ->MeasureProcessCPUTime()  // of all threads, as a software driver draws in its own
           ->UseRealTime();
   };
   for (const std::string& shader : shading_names()) add(shader, "all", {});

@@ -1,4 +1,4 @@
-// What robots cost: shapes that the cloth cannot reach, fine meshes under it, and their load.
+// Cost of robots: shapes out of the cloth's reach, fine meshes under it, and loading them.
 
 #include <benchmark/benchmark.h>
 
@@ -55,7 +55,7 @@ double ratio(const Scene& scene, const Scene& other, double seconds) {
   return spent / other_spent;
 }
 
-/// pinned2 with so many shapes 2 m beside it, over pinned2.
+/// pinned2 with run.range(0) shapes 2 m beside it, over pinned2.
 void out_of_reach(benchmark::State& run) {
   const Scene alone = load("pinned2");
   Scene scene = alone;
@@ -80,7 +80,7 @@ void on_a_mesh(benchmark::State& run) {
   for (auto _ : run) run.counters["of a sphere"] = ratio(scene, sphere, 5);
 }
 
-/// What makes a solid of its triangles.
+/// Building a solid from its triangles.
 void make_solid(benchmark::State& run) {
   const TriangleSoup soup = ball(static_cast<int>(run.range(0)), 0.1);
   run.counters["triangles"] = static_cast<double>(soup.triangles.size());

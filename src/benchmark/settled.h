@@ -14,7 +14,7 @@ inline Scene load(const std::string& name) {
   return read_scene(load_scene_file(CLOTHSIM_SCENES_DIR + ("/" + name + ".yaml")));
 }
 
-/// A scene after `seconds`, with the step its substeps had.
+/// A scene after `seconds`, with the step of its substeps.
 struct Settled {
   Settled(const Scene& scene, double seconds) : simulator(scene) {
     const int frames = static_cast<int>(seconds / simulator.frame_duration());
@@ -27,7 +27,7 @@ struct Settled {
   double h = 0;
 };
 
-/// Time by point.
+/// Time per point.
 inline void count_points(benchmark::State& run, const Cloth& cloth) {
   run.counters["per point"] = benchmark::Counter(
       static_cast<double>(cloth.num_points()) * static_cast<double>(run.iterations()),

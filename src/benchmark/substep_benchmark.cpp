@@ -1,4 +1,4 @@
-// What a substep costs at 50 x 50, part by part, per point; and each scene as a whole.
+// Cost of a substep at 50 x 50, part by part, per point; and of each scene as a whole.
 
 #include <benchmark/benchmark.h>
 
@@ -46,8 +46,8 @@ void scene(benchmark::State& run, const std::string& name) {
       seconds * static_cast<double>(run.iterations()), benchmark::Counter::kIsRate);
 }
 
-/// The headline: pinned2 at its defaults against the classic way, plain loops with 30 substeps a
-/// frame and one pass of the strain limit a substep; frame by frame in turn, for 5 s.
+/// The headline figure: pinned2 at its defaults against the classic method, plain loops with 30
+/// substeps a frame and one pass of the strain limit a substep; frame by frame in turn, for 5 s.
 void pinned2_against_classic(benchmark::State& run) {
   const Scene scene = load("pinned2");
   double seconds = 0;
@@ -71,8 +71,8 @@ void pinned2_against_classic(benchmark::State& run) {
   run.counters["classic/this"] = classic_seconds / seconds;
 }
 
-/// Wall time of a frame of pinned2, strain limit and all, with one thread and, in turn, with two,
-/// from its start. Of the ratios of all frames the median: other work on the machine falls on some.
+/// Wall time of a frame of pinned2, with strain limit, with one thread and, in turn, with two, from
+/// its start. The median of the ratios of all frames, as other work on the machine affects some.
 void pinned2_with_two_threads(benchmark::State& run) {
   Scene scene = load("pinned2");
   scene.cloth.columns = scene.cloth.rows = static_cast<int>(run.range(0));

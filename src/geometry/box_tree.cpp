@@ -58,7 +58,7 @@ void BoxTree::visit_between(int p, int q, const std::function<void(int, int)>& v
   const Node& m = nodes_[static_cast<std::size_t>(q)];
   if (!overlap(n.box, m.box)) return;
 
-  // Go down into the one with more boxes.
+  // Descend into the node with more boxes.
   if (n.right != 0 && (m.right == 0 || n.end - n.begin >= m.end - m.begin)) {
     visit_between(p + 1, q, visit);
     visit_between(n.right, q, visit);

@@ -5,14 +5,14 @@
 namespace clothsim {
 namespace {
 
-/// From 0 to 1 on a -> b, where it is closest to p.
+/// Share from 0 to 1 of the way a -> b at its point closest to p.
 double closest_on_segment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 d = b - a;
   const double length2 = d.squaredNorm();
   return length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0;
 }
 
-/// Closest on the edges of a triangle that is a line.
+/// The closest point of a triangle that is a line, by its edges.
 std::array<double, 3> closest_on_edges(const Vector3& p, const std::array<Vector3, 3>& corners) {
   std::array<double, 3> best{1, 0, 0};
   double least = (p - corners[0]).squaredNorm();

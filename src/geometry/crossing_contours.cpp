@@ -13,7 +13,7 @@
 namespace clothsim {
 namespace {
 
-/// Groups of things, each on one of two sides: a union-find that keeps parities.
+/// Groups of items, each on one of two sides: a union-find with parities.
 class Groups {
  public:
   int add() {
@@ -22,7 +22,7 @@ class Groups {
     return parents_.back();
   }
 
-  /// The first of its group, and whether `item` is on the other side than that.
+  /// The first item of the group, and whether `item` is on the other side.
   std::pair<int, bool> of(int item) const {
     bool differs = false;
     while (parent(item) != item) {
@@ -32,7 +32,7 @@ class Groups {
     return {item, differs};
   }
 
-  /// Two that are known to be of one group, on the same side or not.
+  /// Merges the groups of `a` and `b`, which are on the same side or on opposite ones.
   void join(int a, int b, bool are_apart) {
     const auto [first, first_differs] = of(a);
     const auto [second, second_differs] = of(b);
@@ -48,13 +48,13 @@ class Groups {
   std::vector<bool> differs_;  // from the parent
 };
 
-/// On which side of a plane a point lies; +1 where it lies on it, so that an edge which meets the
-/// border between two triangles passes through one of them.
+/// The side of a plane on which a point lies; +1 where it lies on the plane, so that an edge
+/// through the border between two triangles passes through one of them.
 int side(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
   return orientation(a, b, c, d) < 0 ? -1 : 1;
 }
 
-/// Where an edge passes through a triangle, if it does.
+/// The crossing of an edge and a triangle, if there is one.
 std::optional<EdgeCrossing> crossing_of(const Cloth& cloth, const SurfaceEdges& surface, int edge,
                                         int triangle, const Points& positions) {
   const std::array<int, 3>& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
@@ -63,30 +63,30 @@ std::optional<EdgeCrossing> crossing_of(const Cloth& cloth, const SurfaceEdges& 
   Triangle t;
   for (std::size_t k = 0; k < 3; ++k) t[k] = row(positions, corners[k]);
   if (side(t[0], t[1], t[2], p) == side(t[0], t[1], t[2], q)) return {};
-  int turns = 0;  // around the edge, by the triangle's sides
+  int turns = 0;  // sum of the signs of the triangle's sides as seen along the edge
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3;
-    const bool ascends = corners[k] < corners[next];  // the same of both triangles at a side
+    const bool ascends = corners[k] < corners[next];  // the same for both triangles at a side
     turns += ascends ? side(p, q, t[k], t[next]) : -side(p, q, t[next], t[k]);
   }
   if (std::abs(turns) < 3) return {};
 
   const Vector3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
   const double height = normal.dot(p - t[0]), depth = normal.dot(t[0] - q);
-  if (height + depth == 0) return {};  // but for rounding
+  if (height + depth == 0) return {};  // only by rounding
   EdgeCrossing crossing{
       edge, triangle, std::clamp(height / (height + depth), 0.0, 1.0), {}, normal};
   crossing.weights = closest_on_triangle(p + crossing.share * (q - p), t[0], t[1], t[2]);
   return crossing;
 }
 
-/// Crossings as they are found, each once.
+/// Crossings found so far, each once.
 class Crossings {
  public:
   Crossings(const Cloth& cloth, const SurfaceEdges& surface, const Points& positions)
       : cloth_(cloth), surface_(surface), positions_(positions) {}
 
-  /// Those where edges of one triangle pass through another, by number.
+  /// The crossings of one triangle's edges with another triangle, by number.
   std::vector<int> find(int triangle, int through) {
     std::vector<int> found;
     for (const int edge : surface_.of_triangle[static_cast<std::size_t>(triangle)]) {
@@ -151,7 +151,7 @@ std::vector<CrossingContour> find_contours(const Cloth& cloth, const SurfaceEdge
                                            const Points& positions) {
   Crossings crossings(cloth, surface, positions);
   for (const auto& [a, b] : pairs) {
-    // A stretch of one contour, whose ends they are.
+    // Both are ends of a stretch of one contour.
     const std::vector<int> of_a = crossings.find(a, b), of_b = crossings.find(b, a);
     const std::vector<int>& first = of_a.empty() ? of_b : of_a;
     for (const int other : of_a) crossings.groups().join(first.front(), other, false);

@@ -9,8 +9,8 @@
 namespace clothsim {
 namespace {
 
-/// Of directions that count as parallel, and of squared lengths: more than some ten roundings of
-/// products of the same size.
+/// Bound for parallel directions, and for the error of squared lengths: more than some ten
+/// roundings of products of the same size.
 constexpr float rounding = 16 * std::numeric_limits<float>::epsilon();
 constexpr float tiny = std::numeric_limits<float>::min();
 
@@ -30,8 +30,8 @@ inline Vector at(const DistanceRows::Points& points, std::size_t k) {
 
 }  // namespace
 
-/// The least to the triangle's edges, or to its plane where that is within. All from the products
-/// of the ways from b.
+/// The least distance from the triangle's edges, or from its plane where the projection lies
+/// within. All terms come from dot products of vectors from b.
 CLOTHSIM_TARGET_CLONES
 void DistanceRows::point_triangle(const Points& a, const Points& b, const Points& c,
                                   const Points& d, Row& distances, Row& within) {
@@ -58,7 +58,8 @@ void DistanceRows::point_triangle(const Points& a, const Points& b, const Points
     const float least = smaller(smaller(of_c, of_d), 1 - of_c - of_d);
     const float thinness = uu * vv * share;
     const float on_plane = ww - (of_c * uw + of_d * vw);
-    // In thin triangles the first one's rounding grows, and edges are no farther than their height.
+    // The rounding of on_plane grows in thin triangles; there the edges bound the distance, which
+    // differs from theirs by at most the triangle's height.
     const float inside = larger(on_plane - rounding * thinness * ww, on_edges - area2 * per_uu);
     const bool is_within = (least >= 0) & (area2 > rounding * uu * vv);
     const float squared = is_within ? inside : on_edges;
@@ -78,7 +79,7 @@ void DistanceRows::point_point(const Points& a, std::size_t number, const Points
   }
 }
 
-/// Parallel ones are taken to be as near as a slight turn makes them.
+/// Parallel edges count as near as a slight rotation would bring them.
 CLOTHSIM_TARGET_CLONES
 void DistanceRows::edge_edge(const Points& a, const Points& b, const Points& c, const Points& d,
                              Row& distances) {

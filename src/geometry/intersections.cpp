@@ -10,7 +10,7 @@
 namespace clothsim {
 namespace {
 
-/// On which side of the plane of `t` the corners of `s` lie.
+/// The side of the plane of `t` on which each corner of `s` lies.
 std::array<int, 3> sides_of(const Triangle& t, const Triangle& s) {
   std::array<int, 3> sides;
   for (std::size_t i = 0; i < 3; ++i) sides[i] = orientation(t[0], t[1], t[2], s[i]);
@@ -22,7 +22,7 @@ bool on_both_sides(const std::array<int, 3>& sides) {
   return least < 0 && most > 0;
 }
 
-/// The corner with no other on its side of the plane, where `sides` has both.
+/// The corner that is alone on its side of the plane, where there are corners on both sides.
 std::size_t lone_corner(const std::array<int, 3>& sides) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (sides[i] != 0 && sides[(i + 1) % 3] != sides[i] && sides[(i + 2) % 3] != sides[i]) return i;
@@ -39,21 +39,21 @@ bool share_a_point(const std::array<int, 3>& s, const std::array<int, 3>& t) {
 }  // namespace
 
 bool triangles_cross(const Triangle& s, const Triangle& t) {
-  // Each must reach through the plane of the other.
+  // Each triangle must reach through the plane of the other.
   const std::array<int, 3> sides_s = sides_of(t, s);
   if (!on_both_sides(sides_s)) return false;
   const std::array<int, 3> sides_t = sides_of(s, t);
   if (!on_both_sides(sides_t)) return false;
 
-  // Turn both so that the first corner is alone, above the plane of the other.
+  // Permute both so that the first corner is alone, above the plane of the other.
   const std::size_t i = lone_corner(sides_s), j = lone_corner(sides_t);
   Triangle p{s[i], s[(i + 1) % 3], s[(i + 2) % 3]};
   Triangle q{t[j], t[(j + 1) % 3], t[(j + 2) % 3]};
   if (sides_s[i] < 0) std::swap(q[1], q[2]);
   if (sides_t[j] < 0) std::swap(p[1], p[2]);
 
-  // Each cuts an interval out of the line where the planes meet, from its edge 0-2 to its edge 0-1
-  // and from 0-1 to 0-2: do they overlap?
+  // Each triangle cuts an interval out of the line where the planes meet, from edge 0-2 to 0-1 and
+  // from 0-1 to 0-2: do the intervals overlap?
   return orientation(p[0], p[1], q[0], q[1]) < 0 && orientation(p[0], p[2], q[2], q[0]) < 0;
 }
 

@@ -4,7 +4,7 @@
 #include <cfloat>
 #include <cmath>
 
-// What follows is exact only where every operation is rounded once, to the nearest double.
+// Exact only where every operation is rounded once, to the nearest double.
 static_assert(FLT_EVAL_METHOD == 0, "orientation() needs arithmetic in double");
 #ifdef __FAST_MATH__
 #error "orientation() needs IEEE arithmetic: build without -ffast-math"
@@ -38,7 +38,7 @@ Parts two_product(double a, double b) {
   return {value, std::fma(a, b, -value)};
 }
 
-/// A number without rounding error: a sum of doubles, the least first, that share no bits. Zeros
+/// A number without rounding error: a sum of doubles without common bits, the least first. Zeros
 /// are left out, so the greatest part has the sign of the sum. Shewchuk 1997, section 2.
 class Expansion {
  public:
@@ -107,9 +107,9 @@ class Expansion {
   }
 
  private:
-  /// The most parts a determinant has. A sum has as many as both, a product twice as many as one
-  /// times the other. So a difference of coordinates has 2, a product of two 8, less another one
-  /// 16, times a difference 64, and three of these:
+  /// The most parts of a determinant. A sum has as many parts as both operands together, a product
+  /// twice the product of both counts. So a difference of coordinates has 2, a product of two 8,
+  /// the difference of two such products 16, times a difference 64, and the sum of three of these:
   enum : std::size_t { capacity = 192 };
 
   double last() const { return parts_[size_ - 1]; }
@@ -150,7 +150,7 @@ int orientation(const Vector3& a, const Vector3& b, const Vector3& c, const Vect
   const double bound = error_share * magnitude;
   if (determinant > bound) return 1;
   if (determinant < -bound) return -1;
-  if (magnitude == 0) return 0;  // each product has a factor 0, as in any plane along two axes
+  if (magnitude == 0) return 0;  // each product has a factor 0, as in any axis-aligned plane
   return exact_orientation(a, b, c, d);
 }
 

@@ -25,7 +25,7 @@ double hit_by_ray(const Vector3& o, const Vector3& d, const Box& box) {
   for (int axis = 0; axis < 3; ++axis) {
     const double a = (box.min()[axis] - o[axis]) / d[axis];
     const double b = (box.max()[axis] - o[axis]) / d[axis];
-    if (std::isnan(a) || std::isnan(b)) continue;  // it runs along a face
+    if (std::isnan(a) || std::isnan(b)) continue;  // the ray runs along a face
     in = std::max(in, std::min(a, b));
     out = std::min(out, std::max(a, b));
   }

@@ -12,7 +12,7 @@ double along(const Vector3& direction, const Points& positions, int i) {
          direction[2] * positions(i, 2);
 }
 
-/// How far the points of a lie beyond those of b, by their places on an axis.
+/// How far the points of a lie beyond those of b, by their coordinates on an axis.
 template <typename Place>
 double gap_of(const SurfacePair& pair, const Place& place_of) {
   std::array<double, 4> place;
@@ -58,7 +58,7 @@ double min_gap_turning(const SurfacePair& pair, const Points& start, const Point
     to.row(k) = end.row(pair.points[static_cast<std::size_t>(k)]);
   }
   const Vector3 first = separation(four, from).normal, last = separation(four, to).normal;
-  // The control point of a parabola that is there half way.
+  // Middle control point of the parabola that passes through the normal half way.
   const Vector3 half_way = separation(four, (from + to) / 2).normal;
   const Vector3 middle = 2 * half_way - (first + last) / 2;
   const auto coefficient = [&](const auto& place) { return gap_of(four, place); };

@@ -14,7 +14,7 @@ Edge edge_of(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
 constexpr int nobody = -1;
 
-/// Gives points and edges of a mesh to tiles, each to the first that asks for it.
+/// Assigns points and edges of a mesh to tiles, each to the first tile that asks for it.
 class Owners {
  public:
   explicit Owners(const SurfaceMesh& mesh)
@@ -35,7 +35,7 @@ class Owners {
   bool is_free(int point) const { return is_free_[static_cast<std::size_t>(point)]; }
   const std::vector<int>& triangles_of(const Edge& edge) const { return triangles_of_.at(edge); }
 
-  /// What of its point and edges becomes the tile's own.
+  /// Assigns the tile its point and edges, as far as they are free.
   void give(Tiling::Tile& tile) {
     const auto p = static_cast<std::size_t>(tile.points[0]);
     tile.own[Tiling::own_point] = !is_free_[p]    ? Tiling::lacking
@@ -52,7 +52,7 @@ class Owners {
     }
   }
 
-  /// Edges that no tile has asked for.
+  /// Edges that have no tile.
   std::vector<Edge> left() const {
     std::vector<Edge> edges;
     for (const auto& [edge, triangles] : triangles_of_) {
@@ -94,7 +94,7 @@ Tiling::Tiling(const SurfaceMesh& mesh)
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
     if (of_triangle(t) != nobody) continue;
     const std::array<int, 3>& corners_of = mesh.triangles[static_cast<std::size_t>(t)];
-    // With the triangle beyond one of its edges, if that has no tile yet.
+    // Joined with the triangle beyond one of its edges, if that has no tile yet.
     Edge shared = edge_of(corners_of[0], corners_of[1]);
     int other = nobody;
     for (std::size_t k = 0; k < 3 && other == nobody; ++k) {

@@ -7,7 +7,7 @@
 namespace clothsim {
 
 std::string to_text(double value) {
-  if (std::isnan(value)) return "nan";  // whatever its sign bit, which to_chars would show
+  if (std::isnan(value)) return "nan";  // without the sign bit, which to_chars would show
   std::array<char, 32> text;
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
   return std::string(text.data(), result.ptr);
@@ -54,7 +54,7 @@ std::string join(const std::vector<std::string>& words) {
 
 std::string shortened(const std::string& text, std::size_t longest) {
   if (text.size() <= longest) return text;
-  // Not within a character of UTF-8, whose later bytes are 10xxxxxx.
+  // Do not cut a UTF-8 character, whose later bytes are 10xxxxxx.
   while (longest > 0 && (static_cast<unsigned char>(text[longest]) & 0xC0) == 0x80) --longest;
   return text.substr(0, longest) + "...";
 }

@@ -6,7 +6,7 @@
 namespace clothsim {
 namespace {
 
-/// The first band of an offset, or of springs that long, made where there is none.
+/// The first band with this offset and rest length, added if there is none.
 PairBand& band_of(int offset, std::optional<double> rest_length, int num_points,
                   std::vector<PairBand>& bands) {
   const auto found = std::find_if(bands.begin(), bands.end(), [&](const PairBand& band) {

@@ -19,7 +19,7 @@ constexpr Range origin_range{-1e6, 1e6, "m"};
 constexpr Range thickness_range{1e-6, 1e3, "m"};
 constexpr Range friction_range{0, 1e6, ""};
 
-/// Beyond this a cloth is a typing mistake rather than a wish.
+/// More points are taken for a typing mistake.
 constexpr long long max_points = 1'000'000;
 
 /// Fewer points have no spring.
@@ -68,7 +68,7 @@ void check_pins(const ClothSpec& spec) {
   }
 }
 
-/// A number given for both directions has the key of the whole.
+/// A number given for both directions has the key of the pair.
 void check_pair(const std::string& key, const std::array<double, 2>& pair, const Range& range) {
   if (pair[0] == pair[1]) return check_range(key, pair[0], range);
   inside(key, [&] {
@@ -85,8 +85,7 @@ void validate(const Fabric& fabric) {
 }
 
 /// The diagonals of a cell of w x h add G w^2 / h^2 to the stiffness along w. Springs along w have
-/// the rest, which must not be less than nothing; where no stretch stiffness is asked for, there
-/// are none.
+/// the rest, which must not be negative; where the stretch stiffness is 0, there are none.
 void check_shear(const ClothSpec& spec) {
   if (!spec.material.fabric || spec.columns < 2 || spec.rows < 2) return;
   if (!spec.material.springs[static_cast<std::size_t>(SpringFamily::shear)]) return;

@@ -7,10 +7,11 @@
 namespace clothsim {
 namespace {
 
-/// Characters of a part of a message: the path of a file fits, and a name of megabytes does not.
+/// Longest part of a message [characters]: the path of a file fits, and a name of megabytes does
+/// not.
 constexpr size_t longest_part = 1000;
 
-/// Without control characters, which a file may hold and a terminal would obey.
+/// The text without control characters, which a file may contain and a terminal would execute.
 std::string printable(std::string text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
@@ -29,7 +30,7 @@ std::string format(const std::vector<std::string>& key, const std::string& prefi
                    shortened(expected, longest_part));
 }
 
-/// A mistake about the whole has no key.
+/// An error about the whole has no key.
 std::vector<std::string> named(const std::vector<std::string>& key) {
   return key.empty() ? std::vector<std::string>{"scene"} : key;
 }

@@ -6,7 +6,7 @@
 namespace clothsim {
 namespace {
 
-/// The grid of a fabric: sizes of cells, and what points own.
+/// The grid of a fabric: sizes of cells, and areas of points.
 struct FabricGrid {
   explicit FabricGrid(const ClothSpec& s)
       : spec(s),
@@ -21,7 +21,7 @@ struct FabricGrid {
     return has(SpringFamily::shear) && spec.columns > 1 && spec.rows > 1;
   }
 
-  /// Width that points of a column own [m], and height that those of a row do.
+  /// Width that points of a column own [m], and height that points of a row own.
   double width_of(int column) const { return owned(column, spec.columns, du, spec.width); }
   double height_of(int row) const { return owned(row, spec.rows, dv, spec.height); }
 
@@ -47,13 +47,13 @@ void set_masses(const FabricGrid& grid, Cloth& cloth) {
   }
 }
 
-/// Stiffness of the threads along one direction that the diagonals leave to springs [N/m].
+/// Stiffness along the threads less the share of the diagonals [N/m].
 double left_to_threads(const FabricGrid& grid, double stretch, double along, double across) {
   if (!grid.has_diagonals()) return stretch;
   return std::max(stretch - grid.fabric.shear_stiffness * along * along / (across * across), 0.0);
 }
 
-/// Rows of `count` springs each, inner ones first: those on the border are half as stiff.
+/// Rows of `count` springs each, inner ones first: springs on the border are half as stiff.
 void add_threads(const FabricGrid& grid, Cloth& cloth) {
   const int columns = cloth.columns;
   const int rows = cloth.rows;

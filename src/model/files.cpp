@@ -9,7 +9,7 @@
 namespace clothsim {
 namespace {
 
-/// Empty: it is done.
+/// The error message; empty: success.
 std::string failure_to_write(const std::filesystem::path& path, const std::string& contents) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);

@@ -9,11 +9,11 @@
 namespace clothsim {
 namespace {
 
-/// Largest start offset from the plane [m], and of a cell's shorter side.
+/// Largest initial offset from the plane: [m], and as a share of a cell's shorter side.
 constexpr double max_unevenness = 1e-3;
 constexpr double uneven_share = 0.05;
 
-/// Bending springs are this much softer than structural and shear ones.
+/// Stiffness of bending springs by that of structural and shear ones.
 constexpr double bending_ratio = 0.2;
 
 /// A spring from point (column, row) to (column + columns, row + rows).
@@ -65,19 +65,19 @@ void add_classic(const ClothSpec& spec, const Eigen::Vector2d& spacing, Cloth& c
   cloth.inv_mass.setConstant(1 / point_mass);
 }
 
-/// Points of a cloth that touch at less than this many edge lengths leave room for others to pass.
+/// Contacts between points at less than this many edge lengths let other points through.
 constexpr double min_touch = 0.9;
 
-/// Points that touch at more than this many are left out so far along the cloth, see
-/// NearestDistances, that it folds where they do not see it.
+/// Contacts between points at more than this many edge lengths leave out so many neighbours, see
+/// NearestDistances, that folds go undetected.
 constexpr double max_touch = 2;
 
-/// How far the lowest edge of a hanging column may be pressed together by the column's weight:
-/// beyond, neighbours slip through each other, which points that are neighbours do not see.
+/// Largest compression of the lowest edge of a hanging column under its weight: beyond it,
+/// neighbours pass each other undetected, as neighbours have no contact.
 constexpr double max_pressed = 0.5;
 
-/// Where points suffice, by scenes that were tried: those that fold under their own weight had no
-/// crossing, softer and thinner ones did.
+/// Whether points suffice, by scenes that were tried: cloths that fold under their own weight had
+/// no crossing, softer and thinner ones did.
 SelfCollision resolve_self_collision(const ClothSpec& spec, const Eigen::Vector2d& spacing,
                                      double gravity) {
   if (spec.self_collision != SelfCollision::automatic) return spec.self_collision;
@@ -174,7 +174,7 @@ State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed)
   state.positions = cloth.rest_positions;
   state.velocities = Points::Zero(cloth.num_points(), 3);
   if (spec.orientation == Orientation::vertical) {
-    // The engine's bits are fixed by the standard, a distribution's are not: scale them by hand.
+    // The standard fixes the bits of the engine but not those of a distribution: scale them here.
     std::mt19937_64 engine(seed);
     const double most = unevenness(cloth);
     for (int i = 0; i < cloth.num_points(); ++i) {

@@ -8,7 +8,7 @@
 namespace clothsim {
 namespace {
 
-/// Numbers beyond are none of a simulation's, but for energies.
+/// Bound on a simulation's numbers other than energies.
 constexpr double largest = 1e12;
 
 [[noreturn]] void refuse(const std::string& got, const std::string& expected) {

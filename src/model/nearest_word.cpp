@@ -11,7 +11,7 @@ bool alike(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-/// Levenshtein's: how many letters to insert, delete or replace.
+/// Levenshtein distance: letters to insert, delete or replace.
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -29,7 +29,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;  // farther is another word
+  std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;  // farther: another word
   std::string found;
   for (const std::string& candidate : words) {
     const std::size_t away = distance(word, candidate);

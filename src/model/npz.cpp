@@ -17,10 +17,10 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "NPY files are written as memory has them");
 
-/// Larger arrays are no state of a cloth [bytes].
+/// Larger arrays are not the state of a cloth [bytes].
 constexpr std::uint64_t largest_array = 4'000'000'000;
 
-/// Of a header, a multiple of 64 as the format asks: room for every shape.
+/// Size of a header, a multiple of 64 as the format demands: room for every shape [bytes].
 constexpr std::size_t header_size = 128;
 constexpr std::size_t prefix_size = 10;  // magic, version, length
 constexpr const char* magic = "\x93NUMPY";
@@ -53,7 +53,7 @@ std::vector<double> numbers(const char* bytes, std::size_t count) {
   return values;
 }
 
-/// A type of numbers as NPY names it, and how to read it.
+/// A number type by its NPY name, and a function that reads it.
 struct NumberType {
   const char* name;
   std::size_t size;
@@ -100,7 +100,7 @@ NumberArray parse_npy(const std::string& bytes) {
     std::size_t needed = 1;
     for (const std::size_t size : array.shape) {
       if (size > 0 && needed > count / size)
-        needed = count + 1;  // more than there are
+        needed = count + 1;  // more than there are: fails below
       else
         needed *= size;
     }

@@ -10,8 +10,8 @@ namespace clothsim {
 namespace fs = std::filesystem;
 
 std::optional<std::string> find_installed(const std::string& library, const std::string& name) {
-  // Libraries are in PREFIX/lib, in PREFIX/lib/x86_64-linux-gnu and the like, or, as pip has it, in
-  // a Python package with all that is theirs.
+  // Libraries are in PREFIX/lib, in PREFIX/lib/x86_64-linux-gnu and the like, or, with pip, in a
+  // Python package with all its files.
   const fs::path lib = fs::weakly_canonical(library).parent_path();
   for (const fs::path& prefix : {lib, lib.parent_path(), lib.parent_path().parent_path()}) {
     const fs::path folder = prefix / "share" / "clothsim" / name;

@@ -20,14 +20,14 @@ namespace fs = std::filesystem;
 constexpr const char* package_scheme = "package://";
 constexpr const char* file_scheme = "file://";
 
-/// How deep packages lie in the folders of ROS_PACKAGE_PATH.
+/// Depth to which the folders of ROS_PACKAGE_PATH are searched for packages.
 constexpr int deepest = 4;
 
 bool starts_with(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
-/// The name that a folder's package.xml gives; empty: it has none.
+/// The name in a folder's package.xml; empty: there is none.
 std::string package_in(const fs::path& folder) {
   std::ifstream file(folder / "package.xml");
   if (!file) return "";
@@ -39,7 +39,7 @@ std::string package_in(const fs::path& folder) {
   return std::regex_search(manifest, found, name) ? found[1].str() : "";
 }
 
-/// A URI's text with its escapes, as %20 for a blank, put for what they stand for.
+/// A URI with its escapes, such as %20, replaced by their characters.
 std::string unescaped(const std::string& text) {
   const auto is_hex = [&text](std::size_t i) {
     return i < text.size() && std::isxdigit(static_cast<unsigned char>(text[i])) != 0;
@@ -53,7 +53,7 @@ std::string unescaped(const std::string& text) {
   return plain;
 }
 
-/// The text of a URI for a path: letters, digits and a few marks stand for themselves.
+/// A path as the text of a URI: letters, digits and a few marks remain as they are.
 std::string escaped(const std::string& path) {
   constexpr std::string_view marks = "/-._~";
   std::ostringstream text;
@@ -71,7 +71,7 @@ std::string escaped(const std::string& path) {
   return text.str();
 }
 
-/// Packages do not lie within packages.
+/// Packages do not contain packages.
 std::optional<fs::path> find_below(const fs::path& folder, const std::string& name, int depth) {
   std::error_code error;
   if (fs::exists(folder / "CATKIN_IGNORE", error)) return {};

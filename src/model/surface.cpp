@@ -5,7 +5,7 @@
 namespace clothsim {
 namespace {
 
-// A sum this much shorter than the lengths it was made of is rounding, not a direction.
+// A sum this much shorter than the sum of its terms' lengths is rounding, not a direction.
 constexpr double cancelled = 1e-9;
 
 /// Twice the triangle's area times its normal.
@@ -14,7 +14,7 @@ Vector3 area_vector(const Points& x, const std::array<int, 3>& t) {
   return (b - a).cross(c - a);
 }
 
-/// Any unit vector square to unit `n`.
+/// Any unit vector perpendicular to unit `n`.
 Vector3 perpendicular(const Vector3& n) { return n.unitOrthogonal(); }
 
 }  // namespace

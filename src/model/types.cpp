@@ -8,8 +8,8 @@
 namespace clothsim {
 namespace {
 
-/// Square of the longest vector from a point of `from` to that of `to`, beyond `common`, of `count`
-/// in columns so far apart; null: from the origin.
+/// Square of the longest vector from a point of `from` to the same point of `to`, less `common`.
+/// `count`: points, and the distance between columns. `from` null: the origin.
 CLOTHSIM_TARGET_CLONES
 double longest_way2(int count, const double* from, const double* to, const double* common) {
   Lanes lanes = {};
@@ -41,7 +41,7 @@ double longest(const double* from, const Points& to, const Vector3& common) {
   return std::sqrt(longest_way2(static_cast<int>(to.rows()), from, to.data(), common.data()));
 }
 
-/// The mean, or none of no vectors.
+/// The mean; zero for no vectors.
 Vector3 mean(const Points& vectors) {
   if (vectors.rows() == 0) return Vector3::Zero();
   return vectors.colwise().mean().transpose();

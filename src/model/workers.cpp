@@ -12,18 +12,18 @@
 namespace clothsim {
 namespace {
 
-/// How long a thread without work stays awake: longer than what lies between two loops of a
-/// substep, shorter than what lies between two frames.
+/// How long an idle thread spins: longer than the time between two loops of a substep, shorter than
+/// the time between two frames.
 constexpr std::chrono::microseconds awake{600};
 
-/// Looks at what others still do before the caller gives way to them.
+/// How often the calling thread polls the others before it yields to them.
 constexpr int patience = 4000;
 
-/// Bands begin at multiples of this, unless they may be shorter: a line of the caches, which two
-/// threads should not both write.
+/// Bands begin at multiples of this, unless they may be shorter: a cache line, which two threads
+/// should not both write.
 constexpr int line = 8;
 
-/// More than there are threads.
+/// More than the number of threads.
 constexpr int shut = 1 << 20;
 
 void relax() {
@@ -49,7 +49,7 @@ struct Workers::Pool {
     for (Helper& helper : helpers) helper.thread.join();
   }
 
-  /// The caller's part.
+  /// The part of the calling thread.
   void run(const Loop& l) {
     loop = l;
     const int count = static_cast<int>(helpers.size());
@@ -59,26 +59,26 @@ struct Workers::Pool {
     begin_round(std::min(bands - 1, count));
     take_bands();
 
-    // Nobody comes in any more; those inside finish their bands.
+    // No thread enters any more; those inside finish their bands.
     inside.fetch_sub(shut, std::memory_order_relaxed);
     for (int i = 0; inside.load(std::memory_order_acquire) != -shut; ++i) {
       i < patience ? relax() : std::this_thread::yield();
     }
   }
 
-  /// Tells the first so many threads that there is work.
+  /// Signals the first `count` threads that there is work.
   void begin_round(int count) {
     wanted = count;
     ++round;
     for (int i = 0; i < count; ++i) {
       Helper& helper = helpers[static_cast<std::size_t>(i)];
       if (!helper.sleeps) continue;
-      { const std::lock_guard<std::mutex> lock(helper.mutex); }  // it waits, or looks again
+      { const std::lock_guard<std::mutex> lock(helper.mutex); }  // it waits, or checks again
       helper.wake.notify_one();
     }
   }
 
-  /// What each other thread does.
+  /// The loop of each other thread.
   void help(int number) {
     for (unsigned seen = 0; wait_for_round(number, seen);) {
       if (inside.fetch_add(1, std::memory_order_acquire) >= 0) take_bands();
@@ -86,7 +86,7 @@ struct Workers::Pool {
     }
   }
 
-  /// Until another round than `seen` wants this thread; false when the pool ends.
+  /// Waits for a round other than `seen` that needs this thread; false when the pool ends.
   bool wait_for_round(int number, unsigned& seen) {
     Helper& self = helpers[static_cast<std::size_t>(number)];
     const auto is_wanted = [&] {
@@ -129,13 +129,13 @@ struct Workers::Pool {
     std::atomic<bool> sleeps{false};
   };
 
-  // Each in a line of its own: all look at the first two while they wait.
+  // Each on its own cache line: all threads poll the first two while they wait.
   alignas(64) std::atomic<unsigned> round{0};  // counts the loops
-  std::atomic<int> wanted{0};                  // threads that the round is for
+  std::atomic<int> wanted{0};                  // threads that take part in the round
   std::atomic<bool> stopped{false};
-  alignas(64) std::atomic<int> inside{-shut};  // threads that may take bands; below 0: shut
-  alignas(64) std::atomic<int> next{0};        // band nobody has taken
-  alignas(64) Loop loop{};                     // changes while it is shut and nobody inside
+  alignas(64) std::atomic<int> inside{-shut};  // threads that may take bands; below 0: closed
+  alignas(64) std::atomic<int> next{0};        // first band that is not taken
+  alignas(64) Loop loop{};                     // changes while closed and without threads inside
   int bands = 0;
   std::vector<Helper> helpers;
 };

@@ -12,8 +12,7 @@
 #include "clothsim/run/report.h"
 #include "clothsim/simulation/saved.h"
 
-// What cereal writes and reads, the same way: serialize() of each type, found in cereal's
-// namespace.
+// serialize() of each type, in the types' namespaces, for writing and reading by cereal.
 
 namespace cereal {
 
@@ -119,7 +118,7 @@ void serialize(Archive& archive, clothsim::RunReport& report) {
           report.pinched_point, report.error);
 }
 
-/// Shapes and friction of colliders are the scene's, and so is the cloth.
+/// Shapes and friction of colliders belong to the scene, and so does the cloth.
 template <class Archive>
 void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
   archive(saved.state, saved.memory, saved.pin_targets, saved.grips, saved.collider_wrenches,
@@ -152,7 +151,7 @@ std::string to_bytes(const Parts&... parts) {
   return stream.str();
 }
 
-/// Reads what to_bytes() made of parts of these types. Throws cereal::Exception.
+/// Reads the result of to_bytes() for parts of these types. Throws cereal::Exception.
 template <class... Parts>
 void from_bytes(const std::string& bytes, Parts&... parts) {
   std::istringstream stream(bytes, std::ios::binary);

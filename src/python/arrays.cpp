@@ -18,7 +18,7 @@ std::string shape_text(const py::array& array) {
   return "an array of shape [" + clothsim::join(sides) + "]";
 }
 
-/// As numpy reads it; throws InvalidValue where that is no array of numbers.
+/// Converts as numpy does; throws InvalidValue for objects other than arrays of numbers.
 py::array_t<double> to_array_of_numbers(py::handle object, const std::string& key,
                                         const std::string& expected) {
   const bool is_text = py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object);
@@ -42,7 +42,7 @@ constexpr const char* pose_form = "[x, y, z] or [x, y, z, qx, qy, qz, qw]";
 
 bool is_pose_size(py::ssize_t count) { return count == 3 || count == 7; }
 
-/// Those of one array, row by row.
+/// The numbers of an array, row by row.
 std::vector<double> in_rows(const py::array_t<double>& array) {
   const auto dense = py::array_t<double, py::array::c_style | py::array::forcecast>(array);
   return {dense.data(), dense.data() + dense.size()};

@@ -21,7 +21,7 @@ int checked_threads(std::optional<int> threads) {
   return *threads;
 }
 
-/// All that are broken off when the call ends.
+/// The simulations that an interrupt of the call stops.
 class WatchedAll {
  public:
   WatchedAll(const std::vector<Simulation*>& all, SignalWatch& watch) : all_(all) {
@@ -35,14 +35,14 @@ class WatchedAll {
   const std::vector<Simulation*>& all_;
 };
 
-/// Row by row, as numpy has it.
+/// Row by row, as in numpy.
 void copy_rows(const clothsim::Points& points, double* numbers) {
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) *numbers++ = points(i, axis);
   }
 }
 
-/// One for each of `count` environments, from a list or a dict of arrays.
+/// The targets of each of `count` environments, from a list or a dict of arrays.
 std::vector<Targets> to_actions(const py::object& actions, std::size_t count) {
   std::vector<Targets> all(count);
   if (actions.is_none()) return all;
@@ -85,7 +85,8 @@ std::string joined(const std::vector<int>& numbers) {
   return clothsim::shortened(clothsim::join(words), longest);
 }
 
-/// Throws the first error that is no Diverged, else one Diverged for all that have.
+/// Throws the first error other than Diverged, else one Diverged for all environments that have
+/// one.
 void raise_errors(const std::vector<std::exception_ptr>& errors, SignalWatch& watch) {
   std::vector<int> diverged;
   std::string first;
@@ -192,7 +193,7 @@ std::vector<std::exception_ptr> Batch::for_all(const Action& action) {
       copy_state(e);
     }
   };
-  workers_.parallel_for(count, act, 1, count);  // one by one: they take unlike times
+  workers_.parallel_for(count, act, 1, count);  // one by one, as they take unequal times
   return errors;
 }
 

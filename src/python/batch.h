@@ -13,19 +13,20 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// clothsim.Batch: many simulations of as many points each, stepped by all cores. Calls take turns.
+/// clothsim.Batch: many simulations with equal numbers of points, stepped by all cores. Calls take
+/// turns.
 class Batch {
  public:
-  /// `threads` empty: as many as there are cores for this process. Throws InvalidValue.
+  /// `threads` empty: the number of cores of this process. Throws InvalidValue.
   Batch(const py::sequence& simulators, std::optional<int> threads);
 
-  /// Steps each by `frames` and reads their states. `actions` is None, a list of what
-  /// Simulation::step() takes as targets, one for each, or a dict {frame: one of these for each}.
-  /// Throws InvalidValue and steps none; after all have stepped Diverged, with the `environments`
-  /// that have.
+  /// Steps each by `frames` and reads their states. `actions` is None, a list of targets as of
+  /// Simulation::step(), one for each, or a dict {frame: one of these for each}. Throws
+  /// InvalidValue before any step; throws Diverged after all have stepped, with the `environments`
+  /// that have diverged.
   py::array step(const py::object& actions, int frames);
 
-  /// Reads the states anew, without a step.
+  /// Reads the states again, without a step.
   void read();
 
   const py::tuple& simulators() const { return simulators_; }
@@ -36,18 +37,18 @@ class Batch {
  private:
   using Visits = std::vector<Gate::Visit>;
 
-  /// Waits for all simulations, and checks that they are of as many points as the arrays.
+  /// Waits for all simulations, and checks that they have the arrays' number of points.
   Visits enter_all();
   void set_targets(const std::vector<Targets>&, int frames);
   void copy_state(std::size_t environment);
-  /// Runs `action` for each, by all threads, without the GIL; what they throw, by environment.
+  /// Runs `action` for each, by all threads, without the GIL; returns the errors by environment.
   template <class Action>
   std::vector<std::exception_ptr> for_all(const Action& action);
 
   Gate gate_;
   py::tuple simulators_;
   std::vector<Simulation*> simulations_;  // of the tuple
-  std::vector<std::size_t> by_address_;   // in which order they are entered
+  std::vector<std::size_t> by_address_;   // the order in which they are entered
   py::ssize_t points_ = 0;
   py::array_t<double> positions_;
   py::array_t<double> velocities_;

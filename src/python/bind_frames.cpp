@@ -15,7 +15,7 @@ void check_name(const std::string& frame) {
   if (frame.empty()) throw InvalidValue({"frame"}, "\"\"", "the name of a frame");
 }
 
-/// Puts a frame somewhere at once, with what follows it.
+/// Puts a frame and its followers at a pose at once.
 void place(Run& run, const std::string& frame, const clothsim::Pose& pose) {
   run.frames.set_targets({{frame, {pose, {}, pose}}}, 1, run.simulator);
 }
@@ -26,14 +26,14 @@ void place_frame(Simulation& simulation, const std::string& frame, const py::obj
   simulation.with([&](Run& run) { place(run, frame, place_at); });
 }
 
-/// Where the frame is; throws InvalidValue where nothing tells.
+/// The pose of a frame; throws InvalidValue for an unknown one.
 clothsim::Pose pose_now(const Run& run, const std::string& frame) {
   if (const clothsim::Pose* driven = run.frames.pose(frame)) return *driven;
   if (const auto pose = clothsim::followed_pose(frame, run.simulator)) return *pose;
   throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
 }
 
-/// The points to attach: those given, or the free ones within the radius.
+/// The points to attach: the given ones, or the free ones within the radius.
 std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::object& points,
                         std::optional<double> radius) {
   if (points.is_none() == !radius) {

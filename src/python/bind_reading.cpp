@@ -17,7 +17,7 @@ py::array triangles_of(const clothsim::Cloth& cloth) {
   return to_array(corners, {static_cast<py::ssize_t>(cloth.triangles.size()), 3});
 }
 
-/// Springs of the families that are on, one by one.
+/// Adds the springs of the families that are on, one by one.
 void add_springs(const clothsim::Cloth& cloth, py::dict& topology) {
   std::vector<int> ends;
   std::vector<int> families;

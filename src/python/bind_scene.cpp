@@ -25,7 +25,7 @@ SceneObject parse(const std::string& text, const py::dict& overrides) {
   return make_scene(yaml, "", overrides);
 }
 
-/// Files of the scene are found from any folder that the other process runs in.
+/// With absolute paths of files, as the other process may run in any folder.
 py::tuple pickled(const SceneObject& scene) {
   const std::filesystem::path folder = std::filesystem::absolute(scene.folder / ".");
   return to_pickle(to_text(scene.yaml), scene.file, folder.string(), scene.overrides);

@@ -15,7 +15,7 @@ void warn_of_crossings(const clothsim::Simulator& simulator) {
   if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
 }
 
-/// The state as it is with what is given in its place.
+/// Sets the given parts of the state, and keeps the others.
 void set_state(Simulation& simulation, const py::object& positions, const py::object& velocities,
                std::optional<double> time, const py::object& memory) {
   simulation.with([&](Run& run) {
@@ -30,7 +30,7 @@ void set_state(Simulation& simulation, const py::object& positions, const py::ob
   });
 }
 
-/// The pairs of triangles that crossed, and those that are left.
+/// The numbers of pairs of triangles that cross before and after.
 py::tuple untangle(Simulation& simulation) {
   const clothsim::Untangled result =
       simulation.compute_with([](Run& run) { return run.simulator.untangle(); });

@@ -15,7 +15,7 @@ SceneObject to_scene(const py::object& object) {
   return py::cast<SceneObject>(scene);
 }
 
-/// Warns of values that are hardly meant; Python tells each text once a place.
+/// Warns of probable mistakes in a scene; Python shows each text once per place.
 const SceneObject& with_warnings(const SceneObject& scene) {
   for (const std::string& line : clothsim::doubts(scene.yaml, scene.scene)) {
     if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw py::error_already_set();
@@ -53,7 +53,7 @@ py::object report(Simulation& simulation) {
       [](Run& run) { return clothsim::to_yaml(run.report, run.simulator); });
   py::object values = to_python(YAML::Load(text));
   const std::shared_ptr<Run> run = simulation.run();
-  values["scene"] = run->report.scene;  // as they are, whatever they look like in YAML
+  values["scene"] = run->report.scene;  // texts as they are, even if YAML would read other types
   values["overrides"] = run->report.overrides;
   return values;
 }

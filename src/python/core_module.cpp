@@ -2,7 +2,7 @@
 #include "bindings.h"
 #include "errors.h"
 
-// The module clothsim._core: all but the renderer, which brings OpenGL along.
+// The module clothsim._core: all but the renderer, which needs OpenGL.
 
 namespace clothsim_python {
 namespace {

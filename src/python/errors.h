@@ -8,7 +8,8 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// Adds the exceptions InvalidValue and Diverged to the module, and has C++'s become Python's.
+/// Adds the exceptions InvalidValue and Diverged to the module, and translates C++ exceptions to
+/// them.
 void bind_errors(py::module_& module);
 
 /// The type of a Python object in a few words for a message, such as "a dict".

@@ -12,11 +12,12 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// Calls of this module that are under way. A thread that came back from a computation when Python
-/// has ended would take the process down: the calls of daemon threads end before.
+/// Running calls of this module. A thread that returns from a computation after Python has ended
+/// would crash the process, so calls of daemon threads are ended before.
 class Calls {
  public:
-  /// With the GIL held. Throws std::runtime_error when Python is ending, but in its last thread.
+  /// With the GIL held. Throws std::runtime_error while Python is ending, except in its last
+  /// thread.
   static void begin() {
     if (must_end(std::this_thread::get_id())) throw std::runtime_error("Python is ending");
     ++count_;
@@ -24,10 +25,10 @@ class Calls {
 
   static void end() { --count_; }
 
-  /// Whether calls that `thread` has made are to be broken off.
+  /// Whether calls from `thread` must stop.
   static bool must_end(std::thread::id thread) { return ending_ && thread != last_thread_; }
 
-  /// Has Python wait, when it ends, until there are none.
+  /// Makes Python wait, when it ends, until no call is running.
   static void end_with_python() {
     py::module_::import("atexit").attr("register")(py::cpp_function([] {
       last_thread_ = std::this_thread::get_id();
@@ -43,12 +44,12 @@ class Calls {
   static inline std::atomic<std::thread::id> last_thread_{};
 };
 
-/// Lets one thread at a time use something. All calls with the GIL held; who waits gives it away,
-/// so that the one inside can go on.
+/// Lets one thread at a time use an object. All calls with the GIL held; a waiting thread releases
+/// it, so that the thread inside can continue.
 class Gate {
  public:
   /// Inside from construction to destruction. Throws std::runtime_error for a thread that is inside
-  /// already, as a signal's handler may be, and when Python is ending.
+  /// already, as a signal's handler may be, and while Python is ending.
   class Visit {
    public:
     explicit Visit(Gate& gate) : gate_(&gate) { gate.enter(); }

@@ -12,7 +12,7 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// What pickle keeps of an object: the version of this package, and `parts`.
+/// An object for pickle: the version of this package, and `parts`.
 template <class... Parts>
 py::tuple to_pickle(Parts&&... parts) {
   return py::make_tuple(CLOTHSIM_VERSION, std::forward<Parts>(parts)...);
@@ -23,8 +23,8 @@ auto call_with_parts(const py::tuple& kept, const Make& make, std::index_sequenc
   return make(py::cast<Parts>(kept[i + 1])...);
 }
 
-/// Calls make(parts...) with what to_pickle() has kept. Throws InvalidValue for what is none of it,
-/// or of another version.
+/// Calls make(parts...) with the parts from to_pickle(). Throws InvalidValue for other data, or
+/// another version.
 template <class... Parts, class Make>
 auto from_pickle(const py::tuple& kept, const Make& make) {
   const std::string version =

@@ -23,7 +23,7 @@
 namespace clothsim_python {
 namespace {
 
-/// A view as Python gave it.
+/// A view from Python.
 struct ViewObject {
   clothsim::View view;
   YAML::Node yaml;
@@ -34,13 +34,13 @@ ViewObject make_view(const py::object& source, const py::dict& overrides) {
   return {clothsim::read_view(yaml), yaml};
 }
 
-/// What the studio keeps of a run.
+/// Data of the studio about a run.
 struct Pictures {
   clothsim::SnapshotMaker maker;
   std::optional<clothsim::RenderJob> before;  // the last one with flow
 };
 
-/// Draws for all simulators, one picture at a time. Renderers stay from one picture to the next.
+/// Draws for all simulators, one picture at a time. Renderers are kept between pictures.
 class Studio {
  public:
   clothsim::Images take(Run& run, const clothsim::View& view,
@@ -65,7 +65,7 @@ class Studio {
     return draw(easel, job);
   }
 
-  /// Ends the threads that draw, while Mesa is still there.
+  /// Ends the drawing threads, before Mesa is unloaded.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (getpid() == process_) easels_.clear();
@@ -74,7 +74,7 @@ class Studio {
  private:
   struct Easel {
     std::unique_ptr<clothsim::RenderThread> thread;
-    std::weak_ptr<Pictures> before;  // whose picture the last one was, where it had flow
+    std::weak_ptr<Pictures> before;  // the run of the last picture, where it had flow
   };
 
   Easel& easel_of(const clothsim::View& view) {
@@ -86,12 +86,12 @@ class Studio {
     return easel;
   }
 
-  /// A renderer's flow is since its last picture. Has that be the run's own.
+  /// A renderer's flow is relative to its last picture: makes that the run's own last picture.
   static void set_before(Easel& easel, const std::shared_ptr<Pictures>& pictures,
                          const clothsim::RenderJob& job) {
     if (easel.before.lock() == pictures) return;
     clothsim::RenderJob before = pictures->before.value_or(job);
-    if (!pictures->before) before.wanted = {false, false, true};  // without flow: there is none
+    if (!pictures->before) before.wanted = {false, false, true};  // without flow: no last picture
     draw(easel, before);
     easel.before = pictures;
   }
@@ -111,7 +111,7 @@ class Studio {
   std::map<std::pair<std::optional<int>, int>, Easel> easels_;
 };
 
-/// Never destroyed: at the process's end a forked child has nothing to end threads with.
+/// Never destroyed: at the end of the process, a forked child has no threads to end.
 Studio& studio() {
   static Studio* one = new Studio();
   return *one;
@@ -122,7 +122,7 @@ ViewObject to_view(const py::object& object) {
   return make_view(object, py::dict());
 }
 
-/// Each image by its name, as its topic has it, and whether it is wanted.
+/// Each image by the name of its topic, and whether it is wanted.
 constexpr std::array<std::pair<const char*, bool clothsim::WantedImages::*>, 7> image_names = {{
     {"color", &clothsim::WantedImages::color},
     {"depth", &clothsim::WantedImages::depth},
@@ -192,7 +192,7 @@ py::object render(Simulation& simulation, const py::object& object, const py::ob
 }  // namespace
 
 PYBIND11_MODULE(_render, module) {
-  py::module_::import("clothsim._core");  // whose classes are used here
+  py::module_::import("clothsim._core");  // defines classes used here
   py::class_<ViewObject> view(
       module, "View", "Camera, light and looks of pictures: docs/rendering.md lists the keys.");
   view.def(py::init(&make_view), py::arg("source") = py::none(), py::arg("overrides") = py::dict(),
@@ -214,7 +214,7 @@ PYBIND11_MODULE(_render, module) {
     const py::gil_scoped_release release;
     studio().close();
   }));
-  Calls::end_with_python();  // before that: what is registered last comes first
+  Calls::end_with_python();  // registered last, so that it is called first
 }
 
 }  // namespace clothsim_python

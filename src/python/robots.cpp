@@ -18,7 +18,7 @@ const clothsim::RobotModel& model_of(Run& run, const std::string& name) {
   throw InvalidValue({"robots"}, '"' + name + '"', "a robot of the scene that was loaded");
 }
 
-/// The last values with those that are given now, checked.
+/// The last values, replaced by `given` ones, and checked.
 JointValues with(const JointValues& given, const clothsim::RobotModel& model,
                  const JointValues& last) {
   clothsim::inside("joints", [&] { model.kinematics.check(given); });
@@ -27,7 +27,7 @@ JointValues with(const JointValues& given, const clothsim::RobotModel& model,
   return values;
 }
 
-/// Calls visit(frame, pose) for each link of a robot whose joints have these values.
+/// Calls visit(frame, pose) for each link of a robot with these joint values.
 template <class Visit>
 void for_each_frame(const clothsim::RobotModel& model, const JointValues& values, Visit&& visit) {
   for (const auto& [link, pose] : model.kinematics.poses(values)) {

@@ -19,10 +19,10 @@ class Robot {
   /// By name: {'position', 'lower', 'upper'}.
   py::dict joints() const;
 
-  /// Puts the frames of its links at once where joints of such values have them.
+  /// Puts the frames of its links at once at their poses for these joint values.
   void set_joints(const clothsim::JointValues&) const;
 
-  /// The poses of its links' frames for these values, as step() takes them.
+  /// The poses of its links' frames for these values, as targets of step().
   py::dict targets(const clothsim::JointValues&) const;
 
  private:
@@ -30,7 +30,7 @@ class Robot {
   std::string name_;
 };
 
-/// Those of the scene, by name; one whose name another has before it by name and prefix.
+/// The robots of the scene, by name; a robot with a name that is taken, by name and prefix.
 std::map<std::string, Robot> robots_of(const std::shared_ptr<Simulation>&);
 
 }  // namespace clothsim_python

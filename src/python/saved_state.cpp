@@ -7,7 +7,7 @@ namespace {
 
 using Saved = clothsim::Simulator::Saved;
 
-/// Calls `read`, whose errors are of the bytes.
+/// Calls `read`; its errors are reported as errors in the bytes.
 template <class Read>
 void check_bytes(Read&& read) {
   try {
@@ -18,7 +18,7 @@ void check_bytes(Read&& read) {
   }
 }
 
-/// The state that bytes tell of, where `run` is fresh: gives it the values of then.
+/// Reads a state from bytes for a fresh `run`, and gives the run the state's live values.
 SavedState read_state(const std::string& bytes, Run& run) {
   clothsim::LiveSpec values;
   check_bytes([&] { from_bytes(bytes, values); });

@@ -7,10 +7,10 @@
 
 namespace clothsim_python {
 
-/// clothsim.SavedState: a copy of all that moves, and its scene.
+/// clothsim.SavedState: a copy of the full state, and its scene.
 struct SavedState {
   std::shared_ptr<const SceneObject> scene;
-  clothsim::LiveSpec values;  // when it was made
+  clothsim::LiveSpec values;  // at the time of the copy
   std::shared_ptr<const clothsim::Simulator::Saved> saved;
   clothsim::DrivenFrames frames;
   RobotJoints joints;
@@ -19,11 +19,12 @@ struct SavedState {
 
 SavedState save(const Run&);
 
-/// Throws InvalidValue for a state of another scene, and changes nothing.
+/// Throws InvalidValue for a state of another scene, without a change.
 void restore(Run&, const SavedState&);
 
-// What pickle keeps beside the scene. Run and state that are made of it go on to the same bits as
-// those that it was made of. Bytes that were not made so, by this version, throw InvalidValue.
+// The bytes that pickle stores beside the scene. A run and a state restored from them continue with
+// the same bits as the originals. Bytes from elsewhere, or from another version, throw
+// InvalidValue.
 
 std::string bytes_of(const SavedState&);
 std::string bytes_of(const Run&);

@@ -13,12 +13,12 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// Asks Python, while a call computes without the GIL, whether Ctrl-C or another signal is to end
-/// it; Python's own end does, too. One for a call; the thread that makes it asks, others only
-/// listen.
+/// Checks, while a call computes without the GIL, whether Ctrl-C or another signal should end it;
+/// the end of Python does, too. One per call: the calling thread asks Python, others only read the
+/// answer.
 class SignalWatch {
  public:
-  /// True when the call is to end.
+  /// True when the call should end.
   bool asks_to_end() {
     if (error_came_ || Calls::must_end(caller_)) return true;
     if (std::this_thread::get_id() != caller_) return false;
@@ -32,13 +32,13 @@ class SignalWatch {
     return true;
   }
 
-  /// With the GIL held: raises what the signal's handler did, such as KeyboardInterrupt.
+  /// With the GIL held: raises the exception of the signal's handler, such as KeyboardInterrupt.
   void raise() {
     if (error_) throw py::error_already_set(*error_);
   }
 
  private:
-  /// A person does not notice it, and the GIL is not asked for more often.
+  /// Too short to notice, and long enough to need the GIL rarely.
   static constexpr std::chrono::milliseconds period{50};
 
   std::thread::id caller_ = std::this_thread::get_id();

@@ -9,14 +9,14 @@ namespace {
 
 using clothsim::InvalidValue;
 
-/// What the calling thread has spent [s].
+/// CPU time of the calling thread [s].
 double thread_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Adds to a run's cost from construction to destruction.
+/// Adds the time from construction to destruction to a run's cost.
 class Stopwatch {
  public:
   explicit Stopwatch(clothsim::RunReport& report) : report_(report) {}
@@ -32,7 +32,7 @@ class Stopwatch {
   double cpu_start_ = thread_seconds();
 };
 
-/// The call under way, for as long as this lives.
+/// Marks the running call, from construction to destruction.
 class Watched {
  public:
   Watched(Run& run, SignalWatch& watch) : run_(run) { run.watch = &watch; }

@@ -23,41 +23,41 @@ namespace clothsim_python {
 
 namespace py = pybind11;
 
-/// A scene as Python gave it.
+/// A scene from Python.
 struct SceneObject {
   clothsim::Scene scene;
-  YAML::Node yaml;                     // with what was overridden
-  std::string file;                    // empty: there is none
-  std::filesystem::path folder;        // that its files are in
+  YAML::Node yaml;                     // with the overrides
+  std::string file;                    // empty: none
+  std::filesystem::path folder;        // for relative paths of files
   std::vector<std::string> overrides;  // "key=value"
 };
 
-/// By the name of a robot.
+/// Joint values by the name of a robot.
 using RobotJoints = std::map<std::string, clothsim::JointValues>;
 
-/// A simulation and what belongs to it. Views of its state keep it alive, also when its Simulation
-/// has taken another one.
+/// A simulation with its motions, frames and robots. Views of its state keep it alive, even when
+/// its Simulation has another run.
 struct Run {
   explicit Run(const SceneObject&);
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Plays motions, moves frames and steps. Throws what these do.
+  /// Plays motions, moves frames and steps. Throws their exceptions.
   void step(int frames);
 
   void reset();
 
-  /// The scene's, by their names; read when they are first asked for. Throws InvalidValue.
+  /// The robots of the scene, by name; read at the first call. Throws InvalidValue.
   const std::map<std::string, clothsim::RobotModel>& robots();
 
   const std::shared_ptr<const SceneObject> scene;
   clothsim::Simulator simulator;
   clothsim::MotionPlayer motions;  // of the scene
-  clothsim::DrivenFrames frames;   // that the program moves
-  RobotJoints joints;              // as the program told them last
+  clothsim::DrivenFrames frames;   // moved by the program
+  RobotJoints joints;              // last set by the program
   clothsim::RunReport report;
-  SignalWatch* watch = nullptr;    // of the call under way
-  std::shared_ptr<void> pictures;  // what the module that draws keeps with it
+  SignalWatch* watch = nullptr;    // of the running call
+  std::shared_ptr<void> pictures;  // data of the drawing module
 
  private:
   std::optional<std::map<std::string, clothsim::RobotModel>> robots_;
@@ -95,8 +95,8 @@ class Simulation {
   std::shared_ptr<Run> run_;
 };
 
-/// Throws InvalidValue, keys from the frame on, for targets that cannot be, and for frames that
-/// nothing of `run` knows.
+/// Throws InvalidValue, keys from the frame on, for invalid targets, and for frames that `run` does
+/// not use.
 void check_targets(const Targets&, const Run& run);
 
 /// Throws InvalidValue unless `frames` is at least 1.

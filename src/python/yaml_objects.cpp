@@ -13,13 +13,14 @@ namespace {
 
 using clothsim::InvalidValue;
 
-/// Of lists and maps inside one another: far more than a scene has, and what holds itself ends.
+/// Deepest nesting of lists and maps: far more than a scene has, and an end for lists that contain
+/// themselves.
 constexpr int deepest = 50;
 
 YAML::Node to_yaml(py::handle object, int depth);
 
-/// What a value is to numpy or to the file system, as plain Python: an array as lists, a number of
-/// numpy as Python's, a path as text. Others stay.
+/// A value from numpy or the file system as plain Python: an array as lists, a number of numpy as
+/// Python's, a path as text. Other values are returned unchanged.
 py::object plain(py::handle object) {
   if (py::hasattr(object, "tolist")) return object.attr("tolist")();
   if (py::hasattr(object, "__fspath__")) return object.attr("__fspath__")();
@@ -72,7 +73,7 @@ YAML::Node to_yaml(py::handle object, int depth) {
   throw InvalidValue({}, describe(object), "a number, a text, True, False, a list or a dict");
 }
 
-/// Texts in quotes, so that they are read as such.
+/// Texts in quotes, so that they are read as texts.
 void emit(const YAML::Node& node, YAML::Emitter& out) {
   if (node.IsMap()) {
     out << YAML::BeginMap;

@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-constexpr Range side{1, 8192, "pixel"};  // a size that every driver grants
+constexpr Range side{1, 8192, "pixel"};  // a size that every driver supports
 constexpr Range focal_length{1e-3, 1e6, "pixel"};
 constexpr Range principal_point{-1e6, 1e6, "pixel"};
 constexpr Range plane_distance{1e-6, 1e7, "m"};
@@ -15,7 +15,7 @@ constexpr Range field_of_view{1e-3, M_PI - 1e-3, "rad"};
 constexpr Range coordinate{-1e6, 1e6, "m"};
 constexpr Range unit_part{-2, 2, ""};
 
-// Below this the two axes of a camera cannot be told apart [m].
+// Below this distance the line of sight has no direction [m].
 constexpr double shortest_sight = 1e-9;
 
 }  // namespace
@@ -40,7 +40,7 @@ Pose look_at(const Vector3& eye, const Vector3& target) {
     throw InvalidValue({"target"}, "the eye's own position", "another point [m]");
   const Vector3 forward = sight.normalized();
 
-  // The image's right is square to the line of sight and level.
+  // The image's right is level and perpendicular to the line of sight.
   Vector3 right = forward.cross(Vector3::UnitZ());
   if (right.norm() < shortest_sight) right = forward.cross(Vector3::UnitY());
   right.normalize();
@@ -66,7 +66,7 @@ void validate(const Camera& c) {
 }
 
 Eigen::Matrix4d projection_matrix(const Camera& c) {
-  // A pixel reaches half a pixel to either side of its centre, hence the 0.5.
+  // A pixel extends by half a pixel to either side of its centre, hence the 0.5.
   Eigen::Matrix4d p = Eigen::Matrix4d::Zero();
   p(0, 0) = 2 * c.fx / c.width;
   p(0, 2) = 2 * (c.cx + 0.5) / c.width - 1;

@@ -20,10 +20,10 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// In (0, 1].
+/// A uniform number in (0, 1].
 double uniform(std::uint64_t bits) { return static_cast<double>((bits >> 11) + 1) * 0x1p-53; }
 
-/// Of a standard normal distribution (Box & Muller 1958).
+/// A number from the standard normal distribution (Box & Muller 1958).
 double normal(std::uint64_t bits) {
   return std::sqrt(-2 * std::log(uniform(bits))) * std::cos(2 * M_PI * uniform(mixed(bits)));
 }

@@ -13,7 +13,7 @@
 namespace clothsim {
 namespace {
 
-/// A way to get a display: an EGL device, or a platform without one (device null).
+/// A source of a display: an EGL device, or a platform without one (device null).
 struct Candidate {
   std::string name;
   EGLenum platform;
@@ -65,7 +65,7 @@ std::string device_name(std::size_t index, EGLDeviceEXT device) {
   return name + (file.empty() ? " (hardware)" : " (hardware, " + file + ")");
 }
 
-/// What to try, best first.
+/// The candidates, best first.
 std::vector<Candidate> candidates(std::optional<int> only) {
   const std::vector<EGLDeviceEXT> devices = query_devices();
   const auto at = [&](std::size_t i) {
@@ -105,7 +105,7 @@ std::string load_functions() {
   return "";
 }
 
-/// Makes a context current. Returns why it could not, or nothing.
+/// Makes a context current. Returns the error, or an empty text.
 std::string open(const Candidate& candidate, void*& display, void*& context) {
   const auto get_display = load<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (!get_display) return "EGL has no eglGetPlatformDisplayEXT";
@@ -114,7 +114,7 @@ std::string open(const Candidate& candidate, void*& display, void*& context) {
   if (!eglInitialize(display, nullptr, nullptr)) return egl_failure("eglInitialize");
   if (!eglBindAPI(EGL_OPENGL_API)) return egl_failure("eglBindAPI(EGL_OPENGL_API)");
 
-  // All drawing goes to framebuffer objects, so any config that can do OpenGL will do.
+  // All drawing goes to framebuffer objects, so any config with OpenGL will do.
   const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;

@@ -15,7 +15,7 @@ void upload(GLenum target, const Buffer& buffer, const void* data, std::size_t b
 
 const void* byte_offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
-/// Of the vertex array that is bound: `count` of position, normal and tangent from `first` on.
+/// Sets `count` attributes of the bound vertex array from `first` on: position, normal and tangent.
 void take_from(const Buffer& surface, GLuint first, GLuint count) {
   glBindBuffer(GL_ARRAY_BUFFER, surface.id());
   for (GLuint i = 0; i < count; ++i) {

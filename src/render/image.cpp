@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr int panorama_ratio = 2;
 constexpr double eight_bits = 255, sixteen_bits = 65535;
 
-/// Of formats that OpenCV writes in colour in any build of it.
+/// Formats that every build of OpenCV can write in colour.
 constexpr const char* known_endings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"};
 
 [[noreturn]] void refuse(const std::string& key, const std::string& path,
@@ -30,7 +30,8 @@ constexpr const char* known_endings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif"
   throw InvalidValue({key}, "\"" + path + "\"", expected);
 }
 
-/// The whole file. Asks for its size first: what has none, as a pipe or a device, may never end.
+/// Reads the whole file. Checks its size first: a file without a size, as a pipe or a device, may
+/// never end.
 std::string read_bytes(const std::string& path, const std::string& key) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
@@ -61,7 +62,7 @@ void check_size(const ImageHeader& header, const std::string& path, const std::s
   }
 }
 
-/// Decodes an image once its header has told that it is not too large.
+/// Decodes an image after a check of the size in its header.
 cv::Mat read(const std::string& path, int flags, const std::string& key,
              const ImageFolders& folders, std::uint64_t max_bytes = largest_image_bytes) {
   std::string bytes = read_bytes(folders.resolve(path, key), key);
@@ -116,9 +117,9 @@ cv::Vec3d cube_direction(std::size_t face, double s, double t) {
   }
 }
 
-/// Cuts a panorama, whose middle looks along the cube's +z and whose left lies to -x, into faces.
+/// Cuts a panorama into faces. Its middle is the cube's +z, its left is towards -x.
 CubeMap from_panorama(const cv::Mat& panorama) {
-  // One column more on either side, so that the seam at the back is smooth.
+  // One more column on either side, so that the seam at the back is smooth.
   cv::Mat padded;
   cv::copyMakeBorder(panorama, padded, 0, 0, 1, 1, cv::BORDER_WRAP);
 
@@ -224,7 +225,7 @@ void save_image(const std::string& path, const Image& image) {
 void save_depth(const std::string& path, int width, int height, const std::vector<float>& depth) {
   cv::Mat millimetres(height, width, CV_16UC1);
   std::transform(depth.begin(), depth.end(), millimetres.begin<std::uint16_t>(), [](float metres) {
-    const double value = std::round(1000.0 * metres);  // infinite where there is nothing
+    const double value = std::round(1000.0 * metres);  // infinite without a surface
     return static_cast<std::uint16_t>(value <= 65535 ? value : 0);
   });
   save_png(path, millimetres);

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty where the path cannot be followed, say since a name in it is too long.
+/// Empty where the path cannot be followed, for example as a name in it is too long.
 fs::path without_links(const std::string& path) {
   std::error_code error;
   const fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);

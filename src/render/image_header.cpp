@@ -14,7 +14,7 @@
 namespace clothsim {
 namespace {
 
-/// Channels that OpenCV decodes at least, where there is a palette too.
+/// Fewest channels after decoding by OpenCV, also for a palette.
 constexpr std::uint32_t min_channels = 3;
 
 bool begins_with(const std::string& bytes, const std::string& magic) {
@@ -35,8 +35,7 @@ std::optional<ImageHeader> read_png(const std::string& bytes) {
 std::optional<ImageHeader> read_jpeg(const std::string& bytes) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
   int width = 0, height = 0, subsampling = 0, colors = 0;
-  // Also sets the size where it does not know how colours are sampled, and says then that it
-  // failed.
+  // Sets the size even for unknown chroma subsampling, for which it returns an error.
   tjDecompressHeader3(decoder.get(), reinterpret_cast<const unsigned char*>(bytes.data()),
                       bytes.size(), &width, &height, &subsampling, &colors);
   if (width <= 0 || height <= 0) return {};
@@ -60,7 +59,7 @@ std::optional<ImageHeader> read_tiff(const std::string& bytes) {
   return header;
 }
 
-/// The header is 12 bytes with short sizes or longer with sizes that may be negative.
+/// The header has 12 bytes with short sizes, or more with sizes that may be negative.
 std::optional<ImageHeader> read_bmp(const std::string& bytes) {
   constexpr std::size_t start = 14, size_at = 18;
   constexpr std::uint32_t short_header = 12;

@@ -6,14 +6,15 @@
 
 namespace clothsim {
 
-/// What an image file says of itself before its pixels.
+/// The data in an image file's header.
 struct ImageHeader {
   std::uint32_t width;
   std::uint32_t height;
   std::uint32_t pixel_bytes;  // decoded
 };
 
-/// Of a PNG, JPEG, TIFF or BMP file with the contents `bytes`; empty: it is none of these.
+/// Reads the header of a PNG, JPEG, TIFF or BMP file with the contents `bytes`; empty: another
+/// format.
 std::optional<ImageHeader> read_image_header(const std::string& bytes);
 
 }  // namespace clothsim

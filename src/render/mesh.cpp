@@ -6,8 +6,8 @@
 namespace clothsim {
 namespace {
 
-/// A grid of (columns + 1) x (rows + 1) vertices, uv from 0 to 1, with its triangles and lines.
-/// Positions, normals and tangents are left to the caller.
+/// A grid of (columns + 1) x (rows + 1) vertices, uv from 0 to 1, with its triangles and lines. The
+/// caller sets positions, normals and tangents.
 Mesh grid_mesh(int columns, int rows) {
   const int stride = columns + 1;
   const int count = stride * (rows + 1);
@@ -58,7 +58,7 @@ Mesh plane_mesh(double extent, int segments) {
 }
 
 Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
-  // Rows on each round end and on the cylinder between, in proportion to the way along them.
+  // Rows on each round end and on the cylinder between, in proportion to their lengths.
   const double arc = M_PI / 2 * capsule.radius, way = 2 * arc + capsule.length;
   const int round = std::max(2, static_cast<int>(std::lround(rows * arc / way)));
   const int straight = std::max(1, rows - 2 * round);
@@ -82,7 +82,7 @@ Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
 }
 
 Mesh cylinder_mesh(const Cylinder& cylinder, int columns, int rows) {
-  // Rings from the middle of one end over the side to that of the other.
+  // Rings from the middle of one end over the side to the middle of the other.
   const double way = 2 * cylinder.radius + cylinder.length;
   const int flat = std::max(1, static_cast<int>(std::lround(rows * cylinder.radius / way)));
   const int straight = std::max(1, rows - 2 * flat);
@@ -109,7 +109,7 @@ Mesh cylinder_mesh(const Cylinder& cylinder, int columns, int rows) {
   struct Place {
     double radius, height;
     Vector3 normal;
-    double along;  // of the way
+    double along;  // share of the whole length
   };
   const double r = cylinder.radius, l = cylinder.length;
   add(grid_mesh(columns, flat), [&](double v, const Vector3&) {

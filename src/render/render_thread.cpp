@@ -7,8 +7,8 @@
 namespace clothsim {
 namespace {
 
-/// Niceness of the thread and of those that a software driver starts from it: pictures may be
-/// late, the simulation may not.
+/// Niceness of the thread and of those that a software driver starts from it: the simulation has
+/// priority over pictures.
 constexpr int niceness = 5;
 
 }  // namespace
@@ -47,7 +47,7 @@ RenderStatus RenderThread::status() const {
 }
 
 void RenderThread::run() {
-  setpriority(PRIO_PROCESS, 0, niceness);  // of the calling thread alone, on Linux
+  setpriority(PRIO_PROCESS, 0, niceness);  // on Linux this affects the calling thread only
   std::optional<Renderer> renderer;
   try {
     renderer.emplace(options_);

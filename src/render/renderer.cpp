@@ -21,7 +21,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What draws change and set back at their end, which a draw that throws does not reach.
+/// Resets states that draws change and restore; a draw that throws does not restore them.
 void set_state() {
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
@@ -38,7 +38,7 @@ Renderer::Impl::Impl(const RendererOptions& o) : options(o), context(o.egl_devic
   glGetIntegerv(GL_MAX_SAMPLES, &max_samples);
   options.samples = std::clamp(options.samples, 1, static_cast<int>(max_samples));
   glDepthFunc(GL_LEQUAL);
-  glFrontFace(GL_CW);  // image row 0 is OpenGL's lowest row, which turns outlines around
+  glFrontFace(GL_CW);  // image row 0 is OpenGL's lowest row, which reverses the winding
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.id());
 }
@@ -105,7 +105,7 @@ void Renderer::Impl::draw_background(const Snapshot& snapshot, const Camera& cam
   glClearBufferfv(GL_COLOR, 0, clear.data());
   if (!snapshot.background.sky) return;
 
-  // A ray of the optical frame is linear in the place on the picture.
+  // A ray of the optical frame is linear in the position in the picture.
   const Eigen::Matrix4d p = projection_matrix(camera);
   Eigen::Matrix3d ray_from_ndc;
   ray_from_ndc << 1 / p(0, 0), 0, -p(0, 2) / p(0, 0),  //
@@ -139,7 +139,7 @@ void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& transl
                static_cast<GLsizeiptr>(order.triangles.size() * sizeof(order.triangles[0])),
                order.triangles.data(), GL_STREAM_DRAW);
 
-  // What lies behind is drawn already; a layer hides nothing of the layers behind it.
+  // Objects behind are drawn already; a layer does not hide the layers behind it.
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
@@ -173,7 +173,7 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
     } else {
       const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
       set_shading(*item.shading, program, textures);
-      // From outside, half of a sphere cannot be seen.
+      // From outside, the far half of a sphere is invisible.
       const bool closed = item.sphere_radius && item.translation.norm() > *item.sphere_radius &&
                           !std::holds_alternative<Displacement>(*item.shading);
       if (closed) glEnable(GL_CULL_FACE);
@@ -185,7 +185,7 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
   check_gl("drawing the colour image");
 }
 
-/// Each image starts on its way back before one is waited for.
+/// Starts the transfers of all images before the first wait.
 void Renderer::Impl::start_reading(const Camera& camera, bool color, const TruthImages& truth) {
   if (color) {
     color_target->resolve_for_reading();
@@ -202,11 +202,11 @@ void Renderer::Impl::start_reading(const Camera& camera, bool color, const Truth
 Renderer::Renderer(const RendererOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 
 Renderer::~Renderer() {
-  // What lives in the context can only be deleted while it is current.
+  // Objects of the context can only be deleted while it is current.
   try {
     impl_->context.make_current();
   } catch (const GlError&) {
-    // The driver is gone, and with it what there was to delete.
+    // The driver is gone, and its objects with it.
   }
 }
 
@@ -231,7 +231,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
   const auto start = Clock::now();
   impl_->context.make_current();
   set_state();
-  // A picture that fails is none that the next one could have come from.
+  // After a failed picture, the next one has no flow.
   impl_->camera_before = std::exchange(impl_->camera_last, std::nullopt);
   impl_->upload(snapshot, camera, wanted.flow);
   impl_->end_stage();
@@ -257,7 +257,7 @@ void Renderer::render(const Snapshot& snapshot, const Camera& camera, const Want
       place(images.depth, wanted.depth, 1), place(images.mask, wanted.mask, 1),
       place(images.uv, wanted.uv, 2), place(images.normals, wanted.normals, 3),
       place(images.flow, wanted.flow, 2)};
-  images.visible_points.reset();  // found while the GPU draws
+  images.visible_points.reset();  // computed while the GPU draws
   if (wanted.visible_points && snapshot.cloth) {
     images.visible_points = visible_points(camera, *snapshot.positions,
                                            snapshot.cloth->triangles.empty(), impl_->items);

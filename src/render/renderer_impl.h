@@ -18,8 +18,8 @@
 
 namespace clothsim {
 
-/// Drawing of colour in renderer.cpp, of the images of the surfaces in renderer_truth.cpp, of
-/// shadows in renderer_light.cpp.
+/// Colour is drawn in renderer.cpp, the images of the surfaces in renderer_truth.cpp, shadows in
+/// renderer_light.cpp.
 struct Renderer::Impl {
   explicit Impl(const RendererOptions& o);
 
@@ -28,7 +28,7 @@ struct Renderer::Impl {
   std::optional<Camera> draw_shadow_map(const Snapshot&, const Camera&);
   void draw_color(const Snapshot&, const Camera&);
   void draw_truth(const Camera&, const TruthImages&);
-  /// All that is wanted.
+  /// Draws all wanted images.
   void draw(const Snapshot&, const Camera&, const WantedImages&, const TruthImages&);
   void start_reading(const Camera&, bool color, const TruthImages&);
   void draw_background(const Snapshot&, const Camera&);
@@ -41,7 +41,7 @@ struct Renderer::Impl {
   void end_stage();
 
   RendererOptions options;
-  EglContext context;  // before all that lives in it
+  EglContext context;  // before all members that need it
   VertexArray no_vertices;
   Buffer frame_buffer, sorted_triangles;
   std::map<std::string, ShaderProgram> programs;
@@ -52,12 +52,12 @@ struct Renderer::Impl {
   std::optional<ColorTarget> color_target;
   std::optional<TruthTarget> truth_target;
   std::optional<ShadowMap> shadow_map;
-  bool shadowed = false;  // what is drawn just now
+  bool shadowed = false;  // the present draw has shadows
   PixelReader color_reader;
   std::array<PixelReader, std::tuple_size_v<TruthImages>> truth_readers;
   std::vector<DrawItem> items;
   Eigen::Matrix3d optical_axes;
-  std::optional<Camera> camera_last, camera_before;  // of this picture and the last, with flow
+  std::optional<Camera> camera_last, camera_before;  // of this picture and the last one, with flow
   RenderTimes times;
 };
 

@@ -5,7 +5,7 @@
 namespace clothsim {
 namespace {
 
-/// The block that all shaders share, as std140 lays it out (shaders/frame.glsl).
+/// The uniform block of all shaders in std140 layout (shaders/frame.glsl).
 struct FrameBlock {
   Eigen::Matrix4f clip_from_eye;
   Eigen::Vector4f right, down, forward, depth_terms, light_position, light;
@@ -17,8 +17,8 @@ Eigen::Vector4f padded(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
 }
 
-/// From places relative to another camera, along the world's axes, to the clip space of one at
-/// `origin` there.
+/// From positions relative to another camera, along the world's axes, to the clip space of a camera
+/// at `origin` there.
 Eigen::Matrix4f clip_matrix(const Camera& camera, const Vector3& origin) {
   const Eigen::Matrix3d to_optical =
       camera.pose.orientation.normalized().toRotationMatrix().transpose();

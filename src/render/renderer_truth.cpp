@@ -7,7 +7,8 @@
 namespace clothsim {
 namespace {
 
-/// What takes a place relative to a camera, along the world's axes, to (u, v, 1) times its depth.
+/// The matrix from a position relative to a camera, along the world's axes, to (u, v, 1) times its
+/// depth.
 Eigen::Matrix3d pixel_matrix(const Camera& c) {
   Eigen::Matrix3d k;
   k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
@@ -36,7 +37,7 @@ void Renderer::Impl::draw_sphere_truth(const Camera& camera, const DrawItem& ite
     box->upload_topology(cube.uv, cube.triangles, cube.lines);
     box->upload_surface(cube.positions, cube.normals, cube.tangents);
   }
-  // The far sides of a box around the sphere: they are there even where the camera is inside.
+  // The far sides of a box around the sphere, which are visible even where the camera is inside.
   const ShaderProgram& program = use_program("surface.vert", "sphere_truth.frag");
   program.set("rotation", Eigen::Matrix3d(*item.sphere_radius * Eigen::Matrix3d::Identity()));
   program.set("translation", item.translation);

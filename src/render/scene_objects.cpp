@@ -12,13 +12,13 @@
 namespace clothsim {
 namespace {
 
-// A cloth with triangles as large as the sphere it hangs on is no longer a cover for it.
+// Largest dip: a cloth with triangles as large as the sphere below it does not cover it.
 constexpr double deepest_dip = 0.1;  // of the radius
 
-// What is flat needs triangles only to keep each one's numbers small.
+// A flat shape needs several segments only to keep the coordinates in each one small.
 constexpr int flat_segments = 8;
 
-/// Springs as lines, family by family; the last drawn wins where lines lie on one another.
+/// Springs as lines, family by family; where lines coincide, the last one drawn is visible.
 constexpr std::array<SpringFamily, 3> line_order{SpringFamily::bending, SpringFamily::shear,
                                                  SpringFamily::structural};
 
@@ -101,7 +101,8 @@ DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
 
 double ClothObject::dip_below_sphere(const Vector3& center, double radius) const {
   // A triangle with edges up to L and its corners on the sphere lies within L / sqrt(3) of its
-  // circumcentre, and so at most L^2 / 6r below the surface; less what its corners are above.
+  // circumcentre, and so at most L^2 / 6r below the surface; less the height of its corners above
+  // it.
   const double nearest = (local_.rowwise() - center.transpose()).rowwise().norm().minCoeff();
   const double edge = longest_edge(local_, cloth_->triangles);
   const double dip = edge * edge / (6 * radius) - std::max(0.0, nearest - radius);

@@ -10,7 +10,7 @@
 namespace clothsim {
 namespace {
 
-/// Appends `name` to `source`, unless an earlier line brought it.
+/// Appends `name` to `source`, unless it is included already.
 void append_file(const std::string& folder, const std::string& name, const std::string& asked_by,
                  std::set<std::string>& seen, ShaderSource& source) {
   if (!seen.insert(name).second) return;
@@ -34,8 +34,8 @@ void append_file(const std::string& folder, const std::string& name, const std::
   }
 }
 
-/// The driver's log with lines of the whole text replaced by file and line: Mesa writes
-/// "0:7(3): error", NVIDIA "0(7) : error". (Mesa passes over the file number of a #line.)
+/// The driver's log with line numbers of the whole text replaced by file and line: Mesa writes
+/// "0:7(3): error", NVIDIA "0(7) : error". (Mesa ignores the file number of a #line.)
 std::string readable_log(const std::string& log, const std::vector<ShaderSource::Line>& origins) {
   static const std::regex position(R"(^(?:ERROR: )?\d+[:(](\d+)\)?)");
   std::istringstream lines(log);
@@ -68,7 +68,7 @@ template <GLenum stage>
 GlHandle<ShaderKind<stage>> compile(const std::string& folder, const std::string& name,
                                     const std::string& define) {
   ShaderSource source = read_shader(folder, name);
-  if (!define.empty()) {  // behind #version, which comes first
+  if (!define.empty()) {  // after #version, which must be first
     source.text.insert(source.text.find('\n') + 1, "#define " + define + '\n');
     source.origins.insert(source.origins.begin() + 1, source.origins.front());
   }
@@ -116,7 +116,7 @@ ShaderProgram::ShaderProgram(const std::string& folder, const std::string& verte
   glDetachShader(program_.id(), vertex_shader.id());
   glDetachShader(program_.id(), fragment_shader.id());
 
-  // Look every uniform up once.
+  // Look up every uniform once.
   GLint count = 0, longest = 0;
   glGetProgramiv(program_.id(), GL_ACTIVE_UNIFORMS, &count);
   glGetProgramiv(program_.id(), GL_ACTIVE_UNIFORM_MAX_LENGTH, &longest);
@@ -129,7 +129,7 @@ ShaderProgram::ShaderProgram(const std::string& folder, const std::string& verte
     locations_[name.c_str()] = glGetUniformLocation(program_.id(), name.c_str());
   }
 
-  // The block that all shaders share is binding 0; it is absent where nothing reads it.
+  // The block of all shaders is binding 0; it is absent where it is unused.
   const GLuint block = glGetUniformBlockIndex(program_.id(), "Frame");
   if (block != GL_INVALID_INDEX) glUniformBlockBinding(program_.id(), block, 0);
 }

@@ -9,13 +9,13 @@
 namespace clothsim {
 namespace {
 
-// Far beyond what an image can show; they keep the sums of the shaders finite.
+// Far beyond the range of an image; the bounds keep the sums in the shaders finite.
 constexpr Range channel{0, 1, ""};
 constexpr Range coefficient{0, 1e3, ""};
 constexpr Range exponent{1e-3, 1e5, ""};
 constexpr Range scaling{-1e3, 1e3, ""};
 constexpr Range height{-1e3, 1e3, "m"};
-constexpr Range level_count{1, 256, ""};  // 8-bit images hold no more
+constexpr Range level_count{1, 256, ""};  // 8-bit images have no more
 
 void check(const Phong& p) {
   check_range("ka", p.ka, coefficient);

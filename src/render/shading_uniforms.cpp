@@ -5,7 +5,7 @@
 namespace clothsim {
 namespace {
 
-// Texture units. A unit holds one kind of texture, as OpenGL wants it.
+// Texture units. A unit holds one kind of texture, as OpenGL requires.
 constexpr int image_unit = 0, height_unit = 1, environment_unit = 2;
 
 void set_color(const Color& color, const ShaderProgram& program) {
@@ -80,7 +80,7 @@ Color linear_from_srgb(const Color& color) {
 }
 
 std::string fragment_shader(const Shading& shading) {
-  // Displacement shades as bump does; what it moves, the vertex shader moves.
+  // Displacement shades as bump does; the vertex shader moves the vertices.
   if (std::holds_alternative<Displacement>(shading)) return "bump.frag";
   return std::string(shading_name(shading)) + ".frag";
 }

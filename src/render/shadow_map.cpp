@@ -12,10 +12,11 @@ namespace {
 /// Sine of the largest half angle of a map, 75 degrees: beyond, pixels at its middle get too large.
 const double widest = std::sin(75 * M_PI / 180);
 
-/// A light nearer to the middle of what casts shadows has no direction to it [m].
+/// A light nearer to the middle of the objects that cast shadows has no direction to it [m].
 constexpr double no_distance = 1e-6;
 
-/// The map's near plane, where the light is among what casts shadows, as a share of their size.
+/// The map's near plane, where the light is among the objects that cast shadows, as a share of
+/// their size.
 constexpr double nearest_share = 1e-3;
 
 }  // namespace

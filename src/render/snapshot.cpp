@@ -8,7 +8,7 @@ namespace {
 constexpr Range coordinate{-1e6, 1e6, "m"};
 constexpr Range intensity{0, 1e6, ""};
 constexpr Range channel{0, 1, ""};
-constexpr Range segment_count{3, 512, ""};  // at most, half a million triangles
+constexpr Range segment_count{3, 512, ""};  // at most half a million triangles
 constexpr Range side{1e-3, 1e4, "m"};
 
 }  // namespace

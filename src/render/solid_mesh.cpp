@@ -5,7 +5,7 @@
 namespace clothsim {
 namespace {
 
-/// Cosine of the angle below which faces that meet are drawn as one.
+/// Cosine of the angle below which adjacent faces are drawn smooth.
 constexpr double smooth = 0.77;
 
 }  // namespace
@@ -13,7 +13,7 @@ constexpr double smooth = 0.77;
 Mesh solid_mesh(const Solid& solid, double padding) {
   const std::vector<Vector3>& vertices = solid.vertices();
   std::vector<std::array<int, 3>> triangles = solid.triangles();
-  if (solid.is_sheet()) {  // its other side
+  if (solid.is_sheet()) {  // the other side
     for (const auto& [a, b, c] : solid.triangles()) triangles.push_back({a, c, b});
   }
   const auto at = [&](int i) -> const Vector3& { return vertices[static_cast<std::size_t>(i)]; };

@@ -9,7 +9,7 @@ namespace {
 
 void make_storage(const Renderbuffer& buffer, GLenum format, int width, int height, int samples) {
   glBindRenderbuffer(GL_RENDERBUFFER, buffer.id());
-  // One sample a pixel is asked for as none: a buffer of its own kind.
+  // For one sample a pixel, 0 is passed: a buffer without multisampling.
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format, width,
                                    height);
 }
@@ -58,7 +58,7 @@ void ColorTarget::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, drawn_.id());
 void ColorTarget::resolve_for_reading() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, read_.id());
-  glEnable(GL_FRAMEBUFFER_SRGB);  // the mean of the samples' light, whatever was drawn since
+  glEnable(GL_FRAMEBUFFER_SRGB);  // averages samples in linear light; draws may disable it
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, read_.id());
   glReadBuffer(GL_COLOR_ATTACHMENT0);

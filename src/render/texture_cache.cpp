@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// Rows from bottom to top, as OpenGL wants them where v points up.
+/// Rows from bottom to top, as OpenGL expects for v upwards.
 template <class Value>
 std::vector<Value> flip_rows(const std::vector<Value>& values, int height) {
   const std::size_t rows = static_cast<std::size_t>(height), row_size = values.size() / rows;

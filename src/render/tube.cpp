@@ -8,18 +8,18 @@ namespace clothsim {
 namespace {
 
 constexpr int sides = 12;          // around
-constexpr int cap_rings = 3;       // of each round end, its tip included
+constexpr int cap_rings = 3;       // of each round end, including its tip
 constexpr int stride = sides + 1;  // texture coordinates differ where the last side meets the first
 
 /// Points that are closer than this have no direction between them [m].
 constexpr double no_length = 1e-12;
 
-/// A section of the tube: where it is, the way along the line, and a direction square to that.
+/// A section of the tube: its centre, the direction along the line, and a perpendicular direction.
 struct Section {
   Vector3 center, along, out;
 };
 
-/// Each section is turned as little as it can be from the one before, so that the tube is not
+/// Each section is rotated as little as possible against the one before, so that the tube is not
 /// twisted.
 std::vector<Section> sections(const Points& line) {
   const Eigen::Index last = line.rows() - 1;

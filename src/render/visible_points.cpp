@@ -10,7 +10,7 @@
 namespace clothsim {
 namespace {
 
-/// What may hide points, about the camera's position, along the world's axes [m].
+/// Surfaces that may occlude points, relative to the camera, along the world's axes [m].
 class Scenery {
  public:
   Scenery(const std::vector<DrawItem>& items, bool rope) {
@@ -27,8 +27,8 @@ class Scenery {
     tree_.emplace(boxes);
   }
 
-  /// Whether something is between the camera and point `i` at `p`, and not before the near plane,
-  /// which is `nearest` of the way to the point.
+  /// Whether a surface lies between the camera and point `i` at `p`, beyond the near plane, which
+  /// is at the share `nearest` of the way to the point.
   bool hides(int i, const Vector3& p, double nearest) const {
     const double farthest = 1 - on_surface / p.norm();
     for (const Ball& ball : balls_)
@@ -52,7 +52,7 @@ class Scenery {
   };
 
   static constexpr double found = -1;  // less than any bound: ends the search
-  static constexpr int no_point = -1;  // of a collider's triangle
+  static constexpr int no_point = -1;  // for a collider's triangle
 
   void add_triangles(const DrawItem& item) {
     for (const std::array<int, 3>& triangle : *item.triangles) {

@@ -3,7 +3,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// None is to be lost, however many calls come at once.
+/// None may be lost, for any number of calls at once.
 constexpr std::uint32_t change_queue = 1000;
 
 }  // namespace

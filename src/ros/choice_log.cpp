@@ -14,7 +14,7 @@ bool same(const clothsim::MethodChoice& a, const clothsim::MethodChoice& b) {
          a.reasons.all() == b.reasons.all();
 }
 
-/// Of a method that the scene, or a live value, names.
+/// Warns of a slow method that the scene, or a live value, names.
 void warn_if_slow(const clothsim::MethodChoice& choice) {
   if (choice.is_feasible) return;
   ROS_WARN(

@@ -13,7 +13,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// As many wait for a slow subscriber, about a second's.
+/// Messages queued for a slow subscriber: about a second's.
 constexpr std::uint32_t contacts_queue = 100;
 
 clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
@@ -33,8 +33,8 @@ clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
   return msg;
 }
 
-/// Of a collider at `pose`: in the tf frame that carries it, about that frame's origin; in the
-/// world, about its origin, where none does. `wrench`: about the collider's own origin.
+/// The wrench on a collider at `pose`: in the tf frame that carries it, about that frame's origin;
+/// without one in the world, about the world's origin. `wrench`: about the collider's own origin.
 geometry_msgs::WrenchStamped to_stamped_wrench_msg(const clothsim::Wrench& wrench,
                                                    const clothsim::ColliderSpec& collider,
                                                    const clothsim::Pose& pose,

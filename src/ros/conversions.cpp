@@ -17,7 +17,7 @@ using FlatUv = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 using ExactXyz = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// Row by row, in the precision of `Flat`.
+/// The table row by row, in the precision of `Flat`.
 template <class Flat, class Table>
 auto flatten(const Table& table) {
   using Number = typename Flat::Scalar;
@@ -44,7 +44,7 @@ Message to_xyz(const clothsim::Vector3& vector) {
   return msg;
 }
 
-/// From a message with fields x, y and z and a rotation, which is normalised.
+/// A pose from a message with fields x, y and z and a rotation, which is normalised.
 template <class Message>
 clothsim::Pose make_pose(const Message& p, const geometry_msgs::Quaternion& r) {
   const Eigen::Quaterniond rotation(r.w, r.x, r.y, r.z);

@@ -23,15 +23,15 @@ using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
 
 constexpr std::uint32_t queue_size = 1;
 
-/// How far behind its place a pin or a grip has to be to be told of [m].
+/// Smallest lag of a pin or a grip that is reported [m].
 constexpr double told_lag = 1e-3;
 
-/// Share of its strength with which a holder pulls with all that it has: the rest rubs.
+/// Above this share of its strength, a holder pulls at its limit: friction takes the rest.
 constexpr double nearly_all = 0.85;
 
 constexpr const char* no_clock = "waits for /clock: /use_sim_time is true, but no time has come";
 
-/// The level of a value that is to be at least, or at most, its limit.
+/// The level of a value whose limit is a lower bound; below, an upper bound.
 std::int8_t level_at_least(double value, const Limit& limit) {
   if (limit.error && value < *limit.error) return DiagnosticStatus::ERROR;
   if (limit.warning && value < *limit.warning) return DiagnosticStatus::WARN;
@@ -44,7 +44,8 @@ std::int8_t level_at_most(double value, const Limit& limit) {
   return DiagnosticStatus::OK;
 }
 
-/// That simulating takes the time; also the method, where the scene names one that is too slow.
+/// Text for a node that spends most time in simulation; it names the method, where the scene's
+/// choice is too slow.
 std::string simulating(const NodeStatus& status) {
   std::string text = "most of its time goes into simulating";
   const double cost = status.time.simulating / *status.factor_reached;
@@ -56,8 +57,8 @@ std::string simulating(const NodeStatus& status) {
          " CPU seconds a simulated second, and auto may take less";
 }
 
-/// What keeps a node that is late from its real-time factor. Other work does only where the node
-/// would keep up without it.
+/// The cause of a missed real-time factor. Other programs are the cause only where the node would
+/// keep up without them.
 std::string bottleneck(const NodeStatus& status) {
   const TimeShares::Shares& time = status.time;
   const double own = time.simulating + time.publishing + time.serving;
@@ -112,7 +113,7 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
     }
   }
   out.add("contacts", report.contacts);
-  // What a gripper holds is no mistake, nor is what slips out of it.
+  // Points in a gripper, or slipping out of one, are no fault.
   out.add("points between colliders", report.pinched);
   out.add("slipping between colliders", report.slipping);
   if (status.intersecting_pairs) {
@@ -131,7 +132,7 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   }
 }
 
-/// The holder that is farthest behind its place, in words, and how many lag.
+/// The holder with the largest lag, in words, and the number of holders that lag.
 void fill_holders(const std::vector<clothsim::HolderReport>& holders, Wrapper& out) {
   const auto last = std::max_element(holders.begin(), holders.end(),
                                      [](const auto& a, const auto& b) { return a.lag < b.lag; });
@@ -165,7 +166,7 @@ void fill_frame(const FrameStatus& frame, const Limit& limit, Wrapper& out) {
   }
 }
 
-/// Tells each frame once, whatever number of colliders, pins and points follow it.
+/// Reports each frame once, for any number of colliders, pins and points that follow it.
 void fill_frames(const std::vector<FrameStatus>& frames, const Limit& limit, Wrapper& out) {
   std::set<std::string> told;
   for (const FrameStatus& frame : frames) {
@@ -238,7 +239,7 @@ std::set<std::string> lost_frames(const NodeStatus& status) {
   return lost;
 }
 
-/// Warns of the frames that were lost between two statuses, in one line: those of a robot go
+/// Warns of the frames that were lost between two statuses, in one line: those of a robot are lost
 /// together.
 void warn_of_lost(const NodeStatus& before, const NodeStatus& now) {
   const std::set<std::string> known = lost_frames(before);
@@ -259,13 +260,13 @@ Diagnostics::Diagnostics(ros::NodeHandle& node, const DiagnosticLimits& limits)
       publisher_(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", queue_size)) {}
 
 void Diagnostics::publish(const NodeStatus& status) {
-  // A second later: it may only just start.
+  // Warn a second later only: the clock may be about to start.
   if (status.waits_for_clock && status_.waits_for_clock) ROS_WARN_ONCE("%s", no_clock);
   warn_of_lost(status_, status);
   status_ = status;
 
-  // Without diagnostic_updater's Updater: it adds a period to ROS time, which throws near the end
-  // of that.
+  // diagnostic_updater's Updater is no option: it adds a period to ROS time, which throws near the
+  // end of its range.
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
   const auto add = [this, &array](const std::string& part, const auto& fill_in) {

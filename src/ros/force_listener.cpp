@@ -7,7 +7,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// Of forces that came at once the last hold.
+/// With several messages at once, the last one counts.
 constexpr std::uint32_t force_queue = 1;
 
 /// The forces on all points, `turn` from the message's axes to the world's. Throws InvalidValue.

@@ -7,8 +7,8 @@
 namespace clothsim_ros {
 namespace {
 
-/// How far a change of pose moves the shape's points at most that are no farther out than the cloth
-/// [m].
+/// Bound on the displacement, by a change of pose, of the shape's points that are no farther out
+/// than the cloth [m].
 double way_between(const clothsim::Pose& a, const clothsim::Pose& b,
                    const clothsim::ColliderSpec& collider, const clothsim::Points& cloth) {
   const double straight = (b.position - a.position).norm();

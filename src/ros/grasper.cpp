@@ -18,14 +18,14 @@ namespace {
 
 using clothsim::InvalidValue;
 
-/// As many wrenches wait for a slow subscriber, about a second's.
+/// Messages queued for a slow subscriber: about a second's.
 constexpr std::uint32_t wrench_queue = 100;
 
-/// How long the topic of a frame that has let go stays: for the last wrench to be sent, and so that
-/// subscribers need not connect again where the frame soon takes hold again.
+/// How long the topic of a frame that has released its points stays: the last wrench must be sent,
+/// and subscribers need not connect again if the frame soon grasps again.
 const ros::WallDuration linger(1);
 
-/// Below the node's name; letters that a frame may have and a topic may not become underscores.
+/// Below the node's name; characters that are invalid in a topic become underscores.
 std::string wrench_topic(const std::string& frame) {
   return "wrench/" + to_ros_name(frame, "frame_");
 }
@@ -44,7 +44,7 @@ geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const clot
   return msg;
 }
 
-/// How far the points are from the frame's origin at most [m].
+/// Largest distance of the points from the frame's origin [m].
 double reach(const clothsim::Grip& grip) {
   double farthest = 0;
   for (const clothsim::Grip::Held& held : grip.held)
@@ -163,7 +163,7 @@ void Grasper::check_topic(const std::string& frame) const {
 
 bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
   try {
-    // What was asked for.
+    // Check the request.
     clothsim::check_frame(request.frame);
     check_topic(request.frame);
     const std::string radius = clothsim::to_text(request.radius);
@@ -174,7 +174,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
       throw InvalidValue({"radius"}, radius + " and points", "one of the two");
     }
 
-    // Where the frame is, and which points that means.
+    // Find the frame's pose, and the points by it.
     TfFrame frame(request.frame, tf_);
     frame.wait_for_first();
     if (!frame.pose()) {

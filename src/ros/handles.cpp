@@ -21,14 +21,14 @@ using visualization_msgs::InteractiveMarkerFeedback;
 
 constexpr std::uint32_t topology_queue = 1;
 
-/// A moment's: tf frames that move are changes too.
+/// Moving tf frames are changes, too: enough for a moment of them.
 constexpr std::uint32_t changes_queue = 1000;
 
-/// How often to look whether another node has taken a frame or left one, and to say again where the
-/// dragged ones are.
+/// How often to check whether another node broadcasts a frame or stopped to, and to send the
+/// dragged frames again.
 const ros::WallDuration period(0.1);
 
-/// The handle stands out from its collider; that of an unbounded one has a size of its own [m].
+/// Size of a handle, larger than its collider; an unbounded collider has a fixed size [m].
 constexpr double size_share = 2.5;  // of the collider's radius
 constexpr double unbounded_size = 0.5;
 
@@ -39,7 +39,7 @@ double handle_size(const clothsim::Shape& shape) {
 
 /// An arrow along and a ring about each axis of the frame.
 std::vector<InteractiveMarkerControl> make_controls() {
-  // A control acts along its own x axis: turned to x, y and z.
+  // A control acts along its own x axis, which is turned to x, y and z.
   const std::array<std::pair<const char*, Eigen::Quaterniond>, 3> axes = {
       {{"x", {1, 0, 0, 0}},
        {"y", Eigen::Quaterniond(1, 0, 0, 1).normalized()},
@@ -77,8 +77,8 @@ Handles::Handles(const ros::NodeHandle& cloth)
 }
 
 void Handles::hear_topology(const ros::MessageEvent<const clothsim::ClothTopology>& event) {
-  // A connection's first topology is that of a node that is new here. Later ones come when springs
-  // are switched, too: then ~scene may hold what is not loaded.
+  // Only a connection's first topology means a new node or scene here. Later ones come when springs
+  // are switched, too, and ~scene may then hold a scene that is not loaded.
   if (event.getConnectionHeaderPtr() == connection_) return;
   connection_ = event.getConnectionHeaderPtr();
   world_frame_ = event.getMessage()->header.frame_id;
@@ -121,7 +121,7 @@ void Handles::show_or_hide() {
       show(frame, handle);
     }
   }
-  server_.applyChanges();  // does nothing where there are none
+  server_.applyChanges();  // without effect where there are none
 }
 
 void Handles::show(const std::string& frame, Handle& handle) {
@@ -137,7 +137,7 @@ void Handles::show(const std::string& frame, Handle& handle) {
 }
 
 void Handles::drag(const InteractiveMarkerFeedback& feedback) {
-  // From the first click on, so that the collider is placed there and moved from there.
+  // Place the collider at the first click, so that it moves from there.
   const bool moves = feedback.event_type == InteractiveMarkerFeedback::MOUSE_DOWN ||
                      feedback.event_type == InteractiveMarkerFeedback::POSE_UPDATE;
   const auto found = handles_.find(feedback.marker_name);

@@ -13,8 +13,8 @@
 #include "clothsim/ros/signals.h"
 
 int main(int argc, char** argv) {
-  // Wall time, whatever /use_sim_time says: the library's time-outs are to pass while the clock
-  // stands. So the node looks for that parameter where it is not.
+  // Use wall time even with /use_sim_time: the library's time-outs must pass while the clock
+  // stands. So this node looks for that parameter under a name where it is not set.
   std::string wall_time = "/use_sim_time:=/clothsim_handles_on_wall_time";
   std::vector<char*> arguments(argv, argv + argc);
   arguments.push_back(wall_time.data());
@@ -25,8 +25,8 @@ int main(int argc, char** argv) {
   try {
     clothsim_ros::shut_down_on_signals();
     ros::init(count, arguments.data(), "clothsim_handles", ros::init_options::NoSigintHandler);
-    ros::start();     // rather than by a handle: the log outlives a node that fails
-    if (ros::ok()) {  // not interrupted while it waited for a master
+    ros::start();     // not by a handle, so that the log outlives a node that fails
+    if (ros::ok()) {  // false: interrupted while waiting for a master
       const ros::NodeHandle node("~");
       const ros::NodeHandle cloth(clothsim_ros::read_cloth_parameter(node));
       clothsim_ros::warn_of_ignored_parameters(node, {{"cloth"}, {}},

@@ -16,8 +16,8 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// So many unknown names are told one by one, each with what may have been meant; of more, as of
-/// another program's parameters, one line names a few.
+/// Up to this many unknown names get a message each, with the probable meaning; more, as those of
+/// another program, get one line with a few names.
 constexpr std::size_t max_told = 5;
 constexpr std::size_t examples = 3;
 
@@ -41,7 +41,7 @@ bool has(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// The namespaces of names: "a" and "a/b" of "a/b/c".
+/// The namespaces in names: "a" and "a/b" from "a/b/c".
 std::set<std::string> spaces_of(const Names& names) {
   std::set<std::string> spaces;
   for (const std::string& name : names) {
@@ -52,8 +52,8 @@ std::set<std::string> spaces_of(const Names& names) {
   return spaces;
 }
 
-/// The part of an unknown name that tells it: up to where it leaves the known namespaces, behind
-/// which may be many, of another node or of a collider of a scene before.
+/// The part of an unknown name that identifies it: up to the first namespace that is not known,
+/// which may contain many names, of another node or of an earlier scene's collider.
 std::string telling_part(const std::string& name, const std::set<std::string>& spaces) {
   std::size_t end = name.find('/');
   while (end != std::string::npos && spaces.count(name.substr(0, end)) > 0) {
@@ -62,7 +62,7 @@ std::string telling_part(const std::string& name, const std::set<std::string>& s
   return name.substr(0, end);
 }
 
-/// What may have been meant by an unknown name, as the end of a message.
+/// The probable meaning of an unknown name, as the end of a message.
 std::string suggestion(const std::string& name, const KnownParameters& known) {
   const std::string read = clothsim::nearest_word(name, known.read);
   if (!read.empty()) return "; did you mean " + read + '?';

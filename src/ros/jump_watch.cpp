@@ -5,14 +5,15 @@
 namespace clothsim_ros {
 namespace {
 
-/// A frame that is broadcast stands between two transforms: as long as this, it may still be on its
-/// way [s]. Frames of 10 Hz, and one lost.
+/// A moving frame may stand between two transforms for this long [s]. Frames of 10 Hz, and one
+/// lost.
 constexpr double longest_pause = 0.2;
 
-/// Shorter frames of simulation count as this long [s]: transforms come no faster for them.
+/// Shorter frames of simulation count as this long [s], as they do not get transforms more often.
 constexpr double shortest_frame = 1.0 / 90;
 
-/// How much faster than just before a motion may go on: transforms come in bunches, and speed up.
+/// Largest factor between a continued motion's speed and its last one: transforms come in bunches,
+/// and accelerate.
 constexpr double speeding_up = 3;
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// What the components of a value are called.
+/// The name of a component of a value.
 std::string component_name(const std::string& value, std::size_t index) {
   using Names = std::array<const char*, 2>;
   if (value == "color" || value == "background") return std::string(1, "rgb"[index]);

@@ -14,11 +14,10 @@
 
 namespace {
 
-/// How long a call waits for a master that is away, before it gives up. Frames wait with it.
+/// How long a call waits for a missing master before it fails. Frames wait with it.
 const ros::WallDuration master_patience(0.001);
 
-/// Where the master knows a node of this one's name, which ends when this one registers; empty:
-/// there is none.
+/// The registered node of the same name, which ends when this one registers; empty: there is none.
 std::string namesake() {
   XmlRpc::XmlRpcValue request;
   XmlRpc::XmlRpcValue answer;
@@ -37,7 +36,7 @@ int main(int argc, char** argv) {
     clothsim_ros::shut_down_on_signals();
     ros::init(argc, argv, "clothsim", ros::init_options::NoSigintHandler);
     const std::string other = namesake();
-    ros::start();  // rather than by the node's own handle: the log outlives a node that fails
+    ros::start();  // not by the node's own handle, so that the log outlives a node that fails
     clothsim_ros::end_in_order_on_signals();
     if (!other.empty()) {
       ROS_WARN(
@@ -45,7 +44,7 @@ int main(int argc, char** argv) {
           "__name:=another?",
           ros::this_node::getName().c_str(), other.c_str());
     }
-    if (!clothsim_ros::is_interrupted()) {  // while it waited for a master
+    if (!clothsim_ros::is_interrupted()) {  // false: interrupted while waiting for a master
       clothsim_ros::Node node(ros::NodeHandle("~"), *ros::getGlobalCallbackQueue(),
                               clothsim_ros::is_interrupted);
       ros::master::setRetryTimeout(master_patience);
@@ -55,6 +54,6 @@ int main(int argc, char** argv) {
     ROS_FATAL("%s", error.what());
     exit_code = EXIT_FAILURE;
   }
-  ros::shutdown();  // also waits for one that is under way
+  ros::shutdown();  // waits also for a shutdown in progress
   return exit_code;
 }

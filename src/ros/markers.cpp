@@ -14,8 +14,8 @@ namespace {
 
 using visualization_msgs::Marker;
 
-/// Distance of a drawn side from the cloth [m]: enough that the two do not flicker, and that a
-/// collider does not show through where the cloth spans its curve between two points.
+/// Distance of a drawn side from the cloth [m]: the two sides must not flicker, and a collider must
+/// not show through where the cloth spans its curve between two points.
 constexpr double skin = 0.0005;
 
 constexpr double line_width = 0.001;   // [m]
@@ -51,8 +51,8 @@ void set_scale(Marker& marker, double x, double y, double z) {
   marker.scale.z = z;
 }
 
-/// Both sides of the cloth: RViz lights the front of a triangle only. First all fronts, then all
-/// backs. One colour for all: colours per vertex would switch the lighting off.
+/// Both sides of the cloth, as RViz lights the front of a triangle only: first all fronts, then all
+/// backs. One colour for all, as colours per vertex would switch the lighting off.
 Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positions,
                     const std_msgs::Header& header) {
   Marker marker =
@@ -100,7 +100,7 @@ std::vector<Marker> make_springs(const clothsim::Cloth& cloth, const clothsim::P
   return markers;
 }
 
-/// RViz loads files itself.
+/// Type of a primitive; RViz loads mesh files itself.
 int type_of(const clothsim::Primitive& primitive) {
   switch (primitive.kind) {
     case clothsim::Primitive::Kind::ball:
@@ -116,7 +116,7 @@ int type_of(const clothsim::Primitive& primitive) {
 }
 
 /// The first primitive of collider i has the id i, its next ones have i + the number of colliders
-/// and so on: no two are equal.
+/// and so on, so that all differ.
 void add_collider(const clothsim::Simulator& simulator, int index, const std_msgs::Header& header,
                   std::vector<Marker>& markers) {
   const auto& colliders = simulator.scene().colliders;

@@ -9,7 +9,7 @@
 namespace clothsim_ros {
 
 void NearFrames::warn(const std::vector<FrameStatus>& frames, const TfListener& tf) {
-  std::vector<std::string> strangers;  // that tf knows and nothing follows
+  std::vector<std::string> strangers;  // known to tf but not used
   for (const FrameStatus& frame : frames) {
     if (frame.seen || !frame.apart_from.empty() || told_.count(frame.frame) > 0) continue;
     if (strangers.empty()) {

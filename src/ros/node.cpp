@@ -17,16 +17,16 @@
 namespace clothsim_ros {
 namespace {
 
-/// The loop comes round at least this often, for diagnostics and for the end of the node.
+/// Longest wait of the loop, for diagnostics and for the end of the node.
 const ros::WallDuration longest_wait(0.1);
 
-/// While something else is waited for, at least so often.
+/// Longest wait between checks while waiting for something else.
 const ros::WallDuration look_again(0.01);
 
-/// A second of it, so that the frames of a ~step get through.
+/// A second's messages, so that the frames of a ~step get through.
 constexpr std::uint32_t clock_queue = 100;
 
-/// The same names, with callbacks that go to `queue`.
+/// The same namespace, with callbacks that go to `queue`.
 ros::NodeHandle with_queue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
   return node;
@@ -85,7 +85,7 @@ void Node::serve_live_values() {
 void Node::warn_of_ignored(const ParameterTexts& given) const {
   KnownParameters known{parameter_names(), reconfigure_->names()};
   for (const clothsim::NamedView& camera : parameters_.cameras) {
-    known.read.push_back(camera.name);  // image_transport keeps its parameters below that
+    known.read.push_back(camera.name);  // image_transport keeps its parameters below that name
   }
   const std::vector<std::string>& of_view = view_reconfigure_->names();
   known.live.insert(known.live.end(), of_view.begin(), of_view.end());
@@ -187,7 +187,7 @@ bool Node::simulate_frame(Turn turn) {
 
 void Node::publish_frame(const ros::Time& stamp) {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
-  publish_clock();  // first, so that no state comes from the future
+  publish_clock();  // first, so that no state is ahead of the clock
   targets_.broadcast(stamp);
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
@@ -222,7 +222,7 @@ void Node::publish_diagnostics() {
 
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   tf_.hold(true);
-  follower_.look_up();  // a paused simulation does not
+  follower_.look_up();  // a paused simulation does not look them up
   grasper_.look_up();
   NodeStatus status;
   status.paused = paused_;

@@ -14,7 +14,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// Of a call of ~step, while which nothing else is served.
+/// Most frames of a call of ~step: during the call nothing else is served.
 constexpr std::uint32_t max_frames = 1000000;
 
 }  // namespace
@@ -128,7 +128,7 @@ bool Node::load_scene(clothsim::LoadScene::Request& request,
   contact_topics_.follow_scene();
   serve_live_values();
   frame_number_ = 0;
-  outputs_.refresh();  // the topology, before states on it
+  outputs_.refresh();  // the topology, before its states
   jump();
   response.success = true;
   return true;

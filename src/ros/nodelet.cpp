@@ -10,7 +10,7 @@
 
 namespace clothsim_ros {
 
-/// The node as a nodelet, with a thread of its own beside those of its manager: others in the
+/// The node as a nodelet, with a thread of its own beside its manager's threads: others in the
 /// process get its messages by shared pointer.
 class ClothNodelet : public nodelet::Nodelet {
  public:
@@ -20,7 +20,7 @@ class ClothNodelet : public nodelet::Nodelet {
   }
 
  private:
-  /// Throws what the node throws where a parameter is bad.
+  /// Throws the node's exceptions for a bad parameter.
   void onInit() override {
     std::promise<void> started;
     std::future<void> start = started.get_future();

@@ -12,15 +12,15 @@
 namespace clothsim_ros {
 namespace {
 
-/// A node that is silent for longer has let go of its frame.
+/// A node that is silent for longer no longer broadcasts its frame.
 const ros::WallDuration silence(1);
 
-/// Smallest step that rounding to double precision leaves, fifty years on [s].
+/// Smallest step of a stamp after rounding to double precision, fifty years on [s].
 const ros::Duration stamp_step(1e-6);
 
 constexpr std::uint32_t clock_queue = 1;
 
-/// Asked of the master, for this node has the parameter remapped to go by wall time itself.
+/// The master's value, as this node has the parameter remapped to use wall time itself.
 bool others_use_sim_time() {
   XmlRpc::XmlRpcValue request;
   XmlRpc::XmlRpcValue response;
@@ -41,7 +41,8 @@ OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) : sim_time_(others_u
 }
 
 void OtherBroadcasters::tick(const ros::Time& clock) {
-  // Back in time: listeners forget all transforms, and later stamps would be of the future.
+  // Time ran backwards: subscribers discard all transforms, and later stamps would be in the
+  // future.
   if (clock < clock_) newest_.clear();
   clock_ = clock;
 }
@@ -77,7 +78,7 @@ std::optional<clothsim::Pose> OtherBroadcasters::pose(const std::string& world,
 ros::Time OtherBroadcasters::next_stamp(const std::string& frame) {
   ros::Time& newest = newest_[frame];
   const ros::Time now = sim_time_ ? clock_ : ros::Time::now();
-  // Listeners of ours have refused a stamp of the future, and would do so with one after it.
+  // Our own subscribers have refused a stamp in the future, and would refuse one after it, too.
   newest = is_ahead(newest, now) ? now : std::max(newest + stamp_step, now);
   return newest;
 }

@@ -14,19 +14,20 @@ namespace clothsim_ros {
 namespace {
 
 /// Messages that wait for a slow subscriber before the oldest is dropped: a second of states, so
-/// that all frames of a ~step get through; what is only looked at need not queue.
+/// that all frames of a ~step get through; messages for display need no queue.
 constexpr std::uint32_t state_queue = 100;
 constexpr std::uint32_t points_queue = 10;
 constexpr std::uint32_t markers_queue = 1;
 constexpr std::uint32_t topology_queue = 1;
 
-/// Markers come at most at this rate, on average; RViz draws no faster.
+/// Least average period of markers; RViz draws no faster.
 const ros::WallDuration markers_period(1.0 / 30);
 
-/// How much earlier than that one may come, so that frames that jitter about it are not skipped.
+/// How much earlier than that markers may come, so that frames with a jitter about the period are
+/// not skipped.
 const ros::WallDuration markers_jitter(0.003);
 
-/// A topic on which a new subscriber gets the message that `make` makes.
+/// Advertises a topic on which a new subscriber gets the message that `make` returns.
 template <class Message, class Make>
 ros::Publisher advertise(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue_size,
                          Make make) {
@@ -101,7 +102,7 @@ void Outputs::publish_topology() {
 void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {
   header_.stamp = stamp;
   step_ = step;
-  newcomers_.clear();  // what all get now is all they need
+  newcomers_.clear();  // all subscribers get the messages below
   if (state_publisher_.getNumSubscribers() > 0) share(state_publisher_, state());
   if (points_publisher_.getNumSubscribers() > 0) share(points_publisher_, points());
   if (colliders_publisher_.getNumSubscribers() > 0) share(colliders_publisher_, colliders());

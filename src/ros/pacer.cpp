@@ -7,19 +7,19 @@
 namespace clothsim_ros {
 namespace {
 
-/// Our clock's first time [s]; 0 would say that there is no time yet.
+/// First time of the node's own clock [s]; 0 would mean that there is no time yet.
 constexpr double clock_start = 1;
 
-/// How often to look at another node's clock [s].
+/// How often to read another node's clock [s].
 constexpr double poll_period = 0.001;
 
-/// How late a frame may be and still be caught up with: a few frames by the computer's clock; by
-/// another node's clock, which may go in large ticks, at least this long [s].
+/// How late a frame may be without a new start: a few frames by the computer's clock; by another
+/// node's clock, which may go in large ticks, at least this long [s].
 constexpr double frames_caught_up = 4;
 constexpr double largest_tick = 0.5;
 
-/// Another node's clock has jumped ahead when it is that far on [s], this much faster than the
-/// computer's own.
+/// Another node's clock has jumped ahead when it advanced by this much [s], and this many times
+/// faster than the computer's clock.
 constexpr double shortest_jump = 1;
 constexpr double jump_rate = 100;
 

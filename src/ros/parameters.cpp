@@ -18,14 +18,14 @@ namespace {
 
 using clothsim::InvalidValue;
 
-/// Outside these, `paused` or 0 say better what is meant.
+/// Range of the real-time factor; `paused` or 0 replace factors outside.
 constexpr double min_factor = 0.001;
 constexpr double max_factor = 1000;
 
 constexpr clothsim::Range jump_speed_range{0, 1e9, "m/s"};
 constexpr clothsim::Range diagnostic_period_range{0.1, 3600, "s"};
 
-/// With no more digits than it takes, as messages are to show it.
+/// With the fewest digits that restore it, for messages.
 YAML::Node to_yaml_number(double value) {
   return std::isfinite(value) ? YAML::Node(clothsim::to_text(value)) : YAML::Node(value);
 }
@@ -41,14 +41,14 @@ YAML::Node to_yaml_list(XmlRpc::XmlRpcValue& value) {
 YAML::Node to_yaml_map(XmlRpc::XmlRpcValue& value) {
   YAML::Node map(YAML::NodeType::Map);
   for (auto& [key, item] : value) {
-    // Not map[key], which looks through all keys: here they differ.
+    // Not map[key], which compares all keys: they are distinct here.
     clothsim::inside(key,
                      [&, &name = key, &child = item] { map.force_insert(name, to_yaml(child)); });
   }
   return map;
 }
 
-/// Another node that publishes a topic, as the master knows it; empty: there is none.
+/// Another node that publishes a topic according to the master; empty: there is none.
 std::string other_publisher(const std::string& topic) {
   XmlRpc::XmlRpcValue request;
   XmlRpc::XmlRpcValue answer;
@@ -67,7 +67,7 @@ std::string other_publisher(const std::string& topic) {
   return "";
 }
 
-/// A node that is to be the source of time has to be heard, and to be the only one.
+/// Checks that the source of /clock uses /clock, and is the only source.
 void check_clock() {
   if (!ros::param::param("/use_sim_time", false)) {
     throw InvalidValue({"publish_clock"}, "true",
@@ -95,7 +95,7 @@ YAML::Node without_topics(YAML::Node camera) {
   return camera;
 }
 
-/// One of ~cameras, whose topics are below `camera_NAME`: no other name of the node begins so.
+/// Reads one of ~cameras. Its topics are below `camera_NAME`: no other name of the node begins so.
 clothsim::NamedView read_other_camera(const YAML::Node& given,
                                       const std::vector<clothsim::NamedView>& others) {
   clothsim::NamedView camera = clothsim::read_camera(given, others.front().view);

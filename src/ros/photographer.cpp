@@ -11,10 +11,10 @@
 namespace clothsim_ros {
 namespace {
 
-/// Frames come at multiples of their duration; sums of these are exact to this [s].
+/// Bound on the rounding of frames' times, which are sums of their durations [s].
 constexpr double time_tolerance = 1e-6;
 
-/// `/a/clothsim` carries `camera` on `a_clothsim_camera_optical`.
+/// `/a/clothsim` has `camera` on `a_clothsim_camera_optical`.
 std::string own_frame_name(const ros::NodeHandle& node, const std::string& camera) {
   std::string name = node.getNamespace().substr(1);
   std::replace(name.begin(), name.end(), '/', '_');
@@ -105,7 +105,7 @@ void Photographer::update(const ros::Time& stamp) {
   stands_ = after_a_period();
   if (!topics_.subscribed()) return;
 
-  // Also due: the first one after a reset, and after a change of the rate.
+  // Also due: the first picture after a reset, and after a change of the rate.
   const double time = simulator_.state().time;
   const double period = 1 / view_.rate;
   if (next_ > time + period) next_ = time;
@@ -148,7 +148,7 @@ void Photographer::wait() {
 
 void Photographer::finish() {
   if (view_.each_step && !taken_ && topics_.subscribed()) take();
-  taken_ = true;  // or none is wanted
+  taken_ = true;  // or not wanted
   wait();
 }
 
@@ -167,7 +167,7 @@ std_msgs::Header Photographer::header() const {
   return header;
 }
 
-/// Also before there are pictures: without any transform RViz warns that there is no world frame.
+/// Also before the first picture: without any transform RViz warns that there is no world frame.
 void Photographer::broadcast_own_frame() {
   const clothsim::Pose& pose = prepared_.camera.pose;
   if (frame_ && frame_->pose()) return;

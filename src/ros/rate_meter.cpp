@@ -3,7 +3,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// A shorter time holds too little to judge the rate by [s].
+/// Shortest time for a rate [s].
 constexpr double shortest_measured = 0.5;
 
 }  // namespace

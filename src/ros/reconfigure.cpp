@@ -28,8 +28,8 @@ void for_each_value(Config& config, Fabric& fabric, Visit&& visit) {
   visit(config.internal_damping_bending, fabric.internal_damping[1]);
 }
 
-/// The fabric of `config` where there is one in `material`. Throws where values are of the other
-/// kind of cloth.
+/// Sets a cloth's stiffness, or its fabric, from `config`. Throws where a value of the other kind
+/// of cloth changes.
 void set_stiffness(const Config& config, clothsim::Material& material) {
   if (material.fabric) {
     if (config.ks != material.ks) {
@@ -103,7 +103,7 @@ clothsim::Vector3 wind_of(const Config& config) {
 }
 
 clothsim::SelfCollision to_self_collision(const std::string& name) {
-  // As scenes have it; dynparam hands YAML's true on as Python writes that.
+  // As in scenes; dynparam passes YAML's true on in Python's notation.
   if (name == "true" || name == "True") return clothsim::SelfCollision::automatic;
   if (name == "false" || name == "False") return clothsim::SelfCollision::off;
   const auto& names = clothsim::self_collision_names;
@@ -115,8 +115,8 @@ clothsim::SelfCollision to_self_collision(const std::string& name) {
   return static_cast<clothsim::SelfCollision>(found - names.begin());
 }
 
-/// `scene` with the values of `config`, but for a wind that is that of `last`: there may be another
-/// one from ~wind. The method of `start` has its parameters from there.
+/// `scene` with the values of `config`. A wind equal to that of `last` is left out, as ~wind may
+/// have set another one. The method of `start` gets the parameters of `start`.
 clothsim::Scene to_scene(const Config& config, const Config& last,
                          const clothsim::SimulationSpec& start, clothsim::Scene scene) {
   clothsim::Material& material = scene.cloth.material;
@@ -182,9 +182,9 @@ struct Reconfigure::Impl {
     ColliderConfig start;
     start.friction = clothsim::live_values(simulator.scene()).collider_friction.at(name);
     const auto apply = [this, name, ns, &simulator, &changes](const ColliderConfig& config) {
-      if (!serving) return;  // it is what holds
+      if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
-      clothsim::validate_contact(live.thickness, config.friction);  // by the name of the value here
+      clothsim::validate_contact(live.thickness, config.friction);  // to name this value in errors
       live.collider_friction[name] = config.friction;
       simulator.set(live);
       clothsim::Change change;
@@ -195,8 +195,8 @@ struct Reconfigure::Impl {
         ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns), start, apply));
   }
 
-  bool serving = false;  // the start is no call
-  Config last;           // that was accepted
+  bool serving = false;  // false at the start, which is no call
+  Config last;           // accepted last
   LiveValues<Config> values;
   std::vector<std::pair<std::string, std::unique_ptr<LiveValues<ColliderConfig>>>> colliders;
 };

@@ -23,7 +23,7 @@ constexpr const char* scene_key = "scene";
 constexpr const char* file_key = "scene_file";
 constexpr const char* folder_key = "scene_folder";
 
-/// Of a file's name that a message repeats.
+/// Longest part of a file's name that a message repeats.
 constexpr std::size_t longest_name = 200;
 
 /// The text of a robot's description; a relative name is below the node's namespace.
@@ -40,7 +40,7 @@ std::string read_description(const std::string& name) {
   return clothsim::read_text(to_yaml(value));
 }
 
-/// Empty where it is not set.
+/// The parameter's text; empty where it is not set.
 std::string text_parameter(const ros::NodeHandle& node, const std::string& key) {
   std::string text;
   read_optional(node, key, [&](const YAML::Node& given) { text = clothsim::read_text(given); });
@@ -55,8 +55,7 @@ clothsim::Scene read(const YAML::Node& yaml, const fs::path& folder) {
   return scene;
 }
 
-/// Refuses what is no scene's before it is opened: messages repeat what a file has at its
-/// beginning.
+/// Refuses other files before they are opened, as messages repeat the beginning of a file.
 void check_ending(const fs::path& path, const std::string& name) {
   if (path.is_absolute() && (path.extension() == ".yaml" || path.extension() == ".yml")) return;
   throw InvalidValue(
@@ -92,7 +91,7 @@ YAML::Node laid_over(const YAML::Node& over, const YAML::Node& under) {
   return both;
 }
 
-/// A plain scalar is what it looks like, as in YAML 1.1: roslaunch reads by that.
+/// A plain scalar has the type that YAML 1.1 gives it, as in roslaunch.
 XmlRpc::XmlRpcValue to_scalar(const YAML::Node& node) {
   const std::string text = node.Scalar();
   if (node.Tag() == "!") return text;  // in quotes
@@ -101,7 +100,7 @@ XmlRpc::XmlRpcValue to_scalar(const YAML::Node& node) {
   double number = 0;
   if (YAML::convert<double>::decode(node, number)) return number;
   bool flag = false;
-  // y and n are texts there.
+  // y and n are texts in roslaunch.
   if (text.size() > 1 && YAML::convert<bool>::decode(node, flag)) return flag;
   return text;
 }
@@ -126,7 +125,7 @@ GivenScene read_first_scene(const ros::NodeHandle& node) {
   const std::string name = text_parameter(node, file_key);
   if (name.empty()) return read_scene_parameter(node);
   GivenScene given = open_file(name);
-  // Only a node sets the folder: what it has put into ~scene is of a scene before.
+  // Only a node sets the folder: ~scene then comes from an earlier node.
   if (!node.hasParam(folder_key)) {
     read_optional(node, scene_key,
                   [&](const YAML::Node& over) { given.yaml = laid_over(over, given.yaml); });
@@ -165,7 +164,7 @@ void tell_scene(const ros::NodeHandle& node, const GivenScene& given) {
     node.deleteParam(file_key);
     return;
   }
-  node.deleteParam(scene_key);  // else maps would be merged
+  node.deleteParam(scene_key);  // as maps would be merged
   node.setParam(scene_key, to_xml_rpc(given.yaml));
   node.setParam(folder_key, given.file.parent_path().string());
   node.setParam(file_key, given.file.string());

@@ -28,7 +28,7 @@ void shut_down_on_signals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // in the threads to come, too
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // also for later threads
   std::thread(take, signals).detach();
 }
 

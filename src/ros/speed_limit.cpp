@@ -5,7 +5,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// A way that takes no longer [s] is not worth a warning: transforms come seldom, or in bunches.
+/// A delay up to this gets no warning [s]: transforms may be rare, or come in bunches.
 constexpr double short_delay = 0.2;
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 using clothsim::InvalidValue;
 using clothsim::Pose;
 
-/// As many frames of a call wait for a slow listener.
+/// Frames of a call that wait for a slow subscriber.
 constexpr std::uint32_t tf_queue = 100;
 
 Pose combined(const Pose& parent, const Pose& child) {
@@ -76,7 +76,7 @@ clothsim::FrameMotion StepTargets::start(const Target& target,
                                          const clothsim::Simulator& simulator) const {
   const std::optional<Pose> now = tf_.pose(target.frame);
   const auto known = motions_.find(target.frame);
-  // One that nobody has moved since goes on as it came.
+  // A frame that nobody else has moved since continues its motion.
   if (known != motions_.end() && now && same(*now, to_pose(to_transform_msg(known->second.pose()))))
     return known->second;
   if (now) return clothsim::FrameMotion(*now);
@@ -133,7 +133,7 @@ void StepTargets::tell_stranger(const std::string& frame,
       "~step moves frame " + frame + ", which no collider, pin, attached point or camera follows";
   const std::string meant = clothsim::nearest_word(frame, followed);
   if (meant.empty()) {
-    ROS_INFO("%s yet", told.c_str());  // a hand may come before it takes hold
+    ROS_INFO("%s yet", told.c_str());  // a gripper may come before it grasps
   } else {
     ROS_WARN("%s; did you mean %s?", told.c_str(), meant.c_str());
   }
@@ -150,7 +150,7 @@ void StepTargets::broadcast(const ros::Time& stamp) {
   if (!msg.transforms.empty()) publisher_.publish(msg);
 }
 
-/// Where the frames are that nobody else has moved since.
+/// The poses of the frames that nobody else has moved since.
 tf2_msgs::TFMessage StepTargets::message() const {
   tf2_msgs::TFMessage msg;
   for (const auto& [frame, motion] : motions_) {
@@ -179,7 +179,7 @@ void StepTargets::reset(const clothsim::Scene& scene) {
 void StepTargets::restore(const Saved& saved) {
   for (auto& [frame, motion] : motions_) {
     if (saved.count(frame) > 0 || !tf_.holds(frame)) continue;
-    motion = clothsim::FrameMotion(begin_.at(frame));  // it had not moved yet
+    motion = clothsim::FrameMotion(begin_.at(frame));  // it has not moved yet
     put(frame, motion.pose());
   }
   for (const auto& [frame, motion] : saved) {

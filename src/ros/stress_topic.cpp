@@ -12,7 +12,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// As many wait for a slow subscriber, about a second's.
+/// Messages queued for a slow subscriber: about a second's.
 constexpr std::uint32_t stress_queue = 100;
 
 }  // namespace

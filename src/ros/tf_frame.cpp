@@ -14,7 +14,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// Time that a publisher takes to connect, and frames of 10 Hz to come; how often to look for them.
+/// Time for a publisher to connect, and for transforms of 10 Hz to come; and how often to check.
 const ros::WallDuration patience(0.5);
 const ros::WallDuration poll_period(0.005);
 
@@ -42,10 +42,10 @@ void TfListener::receive() {
 }
 
 void TfListener::forget_the_future() {
-  // Back in time, or time has begun: what is held would be the latest for long.
+  // Time ran backwards, or has begun: the buffer's transforms would stay the latest for long.
   const ros::Time now = ros::Time::now();
   if (now < now_ || is_ahead(newest_, now)) {
-    buffer_.clear();  // but of static transforms
+    buffer_.clear();  // keeps static transforms
     newest_ = {};
     newest_stamps_.clear();
   }
@@ -53,7 +53,7 @@ void TfListener::forget_the_future() {
 }
 
 void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
-  // Nodelets beside this one have the same name.
+  // Nodelets of the same process have the same name.
   const bool may_be_own = !is_static && event.getPublisherName() == ros::this_node::getName();
   const ros::Time now = ros::Time::now();
   for (geometry_msgs::TransformStamped transform : event.getMessage()->transforms) {
@@ -71,12 +71,13 @@ void TfListener::hear(const TfSubscribers::Event& event, bool is_static) {
     }
     const auto held = held_.find(transform.child_frame_id);
     if (held != held_.end() && stamp > held->second.header.stamp) {
-      // Others move it from here on. While it was held it got newer stamps than that.
+      // Another node moves the frame from now on. While held, the frame got newer stamps than this
+      // one.
       transform.header.stamp = newest_stamps_.next(transform.child_frame_id, stamp);
       held_.erase(held);
     }
     if (!is_static && newest_stamps_.is_late(transform)) continue;
-    // tf2 logs what it refuses.
+    // tf2 logs transforms that it refuses.
     const bool is_taken = buffer_.setTransform(transform, event.getPublisherName(), is_static);
     if (!is_taken || is_static) continue;
     newest_ = std::max(newest_, stamp);
@@ -125,7 +126,7 @@ TfFrame::TfFrame(std::string frame, TfListener& tf) : tf_(&tf) { status_.frame =
 
 void TfFrame::look_up() {
   const bool known = read();
-  if (!status_.seen) return;  // nothing to lose yet
+  if (!status_.seen) return;  // never seen, so not lost
   status_.age = stamp_.isZero() ? 0 : seconds_between(stamp_, ros::Time::now());
   const std::optional<double> lost_after = tf_->lost_after();
   status_.lost = !known || (lost_after && status_.age > *lost_after);

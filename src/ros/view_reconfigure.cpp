@@ -23,8 +23,8 @@ using clothsim::ShadingConfig;
 using clothsim::View;
 using clothsim::ViewpointConfig;
 
-// Visit each pair of a live value and a value of the view. One list serves both directions, as
-// `visit` is to_config or to_view.
+// Visit each pair of a live value and a value of the view. The same list works in both directions,
+// as `visit` is to_config or to_view.
 
 template <class Vector, class Visit>
 void visit_vector(Vector& vector, double& x, double& y, double& z, Visit visit) {
@@ -126,7 +126,7 @@ struct ViewReconfigure::Impl {
     for (std::size_t i = 0; i < in_ros.size(); ++i) {
       const auto visit = [name = scene.colliders[i].name](ShadingConfig& config, View& view,
                                                           auto direction) {
-        // A collider that the view does not name looks like all.
+        // A collider that the view does not name has the look of all.
         const auto look = view.colliders.emplace(name, view.collider).first;
         visit_collider(config, look->second, direction);
       };
@@ -135,8 +135,8 @@ struct ViewReconfigure::Impl {
     spinner.start();
   }
 
-  /// Serves what `visit` visits in namespace `ns`. `apply` changes views with it, of which `camera`
-  /// has the first values.
+  /// Serves the values that `visit` visits in namespace `ns`. `apply` changes views; `camera` gives
+  /// the initial values.
   template <class Generated, class Apply, class Visit>
   void add(std::list<LiveValues<Generated>>& servers, const std::string& ns, Apply apply,
            std::size_t camera, Visit visit) {
@@ -154,14 +154,14 @@ struct ViewReconfigure::Impl {
                       [&server = servers.back()] { server.reset(); }});
   }
 
-  /// A namespace, and the work of its server.
+  /// A namespace, and the task of its server.
   struct Space {
     std::string ns;
     std::function<std::vector<std::string>()> changed;
     std::function<void()> reset;
   };
 
-  ros::CallbackQueue queue;  // of calls that may read images, which frames do not wait for
+  ros::CallbackQueue queue;  // of calls that may read images, for which frames do not wait
   ros::NodeHandle node;
   Cameras& cameras;
   std::vector<std::string> names;
@@ -169,7 +169,7 @@ struct ViewReconfigure::Impl {
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
   std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
-  ros::AsyncSpinner spinner{1, &queue};          // last: it serves the others
+  ros::AsyncSpinner spinner{1, &queue};          // last, as its thread serves the others
 };
 
 ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Cameras& cameras,

@@ -9,7 +9,7 @@
 namespace clothsim_ros {
 namespace {
 
-/// Of winds that came at once the last one holds.
+/// With several messages at once, the last one counts.
 constexpr std::uint32_t wind_queue = 1;
 
 }  // namespace

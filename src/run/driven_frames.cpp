@@ -56,7 +56,7 @@ DrivenFrames::Driven& DrivenFrames::take(const std::string& frame, const Pose& i
 void DrivenFrames::put(const Driven& driven, const Pose& pose, Simulator& simulator) {
   for (const Follower& follower : driven.followers) {
     if (follower.is_pin) continue;
-    // One that is there already is not disturbed.
+    // A collider that is there already is left alone.
     const Pose& now = simulator.collider_pose(follower.index);
     const auto index = static_cast<std::size_t>(follower.index);
     const Pose wanted = pose * simulator.scene().colliders[index].offset;

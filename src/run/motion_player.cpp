@@ -11,7 +11,7 @@
 namespace clothsim {
 namespace {
 
-/// Errors of `action` get the key of an entry before theirs.
+/// Runs `action`; the key of an entry goes before the keys of its errors.
 template <class Action>
 void in_motions(std::size_t item, Action&& action) {
   inside("motions", [&] { inside(std::to_string(item), action); });

@@ -41,7 +41,7 @@ std::string springs_npy(const Cloth& cloth) {
   return rows_npy(springs);
 }
 
-/// N x 3 of an array [N, 3], or of the last of [F, N, 3].
+/// N x 3 from an array [N, 3], or from the last item of [F, N, 3].
 Points last_points(const std::map<std::string, NumberArray>& arrays, const std::string& name) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) throw InvalidValue({name}, "nothing", "an array [N, 3] or [F, N, 3]");
@@ -57,7 +57,7 @@ Points last_points(const std::map<std::string, NumberArray>& arrays, const std::
                                 count, 3);
 }
 
-/// Of a pose in an array: its position and its quaternion.
+/// Numbers of a pose in an array: its position and its quaternion.
 enum : std::size_t { pose_numbers = 7 };
 
 NumberArray pose_array(const std::vector<Pose>& poses) {

@@ -7,8 +7,9 @@
 namespace clothsim {
 namespace {
 
-/// Below this angle [rad] the first terms of the series of the Jacobians' factors are closer than
-/// the differences in them: at the fourth root of what doubles round.
+/// Below this angle [rad], the first terms of the series of the Jacobians' factors are more
+/// accurate than the closed form, which loses digits to cancellation: the fourth root of the
+/// rounding of doubles.
 const double small_angle = std::sqrt(std::sqrt(std::numeric_limits<double>::epsilon()));
 
 Vector3 rotation_vector(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {

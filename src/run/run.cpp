@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder without frames of an earlier run; other files stay.
+/// Creates the folder, without frames of an earlier run; other files remain.
 void make_free_of_frames(const fs::path& directory) {
   fs::create_directories(directory);
   const std::regex frame("\\d{6,}(\\.ply|_(color|depth|mask)\\.png)");
@@ -41,7 +41,7 @@ volatile std::sig_atomic_t is_interrupted = 0;
 
 void interrupt(int) { is_interrupted = 1; }
 
-/// Puts colliders where the state has them, if it is of as many.
+/// Places the colliders as in the state, if it has the same number of them.
 void place_colliders(const std::string& program, const std::vector<Pose>& poses,
                      Simulator& simulator) {
   const std::size_t count = simulator.scene().colliders.size();
@@ -59,7 +59,7 @@ void place_colliders(const std::string& program, const std::vector<Pose>& poses,
   }
 }
 
-/// Starts from a saved state, to the same bits where its memory is of this cloth and method.
+/// Starts from a saved state, with the same bits where its memory fits this cloth and method.
 void start_from(const std::string& program, const fs::path& path, Simulator& simulator) {
   const StateFile file = read_state(path);
   inside(path.string(), [&] {
@@ -82,7 +82,7 @@ void start_from(const std::string& program, const fs::path& path, Simulator& sim
   });
 }
 
-/// Says what stays still although the scene has it follow a frame, which no motion moves.
+/// Prints how many colliders and pins follow a frame that no motion moves.
 void tell_of_frames(const std::string& program, const Scene& scene) {
   std::set<std::string> moved;
   for (const MotionEntry& entry : scene.motions) {
@@ -102,7 +102,7 @@ void tell_of_frames(const std::string& program, const Scene& scene) {
             << colliders << ", pins: " << pins << ")\n";
 }
 
-/// Adds to a run's cost from construction to destruction.
+/// Adds the time from construction to destruction to a run's cost.
 class Stopwatch {
  public:
   explicit Stopwatch(RunReport& run) : run_(run) {}
@@ -118,10 +118,10 @@ class Stopwatch {
   std::clock_t cpu_start_ = std::clock();
 };
 
-/// What a run leaves on disk beside pictures.
+/// Files of a run, other than pictures.
 class Files {
  public:
-  /// Makes the folders first: a run should not end in vain.
+  /// Makes the folders first, so that a long run cannot fail for lack of them.
   Files(const RunOptions& options, const Simulator& simulator) : output_(options.output) {
     if (output_.empty()) return;
     if (options.every) every_ = to_frames("--every", *options.every, simulator.frame_duration());
@@ -152,7 +152,7 @@ class Files {
   std::optional<FramesFile> frames_;
 };
 
-/// Steps until the end, an interrupt or a state that cannot be; `keep` takes each frame.
+/// Steps until the end, an interrupt or an invalid state; `keep` gets each frame.
 RunReport play(const std::string& program, long long frames, MotionPlayer& player,
                Simulator& simulator, const std::function<void(long long)>& keep) {
   RunReport run;

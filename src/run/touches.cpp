@@ -7,11 +7,11 @@
 namespace clothsim {
 namespace {
 
-/// How far from where contact holds it a point still touches [m]: as far again as that is from the
-/// surface, which is more than a point at rest trembles.
+/// Points within this of their contact distance are in contact [m]: the contact distance from the
+/// surface once more, which exceeds the jitter of a point at rest.
 constexpr double touch_reach = surface_offset;
 
-/// Adds up places in the collider's own frame.
+/// Adds up positions in the collider's own frame.
 void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
                  const Points& local, Touch& touch) {
   const double reach = keeps.points + touch_reach;
@@ -49,7 +49,7 @@ std::vector<Touch> find_touches(const Simulator& simulator) {
     const Pose& pose = simulator.collider_pose(static_cast<int>(i));
     const Clearance keeps = clearance(shape, cloth, stretch);
     const double farthest = bounding_radius(shape) + keeps.points + touch_reach;
-    if (box.exteriorDistance(pose.position) > farthest) continue;  // as most links of a robot are
+    if (box.exteriorDistance(pose.position) > farthest) continue;  // true for most links of a robot
     const Points local =
         (positions.rowwise() - pose.position.transpose()) * pose.orientation.toRotationMatrix();
     Touch& touch = touches[i];

@@ -10,7 +10,7 @@
 namespace clothsim_rviz {
 namespace {
 
-/// As long as RViz waits at its end for calls, such as the one that lets the cloth go.
+/// How long RViz waits at its end for calls, such as the one that detaches the cloth.
 constexpr std::chrono::seconds last_moment(2);
 
 }  // namespace
@@ -20,7 +20,7 @@ struct CallQueue::Shared {
   std::condition_variable changed;
   std::deque<Call> calls;
   bool busy = false;
-  QObject* owner = nullptr;  // null: it has ended
+  QObject* owner = nullptr;  // null: destroyed
 };
 
 CallQueue::CallQueue() : shared_(std::make_shared<Shared>()) {

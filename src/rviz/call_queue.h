@@ -7,16 +7,16 @@
 
 namespace clothsim_rviz {
 
-/// Calls of services, one after the other in a thread of their own: a node that is busy does not
-/// stop RViz.
+/// Service calls, one after the other in a thread of their own, so that a busy node does not block
+/// RViz.
 class CallQueue : public QObject {
  public:
-  /// What to do with an answer, in RViz's thread.
+  /// Handles a response, in RViz's thread.
   using Answer = std::function<void()>;
   using Call = std::function<Answer()>;
 
   CallQueue();
-  /// Gives calls under way a moment. Answers are dropped from now on.
+  /// Waits a moment for running calls. Later responses are dropped.
   ~CallQueue() override;
   CallQueue(const CallQueue&) = delete;
   CallQueue& operator=(const CallQueue&) = delete;
@@ -30,7 +30,8 @@ class CallQueue : public QObject {
   std::shared_ptr<Shared> shared_;  // the thread may outlive this, in a call that does not return
 };
 
-/// Calls a service whose response has success and message. Empty: it succeeded; else why not.
+/// Calls a service whose response has success and message. Returns an error message; empty:
+/// success.
 template <class Service>
 std::string refusal_of(const std::string& name, Service& service);
 

@@ -28,7 +28,7 @@ namespace {
 
 using rviz::StatusProperty;
 
-/// What is only looked at need not queue.
+/// Messages for display need no queue.
 constexpr std::uint32_t queue_size = 1;
 
 constexpr const char* state_ending = "/state";
@@ -41,7 +41,7 @@ constexpr QuantityRow quantity_rows[] = {{Quantity::stretch, "stretch [-]"},
                                          {Quantity::speed, "speed [m/s]"},
                                          {Quantity::height, "height [m]"}};
 
-/// The node that publishes a topic of states; empty: that is none.
+/// The node that publishes a topic of states; empty: it is none.
 std::string node_of(const std::string& topic) {
   const std::string ending = state_ending;
   const bool fits = topic.size() > ending.size() &&
@@ -49,7 +49,7 @@ std::string node_of(const std::string& topic) {
   return fits ? topic.substr(0, topic.size() - ending.size()) : "";
 }
 
-/// The nearest number from 0 to 1; 0 of NaN, which a property may hold.
+/// The value clamped to [0, 1]; 0 for NaN, which a property may hold.
 float to_share(float value) { return std::min(1.0f, std::max(0.0f, value)); }
 
 clothsim::Pose to_pose(const Ogre::Vector3& p, const Ogre::Quaternion& r) {
@@ -119,7 +119,7 @@ void ClothDisplay::onInitialize() {
     visual_ = std::make_unique<ClothVisual>(scene_node_);
     legend_ = std::make_unique<Legend>();
     legend_->hide();
-  } catch (const std::exception& error) {  // Ogre's, too: a display that fails is not to end RViz
+  } catch (const std::exception& error) {  // Ogre's, too: an error in a display must not end RViz
     visual_.reset();
     tell(StatusProperty::Error, "OpenGL", error.what());
     return;
@@ -238,7 +238,7 @@ void ClothDisplay::update(float, float) {
 }
 
 void ClothDisplay::look_at_scene() {
-  // Another topology of the same cloth comes when springs are switched.
+  // Topologies of the same cloth come when springs are switched, too.
   if (!look_at_scenes_->getBool() || topology_->rest_positions == looked_at_) return;
   looked_at_ = topology_->rest_positions;
   calls_.post([this, node = node_of(state_subscriber_.getTopic()),
@@ -246,7 +246,7 @@ void ClothDisplay::look_at_scene() {
     std::optional<clothsim::Scene> scene;
     try {
       scene = clothsim_ros::read_scene_parameter(ros::NodeHandle(node)).scene;
-    } catch (const clothsim::InvalidValue&) {  // the node tells
+    } catch (const clothsim::InvalidValue&) {  // the node reports it
       return [] {};
     }
     return [this, stage = stage_of(*scene, in_fixed)] {
@@ -258,7 +258,7 @@ void ClothDisplay::look_at_scene() {
 void ClothDisplay::tell_publisher() {
   const bool there = state_subscriber_ && state_subscriber_.getNumPublishers() > 0;
   const bool topology = topology_subscriber_ && topology_subscriber_.getNumPublishers() > 0;
-  if (!state_subscriber_) return;  // told by subscribe()
+  if (!state_subscriber_) return;  // reported by subscribe()
   tell(there && topology ? StatusProperty::Ok : StatusProperty::Warn, "Topic",
        !there     ? "nobody publishes " + state_subscriber_.getTopic()
        : topology ? "there"
@@ -295,7 +295,7 @@ bool ClothDisplay::place_frame() {
   Ogre::Vector3 position;
   Ogre::Quaternion rotation;
   const std::string& frame = state_->header.frame_id;
-  // The newest there is: tf comes a little after the states.
+  // The latest one: tf comes a little after the states.
   if (!context_->getFrameManager()->getTransform(frame, ros::Time(), position, rotation)) {
     tell(StatusProperty::Error, "Transform",
          "no transform from \"" + frame + "\" to \"" + fixed_frame_.toStdString() + '"');

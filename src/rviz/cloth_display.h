@@ -29,8 +29,8 @@ class StringProperty;
 
 namespace clothsim_rviz {
 
-/// Draws the cloth of one clothsim node, from its ~state and ~topology. What cannot be drawn is
-/// told in the display's status, and what was drawn last stays.
+/// Draws the cloth of one clothsim node, from its ~state and ~topology. Errors are shown in the
+/// display's status, and the last drawing stays.
 class ClothDisplay : public rviz::Display {
   Q_OBJECT
 
@@ -42,7 +42,7 @@ class ClothDisplay : public rviz::Display {
   void update(float wall_dt, float ros_dt) override;
   void setTopic(const QString& topic, const QString& datatype) override;
 
-  /// What is drawn, for who wants to point at it.
+  /// The drawn cloth, for tools that pick points of it.
   struct Shown {
     std::string node;         // its namespace, such as /clothsim
     std::string world_frame;  // of the positions
@@ -50,7 +50,7 @@ class ClothDisplay : public rviz::Display {
     clothsim::ClothTopology::ConstPtr topology;
     clothsim::ClothState::ConstPtr state;
   };
-  /// Empty: nothing is.
+  /// Empty: nothing is drawn.
   std::optional<Shown> shown() const;
 
  protected:
@@ -71,17 +71,17 @@ class ClothDisplay : public rviz::Display {
   void show_parts();
   void subscribe();
   void unsubscribe();
-  /// Takes up the newest messages where they fit each other.
+  /// Adopts the newest messages where they fit each other.
   void take();
   void draw();
-  /// Of the surface, one a point or one for all.
+  /// Colours of the surface, one for each point or one for all.
   std::vector<Rgba> colors();
   std::vector<Rgba> colors_of_quantity(std::uint8_t opacity);
   bool place_frame();
-  /// Turns RViz's camera to the scene that the node has, where that is another than before.
+  /// Points RViz's camera at the node's scene, where it is a new one.
   void look_at_scene();
   void tell_publisher();
-  /// Sets a status where it is another than before.
+  /// Sets a status where it changes.
   void tell(rviz::StatusProperty::Level, const std::string& name, const std::string& text);
   Coloring coloring() const;
   bool is_quantity() const;
@@ -102,10 +102,10 @@ class ClothDisplay : public rviz::Display {
   ros::Subscriber state_subscriber_;
   clothsim::ClothTopology::ConstPtr newest_topology_;
   clothsim::ClothState::ConstPtr newest_state_;
-  clothsim::ClothTopology::ConstPtr topology_;  // that is drawn, likewise checked
+  clothsim::ClothTopology::ConstPtr topology_;  // of the drawing, checked, too
   clothsim::ClothState::ConstPtr state_;
   bool topology_is_sound_ = false;
-  bool drawn_ = false;  // the newest state, in the present style
+  bool drawn_ = false;  // the newest state is drawn in the present style
 
   std::unique_ptr<ClothVisual> visual_;
   std::unique_ptr<Legend> legend_;
@@ -113,11 +113,11 @@ class ClothDisplay : public rviz::Display {
   std::shared_ptr<const clothsim::Image> image_;  // of texture_
   const ColorMap color_map_;
   clothsim::ImageStore images_;
-  std::vector<float> normals_;  // scratch
+  std::vector<float> normals_;  // buffer
   clothsim::Pose in_fixed_;
   std::map<std::string, std::pair<int, std::string>> told_;
-  std::vector<float> looked_at_;  // rest positions of the scene that the camera was turned to
-  CallQueue calls_;               // last: what it runs is over before the rest goes
+  std::vector<float> looked_at_;  // rest positions of the scene that the camera was pointed at
+  CallQueue calls_;               // last, so that its calls end before the other members
 };
 
 }  // namespace clothsim_rviz

@@ -15,7 +15,8 @@ using clothsim::InvalidValue;
 using clothsim::Vector3;
 using Indices = std::vector<std::uint32_t>;
 
-/// How far from the ray a point of a rope may be, by its distance along the ray: some pixels.
+/// Largest distance from the ray of a picked point of a rope, by the distance along the ray: some
+/// pixels.
 constexpr double rope_aim = 0.01;
 
 void check_size(const char* field, std::size_t size, std::uint64_t expected) {
@@ -23,7 +24,7 @@ void check_size(const char* field, std::size_t size, std::uint64_t expected) {
   throw InvalidValue({field}, std::to_string(size) + " numbers", std::to_string(expected));
 }
 
-/// Point numbers in groups, each below `points`.
+/// Checks indices of points in groups: each must be below `points`.
 void check_indices(const char* field, const Indices& indices, std::size_t group,
                    std::uint64_t points) {
   if (indices.size() % group != 0) {

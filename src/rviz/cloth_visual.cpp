@@ -19,9 +19,9 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex) == 9 * sizeof(float), "as the buffer's declaration has it");
 
-// How much nearer to the camera, so that the surface hides them only where it is in front [m].
+// Shift towards the camera, so that the surface hides lines only where it is in front [m].
 constexpr double line_nearer = 0.001;
-constexpr double point_nearer = 0.03;  // half a point's width, where the surface slants
+constexpr double point_nearer = 0.03;  // half a point's width, for slanted surfaces
 
 const Ogre::ColourValue pin_color(0.20f, 0.75f, 0.35f);
 const Ogre::ColourValue held_color(1.0f, 0.85f, 0.1f);
@@ -36,7 +36,7 @@ void copy_to(std::array<float, Size>& target, const std::vector<float>& flat, st
   std::copy_n(flat.begin() + static_cast<std::ptrdiff_t>(Size * index), Size, target.begin());
 }
 
-/// Of flat xyz.
+/// The box around points in flat xyz.
 Ogre::AxisAlignedBox box_about(const std::vector<float>& xyz) {
   Ogre::AxisAlignedBox box;
   for (std::size_t i = 0; i < xyz.size(); i += 3) {

@@ -20,12 +20,13 @@ namespace clothsim_rviz {
 /// sRGB and opacity.
 using Rgba = std::array<std::uint8_t, 4>;
 
-/// A cloth in Ogre's scene: one vertex buffer, rewritten in place, and what is drawn of it.
+/// A cloth in Ogre's scene: one vertex buffer, rewritten in place, and the primitives that use it.
 class ClothVisual {
  public:
   enum Part { surface, structural, shear, bending, pins, held, part_count };
 
-  /// On `node`, which must outlive this. Throws std::runtime_error where a shader cannot be read.
+  /// Below `node`, which must outlive this. Throws std::runtime_error where a shader cannot be
+  /// read.
   explicit ClothVisual(Ogre::SceneNode* node);
   ~ClothVisual();
   ClothVisual(const ClothVisual&) = delete;
@@ -33,12 +34,12 @@ class ClothVisual {
 
   void set_topology(const clothsim::ClothTopology&);
 
-  /// Of a state that fits the topology. The surface has the colours, one a point or one for all,
-  /// with their opacity.
+  /// Draws a state that fits the topology. `colors` of the surface, with opacity: one for each
+  /// point or one for all.
   void set_state(const clothsim::ClothState&, const std::vector<float>& normals,
                  const std::vector<Rgba>& colors);
 
-  /// What the colours are multiplied by, by the points' uv; null: nothing.
+  /// An image that multiplies the colours, by the points' uv; null: none.
   void set_image(const Ogre::TexturePtr&);
 
   void show(Part part, bool wanted) { parts_[part].primitive->show(wanted); }

@@ -15,8 +15,8 @@ struct Msh {
   double magnitude, saturation, hue;
 };
 
-// The ends of the paper's cool to warm map, and the white between them, whose hue is the one that
-// each end turns to on its way.
+// The ends of the paper's cool to warm map, and the white between them, with the hue towards which
+// each end turns on its way.
 constexpr Msh cool{80, 1.08, -1.1};
 constexpr Msh cool_white{88, 0, -1.661};
 constexpr Msh warm_white{88, 0, 1.061};
@@ -28,7 +28,7 @@ Vector3 to_lab(const Msh& msh) {
           chroma * std::sin(msh.hue)};
 }
 
-/// The inverse of CIELAB's cube root with its straight beginning (CIE 15:2004).
+/// The inverse of CIELAB's cube root with its linear beginning (CIE 15:2004).
 double from_lab_curve(double f) {
   constexpr double bend = 6.0 / 29;
   return f > bend ? f * f * f : 3 * bend * bend * (f - 4.0 / 29);

@@ -32,9 +32,9 @@ namespace {
 
 constexpr int max_frames = 1000000;  // of ~step
 constexpr int check_silence_ms = 1000;
-constexpr int silence_ms = 5000;  // beyond which a node that tells once a second is quiet
+constexpr int silence_ms = 5000;  // after which a node that reports once a second counts as silent
 constexpr std::uint32_t queue_size = 10;
-constexpr std::uint32_t queue_of_changes = 1000;  // tf frames that move are changes too
+constexpr std::uint32_t queue_of_changes = 1000;  // moving tf frames are changes, too
 
 const char* color_of(unsigned char level) {
   using diagnostic_msgs::DiagnosticStatus;
@@ -295,7 +295,7 @@ void ControlPanel::hear(const diagnostic_msgs::DiagnosticArray& array) {
 }
 
 void ControlPanel::show_status(const diagnostic_msgs::DiagnosticStatus& status) {
-  if (!heard_.isValid()) show_scene();  // the node is new here
+  if (!heard_.isValid()) show_scene();  // a new node
   heard_.start();
   show_paused(value_of(status, "paused") == "True");
   const double factor = to_text(value_of(status, "real-time factor")).toDouble();

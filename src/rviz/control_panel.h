@@ -20,7 +20,7 @@ namespace clothsim_rviz {
 
 class LiveControls;
 
-/// Runs a clothsim node: pause, step, reset, scene, live values, and how it does.
+/// Controls a clothsim node: pause, step, reset, scene, live values, and its status.
 class ControlPanel : public rviz::Panel {
   Q_OBJECT
 
@@ -37,15 +37,15 @@ class ControlPanel : public rviz::Panel {
   void add_scenes(QBoxLayout&);
   void add_diagnostics(QBoxLayout&);
 
-  /// Goes by the node that is named in node_box_.
+  /// Switches to the node that is named in node_box_.
   void set_node();
-  /// The node has another scene: shows which, and forgets what was told of the one before.
+  /// Called for another scene of the node: shows it, and drops reports on the last one.
   void follow_scenes();
   void show_scene();
   void list_nodes();
   void pause_or_run();
   void step();
-  /// Calls a service of the node, "/reset" or the like.
+  /// Calls a service of the node, such as "/reset".
   void trigger(const std::string& name);
   void load_scene();
   void choose_file();
@@ -53,11 +53,11 @@ class ControlPanel : public rviz::Panel {
   void show_status(const diagnostic_msgs::DiagnosticStatus&);
   void watch_silence();
   void show_paused(bool paused);
-  /// What a call has come to; empty: nothing to say.
+  /// Shows the result of a call; empty: none.
   void report(const std::string&);
 
   QComboBox* node_box_;
-  QWidget* controls_;  // all that act on the node
+  QWidget* controls_;  // all widgets that act on the node
   QPushButton* pause_button_;
   QSpinBox* frames_box_;
   QComboBox* scene_box_;
@@ -72,7 +72,7 @@ class ControlPanel : public rviz::Panel {
   QElapsedTimer heard_;  // since the node's last diagnostics
   QTimer silence_timer_;
   CallQueue calls_;
-  LiveControls* live_;  // goes before calls_: children end last, so it is deleted by hand
+  LiveControls* live_;  // uses calls_, so it is deleted by hand: children are deleted last
 };
 
 }  // namespace clothsim_rviz

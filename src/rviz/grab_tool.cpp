@@ -27,11 +27,11 @@ namespace {
 using clothsim::Vector3;
 
 constexpr double notch = 120;        // Qt's wheel_delta of one notch
-constexpr double push_share = 0.05;  // of the distance to the camera, a notch
+constexpr double push_share = 0.05;  // of the distance to the camera, per notch
 
 Vector3 to_eigen(const Ogre::Vector3& v) { return {v.x, v.y, v.z}; }
 
-/// What is shown by any display in the group or below it.
+/// The cloths shown by the displays in the group and below it.
 void add_shown(rviz::DisplayGroup& group, std::vector<ClothDisplay::Shown>& all) {
   for (int i = 0; i < group.numDisplays(); ++i) {
     rviz::Display* display = group.getDisplayAt(i);
@@ -42,7 +42,7 @@ void add_shown(rviz::DisplayGroup& group, std::vector<ClothDisplay::Shown>& all)
   }
 }
 
-/// The free points within `radius` of a place, and the nearest one where that is free.
+/// The free points within `radius` of a place, and the nearest point if it is free.
 std::vector<std::int32_t> free_points(const ClothDisplay::Shown& cloth, const Hit& hit,
                                       double radius) {
   const std::vector<float>& xyz = cloth.state->positions;
@@ -112,7 +112,7 @@ GrabTool::Ray GrabTool::ray_of(const rviz::ViewportMouseEvent& event,
 }
 
 void GrabTool::grab(const rviz::ViewportMouseEvent& event) {
-  release();  // of a button whose release went elsewhere
+  release();  // of a button that was released elsewhere
   std::vector<ClothDisplay::Shown> all;
   add_shown(*context_->getRootDisplayGroup(), all);
   std::optional<Hit> first;
@@ -148,7 +148,8 @@ void GrabTool::attach(const Hold& hold, const std::vector<std::int32_t>& points)
   setStatus(QString("Holding %1 points").arg(points.size()));
   calls_.post(
       [this, service, node = hold.node, attached = hold.attached]() mutable -> CallQueue::Answer {
-        // An RViz of the same name that was ended by a signal has left its points. Mostly refused.
+        // An RViz of the same name that a signal ended may have left its points attached. Mostly
+        // refused.
         clothsim::Detach left;
         left.request.frame = service.request.frame;
         refusal_of(node + "/detach", left);
@@ -196,7 +197,7 @@ void GrabTool::update(float, float) {
 }
 
 void GrabTool::broadcast() {
-  // Listeners drop what is no later than what they have: time may stand.
+  // Subscribers drop transforms without a later stamp than the last, and time may stand still.
   stamp_ = std::max(ros::Time::now(), stamp_ + ros::Duration(0, 1));
   geometry_msgs::TransformStamped msg;
   msg.header.stamp = stamp_;

@@ -17,7 +17,7 @@ class FloatProperty;
 
 namespace clothsim_rviz {
 
-/// Takes hold of the cloth under the mouse, of all that ClothDisplays show: the points near it are
+/// Grabs the cloth under the mouse, of all cloths that ClothDisplays show: the points near it are
 /// attached to a tf frame of this tool, which follows the mouse until the button is released.
 class GrabTool : public rviz::Tool {
   Q_OBJECT
@@ -37,19 +37,19 @@ class GrabTool : public rviz::Tool {
  private:
   struct Ray {
     clothsim::Vector3 origin;     // [m]
-    clothsim::Vector3 direction;  // of length 1
-    clothsim::Vector3 ahead;      // where the camera looks, likewise
+    clothsim::Vector3 direction;  // unit length
+    clothsim::Vector3 ahead;      // unit vector along the camera's view
   };
-  /// What is held, in the cloth's world frame.
+  /// A grab, in the cloth's world frame.
   struct Hold {
     std::string node;
     std::string world_frame;
-    clothsim::Pose in_fixed;         // that frame in RViz's fixed frame
+    clothsim::Pose in_fixed;         // of the world frame in RViz's fixed frame
     clothsim::Vector3 place;         // of the tool's frame [m]
-    std::shared_ptr<bool> attached;  // the node has done so
+    std::shared_ptr<bool> attached;  // the node has confirmed it
   };
 
-  /// Under the mouse, in a frame that is at `in_fixed` in RViz's fixed frame.
+  /// The ray under the mouse, in a frame at `in_fixed` in RViz's fixed frame.
   static Ray ray_of(const rviz::ViewportMouseEvent&, const clothsim::Pose& in_fixed);
   void grab(const rviz::ViewportMouseEvent&);
   void attach(const Hold&, const std::vector<std::int32_t>& points);

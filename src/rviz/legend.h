@@ -13,7 +13,7 @@ class OverlayContainer;
 namespace clothsim_rviz {
 
 /// A bar with the colours of a quantity and its range, in the picture's upper left corner. Several
-/// are one below the other.
+/// are stacked.
 class Legend {
  public:
   Legend();
@@ -21,14 +21,14 @@ class Legend {
   Legend(const Legend&) = delete;
   Legend& operator=(const Legend&) = delete;
 
-  /// `title` with its unit; `low` and `high` are what the ends of the bar stand for.
+  /// `title` with its unit; `low` and `high`: the values at the ends of the bar.
   void show(const std::string& title, double low, double high);
   void hide();
 
  private:
   void paint(const std::string& title, const std::string& low, const std::string& high);
 
-  int slot_;  // from the top
+  int slot_;  // index from the top
   std::string painted_;
   Ogre::TexturePtr texture_;
   Ogre::MaterialPtr material_;

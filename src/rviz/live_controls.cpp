@@ -25,11 +25,11 @@ namespace {
 constexpr const char* of_cloth = "";
 constexpr const char* of_looks = "/shading/cloth";
 
-/// While a slider is dragged, values are sent this often at most.
+/// Least time between messages while a slider is dragged.
 constexpr int send_period = 50;  // [ms]
 
 constexpr int slider_steps = 1000;
-constexpr double largest_number = 1e9;  // that may be typed; the node knows the limits
+constexpr double largest_number = 1e9;  // largest input; the node checks the limits
 constexpr int width_of_numbers = 90;    // [pixel]
 
 template <class List, class Value>
@@ -53,7 +53,7 @@ struct LiveControls::Number {
   const char* label;
   double low, high;
   int decimals;
-  double unit = 1;  // of what is shown, in that of the node
+  double unit = 1;  // of the shown number, in that of the node
 
   double value(int step) const {
     const double t = double(step) / slider_steps;
@@ -168,7 +168,7 @@ void LiveControls::set_node(const std::string& node) {
   changed_.clear();
   send_timer_.stop();
   subscribers_.clear();
-  setEnabled(false);  // until the node tells its values
+  setEnabled(false);  // until the node's values are known
   for (const char* server : {of_cloth, of_looks}) hear(server);
 }
 
@@ -229,7 +229,7 @@ void LiveControls::send(const std::string& server, const dynamic_reconfigure::Co
     if (!ros::service::call(name, service)) {
       return [this, name] { report_("no answer from " + name); };
     }
-    // What was refused is as it was.
+    // Refused values are reset.
     return [this, server, values = service.response.config] {
       report_("");
       if (changed_.empty()) show_values(server, values);

@@ -20,15 +20,15 @@ namespace clothsim_rviz {
 class CallQueue;
 
 /// Sliders, boxes and a list for live values of a clothsim node: its material, with ks or the
-/// stiffness of a fabric, its spring families and the shader of its pictures. They show what the
-/// node has, whoever changed it.
+/// stiffness of a fabric, its spring families and the shader of its pictures. They show the node's
+/// values, also after changes by others.
 class LiveControls : public QWidget {
  public:
-  /// Tells refusals by `report`. The queue must outlive this.
+  /// `report` shows refusals. The queue must outlive this.
   LiveControls(CallQueue&, std::function<void(const std::string&)> report);
   ~LiveControls() override;
 
-  /// The node's full name.
+  /// Takes the node's full name.
   void set_node(const std::string&);
 
  private:
@@ -52,11 +52,11 @@ class LiveControls : public QWidget {
   std::string node_;
   std::map<std::string, std::function<void(double)>> show_number_;  // by name
   std::map<std::string, QCheckBox*> families_;
-  QFormLayout* springs_;             // what a cloth of springs has: ks
-  QFormLayout* fabric_;              // what a fabric has instead
-  std::set<std::string> of_fabric_;  // the names of these
+  QFormLayout* springs_;             // for a cloth of springs: ks
+  QFormLayout* fabric_;              // for a fabric
+  std::set<std::string> of_fabric_;  // the names of the rows in fabric_
   QComboBox* shader_;
-  std::map<std::string, dynamic_reconfigure::Config> changed_;  // by server, to be sent
+  std::map<std::string, dynamic_reconfigure::Config> changed_;  // by server, not sent yet
   QTimer send_timer_;
   std::map<std::string, ros::Subscriber> subscribers_;
 };

@@ -19,7 +19,7 @@
 namespace clothsim_rviz {
 namespace {
 
-constexpr double surface_lift = 0.0005;  // [m] as much as ~markers lifts each side
+constexpr double surface_lift = 0.0005;  // [m] the same as in ~markers, for each side
 constexpr float point_size = 8;          // [pixel]
 
 const Ogre::String& group() { return Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME; }
@@ -32,7 +32,7 @@ std::string read_shader(const std::string& name) {
   return text;
 }
 
-/// The program of a file, compiled once in the process.
+/// The program of a file, compiled once per process.
 std::string program(const std::string& file, Ogre::GpuProgramType type) {
   auto& manager = Ogre::HighLevelGpuProgramManager::getSingleton();
   const std::string name = "clothsim/" + file;
@@ -42,7 +42,7 @@ std::string program(const std::string& file, Ogre::GpuProgramType type) {
   return name;
 }
 
-/// A pass that shows both sides, brought nearer to the camera [m].
+/// A pass that draws both sides, shifted towards the camera [m].
 Ogre::Pass& make_pass(const Ogre::MaterialPtr& material, const std::string& fragments,
                       double nearer) {
   Ogre::Pass& pass = *material->getTechnique(0)->getPass(0);
@@ -69,7 +69,7 @@ Ogre::MaterialPtr make_material(const std::string& kind) {
 }  // namespace
 
 std::string new_name(const std::string& kind) {
-  static int count = 0;  // in RViz's one thread
+  static int count = 0;  // used in RViz's one thread
   return "clothsim/" + kind + std::to_string(count++);
 }
 

@@ -7,27 +7,27 @@
 
 #include "clothsim/render/image.h"
 
-// Ogre's materials, in the package's own shaders. Names have to be unique in the process.
+// Ogre's materials, with the package's own shaders. Names must be unique in the process.
 
 namespace clothsim_rviz {
 
-/// Name of this kind that none had before.
+/// A new name of this kind.
 std::string new_name(const std::string& kind);
 
-/// The surface, lit, both sides, in the colours of its points, times those of an image where there
-/// is one. Throws std::runtime_error where a shader's file cannot be read.
+/// The surface, lit, both sides, in the colours of its points, times those of an image if there is
+/// one. Throws std::runtime_error where a shader's file cannot be read.
 Ogre::MaterialPtr make_surface_material(const Ogre::TexturePtr& image);
 
-/// Lines or points of one colour, brought nearer to the camera than the surface [m]. Throws
-/// likewise.
+/// Lines or points of one colour, closer to the camera than the surface [m]. Throws
+/// std::runtime_error where a shader's file cannot be read.
 Ogre::MaterialPtr make_flat_material(const Ogre::ColourValue&, double nearer);
 
-/// For points whose opacity is 1, or any.
+/// Whether all points have an opacity of 1.
 void set_opaque(Ogre::Material&, bool opaque);
 
 Ogre::TexturePtr make_texture(const clothsim::Image&);
 
-/// Frees what make_... has made; null is left as it is.
+/// Frees a material of the functions above; null is ignored.
 void remove(Ogre::MaterialPtr&);
 void remove(Ogre::TexturePtr&);
 

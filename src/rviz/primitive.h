@@ -7,7 +7,7 @@
 
 namespace clothsim_rviz {
 
-/// Triangles, lines or points between vertices that belong to another, which must outlive this.
+/// Triangles, lines or points between vertices of another owner, which must outlive this.
 class Primitive : public Ogre::SimpleRenderable {
  public:
   Primitive(Ogre::RenderOperation::OperationType, const Ogre::MaterialPtr&);
@@ -16,10 +16,10 @@ class Primitive : public Ogre::SimpleRenderable {
   /// All primitives on the same vertices are drawn from the same buffer.
   void set_vertices(Ogre::VertexData*);
 
-  /// Three, two or one a primitive.
+  /// Three, two or one index per primitive.
   void set_indices(const std::vector<std::uint32_t>&);
 
-  /// Beside Ogre's own visibility, which RViz switches for all of a display.
+  /// In addition to Ogre's own visibility, which RViz switches for a whole display.
   void show(bool wanted) { wanted_ = wanted; }
 
   Ogre::Real getSquaredViewDepth(const Ogre::Camera*) const override;

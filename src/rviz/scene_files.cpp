@@ -12,7 +12,7 @@ std::string file_of(const XmlRpc::XmlRpcValue& scene, const std::vector<std::str
   const auto holds_it = [&scene](const std::string& file) {
     try {
       return clothsim_ros::to_xml_rpc(YAML::LoadFile(file)) == scene;
-    } catch (const YAML::Exception&) {  // as of a file that is gone
+    } catch (const YAML::Exception&) {  // for example, a file that is gone
       return false;
     }
   };

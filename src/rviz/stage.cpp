@@ -15,13 +15,13 @@ using Box = Eigen::AlignedBox3d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// How finely the cloth and round colliders are sampled, and the share of the distance that is left
-/// around the box.
+/// Samples along the cloth and around colliders, and the margin around the box as a share of the
+/// distance.
 constexpr int samples = 10;
 constexpr int segments = 16;
 constexpr double margin = 0.1;
 
-/// How far a free upright cloth spreads from its plane as it falls down, of its height.
+/// How far a free upright cloth spreads from its plane as it falls, of its height.
 constexpr double spread = 0.25;
 
 Vector3 place(const clothsim::ClothSpec& cloth, double u, double v) {
@@ -49,7 +49,7 @@ std::vector<Vector3> pins(const clothsim::ClothSpec& cloth) {
   return all;
 }
 
-/// Where a point meets the ground straight below it: the height of the highest plane there.
+/// Height of the ground straight below a point: of the highest plane there.
 double ground_below(const Vector3& point, const clothsim::Scene& scene) {
   double ground = -infinity;
   for (const clothsim::ColliderSpec& collider : scene.colliders) {
@@ -63,7 +63,7 @@ double ground_below(const Vector3& point, const clothsim::Scene& scene) {
   return ground;
 }
 
-/// Colliders of finite size, as far as they are within `reach`.
+/// The box of finite colliders, as far as they are within `reach`.
 Box solids(const clothsim::Scene& scene, const Box& reach) {
   Box all;
   for (const clothsim::ColliderSpec& collider : scene.colliders) {
@@ -80,7 +80,7 @@ Box solids(const clothsim::Scene& scene, const Box& reach) {
   return all;
 }
 
-/// How low a point comes that hangs from the nearest pin.
+/// Lowest height of a point that hangs from the nearest pin.
 double hangs_at(const Vector3& point, const std::vector<Vector3>& pins) {
   const auto farther = [&](const Vector3& a, const Vector3& b) {
     return (a - point).norm() < (b - point).norm();

@@ -6,9 +6,9 @@
 
 namespace clothsim_rviz {
 
-/// A box of RViz's fixed frame [m], with the world at `in_fixed`, that holds what happens in a
-/// scene: the cloth as it starts, and as it hangs from its pins or over its colliders; the ground
-/// below it; its colliders, no farther from the cloth than that is large.
+/// A box of RViz's fixed frame [m], with the world at `in_fixed`, around a scene's motion: the
+/// cloth at its start, and as it hangs from its pins or over its colliders; the ground below it;
+/// its colliders, up to the cloth's size away from it.
 Eigen::AlignedBox3d stage_of(const clothsim::Scene&, const clothsim::Pose& in_fixed = {});
 
 /// A camera's lens: tangents of half its angles of view.
@@ -17,8 +17,8 @@ struct Lens {
   double up;
 };
 
-/// How far from the box's middle a camera sees all of it, with a margin, that looks at the middle
-/// against `out`, the unit vector to the camera, and has z upright [m].
+/// Distance [m] from the box's middle at which a camera sees all of it, with a margin. The camera
+/// looks at the middle against `out`, the unit vector to the camera, and has z upright.
 double viewing_distance(const Eigen::AlignedBox3d&, const clothsim::Vector3& out, const Lens&);
 
 }  // namespace clothsim_rviz

@@ -15,13 +15,13 @@ constexpr Range padding_range{0, 1e3, "m"};
 constexpr Range sheet_range{1e-6, 1e3, "m"};
 constexpr Range position_range{-1e6, 1e6, "m"};
 
-/// A key of a shape: what is done with its value, and with what that becomes.
+/// A key of a shape: the reader of its value, and functions that use the value.
 struct Key {
   const char* name;
   ReadValue read;
   std::function<void()> check = [] {};
   std::function<void(double)> grow = [](double) {};                             // on all sides [m]
-  std::function<void(const std::filesystem::path&)> load = [](const auto&) {};  // once all are read
+  std::function<void(const std::filesystem::path&)> load = [](const auto&) {};  // after all keys
 };
 
 Key place(Pose& pose, const char* name = "center") {
@@ -29,7 +29,7 @@ Key place(Pose& pose, const char* name = "center") {
           [=, &pose] { check_range(name, pose.position, position_range); }};
 }
 
-/// Where +z of the shape's own frame points to.
+/// The direction of +z of the shape's own frame.
 Key direction(const char* name, Pose& pose) {
   return {name, [&pose](const YAML::Node& node) {
             const Vector3 z = read_vector(node);
@@ -48,14 +48,14 @@ Key turn(Pose& pose) {
 void add(double by, double& length) { length += by; }
 void add(double by, Vector3& lengths) { lengths.array() += by; }
 
-/// Lengths that are one more at each of so many ends where the shape grows by one.
+/// Lengths that grow by the padding at each of `ends` ends.
 template <class T>
 Key lengths(const char* name, T& value, int ends, const Range& range = size_range) {
   return {name, into(value), [=, &value] { check_range(name, value, range); },
           [=, &value](double by) { add(ends * by, value); }};
 }
 
-// What a scene says of a shape, beside what it says of all.
+// The keys of a shape, apart from those that all shapes have.
 
 std::vector<Key> keys_of(Sphere& sphere, Pose& pose) {
   return {place(pose), lengths("radius", sphere.radius, 1)};
@@ -81,7 +81,7 @@ std::vector<Key> keys_of(Cylinder& c, Pose& pose) {
 
 std::vector<Key> keys_of(MeshShape& mesh, Pose& pose) {
   const auto name = std::make_shared<std::string>();
-  const auto scale = std::make_shared<Vector3>(1, 1, 1);  // [m] a unit of the file
+  const auto scale = std::make_shared<Vector3>(1, 1, 1);  // [m] per unit of the file
   const auto thickness = std::make_shared<std::optional<double>>();
   const auto require = [](bool is_there) {
     if (!is_there) throw InvalidValue({"file"}, "nothing", "an STL, OBJ or DAE file");
@@ -127,7 +127,7 @@ ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) 
   }
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
 
-  // The shape decides which keys there are.
+  // The shape decides which keys are allowed.
   std::size_t kind = 0;
   inside("shape", [&] { kind = static_cast<std::size_t>(read_choice(node["shape"], names)); });
 
@@ -157,7 +157,7 @@ Shape padded(const Shape& shape, double padding) {
 
 void validate(const ColliderSpec& collider) {
   if (collider.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
-  ColliderSpec copy = collider;  // keys can be written to
+  ColliderSpec copy = collider;  // keys_of() needs one that is not const
   for (const Key& key : keys_of(copy)) key.check();
   check_orientation(collider.pose.orientation);
   inside("pose", [&] {

@@ -15,18 +15,18 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// An angle beyond is more than a turn, which nobody needs.
+/// A larger angle is more than a full turn, which nobody needs.
 constexpr double largest_angle = 2 * M_PI;
 
-/// A cloth of such a size and such cells has no fold that one could see: its size may be in another
+/// A cloth of this size with cells of this size has no visible fold: the size may be in another
 /// unit [m].
 constexpr double large_size = 10;
 constexpr double coarse_cell = 0.25;
 
-/// How many make a metre.
+/// Centimetres in a metre.
 constexpr double centimetres = 100;
 
-/// With the digits that it takes to see what is meant.
+/// The value with enough digits for a message.
 std::string rounded(double value) { return to_text(std::round(1e4 * value) / 1e4); }
 
 bool is_number(const YAML::Node& node, double& value) {
@@ -71,14 +71,14 @@ void doubt_size(const ClothSpec& cloth, Lines& lines) {
   doubt("height", cloth.height, cloth.rows);
 }
 
-/// Whether the box of `points` is near enough for the collider to touch it.
+/// Whether the box of `points` is near enough for contact with the collider.
 bool may_reach(const ColliderSpec& collider, const Points& points) {
   const Vector3 middle = (collider.pose * collider.offset).position;
   const Vector3 low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
   return (middle - middle.cwiseMax(low).cwiseMin(high)).norm() <= bounding_radius(collider.shape);
 }
 
-/// Points of the cloth that start in the collider.
+/// Counts the points of the cloth that start in the collider.
 int count_inside(const ColliderSpec& collider, const Points& points) {
   const int count = static_cast<int>(points.rows());
   const Frame frame(collider.pose * collider.offset);
@@ -90,7 +90,7 @@ int count_inside(const ColliderSpec& collider, const Points& points) {
                                         [](double d) { return d < -written_rounding; }));
 }
 
-/// Triangles with corners on both sides of a plane.
+/// Counts the triangles with corners on both sides of a plane.
 int count_parted(const ColliderSpec& collider, const Cloth& cloth, const Points& points) {
   const Pose pose = collider.pose * collider.offset;
   const auto height = [&](int i) { return to_local(pose, points.row(i)).z(); };
@@ -103,7 +103,8 @@ int count_parted(const ColliderSpec& collider, const Cloth& cloth, const Points&
   }));
 }
 
-/// Triangles that reach into it, as a thin one between the points passes through the cloth.
+/// Counts the triangles that reach into the collider, which may be thin and pass through the cloth
+/// between points.
 int count_crossed(const ColliderSpec& collider, const Cloth& cloth, const Points& points) {
   const Plane* plane = std::get_if<Plane>(&collider.shape);
   if (plane && plane->two_sided) return count_parted(collider, cloth, points);

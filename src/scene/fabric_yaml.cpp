@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 5> fabric_keys = {
     "fabric", "stretch_stiffness", "shear_stiffness", "bending_stiffness", "internal_damping"};
 
-/// A fabric's file: its values, and where they are from.
+/// Reads the values of a fabric's file.
 void read_fabric_file(const std::string& path, ClothSpec& cloth) {
   std::string source, date;
   std::vector<Field> fields = {{"source", into(source)}, {"date", into(date)}};

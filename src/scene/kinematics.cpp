@@ -36,7 +36,7 @@ KDL::Joint to_kdl(const Urdf::Joint& joint) {
 }  // namespace
 
 struct Kinematics::Impl {
-  KDL::Tree tree{""};  // its root holds all links that hang from none
+  KDL::Tree tree{""};  // its root holds all links without a parent
   std::vector<std::string> links;
   struct Moving {
     unsigned index;      // in the tree
@@ -46,7 +46,7 @@ struct Kinematics::Impl {
   };
   std::vector<Moving> moving;
 
-  /// Hangs the links below `parent` into the tree.
+  /// Adds the links below `parent` to the tree.
   void add_children(const Urdf& urdf, const std::string& parent) {
     for (const Urdf::Joint& joint : urdf.joints) {
       if (joint.parent != parent) continue;

@@ -13,10 +13,10 @@
 namespace clothsim {
 namespace {
 
-/// As many as the shortest lines of the largest file that is read.
+/// As many as the largest allowed file has with the shortest lines.
 constexpr std::size_t max_key_frames = max_file_size / std::size("0,0,0,0");
 
-/// Time, place and quaternion x, y, z, w, row by row.
+/// Time, position and quaternion x, y, z, w, row by row.
 using Row = std::array<double, 8>;
 
 constexpr const char* csv_header = "time,x,y,z";

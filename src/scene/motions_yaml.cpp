@@ -25,7 +25,7 @@ Eigen::Quaterniond read_quaternion(const YAML::Node& node) {
   return Eigen::Quaterniond(Eigen::Vector4d(xyzw.stableNormalized()));
 }
 
-// The keys of each kind of entry, beside its own and `time`.
+// The keys of each kind of entry, apart from its own key and `time`.
 
 std::vector<Field> fields(KeyFrame& key) {
   FrameTarget& target = key.target;
@@ -58,7 +58,7 @@ std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points
 std::vector<Field> fields(SwitchCollider&) { return {}; }
 std::vector<Field> fields(ChangeValues&) { return {}; }
 
-/// A kind of entry: the key it is told by, and what reads that.
+/// A kind of entry: the key that identifies it, and its reader.
 struct Kind {
   std::string key;
   MotionAction action;
@@ -75,7 +75,7 @@ void read_name(const YAML::Node& node, MotionAction& action) {
       action);
 }
 
-/// In this order: a file has a `frame` beside it.
+/// In this order, as a file has a `frame` beside it.
 std::vector<Kind> kinds() {
   const auto read_set = [](const YAML::Node& node, MotionAction& action) {
     action = read_change(node);

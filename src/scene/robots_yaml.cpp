@@ -17,7 +17,7 @@
 namespace clothsim {
 namespace {
 
-/// As a scene describes it.
+/// A robot as in a scene.
 struct Robot {
   std::string description;  // name of a parameter
   std::string file;
@@ -30,10 +30,10 @@ struct Robot {
   Pose pose;  // of its root, until frames are known
 
   Urdf urdf;
-  std::filesystem::path folder;  // that meshes are looked for from
+  std::filesystem::path folder;  // for relative paths of meshes
 };
 
-/// Range of what is added to each side, far beyond a robot's.
+/// Range of the padding of each side, far beyond a robot's needs.
 constexpr Range padding_range{0, 1, "m"};
 
 void read_links(const YAML::Node& node, Robot& robot) {
@@ -87,7 +87,7 @@ void check_links(const Robot& robot) {
   }
 }
 
-/// Of a geometry; those of a file may be several.
+/// The shapes of a geometry; a file may give several.
 template <class S>
 std::vector<Shape> shapes_of(const S& shape, const Robot&) {
   return {shape};
@@ -102,7 +102,7 @@ std::vector<Shape> shapes_of(const Urdf::Mesh& mesh, const Robot& robot) {
   return shapes;
 }
 
-/// The colliders of one collision of a link. Throws InvalidValue where it cannot be used.
+/// The colliders of one collision of a link. Throws InvalidValue for an unusable collision.
 std::vector<ColliderSpec> colliders_of(const Urdf::Link& link, const Urdf::Collision& collision,
                                        const Robot& robot) {
   if (!collision.fault.empty()) throw InvalidValue({}, collision.fault, "a collision geometry");
@@ -128,12 +128,12 @@ const std::string& name_of(const Robot& robot) {
   return robot.name.empty() ? robot.urdf.name : robot.name;
 }
 
-/// `names` are those of all colliders so far.
+/// `names`: the names of all colliders so far.
 void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>& names,
               Scene& scene) {
   const std::string name = name_of(robot) + '/' + robot.prefix + link.name;
   int number = 0;
-  const auto next_name = [&] {  // of several the first has the link's own name
+  const auto next_name = [&] {  // the first one has the link's own name
     const std::string own = ++number == 1 ? name : name + ':' + std::to_string(number);
     if (names.insert(own).second) return own;
     throw InvalidValue({"name"}, '"' + shortened(own, 100) + "\" again",
@@ -157,7 +157,7 @@ void add_link(const Urdf::Link& link, const Robot& robot, std::set<std::string>&
 
 namespace {
 
-/// What an item of the list says, with its URDF.
+/// Reads an item of the list, with its URDF.
 Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
   Robot robot;
   read_map(node, {{"description", into(robot.description)},
@@ -172,7 +172,7 @@ Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
                    }},
                   {"pose", [&](const YAML::Node& pose) { read_pose(pose, robot.pose); }}});
   check_range("padding", robot.padding, padding_range);
-  ColliderSpec any;  // of its links: what is wrong with all of them is refused
+  ColliderSpec any;  // of its links: values that are invalid for all of them are refused
   any.name = "robot";
   any.friction = robot.friction;
   any.pose = robot.pose;

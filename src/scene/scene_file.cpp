@@ -19,7 +19,7 @@ namespace {
 
 using Keys = std::vector<std::string>;
 
-/// Asks for the size first: what has none, as a pipe or a device, may never end.
+/// Checks the size first: a file without a size, as a pipe or a device, may never end.
 std::string read_file(const std::string& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
@@ -39,7 +39,7 @@ std::string read_file(const std::string& path) {
   return text;
 }
 
-/// Takes no notice of what a parser finds.
+/// Ignores all events of a parser.
 class IgnoreEvents : public YAML::EventHandler {
   using Mark = YAML::Mark;
   using Anchor = YAML::anchor_t;
@@ -56,8 +56,8 @@ class IgnoreEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// Is there more than the one document that YAML::Load reads? YAML::LoadAll would tell, but never
-/// returns on some malformed files.
+/// Is there more than the one document that YAML::Load reads? YAML::LoadAll would show it, but
+/// never returns on some malformed files.
 bool has_more(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -93,7 +93,7 @@ Keys split(const std::string& text, char separator) {
   return parts;
 }
 
-/// What assignments ask of one value: another one, then changes by key inside it.
+/// The changes of one value by assignments: a new value, then changes by key inside it.
 struct Change {
   std::optional<YAML::Node> value;
   std::map<std::string, Change> inside;
@@ -117,8 +117,8 @@ void add(const std::string& assignment, Change& root) {
   place->inside.clear();
 }
 
-/// Makes changed copies of the parts of a tree. Copies the way to each change rather than writing
-/// into it: an anchor may share the nodes with another key.
+/// Makes changed copies of the parts of a tree. Copies the path to each change rather than writing
+/// into it, as an anchor may share the nodes with another key.
 class Changer {
  public:
   explicit Changer(const YAML::Node& root) { memory_.push_back(root); }
@@ -131,8 +131,8 @@ class Changer {
   }
 
  private:
-  /// yaml-cpp joins the memories of nodes that meet, at a cost that grows with the second one's: a
-  /// new node joins that of the tree while it is small.
+  /// yaml-cpp merges the memory pools of nodes that are joined, at a cost that grows with the
+  /// second pool: a new node joins the tree's pool while its own is small.
   YAML::Node make(YAML::NodeType::value type) {
     YAML::Node node(type);
     memory_.push_back(node);
@@ -170,7 +170,7 @@ class Changer {
     for (const auto& entry : change.inside) missing.insert(entry.first);
     if (node.IsDefined() && node.IsMap()) {
       for (const auto& entry : node) {
-        // Of a key that is there twice the second stays, for the reader to refuse.
+        // The second one of a repeated key stays, for the reader to refuse.
         const bool here = entry.first.IsScalar() && missing.erase(entry.first.Scalar()) > 0;
         const std::string key = here ? entry.first.Scalar() : "";
         map.force_insert(

@@ -7,7 +7,7 @@
 #include "clothsim/scene/fabric_yaml.h"
 #include "clothsim/scene/yaml_values.h"
 
-// Each map of a scene is one list of fields: the keys it may have, and where their values go.
+// Each map of a scene is one list of fields: the keys it may have, and the targets of their values.
 // Types are checked here, ranges in validate().
 
 namespace clothsim {
@@ -19,7 +19,7 @@ void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) 
     self_collision = SelfCollision::points;
   } else if (is_word(node, "surface")) {
     self_collision = SelfCollision::surface;
-  } else if (is_word(node, "automatic")) {  // as live values of the node have it
+  } else if (is_word(node, "automatic")) {  // as in live values of the node
     self_collision = SelfCollision::automatic;
   } else {
     self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic
@@ -82,13 +82,13 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
       {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
       {"ks", into(material.ks)},
       {"untangle", into(cloth.untangle)},
-      {"fabric", [](const YAML::Node&) {}},  // which the others follow
+      {"fabric", [](const YAML::Node&) {}},  // read first
       {"self_collision",
        [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};
   append(material_fields(cloth), fields);
   const bool is_fabric = names_fabric(node);
   if (is_fabric) start_fabric(node, sources.folder, cloth);
-  if (!is_fabric) material.fabric.emplace();  // for the keys to be known
+  if (!is_fabric) material.fabric.emplace();  // so that the keys are known
   append(fabric_fields(*material.fabric), fields);
   read_map(node, fields);
   if (!is_fabric) material.fabric.reset();
@@ -112,7 +112,7 @@ ReadValue into(VelocityVerlet::Parameters::Precision& target) {
   };
 }
 
-/// The parameters of `method` from a map of them.
+/// Reads the parameters of `method` from a map.
 MethodParameters read_method_parameters(const std::string& method, const YAML::Node& node) {
   MethodParameters parameters = default_parameters(method);
   const auto read = [&](auto& chosen) {
@@ -135,9 +135,9 @@ MethodParameters read_method_parameters(const std::string& method, const YAML::N
   return parameters;
 }
 
-/// Reads a map of `others` and of what may change of a simulation.
+/// Reads a map of `others` and of the live values of a simulation.
 void read_simulation(const YAML::Node& node, std::vector<Field> others, SimulationSpec& spec) {
-  YAML::Node parameters;  // can be read when the method is known
+  YAML::Node parameters;  // read once the method is known
   bool has_parameters = false;
   const std::string last_method = spec.method;
   std::vector<Field> fields = {
@@ -208,7 +208,7 @@ void read_live_values(const YAML::Node& node, LiveSpec& live) {
 }
 
 ChangeValues read_change(const YAML::Node& node) {
-  // A copy that nobody changes: simulators of one scene may read it at a time.
+  // A private copy: simulators of one scene may read it at the same time.
   const YAML::Node copy = YAML::Clone(node);
   return {[copy](LiveSpec& live) { read_live_values(copy, live); }};
 }

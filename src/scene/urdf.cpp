@@ -16,14 +16,14 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// What is wrong with one collision.
+/// An error in one collision or joint.
 using Fault = std::runtime_error;
 
 std::string quoted(const char* text) {
   return text ? '"' + shortened(text, longest_shown) + '"' : "nothing";
 }
 
-/// `count` finite numbers with blanks between them, of an attribute.
+/// `count` finite numbers with blanks between them, from an attribute.
 std::vector<double> numbers(const XMLElement& element, const char* attribute, std::size_t count) {
   const char* text = element.Attribute(attribute);
   std::istringstream stream(text ? text : "");
@@ -50,7 +50,7 @@ double size(const XMLElement& element, const char* attribute) {
               ", not above 0");
 }
 
-/// Of <origin>, if there is one: roll, pitch and yaw about fixed axes.
+/// The pose in <origin>, if there is one: roll, pitch and yaw about fixed axes.
 Pose origin_of(const XMLElement& element) {
   Pose pose;
   const XMLElement* origin = element.FirstChildElement("origin");
@@ -112,12 +112,12 @@ Urdf::Link read_link(const XMLElement& element) {
   return link;
 }
 
-/// A number of an element below a joint; one that is not there is `otherwise`.
+/// A number in an element below a joint; `otherwise` where it is missing.
 double number_or(const XMLElement& element, const char* attribute, double otherwise) {
   return element.Attribute(attribute) ? numbers(element, attribute, 1)[0] : otherwise;
 }
 
-/// Axis, limit and mimic of a joint, each as far as it is there. Throws Fault.
+/// Axis, limit and mimic of a joint, as far as present. Throws Fault.
 void read_motion(const XMLElement& element, Urdf::Joint& joint) {
   if (const XMLElement* axis = element.FirstChildElement("axis")) {
     if (axis->Attribute("xyz")) joint.axis = vector(*axis, "xyz");
@@ -163,7 +163,7 @@ Urdf::Joint read_joint(const XMLElement& element, const std::set<std::string>& l
   return joint;
 }
 
-/// By child.
+/// Joints by child.
 std::map<std::string, const Urdf::Joint*> by_child(const std::vector<Urdf::Joint>& joints) {
   std::map<std::string, const Urdf::Joint*> found;
   for (const Urdf::Joint& joint : joints) {

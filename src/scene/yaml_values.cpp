@@ -12,7 +12,8 @@
 namespace clothsim {
 namespace {
 
-/// Tags that yaml-cpp gives to scalars: "?" read without quotes, "!" with, "" made by a program.
+/// Tags of scalars in yaml-cpp: "?" read without quotes, "!" read with quotes, "" made by a
+/// program.
 bool is_plain(const YAML::Node& node) {
   return node.IsDefined() && node.IsScalar() && (node.Tag() == "?" || node.Tag().empty());
 }
@@ -24,11 +25,12 @@ bool is_quoted(const YAML::Node& node) {
 
 enum class Parsed { number, too_large, no_number };
 
-/// Numbers in decimal; what YAML 1.1 and 1.2 read differently (010, 1_000, 1:30) is none.
+/// Numbers in decimal; numbers that YAML 1.1 and 1.2 read differently (010, 1_000, 1:30) are
+/// refused.
 template <class Number>
 Parsed parse(const std::string& text, Number& value) {
   const size_t sign = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
-  const size_t first = text.find_first_of(".0123456789");  // keeps out inf and nan
+  const size_t first = text.find_first_of(".0123456789");  // excludes inf and nan
   const bool octal = text.size() > sign + 1 && text[sign] == '0' &&
                      text.find_first_not_of("0123456789", sign) == std::string::npos;
   if (first != sign || octal) return Parsed::no_number;
@@ -40,9 +42,9 @@ Parsed parse(const std::string& text, Number& value) {
   return result.ec == std::errc() ? Parsed::number : Parsed::too_large;
 }
 
-/// A whole number, however it is written: 50, 50.0 or 5.0e+1.
+/// An integer in any notation: 50, 50.0 or 5.0e+1.
 Parsed parse_whole(const std::string& text, std::int64_t& value) {
-  const double exact = std::ldexp(1.0, std::numeric_limits<double>::digits);  // and all below
+  const double exact = std::ldexp(1.0, std::numeric_limits<double>::digits);  // exact up to this
   const Parsed parsed = parse(text, value);
   double number = 0;
   if (parsed != Parsed::no_number || parse(text, number) != Parsed::number) return parsed;
@@ -76,7 +78,7 @@ std::string describe(const YAML::Node& node) {
   if (node.IsScalar()) return describe_scalar(node);
   if (node.IsMap()) return "a map";
 
-  // One level only: a list may hold itself.
+  // One level only, as a list may contain itself.
   std::string items;
   for (const YAML::Node& item : node) {
     if (!item.IsScalar() || items.size() > longest_shown) {

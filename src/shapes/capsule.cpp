@@ -5,7 +5,7 @@
 namespace clothsim {
 namespace {
 
-/// How a triangle that the axis passes through gets off it.
+/// The shortest way off the axis for a triangle that the axis passes through.
 FaceDistance way_off(const Vector3& low, const Vector3& high, const Triangle& t) {
   WayOut way;
   const Vector3 n = unit_normal(t);
@@ -36,7 +36,7 @@ std::optional<double> Capsule::entry(const Vector3& from, const Vector3& way, do
   const auto take = [&](std::optional<double> t) {
     if (t && (!first || *t < *first)) first = t;
   };
-  // Its round ends, and between them the cylinder.
+  // The round ends, and the cylinder between them.
   for (const double end : {-length / 2, length / 2}) {
     take(Sphere{radius}.entry(from - Vector3(0, 0, end), way, offset));
   }
@@ -52,7 +52,7 @@ std::optional<double> Capsule::entry(const Vector3& from, const Vector3& way, do
 
 std::optional<FaceDistance> Capsule::face_distance(const Triangle& t, double reach) const {
   const Vector3 high(0, 0, length / 2), low = -high;
-  // A box about the triangle tells most that are far.
+  // Quick rejection by the triangle's box.
   if (outside(box_of(t), high) > reach + radius) return std::nullopt;
   if (passes_through(low, high, t)) {
     FaceDistance way = way_off(low, high, t);

@@ -49,8 +49,7 @@ FaceDistance way_out(const Vector3& half, const Triangle& t) {
   return way.shortest();
 }
 
-/// How near the edges and corners of a box come to a triangle; those farther than `reach` are left
-/// out.
+/// Distances of the edges and corners of a box from a triangle, up to `reach`.
 Closest to_edges_and_corners(const Vector3& half, const Triangle& t, double reach) {
   const Box box = box_of(t);
   bool near[3][2];  // faces of the box, by axis and side
@@ -67,7 +66,7 @@ Closest to_edges_and_corners(const Vector3& half, const Triangle& t, double reac
     if (near[0][side[0]] && near[1][side[1]] && near[2][side[2]]) {
       closest.add(low, t, closest_on_triangle(low, t[0], t[1], t[2]));
     }
-    // The edges that go up from it.
+    // The edges from this corner towards higher coordinates.
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
       if (side[axis] == 1 || !near[u][side[u]] || !near[v][side[v]]) continue;
@@ -110,7 +109,7 @@ std::optional<FaceDistance> Cuboid::face_distance(const Triangle& t, double reac
     }
   }
 
-  // The faces of the box bound the corners of the triangle, its edges and corners the rest.
+  // Corners of the triangle against faces of the box, then edges and corners of the box.
   FaceDistance nearest;
   for (std::size_t i = 0; i < 3; ++i) {
     const Distance d = near_surface(t[i].x(), t[i].y(), t[i].z(), 0);
@@ -131,8 +130,8 @@ void Cuboid::visit_lines(const Triangle&, const Vector3& normal, double,
   }
 }
 
-/// Does what is in `box` reach into this one, or an edge of this one within `reach` of it? There is
-/// none where it is between the faces along two axes.
+/// Does `box` reach into this box, or come within `reach` of an edge of it? No edge is near where
+/// it lies between the faces along two axes.
 bool Cuboid::may_touch(const Box& box, const Triangle*, double reach) const {
   const Vector3 half = size / 2;
   if (outside(box, half) > reach) return false;

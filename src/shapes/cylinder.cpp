@@ -7,15 +7,15 @@
 namespace clothsim {
 namespace {
 
-/// Least of the signed distance along one edge: it is convex, so its slope has one sign change.
-/// Half of the steps halve the interval, the others follow the secant of the slope.
+/// Least signed distance along one edge. The distance is convex, so its slope has one sign change:
+/// steps alternate between bisection and the secant of the slope.
 struct LeastOnEdge {
   double s;  // from corner i to i + 1
   Distance distance;
 };
 
 LeastOnEdge min_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
-  constexpr double precise = 1e-14;  // of the edge
+  constexpr double precise = 1e-14;  // share of the edge
   const Vector3 way = b - a;
   const auto at = [&](double s) {
     const Vector3 p = a + s * way;
@@ -37,8 +37,8 @@ LeastOnEdge min_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector
   return low.distance.value < high.distance.value ? low : high;
 }
 
-/// The point of the solid that lies farthest along `direction`; the middle of an end or of a line
-/// of the side where these do.
+/// The point of the solid that lies farthest along `direction`; where an end or a line of the side
+/// does, its middle.
 Vector3 support(const Cylinder& cylinder, const Vector3& direction) {
   const Vector3 across(direction.x(), direction.y(), 0);
   const double slope = across.norm();
@@ -48,8 +48,8 @@ Vector3 support(const Cylinder& cylinder, const Vector3& direction) {
   return p;
 }
 
-/// Does the solid reach through the inside of the triangle, past its edges? Where these are out of
-/// it, either all of its section with the plane lies in the triangle or nothing.
+/// Does the solid reach through the inside of the triangle, given that the triangle's edges are out
+/// of it? Then the solid's section with the plane lies in the triangle, or all of it outside.
 bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
   if (n.isZero(0)) return false;
   const Vector3 above = support(cylinder, n), below = support(cylinder, -n);
@@ -62,15 +62,15 @@ bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3&
   return true;
 }
 
-/// Directions across an edge that its way out is looked for among, all around: the way is the
-/// support of the cylinder's shadow along the edge, with up to four minima.
+/// Directions around an edge at which the search for the shortest way out starts: the length of the
+/// way is the support function of the cylinder's shadow along the edge, with up to four minima.
 constexpr int tried = 24;
 
 class CylinderWayOut {
  public:
   CylinderWayOut(const Cylinder& cylinder, const Triangle& t) : cylinder_(cylinder), t_(t) {}
 
-  /// `on`: an edge that lies square to `out`, if any.
+  /// `on`: an edge perpendicular to `out`, if any.
   void add(const Vector3& out, std::optional<std::size_t> on) {
     const double way = length(out);
     if (way >= way_.shortest().value) return;
@@ -87,7 +87,7 @@ class CylinderWayOut {
     way_.add(way, out, weights);
   }
 
-  /// The shortest way square to an edge.
+  /// Adds the shortest way perpendicular to an edge.
   void add_across(std::size_t i) {
     const Vector3 e = edge(t_, i);
     if (e.isZero(0)) return;
@@ -107,14 +107,14 @@ class CylinderWayOut {
   const FaceDistance& shortest() const { return way_.shortest(); }
 
  private:
-  /// Of the way along `out` [m].
+  /// Length of the way out along `out` [m].
   double length(const Vector3& out) const {
     const double across = std::hypot(out.x(), out.y());
     return cylinder_.radius * across + cylinder_.length / 2 * std::abs(out.z()) -
            out.dot(t_[lowest(t_, out)]);
   }
 
-  /// By golden sections, to directions that count as one.
+  /// Golden section search, until both ends count as parallel.
   template <class Direction>
   double min_between(double low, double high, const Direction& out) const {
     const double section = (std::sqrt(5.0) - 1) / 2;
@@ -144,7 +144,7 @@ class CylinderWayOut {
 };
 
 /// The shortest way out: along the axis, along the triangle's normal, straight away from the axis
-/// at a corner, or square to an edge.
+/// at a corner, or perpendicular to an edge.
 FaceDistance way_out(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
   CylinderWayOut way(cylinder, t);
   for (const double sign : {-1.0, 1.0}) {

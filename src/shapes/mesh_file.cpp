@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Far beyond what a collider needs, and little enough to hold.
+/// Far more than a collider needs, and small enough to hold in memory.
 constexpr std::uintmax_t max_bytes = 500'000'000;
 constexpr std::size_t max_triangles = 2'000'000;
 constexpr int deepest_nodes = 200;
@@ -72,7 +72,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
-      if (face.mNumIndices != 3) continue;  // points and lines
+      if (face.mNumIndices != 3) continue;  // a point or a line
       soup.triangles.push_back({first + static_cast<int>(face.mIndices[0]),
                                 first + static_cast<int>(face.mIndices[1]),
                                 first + static_cast<int>(face.mIndices[2])});
@@ -83,7 +83,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
   }
 }
 
-/// Of the root, as it turns what is not y up: the unit alone.
+/// The scale of the root, without its rotation to y up.
 aiMatrix4x4 unit_of(const aiNode& root) {
   const double volume = std::abs(aiMatrix3x3(root.mTransformation).Determinant());
   const auto unit = static_cast<float>(std::cbrt(volume));

@@ -10,8 +10,8 @@
 namespace clothsim {
 namespace {
 
-/// Where two features are closest, and on which side of the solid's surface. Nearest pairs of a
-/// triangle and a solid are a corner of the one and a face of the other, or two edges.
+/// Where two features are closest, and on which side of the solid's surface. The nearest pair of a
+/// triangle and a solid is a corner of the one and a face of the other, or two edges.
 class ClosestFeatures {
  public:
   explicit ClosestFeatures(const Triangle& t) : t_(t) {}
@@ -43,7 +43,7 @@ class ClosestFeatures {
     }
   }
 
-  /// The edge from corner i on passes through a face there: its end within takes the triangle out.
+  /// The edge from corner i on passes through a face at `place`: moving its inner end out frees it.
   void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
     for (const std::size_t end : {i, (i + 1) % 3}) {
       const double depth = normal.dot(t_[end] - place);
@@ -51,11 +51,11 @@ class ClosestFeatures {
     }
   }
 
-  /// Nothing farther away counts [m].
+  /// No feature farther away matters [m].
   double most() const { return std::abs(nearest_.value); }
 
-  /// Of a triangle that is in the solid somewhere, the shortest of what takes one of its features
-  /// out.
+  /// For a triangle that is partly inside the solid, the shortest way that takes one of its
+  /// features out; else the nearest pair.
   const FaceDistance& result() const { return is_inside_ ? inside_ : nearest_; }
 
  private:
@@ -69,8 +69,8 @@ class ClosestFeatures {
     if (side < 0) add_inside(nearest_, false);
   }
 
-  /// The triangle leaves a ridge that it is spitted on over an end that points outwards; if none
-  /// does, over the nearer one.
+  /// A ridge passes through the triangle: the triangle leaves it over an end that points outwards,
+  /// or, if neither does, over the nearer one.
   void add_piercing(const Solid::Ridge& ridge, const Vector3& n) {
     std::array<FaceDistance, 2> ways;
     bool has_tip = false;
@@ -86,7 +86,7 @@ class ClosestFeatures {
     if (!has_tip) add_inside(ways[ways[0].value > ways[1].value ? 0 : 1]);
   }
 
-  /// `surely`: whether it is so whatever is nearer.
+  /// `surely`: inside, even if another feature is nearer.
   void add_inside(const FaceDistance& found, bool surely = true) {
     is_inside_ = is_inside_ || surely;
     if (found.value > inside_.value) inside_ = found;
@@ -98,7 +98,7 @@ class ClosestFeatures {
   bool is_inside_ = false;
 };
 
-/// The same of a sheet, which has two sides and nothing within.
+/// The same for a sheet, which has two sides and no inside.
 class ClosestToSheet {
  public:
   explicit ClosestToSheet(const Triangle& t) : t_(t) {}
@@ -123,18 +123,18 @@ class ClosestToSheet {
     }
   }
 
-  /// The edge from corner i on passes through a face there: either end may go back.
+  /// The edge from corner i on passes through a face at `place`: either end may go back.
   void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
     for (const std::size_t end : {i, (i + 1) % 3}) {
       add_way(normal.dot(place - t_[end]), normal, corner(end));
     }
   }
 
-  /// Nothing farther away counts [m].
+  /// No feature farther away matters [m].
   double most() const { return nearest_.value; }
 
-  /// Of a triangle that passes through it, the shortest way by which one of its features is
-  /// through no more.
+  /// For a triangle that passes through the sheet, the shortest way that frees one of its features;
+  /// else the nearest pair.
   const FaceDistance& result() const { return std::isinf(out_.value) ? nearest_ : out_; }
 
  private:
@@ -159,7 +159,7 @@ bool is_near(const Solid& solid, const Box& box, double most) {
   return squared_distance(solid.box(), box) <= most * std::abs(most);
 }
 
-/// Where a triangle and what is within `max_value` [m] of it are closest.
+/// Where a triangle and the features within `max_value` [m] of it are closest.
 template <class Closest>
 FaceDistance closest_features(const Solid& solid, const Triangle& t, double max_value) {
   Closest closest(t);
@@ -200,7 +200,7 @@ NearSurface MeshShape::near_surface(double x, double y, double z, double) const 
 
 std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
                                        double offset) const {
-  constexpr double near = 1.05;  // of the offset: there it has come in
+  constexpr double near = 1.05;  // of the offset: counts as entered
   const double length = way.norm();
   double share = 0;
   for (int step = 0; step < max_approaches && share <= 1; ++step) {
@@ -224,8 +224,8 @@ std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double r
 
 void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double reach,
                             const VisitLine& visit) const {
-  constexpr double square = 0.1;  // sine of the angle by which a ridge may be off that
-  constexpr double sharp = 0.35;  // a triangle does not lie along ridges that bend less [rad]
+  constexpr double square = 0.1;  // largest sine between a ridge and the plane normal to `normal`
+  constexpr double sharp = 0.35;  // ridges that bend less do not support a triangle [rad]
   double most = reach + padding;
   file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
     if (ridge.angle < sharp) return;

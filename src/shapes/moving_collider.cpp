@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// An orientation after a turn by a vector of axis times angle [rad].
+/// An orientation after a rotation by a vector of axis times angle [rad].
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& turn) {
   const double angle = turn.norm();
   if (angle == 0) return orientation;
@@ -80,7 +80,7 @@ bool MovingCollider::reaches(const Eigen::AlignedBox3d& box, double margin) cons
     const Eigen::AlignedBox3d path = Eigen::AlignedBox3d(previous_.position).extend(pose_.position);
     return std::sqrt(box.squaredExteriorDistance(path)) <= bounding_radius(shape_) + margin;
   }
-  // A plane, as it was and as it is: the corner of the box that lies deepest.
+  // A plane, before and after the step: by the lowest corner of the box.
   double height[2];  // of the box's middle
   double least = std::numeric_limits<double>::infinity();
   for (const int end : {0, 1}) {

@@ -10,7 +10,7 @@ Distance signed_distance(const Shape& shape, const Vector3& point, const Vector3
 
 std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, const Vector3& to,
                                    double offset) {
-  if (std::isinf(safe_depth(shape))) return std::nullopt;  // it has no far side
+  if (std::isinf(safe_depth(shape))) return std::nullopt;  // a plane has no far side
   const Distance start = signed_distance(shape, from, from);
   const Vector3 way = to - from;
   if (start.value < 0) return std::nullopt;

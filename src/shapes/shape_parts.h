@@ -1,4 +1,4 @@
-// What the answers of shapes are put together from.
+// Building blocks of shapes' queries.
 #pragma once
 
 #include "clothsim/geometry/closest_points.h"
@@ -8,8 +8,8 @@ namespace clothsim {
 
 using Weights = std::array<double, 3>;
 
-/// Steps towards a surface of what moves: each comes nearer by half the offset at least, so that
-/// only what grazes it takes so many, and is then stopped where it is.
+/// Limit on the steps towards a surface. Each comes nearer by at least half the offset, so only a
+/// grazing point takes so many steps; it is stopped there.
 inline constexpr int max_approaches = 300;
 
 inline Vector3 at(const Triangle& t, const Weights& w) {
@@ -37,8 +37,8 @@ inline Vector3 edge(const Triangle& t, std::size_t i) { return t[(i + 1) % 3] - 
 
 inline Box box_of(const Triangle& t) { return Box(t[0]).extend(t[1]).extend(t[2]); }
 
-/// How far a box is outside one about the origin, along the axis where it is most [m]; negative:
-/// they overlap.
+/// Distance between a box and a box about the origin, along the axis where it is largest [m];
+/// negative: they overlap.
 inline double outside(const Box& box, const Vector3& half) {
   return (box.min() - half).cwiseMax(-half - box.max()).maxCoeff();
 }
@@ -50,24 +50,25 @@ inline std::size_t lowest(const Triangle& t, const Vector3& direction) {
   return b <= c ? 1 : 2;
 }
 
-/// Smaller root of a t^2 + 2 b t + c, where c > 0: empty where there is none ahead.
+/// Smaller root of a t^2 + 2 b t + c, where c > 0: empty unless it is positive.
 inline std::optional<double> first_root(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (b >= 0 || discriminant < 0) return std::nullopt;
   return c / (-b + std::sqrt(discriminant));
 }
 
-/// What is found from a core as the distance from all within `radius` of it; empty beyond `reach`.
+/// Turns a distance from a core into one from all points within `radius` of the core; empty beyond
+/// `reach`.
 inline std::optional<FaceDistance> within(double reach, FaceDistance found, double radius = 0) {
   found.value -= radius;
   if (found.value > reach) return std::nullopt;
   return found;
 }
 
-/// The least of distances between features, and its place.
+/// The least of distances between features, and where it is.
 class Closest {
  public:
-  /// `p` of the shape is near to the point of the triangle with these weights.
+  /// Adds the pair of `p` of the shape and the point of the triangle with these weights.
   void add(const Vector3& p, const Triangle& t, const Weights& weights) {
     const Vector3 gap = at(t, weights) - p;
     const double distance = gap.norm();
@@ -75,7 +76,7 @@ class Closest {
     found_ = {distance, gap / distance, weights};
   }
 
-  /// A straight line of the shape, and the triangle's edges.
+  /// Adds a straight line of the shape against the triangle's edges.
   void add_line(const Vector3& low, const Vector3& high, const Triangle& t) {
     for (std::size_t i = 0; i < 3; ++i) {
       const SegmentParameters where = closest_on_segments(t[i], t[(i + 1) % 3], low, high);
@@ -85,23 +86,24 @@ class Closest {
 
   double least() const { return found_.value; }
 
-  /// Where it is not nil.
+  /// Valid where the distance is not 0.
   const FaceDistance& result() const { return found_; }
 
  private:
   FaceDistance found_;
 };
 
-/// Of directions along which a triangle may leave a polyhedron, the shortest way.
+/// The shortest of the ways along which a triangle may leave a polyhedron.
 class WayOut {
  public:
-  /// `out` [m] is the way along the unit vector `direction`, negative where it is already out.
+  /// `out` [m] is the way along the unit vector `direction`, negative where the triangle is out
+  /// already.
   void add(double out, const Vector3& direction, const Weights& weights) {
     if (out >= shortest_.value) return;
     shortest_ = {out, direction, weights};
   }
 
-  /// `out` is square to the edge from corner i and to the straight line a -> b of the shape.
+  /// `out` is perpendicular to the edge from corner i and to the straight line a -> b of the shape.
   void add_across(double length, const Vector3& out, const Triangle& t, std::size_t i,
                   const Vector3& a, const Vector3& b) {
     const std::size_t low = lowest(t, out);

@@ -9,14 +9,14 @@
 namespace clothsim {
 namespace {
 
-/// How near to each other shells touch, of the solid's size: files round to single precision.
+/// Shells this close touch, by the solid's size: files round to single precision.
 constexpr double touching = 1e-6;
 
 struct Shell {
   TriangleSoup soup;
   Box box;
-  Volume volume;                                 // below 0: of a hollow
-  std::shared_ptr<const Solid> solid = nullptr;  // once it is asked for
+  Volume volume;                                 // below 0: a hollow
+  std::shared_ptr<const Solid> solid = nullptr;  // made at the first query
 
   bool is_hollow() const { return volume.sum < 0 || volume.is_none(); }
 
@@ -26,7 +26,7 @@ struct Shell {
   }
 };
 
-/// By vertex, the first one that it is connected with.
+/// By vertex, the first vertex that it is connected with.
 std::vector<int> first_connected(const Solid& solid) {
   std::vector<int> first(solid.vertices().size());
   std::iota(first.begin(), first.end(), 0);
@@ -97,7 +97,7 @@ bool reaches_into(const Solid& solid, const Shell& other, double near) {
   return hits;
 }
 
-/// Which shells each one touches or overlaps, by their numbers, ascending.
+/// By shell, the numbers of the shells that it touches or overlaps, ascending.
 std::vector<std::vector<int>> overlaps_of(std::vector<Shell>& shells, double near) {
   std::vector<Box> boxes;
   for (const Shell& shell : shells) {
@@ -115,7 +115,7 @@ std::vector<std::vector<int>> overlaps_of(std::vector<Shell>& shells, double nea
   return overlaps;
 }
 
-/// Of the smallest shell around a hollow; -1: of none.
+/// The group of the smallest shell around a hollow; -1: none.
 int group_around(const Shell& hollow, std::vector<Shell>& shells, const std::vector<int>& groups) {
   const Shell* around = nullptr;
   int group = -1;
@@ -144,7 +144,7 @@ std::vector<TriangleSoup> split_overlapping(const Solid& solid) {
   std::vector<Shell> shells = shells_of(solid);
   const auto overlaps = overlaps_of(shells, touching * solid.box().diagonal().norm());
 
-  // Each goes into the first group that has none of those it overlaps.
+  // Each goes into the first group without a shell that it overlaps.
   std::vector<int> groups(shells.size(), -1);
   for (std::size_t i = 0; i < shells.size(); ++i) {
     if (shells[i].is_hollow()) continue;

@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// What all of these loops are given but the shape.
+/// Arguments of all these loops, apart from the shape.
 struct Run {
   const Frame& frame;
   PointRun points;
@@ -45,7 +45,7 @@ CLOTHSIM_TARGET_CLONES_OF_TEMPLATE void find(const S& shape, const Run& run) {
   });
 }
 
-/// Into a mesh one point after the other, each with its neighbourhood.
+/// A mesh: one point after the other, each with its neighbourhood.
 void find(const MeshShape& mesh, const Run& run) {
   const Solid& solid = mesh.file->solid;
   for (int i = 0; i < run.count; ++i) {

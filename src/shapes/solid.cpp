@@ -1,4 +1,4 @@
-// The surface of a solid: what closes it, its normals and ridges.
+// The surface of a solid: closedness, normals and ridges.
 
 #include "clothsim/shapes/solid.h"
 
@@ -11,10 +11,10 @@
 namespace clothsim {
 namespace {
 
-/// Angle below which two faces are one plane but for rounding [rad].
+/// Two faces at less than this angle are one plane, but for rounding [rad].
 constexpr double flat = 1e-4;
 
-/// Volume, as a share of the sum of what its parts add and take, that is but rounding.
+/// Below this share of the sum of its parts' magnitudes, a volume is rounding.
 constexpr double min_volume = 1e-9;
 
 struct HashOfPlace {
@@ -36,19 +36,19 @@ double angle_at(const Vector3& corner, const Vector3& a, const Vector3& b) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// Of a directed edge.
+/// Key of a directed edge.
 std::uint64_t key_of(int from, int to) {
   return static_cast<std::uint64_t>(from) << 32 | static_cast<std::uint32_t>(to);
 }
 
-/// Corner of a triangle that is neither of these two.
+/// The corner of a triangle that is neither `a` nor `b`.
 const Vector3& adjacent_corner(const std::array<Vector3, 3>& t, const Vector3& a,
                                const Vector3& b) {
   return t[0] != a && t[0] != b ? t[0] : (t[1] != a && t[1] != b ? t[1] : t[2]);
 }
 
-/// Between two triangles across their edge from a to b, as far as a ball through their corners
-/// turns from the one to the other [m]: between their circumcentres, where these are not on their
+/// Distance that a ball through the corners of two triangles turns across, from the one to the
+/// other over their edge from a to b [m]: between their circumcentres, where these are not on the
 /// edge.
 double width_across(const std::array<Vector3, 3>& s, const std::array<Vector3, 3>& t,
                     const Vector3& a, const Vector3& b) {
@@ -197,7 +197,7 @@ void Solid::find_ridges(const std::vector<std::array<int, 3>>& beyond) {
   }
 }
 
-/// An edge of a sheet may lie at any number of triangles, of either sense.
+/// An edge of a sheet may belong to any number of triangles, of either sense.
 void Solid::connect_sheet() {
   std::unordered_map<std::uint64_t, std::vector<std::pair<std::size_t, std::size_t>>> sides;
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -241,8 +241,8 @@ void Solid::add_ridge(std::size_t face, std::size_t corner, const Vector3& norma
 }
 
 double Solid::dip(double edge) const {
-  // Over a single ridge both ends lie on its slopes, half an edge away; over many, which bend it as
-  // a ball, it lies within edge / sqrt(3) of its circumcentre.
+  // Over a single ridge both ends lie on its slopes, half an edge away; over many ridges, which
+  // form a ball, the triangle lies within edge / sqrt(3) of its circumcentre.
   return std::max(edge / 4 * sharpest_, edge * edge / 6 * curvature_);
 }
 

@@ -1,4 +1,4 @@
-// Which triangle of a solid is nearest to a point.
+// The triangle of a solid that is nearest to a point.
 
 #include <algorithm>
 #include <cmath>
@@ -12,31 +12,31 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Cells by triangles: two to a triangle's edge or so, about the surface. At least enough for a
-/// box, and at most 16 MB of them.
+/// Grid cells per triangle: about two along a triangle's edge, near the surface. At least enough
+/// for a box, and at most 16 MB of them.
 constexpr double cells_by_triangle = 64;
 constexpr double fewest_cells = 4096;
 constexpr double max_cells = 4e6;
 
-/// Cells whose points are farther away than this and half a cell have no list: more than points
-/// that touch stand off a smooth solid [m], but no more than two cells, of which a fine mesh has
+/// Cells have a list of candidates up to this distance from the surface and half a cell: more than
+/// the gap of points in contact with a smooth solid [m], but at most two cells, as a fine mesh has
 /// many.
 constexpr double widest_band = 2e-3;
 constexpr double band_cells = 2;
 
-/// A distance so small has no direction but for rounding, of the solid's size; likewise a corner's
-/// weight.
+/// Smaller distances, by the solid's size, have no direction but for rounding; the same for a
+/// corner's weight.
 constexpr double smallest = 1e-9;
 
-/// Triangles whose thickness is measured, spread over all.
+/// Most triangles, spread over all, whose thickness is measured.
 constexpr std::size_t max_measured = 2000;
 
-/// What float's rounding may take from a distance.
+/// Factor from a distance rounded to float to a lower bound of it.
 constexpr double just_below = 1 - 1e-6;
 
 }  // namespace
 
-/// The nearest of the triangles shown to it, sorted, and one more for how far the others are.
+/// The nearest of the triangles added, sorted, and one more that bounds the distance of the others.
 class Solid::NearestFew {
  public:
   void add(const Nearest& one) {
@@ -47,11 +47,11 @@ class Solid::NearestFew {
     most_ = std::sqrt(found_.back().squared);
   }
 
-  /// Those farther away than this need not be shown [m].
+  /// Triangles farther away than this need not be added [m].
   const double& most() const { return most_; }
   const Nearest& first() const { return found_[0]; }
 
-  /// With all that were not shown at least `unseen` [m] away.
+  /// `unseen`: lower bound on the distance of the triangles that were not added [m].
   Neighbourhood at(const Vector3& place, double unseen) const {
     Neighbourhood result;
     result.place = place;
@@ -87,8 +87,8 @@ Solid::Nearest Solid::nearest_by_tree(const Vector3& point, double most) const {
   return nearest;
 }
 
-/// Calls visit(face) for the candidates of a cell that may be no farther from a point of it than
-/// `most` [m], which it may lower.
+/// Calls visit(face) for the candidates of a cell that may be within `most` [m] of a point of it;
+/// `visit` may lower `most`.
 template <class Visit>
 void Solid::visit_candidates(int cell, const Vector3& point, const double& most,
                              const Visit& visit) const {
@@ -149,7 +149,7 @@ std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& po
   if (cell < 0) {
     least = std::sqrt(squared_distance(box_, point));
   } else if (const int steps = steps_[static_cast<std::size_t>(cell)]; steps > 0) {
-    // Whatever is within the band of the surface lies in a cell with candidates.
+    // Every point within the band of the surface lies in a cell with candidates.
     least = band() + (steps - 1) * cell_;
   }
   if (least >= near) return {least, Vector3::UnitZ()};
@@ -171,7 +171,7 @@ std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& po
     visit_candidates(cell, point, few.most(), [&](int face) { few.add(look_at(face, point)); });
     neighbourhood = few.at(point, beyond_candidates(cell, point));
   } else {
-    // Inside the solid the nearest is asked for however far it is.
+    // Inside the solid the nearest triangle counts at any distance.
     const double most = least > 0 ? near : infinity;
     double most2 = most * most;
     face_tree_.search([&](const Box& box) { return squared_distance(box, point); }, most2,
@@ -191,7 +191,7 @@ double Solid::beyond_candidates(int cell, const Vector3& point) const {
   return first.least + just_below * std::sqrt(3.0) * cell_ - (point - center_of(cell)).norm();
 }
 
-/// Two sweeps over the grid, from either end, see each shortest way (Rosenfeld & Pfaltz 1968).
+/// Two sweeps over the grid, from either end, find each shortest way (Rosenfeld & Pfaltz 1968).
 void Solid::count_steps() {
   const auto [nx, ny, nz] = cells_;
   const auto index = [&](int x, int y, int z) {
@@ -202,7 +202,7 @@ void Solid::count_steps() {
   const auto look = [&](int x, int y, int z, int back) {
     const std::size_t here = index(x, y, z);
     int steps = has_candidates(here) ? 0 : steps_[here];
-    // Those of its neighbours that this sweep has been to.
+    // The neighbours that this sweep has passed.
     for (int i = 0; i < 13 && steps > 0; ++i) {
       const int ox = x + back * (i % 3 - 1), oy = y + back * (i / 3 % 3 - 1);
       const int oz = z + back * (i / 9 - 1);
@@ -240,7 +240,7 @@ Vector3 Solid::center_of(int cell) const {
 }
 
 void Solid::wrap_faces() {
-  // What rounds, of numbers as large as the solid and of a distance.
+  // Rounding of coordinates as large as the solid, and of a distance.
   const double rounding = 4 * std::numeric_limits<float>::epsilon() * 3 * radius_;
   for (const Corners& corners : corners_) {
     const Vector3 middle = (corners[0] + corners[1] + corners[2]) / 3;
@@ -256,7 +256,7 @@ double Solid::band() const { return std::min(widest_band, band_cells * cell_); }
 void Solid::build_grid() {
   const double wanted =
       std::clamp(cells_by_triangle * static_cast<double>(faces_.size()), fewest_cells, max_cells);
-  // Of a flat solid as many as of a cube.
+  // A flat solid gets as many cells as a cube.
   const double longest = box_.sizes().maxCoeff();
   const Vector3 sizes = box_.sizes().cwiseMax(longest / 1000);
   cell_ = std::cbrt(sizes.prod() / wanted);
@@ -276,7 +276,7 @@ void Solid::build_grid() {
   if (!is_sheet_) forget_steps_inside();
 }
 
-/// Neighbours without candidates are on one side: there is no surface between them.
+/// Neighbours without candidates are on the same side: there is no surface between them.
 void Solid::forget_steps_inside() {
   const std::array<std::size_t, 3> to_last = {
       1, static_cast<std::size_t>(cells_[0]),
@@ -297,7 +297,7 @@ void Solid::forget_steps_inside() {
   }
 }
 
-/// By cell: whether a triangle's box comes as near to it.
+/// By cell: whether the box of a triangle comes within `reach` [m] of the cell.
 std::vector<char> Solid::cells_near_surface(double reach) const {
   std::vector<char> near(static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) *
                          static_cast<std::size_t>(cells_[2]));
@@ -329,8 +329,8 @@ std::vector<char> Solid::cells_near_surface(double reach) const {
 void Solid::find_candidates(const Vector3& center, double half) {
   const Nearest nearest = nearest_by_tree(center, half + band());
   if (nearest.face < 0 || nearest.squared > std::pow(half + band(), 2)) return;
-  // A point of the cell is no farther than half a diagonal from the centre, and so is its distance
-  // from any triangle.
+  // A point of the cell is within half a diagonal of the centre; its distance from any triangle
+  // differs by no more than that.
   const double most = std::sqrt(nearest.squared) + 2 * half;
   double most2 = most * most;
   const auto first = static_cast<std::ptrdiff_t>(candidates_.size());
@@ -351,7 +351,7 @@ double Solid::thickness_below(std::size_t face) const {
   const Corners& corners = corners_[face];
   const Vector3 in = -faces_[face].normal;
   const Vector3 from = (corners[0] + corners[1] + corners[2]) / 3 + smallest * radius_ * in;
-  double least = std::numeric_limits<double>::max();  // boxes off the ray are farther
+  double least = std::numeric_limits<double>::max();  // finite: skips boxes off the ray
   face_tree_.search([&](const Box& box) { return hit_by_ray(from, in, box); }, least,
                     [&](int i) {
                       if (static_cast<std::size_t>(i) == face) return;

@@ -20,7 +20,7 @@ Triangle local_at(const MovingCollider& collider, const Triangle& from, const Tr
 std::optional<FaceDistance> swept_face_distance(const MovingCollider& collider,
                                                 const Triangle& from, const Triangle& to,
                                                 double offset) {
-  // No point of the triangle moves farther than this in the collider's frame.
+  // Bound on the way of the triangle's points in the collider's frame.
   const Vector3 moved = collider.pose().position - collider.previous().position;
   double way = 0, arm = 0;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -9,7 +9,7 @@ namespace {
 constexpr int gap = 4;            // [pixel] between tiles
 constexpr int margin = 8;         // [pixel] around a label
 constexpr double scale = 0.5;     // of OpenCV's font
-constexpr double dimming = 0.35;  // of the picture behind a label
+constexpr double dimming = 0.35;  // brightness of the picture behind a label
 
 cv::Mat view_of(const Image& image) {
   return cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));

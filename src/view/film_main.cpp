@@ -22,7 +22,7 @@ struct FilmOptions {
   fs::path video;
 };
 
-/// Draws the frames that are kept, the last one, and the frames of a video.
+/// Draws the kept frames, the last one, and the frames of a video.
 class Film : public Recorder {
  public:
   Film(const FilmOptions& options, const View& view, double frame_duration)

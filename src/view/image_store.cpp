@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// When a file changed last; a folder, when one of its files did.
+/// Time of the last change of a file; for a folder, of one of its files.
 fs::file_time_type last_change(const fs::path& path) {
   std::error_code ignored;
   fs::file_time_type last = fs::last_write_time(path, ignored);
@@ -30,7 +30,7 @@ void drop_unused(Entries& entries) {
 template <class Kind, class Load>
 std::shared_ptr<const Kind> ImageStore::get(Entries<Kind>& entries, const std::string& path,
                                             const std::string& key, Load load) {
-  // A path that cannot be looked at, say since it is too long, is left to `load` to refuse.
+  // A path that cannot be read, for example as it is too long, is left to `load` to refuse.
   std::error_code ignored;
   const fs::path own = fs::path(folder_) / path;
   const bool is_own = !fs::exists(path, ignored) && fs::exists(own, ignored);

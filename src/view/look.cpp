@@ -3,7 +3,7 @@
 namespace clothsim {
 namespace {
 
-/// Fills in the numbers that a shading has.
+/// Sets the numbers of a shading.
 struct FillNumbers {
   const Look& look;
 
@@ -39,7 +39,7 @@ struct FillNumbers {
   }
 };
 
-/// Fills in the images that a shading has.
+/// Sets the images of a shading.
 struct FillImages {
   const Look& look;
   ImageStore& images;

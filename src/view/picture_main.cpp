@@ -24,12 +24,12 @@ struct Options {
   std::vector<double> seconds{0};
   std::vector<std::string> scene_values, view_values;    // for all pictures
   std::vector<std::string> scene_choices, view_choices;  // one picture each
-  std::vector<std::string> labels;                       // instead of the choices themselves
+  std::vector<std::string> labels;                       // replace the choices themselves
   int columns = 4;
   std::string output;
 };
 
-/// An assignment that one row of pictures differs in; empty: none.
+/// The assignments in which pictures differ; a single empty one if there are none.
 std::vector<std::string> or_none(std::vector<std::string> choices) {
   if (choices.empty()) choices.emplace_back();
   return choices;
@@ -41,7 +41,7 @@ YAML::Node with(const YAML::Node& root, const std::string& assignment) {
   return copy;
 }
 
-/// What tells this picture from the others.
+/// The label that distinguishes this picture from the others.
 std::string label(const Options& options, std::size_t scene_choice, double time,
                   std::size_t view_choice) {
   std::string text;
@@ -60,7 +60,7 @@ Image draw(PictureMaker& maker, const Simulator& simulator, const View& view) {
   return {images.width, images.height, images.color};
 }
 
-/// Pictures of several sizes make no sheet.
+/// Pictures of different sizes cannot form a sheet.
 void check_sizes(const std::vector<View>& views, const std::vector<std::string>& choices) {
   const auto size = [](const View& view) {
     return std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height);
@@ -73,7 +73,7 @@ void check_sizes(const std::vector<View>& views, const std::vector<std::string>&
 }
 
 ExitCode take_pictures(const Options& options) {
-  // Read everything first, so that a mistake is found before the work.
+  // Read everything first, so that errors are found before the work.
   YAML::Node scene = load_scene_file(options.scene);
   override_values(scene, options.scene_values);
   YAML::Node view(YAML::NodeType::Map);

@@ -3,7 +3,7 @@
 namespace clothsim {
 
 Snapshot SnapshotMaker::make(const Simulator& simulator, const PreparedView& view) {
-  // A rope is drawn as thick as it is, which may change.
+  // A rope has its thickness in the mesh, which may change.
   if (simulator_ != &simulator || topology_seq_ != simulator.topology_seq() ||
       cloth_->thickness != simulator.cloth().thickness) {
     simulator_ = &simulator;

@@ -18,12 +18,12 @@ extern char** environ;
 namespace clothsim {
 
 Video::Video(const std::filesystem::path& path, int width, int height, double rate) : path_(path) {
-  std::signal(SIGPIPE, SIG_IGN);  // where ffmpeg has ended write() says so
+  std::signal(SIGPIPE, SIG_IGN);  // write() reports that ffmpeg has ended
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
   pipe_ = ends[1];
 
-  // Most players want an even number of pixels, with a colour for each four of them.
+  // Most players need an even number of pixels, as four of them share a colour.
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   const std::vector<std::string> words = {"ffmpeg",
                                           "-y",
@@ -51,7 +51,8 @@ Video::Video(const std::filesystem::path& path, int width, int height, double ra
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  // In a group of its own: a terminal's SIGINT ends the run, and then the video is made whole.
+  // In a process group of its own: a terminal's SIGINT ends the run, and then the video is
+  // completed.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

@@ -46,7 +46,7 @@ void read_collider_look(const YAML::Node& node, ColliderLook& collider) {
   read_map(node, fields);
 }
 
-/// A collider that is named takes what it does not say itself from the look of all.
+/// A named collider takes values that it does not set from the look of all colliders.
 void read_colliders(const YAML::Node& node, View& view) {
   std::vector<Field> fields;
   if (node.IsMap()) {
@@ -61,7 +61,8 @@ void read_colliders(const YAML::Node& node, View& view) {
   read_map(node, fields);
 }
 
-/// The focal lengths and the principal point, or a field of view with both in the middle.
+/// The focal lengths and the principal point, or a field of view with the principal point in the
+/// middle.
 struct Intrinsics {
   std::optional<double> field_of_view, fx, fy, cx, cy;
 
@@ -95,7 +96,7 @@ void read_noise(const YAML::Node& node, DepthNoise& noise) {
   read_map(node, {{"sigma", into(noise.sigma)}, {"seed", into(noise.seed)}});
 }
 
-/// The camera and its place.
+/// The keys of the camera and its pose.
 std::vector<Field> viewpoint_fields(View& view, Intrinsics& intrinsics) {
   Camera& camera = view.camera;
   return {{"width", into(camera.width)},

@@ -10,11 +10,10 @@ namespace clothsim {
 /// Axis-aligned box [m], its surface included.
 using Box = Eigen::AlignedBox3d;
 
-/// Boxes that a node of a tree may have without children: few enough to look at all pairs, enough
-/// to keep the tree small.
+/// Most boxes of a leaf: few enough to test all pairs, enough to keep the tree small.
 inline constexpr int max_leaves = 4;
 
-/// Around some points of a list.
+/// The box around the points of a list with these numbers.
 template <typename List>
 Box around(const Points& positions, const List& points) {
   Box box;
@@ -22,23 +21,23 @@ Box around(const Points& positions, const List& points) {
   return box;
 }
 
-/// Do two boxes come within a distance of each other along every axis?
-/// Written out: Eigen's own goes through arrays of three, at twice the time.
+/// Do two boxes come within a distance of each other along every axis? Written out, as Eigen's own
+/// function goes through arrays of three and takes twice the time.
 inline bool overlap(const Box& p, const Box& q, double within = 0) {
   return p.min().x() - q.max().x() <= within && q.min().x() - p.max().x() <= within &&
          p.min().y() - q.max().y() <= within && q.min().y() - p.max().y() <= within &&
          p.min().z() - q.max().z() <= within && q.min().z() - p.max().z() <= within;
 }
 
-/// A tree of boxes around boxes: finds those that overlap without looking at all pairs, whatever
-/// their sizes. Ericson, Real-Time Collision Detection, chapter 6.
+/// A tree of boxes around boxes: finds the pairs that overlap without testing all, for boxes of any
+/// size. Ericson, Real-Time Collision Detection, chapter 6.
 class BoxTree {
  public:
   /// O(n log n); each node is halved across its longest side.
   explicit BoxTree(const std::vector<Box>& boxes);
 
-  /// Calls visit(i, j), i < j, once for each pair of boxes that overlap or touch, in no order to
-  /// rely on.
+  /// Calls visit(i, j), i < j, once for each pair of boxes that overlap or touch, in no particular
+  /// order.
   void visit_overlaps(const std::function<void(int, int)>& visit) const;
 
  private:
@@ -50,7 +49,7 @@ class BoxTree {
     Box box;
     int begin;  // its range of leaves_
     int end;
-    int right;  // second child; the first is the next node. 0: has none
+    int right;  // second child; the first is the next node. 0: a leaf
   };
 
   int build(int begin, int end);

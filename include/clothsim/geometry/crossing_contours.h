@@ -8,7 +8,7 @@
 
 namespace clothsim {
 
-/// An edge between two points of a cloth, and the triangles beside it, by number; -1: none.
+/// An edge between two points of a cloth, and the numbers of the triangles beside it; -1: none.
 struct SurfaceEdge {
   std::array<int, 2> points;
   std::array<int, 2> triangles;
@@ -29,17 +29,17 @@ struct SurfaceEdges {
 struct EdgeCrossing {
   int edge;
   int triangle;
-  double share;                   // of the edge, from its first point to the triangle
-  std::array<double, 3> weights;  // of the triangle's corners there
-  Vector3 normal;                 // of the triangle, of length 1
+  double share;                   // along the edge, from its first point to the triangle
+  std::array<double, 3> weights;  // of the triangle's corners at the crossing
+  Vector3 normal;                 // of the triangle, unit length
 };
 
-/// Where two surfaces of a cloth cross: by surface, the crossings of its edges with the other's
-/// triangles.
+/// Where two surfaces of a cloth cross: for each surface, the crossings of its edges with triangles
+/// of the other.
 using CrossingContour = std::array<std::vector<EdgeCrossing>, 2>;
 
-/// The contours on which a cloth crosses itself at `positions` [m], by the `pairs` of its triangles
-/// that cross there.
+/// The contours along which a cloth crosses itself at `positions` [m]; `pairs`: its triangles that
+/// cross.
 std::vector<CrossingContour> find_contours(const Cloth&, const SurfaceEdges&,
                                            const std::vector<TrianglePair>& pairs,
                                            const Points& positions);

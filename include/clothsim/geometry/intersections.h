@@ -17,14 +17,14 @@ struct TrianglePair {
   int b;
 };
 
-/// Do two triangles cross? They do where their insides, without the edges, share a point and they
-/// do not lie in one plane: an edge of one passes through the other.
+/// Do two triangles cross? They do where their interiors, without the edges, share a point and the
+/// triangles are not coplanar: an edge of one passes through the other.
 ///
 /// Touching is not crossing: a corner or an edge that ends on the other triangle, two edges that
-/// meet, triangles that lie on each other in one plane. A triangle without area crosses nothing.
-/// Symmetric in both triangles and in the order of their corners, and exact within the range of
-/// orientation(). Guigue & Devillers 2003, "Fast and robust triangle-triangle overlap test using
-/// orientation predicates".
+/// meet, coplanar triangles that overlap. A triangle without area crosses nothing. Symmetric in
+/// both triangles and in the order of their corners, and exact within the range of orientation().
+/// Guigue & Devillers 2003, "Fast and robust triangle-triangle overlap test using orientation
+/// predicates".
 bool triangles_cross(const Triangle&, const Triangle&);
 
 /// All pairs of triangles of the cloth that share no point of the grid and cross at `positions`
@@ -32,7 +32,7 @@ bool triangles_cross(const Triangle&, const Triangle&);
 /// so along edges alone.
 std::vector<TrianglePair> find_intersections(const Cloth&, const Points& positions);
 
-/// How many there are.
+/// The number of these pairs.
 int count_intersections(const Cloth&, const Points& positions);
 
 }  // namespace clothsim

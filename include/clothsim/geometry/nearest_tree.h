@@ -16,14 +16,14 @@ inline double squared_distance(const Box& a, const Box& b) {
   return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0.0).squaredNorm();
 }
 
-/// A tree of boxes around what is searched for the nearest to something: branch and bound.
+/// A tree of boxes for nearest neighbour searches by branch and bound.
 class NearestTree {
  public:
   /// O(n log n); each node is halved across its longest side.
   explicit NearestTree(const std::vector<Box>& boxes);
 
-  /// Calls visit(i) for the boxes, by their index, that lie in nodes with bound(box) <= `most`, the
-  /// nearer ones first. `visit` may lower `most` as it goes.
+  /// Calls visit(i) with the indices of the boxes in nodes with bound(box) <= `most`, the nearer
+  /// ones first. `visit` may lower `most`.
   template <class Bound, class Visit>
   void search(const Bound& bound, double& most, const Visit& visit) const {
     if (nodes_.empty()) return;
@@ -47,7 +47,7 @@ class NearestTree {
   }
 
  private:
-  /// Nodes are halved by number: 2^32 boxes are 32 deep.
+  /// Each node has half the boxes of its parent: 2^32 boxes give a depth of 32.
   enum : std::size_t { deepest = 64 };
 
   struct Waiting {
@@ -58,7 +58,7 @@ class NearestTree {
     Box box;
     int begin;  // its range of items_
     int end;
-    std::size_t right;  // second child; the first is the next node. 0: has none
+    std::size_t right;  // second child; the first is the next node. 0: a leaf
   };
 
   void build(const std::vector<Box>& boxes, int begin, int end);

@@ -7,9 +7,9 @@
 
 namespace clothsim {
 
-/// Triangles of some points, their edges, and which triangles a point has.
+/// Triangles between points, their edges, and the triangles around each point.
 struct SurfaceMesh {
-  /// `triangles`: three of the points each. Throws InvalidValue for others.
+  /// `triangles`: three points each. Throws InvalidValue for points out of range or repeated.
   SurfaceMesh(int points, std::vector<std::array<int, 3>> triangles);
   explicit SurfaceMesh(const Cloth& cloth) : SurfaceMesh(cloth.num_points(), cloth.triangles) {}
 

@@ -10,25 +10,26 @@
 
 namespace clothsim {
 
-/// A surface in tiles: each has up to four corners, and of its own up to one point, three edges and
-/// two triangles. Each point, edge and triangle of the surface is that of one tile.
+/// A surface in tiles. A tile has up to four corners, and owns up to one point, three edges and two
+/// triangles. Each point, edge and triangle of the surface belongs to exactly one tile.
 ///
 /// A tile's own point is corner 0. Its edges go from there to corners 1, 3 and 2, its triangles
-/// have corners 0, 1, 2 and 0, 2, 3. What it lacks lies along what it has.
+/// have corners 0, 1, 2 and 0, 2, 3. Where a tile lacks a feature, its corners there coincide with
+/// others.
 class Tiling {
  public:
   enum : std::size_t { corners = 4 };
   static constexpr std::array<std::array<std::size_t, 3>, 2> triangles{{{0, 1, 2}, {0, 2, 3}}};
   static constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {0, 3}, {0, 2}}};
 
-  /// What a tile may have of its own, by number.
+  /// Features that a tile may own, by number.
   enum Own : std::size_t { own_point, first_edge, first_triangle = first_edge + 3, num_own = 6 };
-  /// An edge of the border has a triangle on one side alone, a point of it such edges.
+  /// An edge of the border has a triangle on one side only; a point of the border has such an edge.
   enum FeaturePlace : unsigned char { inside, border, lacking };
 
-  // Pairs of what two tiles have: a point and a triangle come first, then edges, then both points.
+  // Pairs of features of two tiles: point and triangle first, then edges, then both points.
   enum : std::size_t { points = 4, own_points = 13, count = 14 };
-  /// Numbers of pairs from one up to another.
+  /// Pairs from number `begin` up to number `end`.
   struct Range {
     std::size_t begin;
     std::size_t end;
@@ -36,22 +37,22 @@ class Tiling {
   };
   static constexpr Range of_surfaces{0, own_points};
   static constexpr Range of_points{own_points, count};
-  /// What a pair takes of tile a and of tile b.
+  /// The feature of tile a and of tile b in each pair.
   static constexpr std::array<std::size_t, count> of_a{{0, 0, 4, 5, 1, 1, 1, 2, 2, 2, 3, 3, 3, 0}};
   static constexpr std::array<std::size_t, count> of_b{{4, 5, 0, 0, 1, 2, 3, 1, 2, 3, 1, 2, 3, 0}};
 
   struct Tile {
     std::array<int, corners> points;
-    std::array<int, 2> triangles;  // by number in the mesh; any where it lacks them
+    std::array<int, 2> triangles;  // by number in the mesh; any where there is none
     std::array<FeaturePlace, num_own> own;
-    bool is_inside = false;  // all of them
+    bool is_inside = false;  // true where no feature is at the border or missing
   };
 
-  /// Of any triangles: two side by side where there are, in no order.
+  /// Tiles of any triangles: two neighbours each where possible, in no order.
   explicit Tiling(const SurfaceMesh&);
 
-  /// Of a grid, also of one row or column: each point has a tile of the same number, whose corners
-  /// are the points to the right, across and above.
+  /// Tiles of a grid, also of one row or column: each point has a tile of the same number, whose
+  /// corners are the points to the right, across and above.
   Tiling(int columns, int rows);
 
   std::size_t num_points() const { return of_point_.size(); }
@@ -60,10 +61,10 @@ class Tiling {
   int of_point(int point) const { return of_point_[static_cast<std::size_t>(point)]; }
   int of_triangle(int triangle) const { return of_triangle_[static_cast<std::size_t>(triangle)]; }
 
-  /// Pair `number` of tiles a and b, but for how near they may come.
+  /// Pair `number` of tiles a and b, without `nearest`.
   SurfacePair pair(int a, int b, std::size_t number) const;
 
-  /// Another one for each, above all of 63 bits.
+  /// A unique key for each pair, with bit 63 set.
   static std::uint64_t key(int a, int b, std::size_t number) {
     return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(a) << 34 |
            static_cast<std::uint64_t>(b) << 4 | number;

@@ -9,8 +9,8 @@
 
 namespace clothsim {
 
-/// The numbers a value may take, and its unit as messages show it (empty: none). The upper bounds
-/// are far beyond any cloth; they keep squares and quotients of accepted values finite.
+/// Bounds of a value, and its unit as messages show it (empty: none). The upper bounds are far
+/// beyond any cloth; they keep squares and quotients of accepted values finite.
 struct Range {
   double min;
   double max;
@@ -20,7 +20,7 @@ struct Range {
 /// Throws InvalidValue when `value` is outside `range` or not finite.
 void check_range(const std::string& key, double value, const Range& range);
 
-/// The same for a whole number between bounds of `range`, which are whole too.
+/// The same for an integer; the bounds of `range` must be integers, too.
 void check_range(const std::string& key, int value, const Range& range);
 
 /// The same for each component, with keys {key, "0"} to {key, "2"}.
@@ -32,10 +32,10 @@ void check_frame(const std::string& frame);
 /// The shortest text that reads back as `value`.
 std::string to_text(double value);
 
-/// The words one after the other, with commas, as messages list them.
+/// The words with commas between them, as in messages.
 std::string join(const std::vector<std::string>& words);
 
-/// The first `longest` bytes of a text and an ellipsis, as messages repeat what may be long.
+/// The first `longest` bytes of a text and an ellipsis, for messages that repeat long texts.
 std::string shortened(const std::string& text, std::size_t longest);
 
 /// Runs `action`; an InvalidValue it throws gets `parent` before its key.

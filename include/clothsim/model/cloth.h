@@ -9,12 +9,12 @@
 
 namespace clothsim {
 
-/// Gap kept between a collider and the points on it [m], so that RViz shows the cloth on top. A
-/// fabric keeps half its thickness, where that is more.
+/// Gap between a collider and the points in contact with it [m], so that RViz shows the cloth on
+/// top. A fabric has half its thickness, where that is more.
 inline constexpr double surface_offset = 1e-4;
 
-/// `count` equal springs that join point first + i to point first + i + offset. Springs that lie
-/// in a row of memory share one entry, so that kernels run along it.
+/// `count` equal springs between points first + i and first + i + offset. Springs that are
+/// contiguous in memory share one entry, so that kernels vectorise.
 struct SpringRun {
   SpringFamily family;
   int first;
@@ -24,10 +24,10 @@ struct SpringRun {
   double stiffness;    // [N/m]
 };
 
-/// `count` equal stencils of bending, first + k for k in [0, count): stencil i has the energy
-/// k |x_i - x_{i+a} - x_{i+b} + x_{i+a+b}|^2 / 2. With a = b that is a second difference along a
-/// line, with one step along a row and one along a column the twist of a cell. It is zero for any
-/// flat cloth that is stretched or sheared evenly.
+/// `count` equal stencils of bending, first + k for k in [0, count): stencil i has the energy k
+/// |x_i - x_{i+a} - x_{i+b} + x_{i+a+b}|^2 / 2. With a = b this is a second difference along a
+/// line; with a one step along a row and b one step along a column it is the twist of a cell. The
+/// energy is zero for any flat cloth under uniform strain.
 struct BendRun {
   int first;
   int a;
@@ -36,17 +36,17 @@ struct BendRun {
   double stiffness;  // [N/m]
 };
 
-/// All that acts between points i and i + offset of a fabric, i in [0, N - offset): a spring, and
-/// what the stencils of bending come to between two points, which is no more than linear in their
-/// difference: energy k (l - L0)^2 / 2 + w l^2 / 2.
+/// The sum of all energies between points i and i + offset, i in [0, N - offset): a spring, and the
+/// terms of bending stencils, which are quadratic in the points' difference: k (l - L0)^2 / 2 + w
+/// l^2 / 2.
 struct PairBand {
   int offset;          // > 0
   double rest_length;  // [m]
-  Scalars spring;      // k [N/m], zero where there is none; empty: there are none
+  Scalars spring;      // k [N/m], zero where there is none; empty: no springs
   Scalars bend;        // w [N/m], of either sign
 };
 
-/// What a cloth is: topology, rest lengths, masses. Immutable while it moves.
+/// Topology, rest lengths and masses of a cloth. Constant during the simulation.
 struct Cloth {
   int columns = 0;
   int rows = 0;
@@ -63,7 +63,7 @@ struct Cloth {
   std::array<double, 2> internal_damping{};     // [s] of springs and of bends, see Fabric
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
-  double friction = 0;                                // of the cloth on itself
+  double friction = 0;                                // of the cloth with itself
   double thickness = 0;                               // [m]
   double offset = surface_offset;                     // from colliders [m]
 
@@ -71,7 +71,7 @@ struct Cloth {
   int num_springs() const;
   int num_bends() const;
 
-  /// Whether anything acts between its points.
+  /// Whether there are forces between its points.
   bool has_forces() const { return !springs.empty() || !bends.empty(); }
 };
 
@@ -80,7 +80,7 @@ inline bool is_damped(const Cloth& cloth) {
   return cloth.internal_damping != std::array<double, 2>{};
 }
 
-/// Springs and bends of a cloth, summed up by pairs of points: what forces are computed from.
+/// Springs and bends of a cloth, summed up by pairs of points, for the computation of forces.
 std::vector<PairBand> pair_bands(const Cloth&);
 
 }  // namespace clothsim

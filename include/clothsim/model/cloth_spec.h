@@ -17,26 +17,27 @@ inline constexpr std::array<const char*, 3> spring_family_names = {"structural",
                                                                    "bending"};
 
 /// A fabric as an orthotropic sheet with its threads along the grid, warp along rows and weft along
-/// columns. Values are of the material, per width, and do not depend on the grid.
+/// columns. Values are per width of the material and do not depend on the grid.
 struct Fabric {
-  /// Tension by strain of one thread direction while the other is held [N/m], C11 and C22. That the
-  /// width may follow takes G^2 / C of it, with G the shear stiffness.
+  /// Stiffness of each thread direction with the other one held [N/m], C11 and C22. With free width
+  /// it is lower by G^2 / C, with G the shear stiffness.
   std::array<double, 2> stretch_stiffness{};
-  double shear_stiffness = 0;  // [N/m] shear force by angle; also C12, as springs are
+  double shear_stiffness = 0;                 // [N/m] shear force by angle; equals C12
   std::array<double, 2> bending_stiffness{};  // [N m] moment per width by curvature
-  /// Of stretch and shear, and of bending: viscosity by stiffness [s]. What swings at omega loses
-  /// the share omega tau / 2 of critical damping; what moves or turns as a whole loses nothing.
+  /// Viscosity by stiffness [s], of stretch and shear, and of bending. An oscillation at omega has
+  /// the share omega tau / 2 of critical damping; rigid motion is not damped.
   std::array<double, 2> internal_damping{};
 };
 
-/// What may change while a cloth moves; applied between frames.
+/// Parameters that may change during the simulation; applied between frames.
 struct Material {
   double ks = 5000;              // [N/m] stiffness of structural and shear springs
   std::optional<Fabric> fabric;  // instead of ks
   double density = 150;          // [kg/m^2]
   double damping = 5.4;          // [1/s] drag rate c in m x'' = F - c m x'
-  /// Of the surface in air, for the wind across and along it: see Air. A square plate across the
-  /// wind has 1.17 (Hoerner 1965, Fluid-Dynamic Drag, 3-16); both sides of one along it some 0.02.
+  /// Drag coefficients in air, for wind across and along the surface: see Air. A square plate
+  /// across the wind has 1.17 (Hoerner 1965, Fluid-Dynamic Drag, 3-16); both sides of one along it
+  /// some 0.02.
   std::array<double, 2> drag{1.17, 0.02};
   std::optional<double> strain_limit = 0.1;       // longest spring = (1 + limit) * rest length
   std::array<bool, 3> springs{true, true, true};  // families switched on, by SpringFamily
@@ -47,13 +48,13 @@ struct Pin {
   int column = 0;
   int row = 0;
   std::string frame;  // tf frame the pin follows with its start offset; empty: it stays
-  std::optional<double> strength{};  // [N] that it pulls with at most; empty: pin_strength
+  std::optional<double> strength{};  // [N] largest force; empty: pin_strength
 };
 
 enum class Orientation { horizontal, vertical };
 
-/// What a cloth does where it meets itself: passes through, keeps its points apart, or its surface;
-/// `automatic` takes points where they are enough.
+/// Contact of a cloth with itself: none, between its points, or between its surfaces; `automatic`
+/// takes points where they are enough.
 enum class SelfCollision { off, points, surface, automatic };
 
 inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
@@ -68,22 +69,22 @@ struct ClothSpec {
   Orientation orientation = Orientation::horizontal;
   Vector3 origin{0, 0, 1};  // [m] of point (0, 0)
   std::vector<Pin> pinned;
-  std::optional<double> pin_strength;  // [N] of pins without their own; empty: default_strength()
+  std::optional<double> pin_strength;  // [N] of pins without a strength; empty: default_strength()
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   SelfCollision self_collision = SelfCollision::off;
-  double friction = 0.3;  // Coulomb's coefficient of the cloth on itself
-  bool untangle = false;  // takes apart a state that is set and crosses itself
+  double friction = 0.3;  // Coulomb's coefficient between layers of the cloth
+  bool untangle = false;  // untangles a state that is set and crosses itself
 };
 
-/// Force [N] that a pin or a grip pulls with at most.
+/// Largest force of a pin or a grip [N].
 inline constexpr Range strength_range{1e-9, 1e12, "N"};
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);
 void validate(const ClothSpec&);
 
-/// The same of a thickness [m] and a friction of a cloth.
+/// The same for a thickness [m] and a friction coefficient of a cloth.
 void validate_contact(double thickness, double friction);
 
 }  // namespace clothsim

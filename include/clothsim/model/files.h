@@ -5,8 +5,8 @@
 
 namespace clothsim {
 
-/// Writes the whole file or nothing: beside it first, as `path`.part, which then takes its place.
-/// Throws std::runtime_error, also where the disk is full.
+/// Writes the whole file or nothing: first as `path`.part, which then replaces `path`. Throws
+/// std::runtime_error, also where the disk is full.
 void write_file(const std::filesystem::path&, const std::string& contents);
 
 }  // namespace clothsim

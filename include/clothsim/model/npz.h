@@ -10,8 +10,8 @@
 
 #include "clothsim/model/types.h"
 
-// NumPy's files: an array is an NPY file, and a ZIP archive of these, stored or deflated, is an NPZ
-// file. https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+// NumPy's files: an NPY file holds an array; an NPZ file is a ZIP archive of NPY files, stored or
+// deflated. https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 
 namespace clothsim {
 
@@ -22,7 +22,7 @@ struct NumberArray {
 };
 
 /// The arrays of an NPZ file by name. Reads float64, float32, int64 and int32, little-endian.
-/// Throws InvalidValue with the name of the array as key, if one is at fault.
+/// Throws InvalidValue, with the name of the array as key if the error is in an array.
 std::map<std::string, NumberArray> read_npz(const std::filesystem::path&);
 
 /// N x 3 points, row by row.
@@ -32,11 +32,11 @@ NumberArray to_array(const Points&);
 std::string to_npy(const NumberArray&);
 std::string to_npy(const std::vector<std::size_t>& shape, const std::vector<std::int32_t>& values);
 
-/// An NPY file of float64 that grows by its first index, and is gone when this is destroyed: what
-/// waits for write_npz(). Throws std::runtime_error where it cannot be written.
+/// A temporary NPY file of float64 that grows along its first index, for write_npz(); the
+/// destructor deletes it. Throws std::runtime_error where it cannot be written.
 class GrowingNpy {
  public:
-  /// `item` is the shape of what is appended.
+  /// `item`: the shape of each item appended.
   GrowingNpy(std::filesystem::path path, std::vector<std::size_t> item);
   ~GrowingNpy();
   GrowingNpy(const GrowingNpy&) = delete;
@@ -44,7 +44,7 @@ class GrowingNpy {
 
   void append(const std::vector<double>& item);
 
-  /// The file is complete, until more is appended.
+  /// Completes the file, until more is appended.
   void flush();
 
   const std::filesystem::path& path() const { return path_; }
@@ -58,8 +58,8 @@ class GrowingNpy {
   std::fstream file_;
 };
 
-/// Writes an NPZ file of arrays, by name, from their bytes as NPY and from files of these. Stored,
-/// as numpy.savez does. The whole file or nothing: throws std::runtime_error.
+/// Writes an NPZ file: arrays, by name, as the bytes of NPY files or as NPY files. Stored, as
+/// numpy.savez does. The whole file or nothing: throws std::runtime_error.
 void write_npz(const std::filesystem::path&, const std::map<std::string, std::string>& arrays,
                const std::map<std::string, std::filesystem::path>& files = {});
 

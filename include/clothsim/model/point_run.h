@@ -4,15 +4,15 @@
 
 namespace clothsim {
 
-/// Consecutive points of N x 3, where each coordinate's column goes on from the first of them: what
-/// a vector loop over some of the points takes.
+/// Consecutive points of N x 3, by the address of the first one's coordinate in each column: the
+/// argument of vector loops over some of the points.
 struct PointRun {
   const double* x;
   const double* y;
   const double* z;
 };
 
-/// The same, to be written.
+/// The same, writable.
 struct MutablePointRun {
   double* x;
   double* y;

@@ -5,17 +5,17 @@
 
 namespace clothsim {
 
-/// The folder of a ROS package: in ROS_PACKAGE_PATH, or where Debian has them. Throws InvalidValue,
-/// without a key, for one that is not there.
+/// The folder of a ROS package: in ROS_PACKAGE_PATH, or where Debian installs packages. Throws
+/// InvalidValue, without a key, for an unknown package.
 std::filesystem::path find_package(const std::string& name);
 
-/// The file that a name means: package://PACKAGE/path, file:///path, an absolute path or one from
-/// `folder` on. Blanks and the like in the first two may be as they are or escaped, as %20. It need
-/// not be there. Throws InvalidValue, without a key, for an unknown package or
+/// The file that a name refers to: package://PACKAGE/path, file:///path, an absolute path or one
+/// relative to `folder`. Special characters in the first two may be escaped or not, as %20 for a
+/// blank. The file need not exist. Throws InvalidValue, without a key, for an unknown package or
 /// another kind of name.
 std::filesystem::path find_resource(const std::string& name, const std::filesystem::path& folder);
 
-/// The name by which other programs find it, escaped: package://... where that is the name, else
+/// The escaped URI of the file for other programs: package://... where `name` is one, else
 /// file:///...
 std::string uri_of(const std::string& name, const std::filesystem::path& found);
 

@@ -4,11 +4,11 @@
 
 namespace clothsim {
 
-/// Velocities from outside are below that in each component [m/s]: three times the speed of sound,
+/// Velocities from outside are below this in each component [m/s]: three times the speed of sound,
 /// at which contact takes seconds a frame, and the time grows with the speed.
 inline constexpr double max_given_speed = 1e3;
 
-/// Everything about a cloth that changes while it moves.
+/// The state of a cloth: all that changes during the simulation.
 struct State {
   Points positions;   // [m], N x 3, row-major over the grid: point (column, row) is row * columns +
                       // column

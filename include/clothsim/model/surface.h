@@ -6,12 +6,12 @@
 namespace clothsim {
 
 /// Unit normals of a mesh at its points, N x 3: the mean of the triangles' normals weighted by
-/// area, so that sliver triangles count little. Where they cancel, as on a sharp fold, the largest
-/// triangle's; where all have no area, +z. Always finite.
+/// area, so that sliver triangles count little. Where they cancel, as on a sharp fold, the normal
+/// of the largest triangle; where no triangle has an area, +z. Always finite.
 Points vertex_normals(const Points& positions, const std::vector<std::array<int, 3>>& triangles);
 
-/// Unit tangents along growing u, square to `normals`, N x 3. Where u has no direction, any. Always
-/// finite.
+/// Unit tangents along growing u, perpendicular to `normals`, N x 3; arbitrary where u has no
+/// direction. Always finite.
 Points vertex_tangents(const Points& positions, const Eigen::Matrix<double, Eigen::Dynamic, 2>& uv,
                        const std::vector<std::array<int, 3>>& triangles, const Points& normals);
 

@@ -19,10 +19,11 @@ inline Vector3 row(const Points& points, int i) {
 /// Length of the longest of some vectors.
 double longest_row(const Points& vectors);
 
-/// Longest way of a point.
+/// Length of the longest displacement of a point.
 double longest_way(const Points& from, const Points& to);
 
-/// Length of the longest of some vectors, or way of a point, beyond the mean of all. None: 0.
+/// Length of the longest of some vectors, or displacements, relative to the mean of all. No
+/// vectors: 0.
 double longest_beyond_mean(const Points& vectors);
 double longest_beyond_mean(const Points& from, const Points& to);
 

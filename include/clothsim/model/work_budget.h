@@ -5,23 +5,23 @@
 
 namespace clothsim {
 
-/// What may yet be done in a frame, in visits: to look once at a point, a contact or two features
-/// takes some 10 ns. It is counted, not timed: the same frame ends in the same way on any machine,
-/// with any number of threads.
+/// Work that is left in a frame, in visits: one visit to a point, a contact or a pair of features
+/// takes some 10 ns. Work is counted, not timed: the same frame ends in the same way on any
+/// machine, with any number of threads.
 class WorkBudget {
  public:
-  // What takes so many visits, measured.
+  // Measured costs, in visits.
   static constexpr int contact_in_pass = 5;      // of the cloth with itself
   static constexpr int point_on_colliders = 10;  // to find and to correct its contacts
   static constexpr int patches_measured = 100;   // against each other
 
-  /// From now on, until the next call.
+  /// Sets the budget until the next call.
   void allow(double visits) { left_ = static_cast<std::int64_t>(visits); }
 
-  /// From any thread.
+  /// May be called from any thread.
   void spend(std::int64_t visits) { left_.fetch_sub(visits, std::memory_order_relaxed); }
 
-  /// Whoever finds it so leaves off: what it has begun will be taken back.
+  /// Code that finds this true stops: its work will be undone.
   bool is_spent() const { return left_.load(std::memory_order_relaxed) < 0; }
 
  private:

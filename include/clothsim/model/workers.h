@@ -8,22 +8,22 @@
 
 namespace clothsim {
 
-/// Threads that share loops over points or springs. One, the default, starts no thread and costs
-/// nothing: the loop runs where it is.
+/// Threads that share loops over points or springs. The default, one, starts no thread and costs
+/// nothing: the loop runs in the calling thread.
 ///
 ///   workers.parallel_for(n, [&](int begin, int end) { ... });
 ///
 /// calls the body for bands that together are [0, n), each once, and returns when all are done. A
-/// band must not depend on another one; then the result is the same to the last bit whatever the
-/// number of threads.
+/// band must not depend on another one; then the result is the same to the last bit with any number
+/// of threads.
 ///
-/// A pool of our own: a substep has some ten such loops of 10 to 200 us, so a thread waits for the
-/// next one awake for a moment before it sleeps, and whoever is awake takes the bands of those who
-/// are not. GCC's OpenMP waits for all its threads, which is slow on a busy machine, and
-/// ThreadSanitizer does not see its barriers.
+/// Why not OpenMP: a substep has some ten such loops of 10 to 200 us, so a thread spins for a
+/// moment before it sleeps, and threads that are awake take the bands of those that are not. GCC's
+/// OpenMP waits for all its threads, which is slow on a busy machine, and ThreadSanitizer does not
+/// see its barriers.
 class Workers {
  public:
-  /// `threads`: at least 1, the caller's among them.
+  /// `threads`: at least 1, including the calling thread.
   Workers();  // one
   explicit Workers(int threads);
   ~Workers();
@@ -32,15 +32,16 @@ class Workers {
 
   int threads() const;
 
-  /// Bands for each thread of a loop whose parts take unlike times: who is done takes another one.
+  /// Bands per thread of a loop whose parts take unequal times: a thread that is done takes another
+  /// band.
   static constexpr int uneven = 4;
-  /// Least band of a loop over parts that are dearer than a point or a spring.
+  /// Least band of a loop whose parts cost more than a point or a spring.
   static constexpr int dear = 64;
-  /// The same, much dearer.
+  /// Least band of a loop whose parts cost much more.
   static constexpr int dearest = 8;
 
   /// To be called from one thread at a time, and not from within a body. A body must not throw.
-  /// Bands are `min_band` long or more, but for a loop that is shorter than two of them.
+  /// Bands are at least `min_band` long, except in a loop shorter than two of them.
   template <typename Body>
   void parallel_for(int count, const Body& body, int min_band = 1024,
                     int bands_a_thread = 1) const {
@@ -52,7 +53,7 @@ class Workers {
     }
   }
 
-  /// Calls body(k) for each of so many parts that are dear.
+  /// Calls body(k) for each of `count` expensive parts.
   template <typename Body>
   void each(int count, const Body& body) const {
     parallel_for(
@@ -63,8 +64,7 @@ class Workers {
         dear);
   }
 
-  /// Bands of a loop over parts that are dear, where body(begin, end, result) gives a result for
-  /// each: in their order.
+  /// Results of body(begin, end, result) for the bands of a loop over expensive parts, in order.
   template <typename Result, typename Body>
   std::vector<Result> gather(int count, const Body& body, int min_band = dear,
                              int bands_a_thread = 1) const {

@@ -8,9 +8,9 @@
 
 namespace clothsim {
 
-/// Pinhole camera. Pixel (u, v) means the centre of the pixel, as in ROS and OpenCV: the point
-/// (x, y, z) in the camera's frame lies at u = fx x/z + cx, v = fy y/z + cy, and a centred
-/// principal point is ((width - 1) / 2, (height - 1) / 2).
+/// Pinhole camera. Pixel (u, v) is the centre of the pixel, as in ROS and OpenCV: the point (x, y,
+/// z) in the camera's frame lies at u = fx x/z + cx, v = fy y/z + cy, and a centred principal point
+/// is ((width - 1) / 2, (height - 1) / 2).
 struct Camera {
   int width = 640;
   int height = 480;
@@ -19,7 +19,7 @@ struct Camera {
   double cx = 319.5;            // [pixel]
   double cy = 239.5;            // [pixel]
   Pose pose;                    // optical frame in the world: x right, y down, z forward
-  double near = 0.05;           // [m] along z; nearer things are cut away
+  double near = 0.05;           // [m] along z; nearer surfaces are clipped
   double far = 100;             // [m] along z
   DepthNoise depth_noise;       // of the depth image
 };

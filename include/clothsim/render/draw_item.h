@@ -17,16 +17,16 @@ struct LineRange {
   int family;  // index into Wireframe's families and colours
 };
 
-/// Of the cloth in the mask. Colliders have those from 2 on.
+/// Id of the cloth in the mask. Those of colliders start at 2.
 constexpr int cloth_id = 1;
 
-/// Where a mesh is.
+/// The pose of a mesh.
 struct Placement {
   Eigen::Matrix3d rotation;  // from its frame to the world's axes
   Vector3 origin;            // [m] in the world
 };
 
-/// One object as it is drawn: where it is and how it looks. Points to what others own.
+/// An object to draw: its pose and look. Points to data of others.
 struct DrawItem {
   const GpuMesh* mesh;
   const Points* positions;  // [m] of the vertices, in the mesh's frame
@@ -36,10 +36,10 @@ struct DrawItem {
   int id;                               // in the mask
   Eigen::Matrix3d rotation;             // from the mesh's frame to the world's axes
   Vector3 translation;                  // [m] of the mesh's origin from the camera
-  std::optional<Placement> before;      // at the last picture; empty: it was not there
+  std::optional<Placement> before;      // at the last picture; empty: not visible then
   std::optional<double> sphere_radius;  // [m] of a sphere about the mesh's origin
   bool is_unbounded = false;
-  double dip = 0;  // [m] how far the cloth's triangles may lie below this object's surface
+  double dip = 0;  // [m] bound on the depth of the cloth's triangles below this object's surface
 };
 
 }  // namespace clothsim

@@ -4,7 +4,7 @@
 
 namespace clothsim {
 
-/// OpenGL refused something: a fault of ours or of the driver, or memory that ran out.
+/// An error of OpenGL: a bug here or in the driver, or a lack of memory.
 class GlError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -63,7 +63,8 @@ using Framebuffer = GlHandle<FramebufferKind>;
 using Renderbuffer = GlHandle<RenderbufferKind>;
 using Program = GlHandle<ProgramKind>;
 
-/// Throws GlError where OpenGL reports an error since the last call; `doing` says what was done.
+/// Throws GlError where OpenGL reports an error since the last call; `doing` describes the
+/// operation.
 void check_gl(const char* doing);
 
 }  // namespace clothsim

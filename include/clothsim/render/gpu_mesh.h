@@ -9,9 +9,9 @@
 
 namespace clothsim {
 
-/// A mesh in the memory of the GPU: what stays (texture coordinates, triangles, lines) and what
-/// moves (positions, normals, tangents) in buffers of their own. Shaders that ask are told where
-/// the surface was before, too: where it is, unless keep_surface() says else.
+/// A mesh in the memory of the GPU, with separate buffers for constant attributes (texture
+/// coordinates, triangles, lines) and moving ones (positions, normals, tangents). Shaders also have
+/// the previous surface: the present one, unless keep_surface() was called.
 class GpuMesh {
  public:
   GpuMesh();
@@ -20,11 +20,11 @@ class GpuMesh {
                        const std::vector<std::array<int, 3>>& triangles,
                        const std::vector<std::array<int, 2>>& lines);
 
-  /// The surface that is there now is the one before that of the next upload_surface(), which has
-  /// as many points.
+  /// Makes the present surface the previous one of the next upload_surface(), which has as many
+  /// points.
   void keep_surface();
 
-  /// The surface before is the one that is there now.
+  /// Makes the present surface the previous one.
   void stand_still();
 
   /// Uploads N points. `tangents` may be empty.
@@ -32,10 +32,10 @@ class GpuMesh {
 
   void draw_triangles() const;
 
-  /// Draws `count` triangles of index buffer `indices`, from its `first` one on.
+  /// Draws `count` triangles of index buffer `indices`, starting at triangle `first`.
   void draw_triangles(const Buffer& indices, int first, int count) const;
 
-  /// Draws `count` lines from the `first` one on.
+  /// Draws `count` lines, starting at line `first`.
   void draw_lines(int first, int count) const;
 
  private:

@@ -30,15 +30,15 @@ struct CubeMap {
   std::array<Image, 6> faces;
 };
 
-/// Of an image that is read [pixel]: what OpenGL drivers take at least, beside very old ones.
+/// Largest side of an image file [pixel]: all but very old OpenGL drivers take it.
 constexpr int largest_image_side = 8192;
 
-/// Of an image that is read, decoded: what six faces of 4096 x 4096 pixels take, with alpha.
+/// Largest decoded size of an image file: six faces of 4096 x 4096 pixels, with alpha [bytes].
 constexpr std::uint64_t largest_image_bytes = 6ULL * 4096 * 4096 * 4;
 
 /// Read a PNG, JPEG, TIFF or BMP file. Throw InvalidValue with `key` for a file that is missing,
-/// broken or not in `folders`, or an image that is too large, which its header tells before it is
-/// decoded. A height map is the red channel, of 8 or 16 bits.
+/// broken or not in `folders`, or an image whose header shows that it is too large to be decoded. A
+/// height map is the red channel, of 8 or 16 bits.
 std::shared_ptr<const Image> load_image(const std::string& path, const std::string& key,
                                         const ImageFolders& folders = {});
 std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const std::string& key,
@@ -49,12 +49,12 @@ std::shared_ptr<const HeightMap> load_height_map(const std::string& path, const 
 std::shared_ptr<const CubeMap> load_cube_map(const std::string& path, const std::string& key,
                                              const ImageFolders& folders = {});
 
-/// Throws InvalidValue with `key` unless save_image knows the format that the ending of `path`
-/// names.
+/// Throws InvalidValue with `key` unless save_image can write the format given by the extension of
+/// `path`.
 void check_image_ending(const std::string& path, const std::string& key);
 
-/// Writes an image file, a PNG by the ending .png and so on. Throws std::runtime_error where the
-/// file cannot be written.
+/// Writes an image file, as PNG for the extension .png and so on. Throws std::runtime_error where
+/// the file cannot be written.
 void save_image(const std::string& path, const Image& image);
 
 /// Write a PNG of 16 bits, depth [m] in whole millimetres with 0 for infinity and beyond 65.535 m,

@@ -7,17 +7,17 @@
 
 namespace clothsim {
 
-/// Folders that images may come from, with all that is below them.
+/// Folders that images may come from, including their subfolders.
 class ImageFolders {
  public:
-  /// From anywhere.
+  /// Any folder.
   ImageFolders() = default;
 
-  /// From these alone.
+  /// These folders only.
   explicit ImageFolders(const std::vector<std::string>& folders);
 
-  /// The path of an image without links, "." and "..". Throws InvalidValue with `key` where that is
-  /// in none of the folders, whether it exists or not.
+  /// The path of an image without links, "." and "..". Throws InvalidValue with `key` where it is
+  /// in none of the folders, even if it does not exist.
   std::string resolve(const std::string& path, const std::string& key) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace clothsim {
 
-/// Triangles with all that shading needs at their corners. N is the number of vertices.
+/// Triangles with the attributes of their vertices. N is the number of vertices.
 struct Mesh {
   Points positions;                             // [m], N x 3
   Points normals;                               // unit, N x 3
@@ -28,7 +28,7 @@ Mesh plane_mesh(double extent, int segments);
 /// Capsule of columns x at least `rows` faces, of about one size along.
 Mesh capsule_mesh(const Capsule&, int columns, int rows);
 
-/// Cylinder of columns x at least `rows` faces, its ends apart from its side.
+/// Cylinder of columns x at least `rows` faces, its ends separate from its side.
 Mesh cylinder_mesh(const Cylinder&, int columns, int rows);
 
 /// Box about the origin with segments x segments faces on each side.

@@ -7,14 +7,13 @@
 
 namespace clothsim {
 
-/// Brings an image from the framebuffer bound for reading back to main memory through a pixel
-/// buffer that is used again and again. start() several readers, then finish() each, so that the
-/// transfers overlap.
+/// Reads an image from the framebuffer bound for reading, through a pixel buffer that is reused.
+/// start() several readers, then finish() each, so that the transfers overlap.
 class PixelReader {
  public:
   void start(int width, int height, GLenum format, GLenum type, std::size_t bytes_per_pixel);
 
-  /// Waits and copies the image to `pixels`, which has room for it.
+  /// Waits and copies the image to `pixels`, which must be large enough.
   void finish(void* pixels);
 
  private:

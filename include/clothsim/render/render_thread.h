@@ -19,29 +19,28 @@ struct RenderJob {
   std::function<void(const Images&)> done;  // called in the render thread
 };
 
-/// What a render thread did so far.
+/// Statistics of a render thread.
 struct RenderStatus {
-  std::string device;   // where the OpenGL context came from; empty: there is none yet
-  std::string failure;  // why the last picture could not be taken, or that there is no OpenGL
+  std::string device;   // device of the OpenGL context; empty: none yet
+  std::string failure;  // why the last picture failed, or the lack of OpenGL
   int drawn = 0;        // pictures
   int dropped = 0;      // pictures that a newer one replaced before they were drawn
   RenderTimes times;    // of the last picture
 };
 
-/// Draws in a thread of its own, which owns the OpenGL context from its making to its end.
+/// Draws in a thread of its own, which owns the OpenGL context throughout.
 class RenderThread {
  public:
-  /// The context is made in the background; status() tells of a failure.
+  /// The context is made in the background; status() has the error, if any.
   explicit RenderThread(const RendererOptions&);
 
   /// Finishes the picture that is being drawn.
   ~RenderThread();
 
-  /// Takes the place of a job that waits, so that the newest is drawn next. Without OpenGL nothing
-  /// happens.
+  /// Replaces a waiting job, so that the newest is drawn next. Without OpenGL nothing happens.
   void submit(RenderJob);
 
-  /// Waits until all that was submitted is drawn, or has failed.
+  /// Waits until all submitted jobs are drawn, or have failed.
   void wait();
 
   RenderStatus status() const;
@@ -55,10 +54,10 @@ class RenderThread {
   std::condition_variable changed_;
   std::optional<RenderJob> waiting_;
   bool busy_ = true;   // with a job, or making the context
-  bool alive_ = true;  // false: there is no context
+  bool alive_ = true;  // false: no context
   bool end_ = false;
   RenderStatus status_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, as it uses the others
 };
 
 }  // namespace clothsim

@@ -14,11 +14,11 @@ namespace clothsim {
 struct RendererOptions {
   std::string shaders;              // folder of the shader files
   std::optional<int> egl_device{};  // index of egl_devices(); empty: the best
-  int samples = 4;                  // of a pixel, for the edges of the colour image; 1: none
-  bool measure = false;             // wait between stages so that each has its own time
+  int samples = 4;                  // per pixel, for the edges of the colour image; 1: none
+  bool measure = false;             // wait between stages to measure each of them
 };
 
-/// Which images to make; the others are left empty and cost nothing.
+/// The images to make; the others are left empty and cost nothing.
 struct WantedImages {
   bool color = true;
   bool depth = true;
@@ -38,16 +38,17 @@ struct Images {
   std::vector<std::uint8_t> color;  // r, g, b of each pixel, sRGB
   std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
-  std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where none is seen
-  std::vector<float> normals;  // x, y, z of the unit normal in the optical frame; NaN for nothing
+  std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where there is none
+  std::vector<float> normals;  // unit normal x, y, z in the optical frame; NaN where there is none
 
-  /// How far in pixels, to the right and down, what is seen in a pixel has come since the last
-  /// picture: from where that one's camera had it to this pixel. NaN for nothing, for what was not
-  /// there or lay before the near plane, and everywhere unless that picture had flow, too.
+  /// Optical flow [pixel], right and down: the displacement of the surface point in a pixel since
+  /// the last picture, from its pixel in that picture to this one. NaN without a surface, for
+  /// surfaces that were not there or were before the near plane, and everywhere unless the last
+  /// picture had flow, too.
   std::vector<float> flow;
 
-  /// Numbers of the cloth's points that are seen, ascending: visible_points(). Empty: not wanted,
-  /// or no cloth.
+  /// Numbers of the cloth's visible points, ascending: visible_points(). Empty: not wanted, or no
+  /// cloth.
   std::optional<std::vector<std::uint32_t>> visible_points;
 };
 
@@ -60,19 +61,19 @@ struct RenderTimes {
 
 /// Draws snapshots without window or display. Make, use and destroy it in one thread.
 ///
-/// All but colour show the surface of each object, not its lines or its opacity, without
-/// antialiasing; spheres in them are exact, whatever their mesh.
+/// All images but colour show the surface of each object, without lines, opacity or antialiasing;
+/// spheres in them are exact for any mesh.
 class Renderer {
  public:
-  /// Throws NoContext where no OpenGL is to be had, InvalidValue for a device that does not exist.
+  /// Throws NoContext where OpenGL is not available, InvalidValue for a device that does not exist.
   explicit Renderer(const RendererOptions&);
   ~Renderer();
 
-  /// Draws into `images`, whose memory is used again. Snapshot and camera are valid (see the
+  /// Draws into `images`, whose memory is reused. Snapshot and camera must be valid (see the
   /// validate() of their parts). Throws ShaderError and GlError.
   void render(const Snapshot&, const Camera&, const WantedImages&, Images& images);
 
-  /// Where the OpenGL context came from.
+  /// The device of the OpenGL context.
   const std::string& device() const;
 
   const RenderTimes& times() const;

@@ -11,18 +11,19 @@
 
 namespace clothsim {
 
-/// The cloth on the GPU. One of a single row or column, which has no surface, is a tube as thick as
-/// the cloth.
+/// The cloth on the GPU. A cloth of a single row or column, which has no surface, is a tube with
+/// the cloth's thickness.
 class ClothObject {
  public:
-  /// Uploads what differs from the last snapshot, whose surface stays on the GPU if `keep_last`.
-  /// Tangents are made only if its shading needs them.
+  /// Uploads the differences from the last snapshot, whose surface stays on the GPU if `keep_last`.
+  /// Tangents are computed only if the shading needs them.
   void update(const Snapshot&, bool keep_last);
 
   DrawItem item(const Snapshot&, const Vector3& eye) const;
 
-  /// How far a flat triangle of this cloth, its corners outside a sphere about `center` [m] from
-  /// the mesh's origin, may dip below the sphere's surface [m]. Zero where the cloth is away.
+  /// Bound on the depth [m] below the surface of a sphere about `center` [m], from the mesh's
+  /// origin, of a flat triangle of this cloth whose corners are outside. Zero where the cloth is
+  /// away.
   double dip_below_sphere(const Vector3& center, double radius) const;
 
  private:
@@ -30,22 +31,22 @@ class ClothObject {
   std::vector<LineRange> lines_;
   std::shared_ptr<const Cloth> cloth_;
   std::shared_ptr<const Points> positions_;
-  Points local_;                          // positions about anchor_ [m]
-  Vector3 anchor_ = Vector3::Zero();      // [m] keeps floats small wherever the cloth is
+  Points local_;                          // positions relative to anchor_ [m]
+  Vector3 anchor_ = Vector3::Zero();      // [m] keeps floats small anywhere
   std::optional<Vector3> anchor_before_;  // of this cloth at the last snapshot [m]
   bool has_tangents_ = false;
-  Mesh tube_;  // about anchor_; empty: the cloth has a surface
+  Mesh tube_;  // relative to anchor_; empty: the cloth has a surface
 
   void upload_tube(bool new_cloth);
   void upload_surface(bool new_cloth);
 };
 
-/// A collider on the GPU. Its mesh stays while its shape does; a new pose costs nothing.
+/// A collider on the GPU. Its mesh changes only with its shape; a new pose costs nothing.
 class ColliderObject {
  public:
   void update(const ColliderView&);
 
-  /// It is not to be seen this time.
+  /// Leaves it out of the picture.
   void hide() { placement_.reset(); }
 
   DrawItem item(const ColliderView&, int id, const Vector3& eye) const;
@@ -59,11 +60,11 @@ class ColliderObject {
     int segments;
     double extent;
   };
-  std::optional<Recipe> made_of_;                // what the mesh is; empty: there is none yet
-  std::optional<Placement> placement_, before_;  // now, and at the last snapshot if seen then
+  std::optional<Recipe> made_of_;                // the mesh's recipe; empty: no mesh yet
+  std::optional<Placement> placement_, before_;  // now, and at the last snapshot if drawn then
 };
 
-/// Whether the shading looks at tangents.
+/// Whether the shading needs tangents.
 bool needs_tangents(const Shading&);
 
 }  // namespace clothsim

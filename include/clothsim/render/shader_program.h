@@ -33,14 +33,14 @@ ShaderSource read_shader(const std::string& folder, const std::string& name);
 /// A compiled and linked pair of a vertex and a fragment shader.
 class ShaderProgram {
  public:
-  /// Reads both from `folder`. `define` is a name that the fragment shader may ask for by its
-  /// preprocessor; empty: none. Throws ShaderError.
+  /// Reads both from `folder`. `define`: a macro for the fragment shader; empty: none. Throws
+  /// ShaderError.
   ShaderProgram(const std::string& folder, const std::string& vertex, const std::string& fragment,
                 const std::string& define = "");
 
   void use() const { glUseProgram(program_.id()); }
 
-  /// Set a uniform of the program in use; a name that the shaders do not have is passed over.
+  /// Set a uniform of the program in use; names that the shaders do not have are ignored.
   void set(const char* name, int value) const;
   void set(const char* name, double value) const;
   void set(const char* name, const Eigen::Vector3d& value) const;

@@ -58,7 +58,8 @@ struct Textured {
 };
 
 /// Blinn-Phong with the normal of a height map: (-dU, -dV, 1) in the frame of tangent, bitangent
-/// and normal, dU = (h(u + 1/w, v) - h(u, v)) * height_scaling * normal_scaling, dV likewise.
+/// and normal, dU = (h(u + 1/w, v) - h(u, v)) * height_scaling * normal_scaling, dV the same along
+/// v.
 struct Bump {
   static constexpr const char* name = "bump";
   Color color{0.6, 0.6, 0.65};
@@ -84,8 +85,8 @@ struct PhongTexture {
   Phong phong;
 };
 
-/// PhongTexture seen through. With `by_light` the opacity falls from 1 where no light falls to
-/// `alpha` where it falls in full, so that highlights are more transparent.
+/// Transparent PhongTexture. With `by_light` the opacity falls from 1 without light to `alpha` in
+/// full light, so that highlights are more transparent.
 struct Translucent {
   static constexpr const char* name = "translucent";
   std::shared_ptr<const Image> image;
@@ -94,7 +95,7 @@ struct Translucent {
   bool by_light = false;
 };
 
-/// color * (floor(diffuse * levels) / levels + ambient), diffuse cut off at 1.
+/// color * (floor(diffuse * levels) / levels + ambient), diffuse clamped to 1.
 struct Cartoon {
   static constexpr const char* name = "cartoon";
   Color color{0.3, 0.6, 0.9};
@@ -103,7 +104,7 @@ struct Cartoon {
   double ambient = 0.1;
 };
 
-/// How an object looks: one of the shaders with its parameters.
+/// The look of an object: one of the shaders with its parameters.
 using Shading = std::variant<Wireframe, NormalColor, Diffuse, BlinnPhong, Textured, Bump,
                              Displacement, Mirror, PhongTexture, Translucent, Cartoon>;
 
@@ -119,7 +120,7 @@ Shading make_shading(const std::string& name);
 /// that is missing.
 void validate(const Shading&);
 
-/// The same, but for the images.
+/// The same without the images.
 void validate_numbers(const Shading&);
 
 }  // namespace clothsim

@@ -11,14 +11,14 @@ namespace clothsim {
 /// The file of the fragment shader that draws a shading.
 std::string fragment_shader(const Shading&);
 
-/// Texture unit of a shadow map. No other texture takes it.
+/// Texture unit of a shadow map. No other texture uses it.
 constexpr int shadow_unit = 3;
 
-/// Hands the parameters and textures of a shading to its program, which is in use. The colours of
-/// a wireframe are set line by line, elsewhere.
+/// Sets the parameters and textures of a shading in its program, which is in use. The colours of a
+/// wireframe are set line by line, elsewhere.
 void set_shading(const Shading&, const ShaderProgram&, TextureCache&);
 
-/// Hands over the height map of a shading that moves vertices, and no displacement for the others.
+/// Sets the height map of a shading that moves vertices, and no displacement for the others.
 void set_displacement(const Shading&, const ShaderProgram&, TextureCache&);
 
 /// sRGB to linear light, per channel (IEC 61966-2-1).

@@ -9,26 +9,26 @@
 
 namespace clothsim {
 
-/// A camera at the light, positions relative to the picture's camera [m], that sees all that casts
-/// shadows, or the 150 degrees about its middle. Empty: nothing does, or the light is in that
-/// middle.
+/// A camera at the light, positions relative to the picture's camera [m], that sees all objects
+/// that cast shadows, or the 150 degrees about their middle. Empty: no object casts one, or the
+/// light is in their middle.
 std::optional<Camera> light_camera(const Vector3& light, const std::vector<DrawItem>& items);
 
-/// Whether an object casts a shadow: lines and planes do not, the latter as they end nowhere.
+/// Whether an object casts a shadow: lines and planes do not, as planes are unbounded.
 bool casts_shadow(const DrawItem&);
 
-/// How far the light gets in each direction (Williams 1978, "Casting curved shadows on curved
-/// surfaces"): a depth texture that shaders compare with.
+/// Distances of lit surfaces from the light in each direction (Williams 1978, "Casting curved
+/// shadows on curved surfaces"): a depth texture for comparison in shaders.
 class ShadowMap {
  public:
   static constexpr int side = 2048;  // [pixel] 1 m at 1 m away is 1 mm, for 4 million pixels
 
   ShadowMap();
 
-  /// Binds it for drawing, with nothing in the light's way yet.
+  /// Binds it for drawing, without occluders.
   void clear() const;
 
-  /// Binds it for shaders to read.
+  /// Binds it for reading by shaders.
   void bind(int unit) const;
 
  private:

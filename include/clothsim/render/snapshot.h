@@ -9,22 +9,22 @@
 
 namespace clothsim {
 
-/// A point light; `ambient` comes from everywhere.
+/// A point light; `ambient` comes from all directions.
 struct Light {
   Vector3 position{1.5, -1, 3};  // [m] in the world
-  double intensity = 10;         // what falls on a surface 1 m away that faces it
+  double intensity = 10;         // irradiance of a surface 1 m away that faces it
   double ambient = 1;
-  bool shadows = false;  // of all but planes and wireframes
+  bool shadows = false;  // of all objects except planes and wireframes
 };
 
-/// What is seen past all objects: the sky if there is one, else the colour.
+/// The background of all objects: the sky if there is one, else the colour.
 struct Background {
   Color color{0.1, 0.1, 0.12};
   std::shared_ptr<const CubeMap> sky;
 };
 
-/// A collider as it is seen. A plane is drawn as a square about the origin of its own frame; it
-/// and a box take their segments for displacement only.
+/// A collider to draw. A plane is drawn as a square about the origin of its own frame; for a plane
+/// and a box, segments matter for displacement only.
 struct ColliderView {
   Shape shape = Sphere{0.2};
   Pose pose;  // of the shape's own frame in the world
@@ -34,10 +34,10 @@ struct ColliderView {
   bool visible = true;
 };
 
-/// All that is seen at one instant. What is shared is never written to again: a renderer uploads it
-/// once and knows it by its address.
+/// The scene at one instant. Shared data is never modified: a renderer uploads it once and
+/// identifies it by its address.
 struct Snapshot {
-  double time = 0;                          // [s] of this instant, for what is random
+  double time = 0;                          // [s] of this instant, for random noise
   std::shared_ptr<const Cloth> cloth;       // null: none
   std::shared_ptr<const Points> positions;  // [m], N x 3
   Shading cloth_shading = BlinnPhong{};

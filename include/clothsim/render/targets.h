@@ -8,7 +8,7 @@
 
 namespace clothsim {
 
-/// What the colour image is drawn to: sRGB with several samples a pixel, resolved to one.
+/// Target of the colour image: sRGB with several samples a pixel, resolved to one.
 class ColorTarget {
  public:
   ColorTarget(int width, int height, int samples);
@@ -26,20 +26,20 @@ class ColorTarget {
   Framebuffer drawn_, read_;
 };
 
-/// Which images of the surfaces, in the order of the outputs in shaders/truth.glsl: depth, mask,
-/// uv, normals, flow.
+/// The wanted images of the surfaces, in the order of the outputs in shaders/truth.glsl: depth,
+/// mask, uv, normals, flow.
 using TruthImages = std::array<bool, 5>;
 
-/// How one of them is held and read back.
+/// The format of one of these images.
 struct TruthFormat {
   GLenum storage;
-  GLenum format, type;  // of what is read back
-  std::size_t bytes;    // of a pixel, likewise
-  float nothing;        // what a pixel holds where nothing is seen
+  GLenum format, type;  // of the image read back
+  std::size_t bytes;    // of a pixel read back
+  float nothing;        // value of a pixel without a surface
 };
 extern const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats;
 
-/// What the wanted images of the surfaces are drawn to, one sample a pixel.
+/// Target of the wanted images of the surfaces, one sample a pixel.
 class TruthTarget {
  public:
   TruthTarget(int width, int height, const TruthImages& wanted);
@@ -48,10 +48,10 @@ class TruthTarget {
 
   const TruthImages& wanted() const { return wanted_; }
 
-  /// Binds it for drawing, with nothing to be seen yet.
+  /// Binds it for drawing, without surfaces.
   void clear() const;
 
-  /// Binds a wanted image, by its place in TruthImages.
+  /// Binds a wanted image, by its index in TruthImages.
   void bind_for_reading(std::size_t image) const;
 
  private:

@@ -8,12 +8,12 @@
 
 namespace clothsim {
 
-/// The textures of images, uploaded when first asked for. sweep() drops those that were not asked
-/// for since the last sweep().
+/// The textures of images, uploaded when first requested. sweep() drops those that were not
+/// requested since the last sweep().
 class TextureCache {
  public:
   /// Binds the image's texture to a unit. Colours become linear when read, heights are linear.
-  /// Throw GlError where the driver does not take the image.
+  /// Throw GlError where the driver refuses the image.
   void bind(const std::shared_ptr<const Image>&, int unit);
   void bind(const std::shared_ptr<const HeightMap>&, int unit);
   void bind(const std::shared_ptr<const CubeMap>&, int unit);
@@ -23,7 +23,7 @@ class TextureCache {
  private:
   struct Entry {
     Texture texture;
-    std::shared_ptr<const void> source;  // keeps the address from being used again
+    std::shared_ptr<const void> source;  // keeps its address from being reused
     bool used = true;
   };
 

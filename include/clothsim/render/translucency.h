@@ -7,7 +7,7 @@
 
 namespace clothsim {
 
-/// Triangles of several objects, farthest first, as stretches of one object each.
+/// Triangles of several objects, farthest first, in runs of one object each.
 struct BackToFront {
   struct Stretch {
     const DrawItem* item;
@@ -18,7 +18,7 @@ struct BackToFront {
   std::vector<Stretch> stretches;
 };
 
-/// Sorts the triangles of all items by the depth of their middle along `forward`.
+/// Sorts the triangles of all items by the depth of their centroid along `forward`.
 BackToFront sort_back_to_front(const std::vector<const DrawItem*>& items, const Vector3& forward);
 
 }  // namespace clothsim

@@ -4,7 +4,7 @@
 
 namespace clothsim {
 
-/// Which texture coordinate grows along a tube; the other one goes around it.
+/// The texture coordinate that grows along a tube; the other one goes around it.
 enum class TubeAlong { u, v };
 
 /// A tube of `radius` [m] about the line through N >= 2 points, with round ends. Its first N

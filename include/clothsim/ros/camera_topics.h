@@ -16,18 +16,18 @@ namespace clothsim_ros {
 /// image_raw, by image_transport, and camera_info; and visible_points.
 class CameraTopics {
  public:
-  /// `subscriber_came` is called with the node's other callbacks.
+  /// `subscriber_came` runs among the node's other callbacks.
   CameraTopics(const ros::NodeHandle&, const std::string& camera,
                const std::function<void()>& subscriber_came);
 
-  /// The images that somebody listens to.
+  /// The images with subscribers.
   clothsim::WantedImages wanted() const;
 
-  /// Whether somebody listens to any of them.
+  /// Whether any of the topics has a subscriber.
   bool subscribed() const;
 
-  /// Sends what is there of the images and points, and all camera_infos, with one header. From any
-  /// thread.
+  /// Publishes the images and points that are given, and all camera_infos, with one header. From
+  /// any thread.
   void publish(const std_msgs::Header&, unsigned topology_seq, const clothsim::Camera&,
                const clothsim::Images&) const;
 

@@ -13,21 +13,22 @@
 
 namespace clothsim_ros {
 
-/// Tells on ~changes which calls and which tf frames changed how the simulation goes on, for bags.
+/// Publishes on ~changes each call and tf frame that affects the simulation, for bags.
 class Changes {
  public:
   /// Pacer and `frame_number` must outlive this.
   Changes(ros::NodeHandle&, const Pacer&, const std::uint64_t& frame_number);
 
-  /// Another scene: what of it no live value changes. A reset tells it, too.
+  /// To be called for another scene: its values that are not live. A reset publishes them, too.
   void set_scene(const std::string& fixed_values) { scene_ = fixed_values; }
   const std::string& scene() const { return scene_; }
 
-  /// A call came. To be called before it changes the frame number. Adds what it is and when.
+  /// Publishes a call, with its name and time. To be called before the call changes the frame
+  /// number.
   void publish(const std::string& what, clothsim::Change = {});
 
-  /// The next frame goes by the latest transform of `frame`, if there is one. Tells where that is
-  /// another than at the last call; after a reset all are told. `what` is tf or target.
+  /// The next frame uses the latest transform of `frame`, if there is one. Publishes it where it
+  /// differs from that of the last call; after a reset always. `what`: "tf" or "target".
   void follow(const TfFrame& frame, const std::string& what = "tf");
 
  private:

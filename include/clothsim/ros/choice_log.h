@@ -5,7 +5,7 @@
 
 namespace clothsim_ros {
 
-/// Logs what `method: auto` has chosen, and when that changes.
+/// Logs the choice of `method: auto`, and its changes.
 class ChoiceLog {
  public:
   /// To be called often.

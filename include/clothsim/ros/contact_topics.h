@@ -12,8 +12,8 @@
 
 namespace clothsim_ros {
 
-/// What the cloth does to colliders, on ~contacts and ~contact_wrench/COLLIDER. Without a
-/// subscriber nothing is summed up in the frames.
+/// Contact forces of the cloth on colliders, on ~contacts and ~contact_wrench/COLLIDER. Without a
+/// subscriber, frames do not sum them up.
 class ContactTopics {
  public:
   /// The simulator must outlive this.
@@ -25,11 +25,11 @@ class ContactTopics {
   /// Publishes the frame just simulated, number `step` since the scene's start.
   void publish(const ros::Time& stamp, std::uint64_t step);
 
-  /// To be called when there is another scene.
+  /// To be called when another scene is loaded.
   void follow_scene();
 
  private:
-  /// Where a collider's wrench goes.
+  /// The topic of a collider's wrench.
   struct WrenchTopic {
     std::size_t collider;
     ros::Publisher publisher;
@@ -40,7 +40,7 @@ class ContactTopics {
   std::string world_frame_;
   ros::Publisher contacts_;
   std::vector<WrenchTopic> wrenches_;
-  bool asked_ = false;  // of the frame under way
+  bool asked_ = false;  // in the frame in progress
 };
 
 }  // namespace clothsim_ros

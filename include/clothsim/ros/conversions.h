@@ -30,14 +30,14 @@
 
 namespace clothsim_ros {
 
-/// Positions and velocities as flat float32 xyz, and what the grips hold. `step` counts frames
+/// Positions and velocities as flat float32 xyz, and the points held by grips. `step` counts frames
 /// since the scene's start.
 clothsim::ClothState to_state_msg(const clothsim::State&,
                                   const std::map<std::string, clothsim::Grip>&,
                                   const std_msgs::Header&, unsigned topology_seq,
                                   std::uint64_t step);
 
-/// In full precision, with the memory that belongs to it.
+/// In full precision, with the simulator's memory.
 clothsim::WholeState to_whole_state_msg(const clothsim::State&, const std::vector<double>& memory,
                                         std::uint64_t step);
 
@@ -51,24 +51,24 @@ clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::
 sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,
                                         const std_msgs::Header&);
 
-/// Where colliders are and what is held. `step` as above.
+/// The colliders' poses and the held points. `step` as above.
 clothsim::Colliders to_colliders_msg(const clothsim::Simulator&, const std_msgs::Header&,
                                      std::uint64_t step);
 
-/// Pinhole without distortion; K and P hold the same.
+/// Pinhole without distortion; K and P are the same.
 sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::Header&);
 
 geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);
 geometry_msgs::Quaternion to_quaternion_msg(const Eigen::Quaterniond&);
-/// In the axes of a frame that is turned by `frame` against those of the wrench.
+/// The wrench in axes that are rotated by `frame` against its own.
 geometry_msgs::Wrench to_wrench_msg(
     const clothsim::Wrench&, const Eigen::Quaterniond& frame = Eigen::Quaterniond::Identity());
 geometry_msgs::Pose to_pose_msg(const clothsim::Pose&);
 geometry_msgs::Transform to_transform_msg(const clothsim::Pose&);
 
-/// Both normalise the rotation. Not finite where the message is not, or its rotation is zero.
+/// Both normalise the rotation. Not finite where the message is not, or where its rotation is zero.
 clothsim::Pose to_pose(const geometry_msgs::Transform&);
 clothsim::Pose to_pose(const geometry_msgs::Pose&);
 

@@ -13,23 +13,23 @@
 
 namespace clothsim_ros {
 
-/// What the node says of itself.
+/// The node's state for diagnostics.
 struct NodeStatus {
   bool paused = false;
   bool waits_for_clock = false;          // not paused, but /clock has not begun
-  std::string failure;                   // why the simulation stopped; empty: it did not
+  std::string failure;                   // why the simulation stopped; empty: running
   double factor_asked = 1;               // 0: as fast as possible
   std::optional<double> factor_reached;  // empty: nothing to measure
   TimeShares::Shares time;
   clothsim::StepReport report;  // of the last frame
   std::vector<clothsim::HolderReport> holders;
   std::optional<double> strain_limit;     // empty: off
-  std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision asked for
+  std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision requested
   std::vector<FrameStatus> frames;
   std::vector<CameraStatus> cameras;
 };
 
-/// Sends a NodeStatus to /diagnostics, and tells the log what is new in it.
+/// Publishes a NodeStatus on /diagnostics, and logs its changes.
 class Diagnostics {
  public:
   Diagnostics(ros::NodeHandle&, const DiagnosticLimits&);

@@ -13,9 +13,9 @@
 
 namespace clothsim_ros {
 
-/// Sets forces on points from ~forces, in the axes of any tf frame as it is when the message comes.
-/// ~changes tells of each one taken. Logs each one refused: a frame without a transform, points
-/// that are none, numbers out of range.
+/// Sets forces on points from ~forces, in the axes of any tf frame at the time of arrival. Accepted
+/// messages are published on ~changes, refused ones are logged: a frame without a transform,
+/// invalid points, numbers out of range.
 class ForceListener {
  public:
   /// All must outlive this.

@@ -13,48 +13,48 @@
 
 namespace clothsim_ros {
 
-/// Moves a simulator's colliders and pins along with their tf frames. Until a frame is seen they
-/// stay where the scene puts them; when it is lost they stay where it was last.
+/// Moves a simulator's colliders and pins with their tf frames. Without a transform so far they
+/// stay at their poses in the scene; when the frame is lost they stay at their last poses.
 class FrameFollower {
  public:
-  /// `tf` must outlive this. For `jump_speed` see JumpWatch; pins follow at no more than it.
+  /// `tf` must outlive this. `jump_speed`: see JumpWatch; it bounds the speed of pins.
   FrameFollower(const clothsim::Scene&, TfListener& tf, double jump_speed);
 
   /// Reads the latest transforms.
   void look_up();
 
-  /// What look_up() has found for the first time is put there, so that the next move() moves it
-  /// from there. Tells of it.
+  /// Puts followers at the poses that look_up() has found for the first time, so that the next
+  /// move() starts there. Publishes them.
   void take_up(clothsim::Simulator&, Changes&);
 
-  /// Hands what look_up() found to the simulator, for its next frame. A collider takes the pose of
-  /// its frame, a pin keeps the offset it had at the first transform. The first transform places a
-  /// collider, later ones move it, but for jumps, which place it too.
+  /// Passes the poses of look_up() to the simulator, for its next frame. A collider takes the pose
+  /// of its frame, a pin keeps the offset it had at the first transform. The first transform places
+  /// a collider, later ones move it, except for jumps, which place it, too.
   void move(clothsim::Simulator&);
 
   /// To be called when the simulator was reset: the next move is a first one again.
   void reset();
 
-  /// Where the frames are, by name; those unknown to tf are where the scene has their collider, or
-  /// left out.
+  /// The poses of the frames, by name; a frame unknown to tf has its collider's pose in the scene,
+  /// or is left out.
   std::map<std::string, clothsim::Pose> frames(const clothsim::Simulator&) const;
 
-  /// Tells of what move() goes by.
+  /// Publishes the transforms that move() uses.
   void tell(Changes&) const;
 
-  /// What is remembered of a frame. A run goes on with it.
+  /// State of a frame that a run needs to continue.
   struct Memory {
-    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame, once that is seen
+    std::optional<clothsim::Vector3> pin_offset;  // [m] of the pin in the frame, once seen
     JumpWatch watch;
   };
   using Saved = std::vector<Memory>;
   Saved save() const;
 
-  /// As move(), with what was remembered and colliders placed at once: to be called when the
-  /// simulator went back to the state it had at save().
+  /// As move(), with the saved state and colliders placed at once: to be called when the simulator
+  /// was restored to its state at save().
   void restore(const Saved&, clothsim::Simulator&);
 
-  /// One for each collider and pin that has a frame.
+  /// The status of each collider and pin that has a frame.
   std::vector<FrameStatus> status() const;
 
  private:
@@ -62,10 +62,10 @@ class FrameFollower {
     TfFrame frame;
     bool is_pin;
     int index;                              // of the scene's colliders or pins
-    std::optional<clothsim::Pose> applied;  // the one that the simulator has
-    bool late = false;                      // a pin is still on its way there
+    std::optional<clothsim::Pose> applied;  // the pose in the simulator
+    bool late = false;                      // a pin has not reached it yet
     Memory memory;
-    bool has_begun = false;  // by take_up(), and has not moved yet
+    bool has_begun = false;  // by take_up(), without a move so far
   };
 
   void move(Follower&, clothsim::Simulator&);

@@ -18,30 +18,30 @@
 
 namespace clothsim_ros {
 
-/// The services ~attach and ~detach and the topics ~wrench/FRAME. The simulator's grips are named
-/// after their tf frames. A frame that is lost holds its points where they are. Wrenches are made
-/// for subscribers alone: one a frame, the present one for a new subscriber, and a last one of zero
-/// when the frame has let go.
+/// The services ~attach and ~detach and the topics ~wrench/FRAME. The simulator's grips have the
+/// names of their tf frames. A frame that is lost holds its points in place. Wrenches are published
+/// for subscribers only: one a frame, the latest one for a new subscriber, and a last one of zero
+/// when the frame has released its points.
 class Grasper {
  public:
-  /// Simulator, `tf`, Changes and Pacer must outlive this. Points follow their frames at no more
-  /// than `jump_speed` [m/s].
+  /// Simulator, `tf`, Changes and Pacer must outlive this. `jump_speed` [m/s] bounds the speed of
+  /// points.
   Grasper(const ros::NodeHandle&, clothsim::Simulator&, TfListener& tf, Changes&, const Pacer&,
           double jump_speed);
 
-  /// Reads the latest transforms. To be called also while nothing is simulated.
+  /// Reads the latest transforms. To be called also while the simulation is paused.
   void look_up();
 
-  /// Hands what look_up() found to the simulator, for its next frame, and tells of it.
+  /// Passes the poses of look_up() to the simulator, for its next frame, and publishes them.
   void move();
 
-  /// A frame has been simulated. Publishes the wrenches, each in its frame.
+  /// To be called after each frame. Publishes the wrenches, each in its frame.
   void update(const ros::Time& stamp);
 
-  /// To be called when the simulator may have other grips, without a frame between.
+  /// To be called when the simulator may have other grips without a frame in between.
   void follow_grips();
 
-  /// One for each frame that carries points.
+  /// The status of each frame that holds points.
   std::vector<FrameStatus> status() const;
 
  private:
@@ -51,18 +51,18 @@ class Grasper {
   struct WrenchTopic {
     ros::Publisher publisher;
     std::string frame;
-    std::optional<ros::Time> stamp;         // of the frame's last wrench; empty: there is none yet
-    std::optional<ros::SteadyTime> let_go;  // when the frame did; empty: it holds points
+    std::optional<ros::Time> stamp;         // of the frame's last wrench; empty: none so far
+    std::optional<ros::SteadyTime> let_go;  // when the frame released its points; empty: it has not
   };
 
-  /// Serves the topic of a frame that holds points.
+  /// Advertises the topic of a frame that holds points.
   void take_hold(const std::string& frame);
   void let_go(WrenchTopic&);
   void greet(const WrenchTopic&, const ros::SingleSubscriberPublisher&) const;
-  /// Takes topics back whose frames let go a while ago.
+  /// Removes topics whose frames released their points a while ago.
   void end_old_topics();
 
-  /// Throws InvalidValue where another frame that carries points has the topic of `frame`.
+  /// Throws InvalidValue where another frame that holds points has the topic of `frame`.
   void check_topic(const std::string& frame) const;
 
   ros::NodeHandle node_;

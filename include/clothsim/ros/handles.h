@@ -14,13 +14,12 @@
 
 namespace clothsim_ros {
 
-/// Interactive markers, one on each tf frame that carries a collider of a clothsim node, that move
-/// and turn it. A frame is broadcast from the moment its handle is taken, again and again, also
-/// while time stands still. Where another node broadcasts the frame, it has no handle until that
-/// node is silent.
+/// Interactive markers that move and rotate the tf frames of a clothsim node's colliders, one for
+/// each frame. A frame is broadcast repeatedly from the first click on its handle, also while time
+/// stands still. While another node broadcasts the frame, it has no handle.
 class Handles {
  public:
-  /// `cloth` is the namespace of the clothsim node. Follows its scene, also to another one.
+  /// `cloth`: the namespace of the clothsim node. Adapts when that node loads another scene.
   explicit Handles(const ros::NodeHandle& cloth);
 
  private:
@@ -44,7 +43,7 @@ class Handles {
   OtherBroadcasters others_;
   tf2_ros::TransformBroadcaster broadcaster_;
   interactive_markers::InteractiveMarkerServer server_;
-  boost::shared_ptr<ros::M_string> connection_;  // that the last topology came by
+  boost::shared_ptr<ros::M_string> connection_;  // of the last topology
   ros::Subscriber topology_subscriber_;
   ros::Subscriber changes_subscriber_;
   ros::WallTimer timer_;

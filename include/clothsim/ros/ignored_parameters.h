@@ -14,14 +14,14 @@ using ParameterTexts = std::map<std::string, std::string>;
 /// The private parameters of `node` that the parameter server has now.
 ParameterTexts parameter_texts(const ros::NodeHandle& node);
 
-/// What a node makes of its private parameters.
+/// The private parameters of a node by use.
 struct KnownParameters {
   std::vector<std::string> read;  // at the start, with all below them
-  std::vector<std::string> live;  // that start as the scene or the view has them
+  std::vector<std::string> live;  // initial values come from the scene or the view
 };
 
-/// A message for each of the parameters that were `given` at the start and had no effect: it is
-/// unknown, or a live value that is another one `now`. `prefix` goes before their names.
+/// A message for each of the parameters that were `given` at the start without effect: an unknown
+/// one, or a live value that differs `now`. `prefix` goes before their names.
 std::vector<std::string> ignored_parameters(const std::string& prefix, const KnownParameters& known,
                                             const ParameterTexts& given, const ParameterTexts& now);
 

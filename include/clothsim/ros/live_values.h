@@ -18,7 +18,8 @@ namespace clothsim_ros {
 /// {"simulation", "gravity", "2"} is `ns`/gravity_z, {"cloth", "color", "0"} is `ns`/color_r.
 std::string live_message(const clothsim::InvalidValue&, const std::string& ns);
 
-/// Calls `apply` and tells why it refused, with the names in namespace `ns`; empty: it did not.
+/// Calls `apply` and returns the message of its refusal, with names in namespace `ns`; empty:
+/// accepted.
 std::optional<std::string> refusal(const std::function<void()>& apply, const std::string& ns);
 
 /// The first value of a message, as "name value".
@@ -29,17 +30,18 @@ std::string text_of(const dynamic_reconfigure::Config&);
 template <class Generated>
 class LiveValues {
  public:
-  /// Its functions take the place of the library's, whose names they have.
+  /// Its functions hide those of the generated class, which the library calls by these names.
   struct Config : Generated {
     Config() = default;
     Config(const Generated& config) : Generated(config) {}
 
     // NOLINTBEGIN(bugprone-reserved-identifier)
-    /// The limits of the .cfg are for sliders. The server would move a value beyond them to the
-    /// limit without a word; `apply` is to accept or refuse it as it is.
+    /// The limits in the .cfg are for sliders. The server would silently clamp a value to them;
+    /// `apply` should accept or refuse the value itself.
     void __clamp__() {}
 
-    /// Each value is a call of the master, some 1 ms that frames wait for: tells it what is new.
+    /// Each value is a call to the master, some 1 ms in which no frame runs: sends only changed
+    /// values.
     void __toServer__(const ros::NodeHandle& node) const {
       for (const auto& value : Generated::__getParamDescriptions__()) {
         if (!known || !*known || differs(*value, **known)) value->toServer(node, *this);
@@ -57,11 +59,12 @@ class LiveValues {
       return mine != others;
     }
 
-    std::optional<Generated>* known = nullptr;  // what the master has
+    std::optional<Generated>* known = nullptr;  // the values at the master
   };
 
-  /// Starts from `start`, whatever an earlier node left on the parameter server, and applies it.
-  /// `apply` throws to refuse a request, which is logged and answered with the values that hold.
+  /// Starts from `start`, independent of an earlier node's values on the parameter server, and
+  /// applies it. `apply` throws to refuse a request, which is logged and answered with the values
+  /// in effect.
   LiveValues(const ros::NodeHandle& node, const Generated& start,
              std::function<void(const Generated&)> apply)
       : start_(start), accepted_(start), apply_(std::move(apply)), server_(mutex_, node) {
@@ -78,17 +81,17 @@ class LiveValues {
     });
   }
 
-  /// Of all values, below the namespace.
+  /// The names of all values, below the namespace.
   static std::vector<std::string> names() {
     std::vector<std::string> all;
     for (const auto& value : Generated::__getParamDescriptions__()) all.push_back(value->name);
     return all;
   }
 
-  /// The values that hold.
+  /// The values in effect.
   const Generated& accepted() const { return accepted_; }
 
-  /// Those that differ from the start's, as "name value"; from any thread.
+  /// The values that differ from the start's, as "name value"; from any thread.
   std::vector<std::string> changed() {
     const boost::recursive_mutex::scoped_lock lock(mutex_);
     std::vector<std::string> all;
@@ -101,8 +104,8 @@ class LiveValues {
     return all;
   }
 
-  /// Applies those of the start and tells who listens; from any thread. Throws what `apply` throws
-  /// and changes nothing.
+  /// Applies the start's values and notifies clients; from any thread. Throws the exceptions of
+  /// `apply` without a change.
   void reset() {
     const boost::recursive_mutex::scoped_lock lock(mutex_);
     if (changed().empty()) return;

@@ -7,17 +7,17 @@
 
 namespace clothsim_ros {
 
-// What RViz shows of a simulation. Ids do not change, so each array replaces the one before; a
-// spring family or a collider that is switched off is deleted.
+// Markers of a simulation for RViz. Ids do not change, so each array replaces the last one; spring
+// families and colliders that are switched off are deleted.
 
-/// In namespaces surface, colliders and pins.
+/// Namespaces: surface, colliders and pins.
 visualization_msgs::MarkerArray make_markers(const clothsim::Simulator&, const std_msgs::Header&);
 
-/// In namespaces structural, shear and bending.
+/// Namespaces: structural, shear and bending.
 visualization_msgs::MarkerArray make_spring_markers(const clothsim::Simulator&,
                                                     const std_msgs::Header&);
 
-/// In namespace colliders.
+/// Namespace: colliders.
 visualization_msgs::MarkerArray make_collider_markers(const clothsim::Simulator&,
                                                       const std_msgs::Header&);
 

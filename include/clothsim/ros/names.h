@@ -8,13 +8,13 @@
 
 namespace clothsim_ros {
 
-/// `name` as a part of a ROS name: other letters become underscores, and `prefix` goes before it
-/// where it does not start with a letter.
+/// `name` as a part of a ROS name: invalid characters become underscores, and `prefix` goes before
+/// it where it does not start with a letter.
 std::string to_ros_name(std::string name, const std::string& prefix);
 
-/// The names of colliders as parts of ROS names, each another one and none in `taken`: those that
-/// may stand as they are do so, of others letters are replaced, with underscores after them where
-/// that is taken.
+/// The names of colliders as parts of ROS names, all different and none in `taken`. Valid names are
+/// kept; in others invalid characters are replaced, with underscores appended where the result is
+/// taken.
 std::vector<std::string> ros_names(const std::vector<clothsim::ColliderSpec>& colliders,
                                    std::set<std::string> taken = {});
 

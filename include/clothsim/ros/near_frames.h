@@ -8,11 +8,11 @@
 
 namespace clothsim_ros {
 
-/// Warns of tf frames that are nearly called as ones that nobody broadcasts, such as Sphere beside
-/// sphere: once each.
+/// Warns of followed tf frames that nobody broadcasts where a broadcast frame has a similar name,
+/// such as Sphere and sphere: once each.
 class NearFrames {
  public:
-  /// `frames` are those that something follows.
+  /// `frames`: the followed ones.
   void warn(const std::vector<FrameStatus>& frames, const TfListener&);
 
  private:

@@ -40,49 +40,49 @@
 namespace clothsim_ros {
 
 /// A simulated cloth as a ROS node or nodelet. One thread serves the callbacks and, between them,
-/// computes the frames, so nothing changes inside a frame.
+/// computes the frames, so nothing changes within a frame.
 class Node {
  public:
-  /// `node` has the names of topics, services and parameters, `queue` the callbacks: nobody else
-  /// may call them. The node ends when `ends` says so. Throws std::runtime_error with the full name
-  /// of a bad parameter.
+  /// `node`: namespace of topics, services and parameters. `queue`: the callbacks; nobody else may
+  /// call them. The node ends when `ends` returns true. Throws std::runtime_error with the full
+  /// name of a bad parameter.
   Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function<bool()> ends);
 
-  /// Simulates until the node is shut down. In the thread that has made it.
+  /// Simulates until the node is shut down. To be called in the thread of the constructor.
   void run();
 
  private:
-  /// A frame that is due by the clock, or one out of turn, from ~step.
+  /// A frame that is due by the clock, or an extra one from ~step.
   enum class Turn { due, now };
 
-  /// Simulates the frame that is due, and publishes what is.
+  /// Simulates the frame that is due, and publishes due messages.
   void go_on();
-  /// Calls `action` in a thread of its own, and goes on with frames until it has ended. Throws what
-  /// it throws. Callbacks wait.
+  /// Runs `action` in a thread of its own, and simulates frames until it has ended. Throws its
+  /// exceptions. Callbacks wait.
   void go_on_beside(const std::function<void()>& action);
-  /// False when all is closed, closing begins or the node is to end.
+  /// False when ROS is shut down or shutting down, or when the node is to end.
   bool is_running() const;
-  /// Calls the callbacks that are there, or that come within `wait`.
+  /// Calls the callbacks in the queue, or those that come within `wait`.
   void serve(ros::WallDuration wait);
   /// Computes a frame and publishes it. False if it diverged; then the simulation is paused.
   bool simulate_frame(Turn);
   void publish_frame(const ros::Time& stamp);
-  /// Publishes what is due between frames.
+  /// Publishes due messages between frames.
   void refresh();
-  /// The simulator is in another state, without a frame between.
+  /// To be called when the simulator's state changes without a frame.
   void jump();
   void publish_clock();
   void serve_live_values();
-  /// Loads another scene, seen as ~camera had it at the node's start. Throws InvalidValue and
-  /// changes nothing where one of the two is refused.
+  /// Loads another scene, with the view of ~camera at the node's start. Throws InvalidValue without
+  /// a change where one of the two is refused.
   void start_with(const clothsim::Scene&);
-  /// Warns of private parameters that were `given` for nothing, once live values are served.
+  /// Warns of private parameters that were `given` without effect, once live values are served.
   void warn_of_ignored(const ParameterTexts& given) const;
-  /// Says what of the scene, as it was `given`, the node leaves to others, what it goes without,
-  /// and what may not be meant.
+  /// Warns of the scene's motions, which the node does not play, of parts that are left out, and of
+  /// probable mistakes in the scene as `given`.
   void warn_of_scene(const YAML::Node& given) const;
   void publish_diagnostics();
-  /// Frames of tf that carry colliders, points or cameras.
+  /// The tf frames of colliders, points and cameras.
   std::vector<std::string> followed_frames() const;
 
   bool pause(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&);
@@ -91,7 +91,7 @@ class Node {
   bool enable_collider(clothsim::EnableCollider::Request&, clothsim::EnableCollider::Response&);
   bool load_scene(clothsim::LoadScene::Request&, clothsim::LoadScene::Response&);
   bool step(clothsim::Step::Request&, clothsim::Step::Response&);
-  /// Simulates its frames. Empty: it did; else why not.
+  /// Simulates the request's frames. Returns an error message; empty: success.
   std::string simulate_frames(const clothsim::Step::Request&);
 
   ros::CallbackQueue& queue_;
@@ -115,8 +115,8 @@ class Node {
   Outputs outputs_;
   ContactTopics contact_topics_;
   Cameras cameras_;
-  std::optional<Reconfigure> reconfigure_;           // of the scene
-  std::optional<ViewReconfigure> view_reconfigure_;  // of the scene's colliders
+  std::optional<Reconfigure> reconfigure_;           // for the scene
+  std::optional<ViewReconfigure> view_reconfigure_;  // for the scene's colliders
   RateMeter rate_;
   StateServices state_services_;
   StressTopic stress_topic_;
@@ -127,7 +127,7 @@ class Node {
   NearFrames near_frames_;
   ros::SteadyTime next_diagnostics_;
 
-  ros::Publisher clock_publisher_;  // where the node owns the clock
+  ros::Publisher clock_publisher_;  // set where the node owns the clock
   std::vector<ros::ServiceServer> services_;
 };
 

@@ -14,21 +14,21 @@
 
 namespace clothsim_ros {
 
-/// Which tf frames nodes other than this one broadcast, and where those are. Knows only the latest
-/// transform of each frame, whatever its stamp: time may stand still or run backwards.
+/// The tf frames that other nodes broadcast, and their poses. Stores only the latest transform of
+/// each frame, independent of its stamp: time may stand still or run backwards.
 class OtherBroadcasters {
  public:
   explicit OtherBroadcasters(ros::NodeHandle&);
 
   /// The node that broadcasts the frame; empty: none, or it has been silent for a second. A static
-  /// transform holds for good.
+  /// transform stays valid.
   std::string of(const std::string& frame) const;
 
-  /// Of the frame in the world; empty where no other node has told.
+  /// Pose of the frame in the world; empty where no other node has sent it.
   std::optional<clothsim::Pose> pose(const std::string& world, const std::string& frame) const;
 
-  /// A stamp for a transform of the frame, of now by the time that others go by, and after all
-  /// others: listeners drop what is older than what they have.
+  /// A stamp for a transform of the frame: now, in the other nodes' time, and later than all other
+  /// stamps, as subscribers drop older transforms.
   ros::Time next_stamp(const std::string& frame);
 
  private:
@@ -41,7 +41,7 @@ class OtherBroadcasters {
   void hear(const TfSubscribers::Event&, bool is_static);
   void tick(const ros::Time& clock);
 
-  const bool sim_time_;  // others go by /clock
+  const bool sim_time_;  // other nodes use /clock
   ros::Time clock_;
   tf2::BufferCore buffer_;
   Tf2Log log_;

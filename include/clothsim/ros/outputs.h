@@ -17,26 +17,25 @@
 
 namespace clothsim_ros {
 
-/// The topics ~state, ~points, ~colliders, ~topology and those of markers. No message is built
-/// without a subscriber for it, but for the latched topology. A new subscriber gets the present
-/// state, so that it sees a simulation that is paused, too: from refresh(), or from publish() where
-/// that comes first.
+/// The topics ~state, ~points, ~colliders, ~topology and those of markers. Messages are built for
+/// subscribers only, except for the latched topology. A new subscriber gets the present state, also
+/// from a paused simulation: from refresh(), or from publish() where that comes first.
 class Outputs {
  public:
-  /// The simulator must outlive this. `now` is the stamp of the scene's start.
+  /// The simulator must outlive this. `now`: the stamp of the scene's start.
   Outputs(ros::NodeHandle&, const clothsim::Simulator&, const std::string& world_frame,
           const ros::Time& now);
 
   /// Publishes the simulator's state, frame number `step` since the scene's start.
   void publish(const ros::Time& stamp, std::uint64_t step);
 
-  /// To be called often. Publishes what changed between frames and what publish() left for later.
+  /// To be called often. Publishes changes between frames and messages that publish() has deferred.
   void refresh();
 
-  /// What is shown beside the state has changed.
+  /// To be called when markers change without a new state.
   void redraw() { markers_due_ = true; }
 
-  /// The state as it was last published.
+  /// The last published state.
   clothsim::ClothState state() const;
 
  private:
@@ -45,7 +44,7 @@ class Outputs {
   sensor_msgs::PointCloud2 points() const;
   clothsim::Colliders colliders() const;
 
-  /// A topic of markers: each shows a part, so that nobody gets more than what is looked at.
+  /// A topic of markers. Each shows a part, so that subscribers get only the part they display.
   struct MarkerTopic {
     using Make = visualization_msgs::MarkerArray(const clothsim::Simulator&,
                                                  const std_msgs::Header&);
@@ -53,17 +52,17 @@ class Outputs {
     Make* make;
     ros::Publisher publisher;
   };
-  /// With an order before them to delete all others, such as those of a node before this one.
+  /// With a first marker that deletes all others, such as those of an earlier node.
   visualization_msgs::MarkerArray anew(const MarkerTopic&) const;
 
   const clothsim::Simulator& simulator_;
   std_msgs::Header header_;
   std::uint64_t step_ = 0;
   unsigned topology_seq_ = 0;     // of the topology published last
-  bool markers_due_ = false;      // the state has moved on since the last ones
-  bool others_shown_ = false;     // markers of another scene, maybe
-  ros::SteadyTime next_markers_;  // not before
-  ros::CallbackQueue newcomers_;  // subscribers of all but markers that have got none yet
+  bool markers_due_ = false;      // the state has changed since the last ones
+  bool others_shown_ = false;     // markers of another scene may be shown
+  ros::SteadyTime next_markers_;  // time before which none are sent
+  ros::CallbackQueue newcomers_;  // subscribers that wait for a first message, not markers
   ros::Publisher state_publisher_;
   ros::Publisher points_publisher_;
   ros::Publisher colliders_publisher_;

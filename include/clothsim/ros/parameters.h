@@ -16,25 +16,24 @@
 
 namespace clothsim_ros {
 
-/// What the node reads from the parameter server at its start.
+/// The parameters that the node reads at its start.
 struct NodeParameters {
   clothsim::Scene scene;
-  YAML::Node scene_yaml;                     // that it was read from
+  YAML::Node scene_yaml;                     // the source of `scene`
   std::vector<clothsim::NamedView> cameras;  // ~camera, then those of ~cameras
-  std::vector<std::string> image_folders;    // that its images may come from, beside the package's
+  std::vector<std::string> image_folders;    // allowed for images, beside the package's
   DiagnosticLimits limits;
   double diagnostic_period = 1;  // [s]
   std::string world_frame = "map";
-  double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: as fast as possible
-  double jump_speed = 15;      // of a frame, beyond which it jumps [m/s]
-  std::uint64_t save_limit = 1'000'000'000;  // of the states that ~save_state keeps [bytes]
+  double realtime_factor = 1;  // simulated seconds per second of ROS time; 0: unlimited
+  double jump_speed = 15;      // speed of a frame beyond which it jumps [m/s]
+  std::uint64_t save_limit = 1'000'000'000;  // memory for the states of ~save_state [bytes]
   bool paused = false;
   bool publish_clock = false;  // the node is the source of /clock
 };
 
-/// Calls `make`. An InvalidValue that it throws becomes a std::runtime_error with the full name of
-/// the parameter of `node`, whose keys are below `parent` (such as "scene/"; empty: below the
-/// node).
+/// Calls `make`. Turns an InvalidValue into a std::runtime_error with the full name of the
+/// parameter of `node`, whose keys are below `parent` (such as "scene/"; empty: below the node).
 template <class Make>
 auto with_full_name(const ros::NodeHandle& node, const std::string& parent, Make make) {
   try {
@@ -44,19 +43,18 @@ auto with_full_name(const ros::NodeHandle& node, const std::string& parent, Make
   }
 }
 
-/// Reads the private parameters of `node`, and has ~scene hold what the file of ~scene_file does.
-/// Throws std::runtime_error with the full name of the
-/// parameter, what it is and what is expected.
+/// Reads the private parameters of `node`, and sets ~scene to the content of ~scene_file. Throws
+/// std::runtime_error with the full name of the parameter, its value and the expected one.
 NodeParameters read_parameters(const ros::NodeHandle& node);
 
-/// The names of those.
+/// The names of these parameters.
 std::vector<std::string> parameter_names();
 
 /// Reads ~cloth of the handles' node `node`: the clothsim node's namespace, in full. Throws as
 /// read_parameters does.
 std::string read_cloth_parameter(const ros::NodeHandle& node);
 
-/// Reads parameter `key` of `node` where there is one. Throws what `read` throws, inside that key.
+/// Reads parameter `key` of `node` if it is set. Throws the exceptions of `read`, inside that key.
 void read_optional(const ros::NodeHandle& node, const std::string& key,
                    const clothsim::ReadValue& read);
 

@@ -20,26 +20,26 @@
 
 namespace clothsim_ros {
 
-/// What a camera does, for the diagnostics.
+/// The state of a camera for diagnostics.
 struct CameraStatus {
   std::string name;
   clothsim::RenderStatus render;
   clothsim::WantedImages subscribed;
   std::optional<double> rate;  // [Hz] of pictures since the last status; empty: too little time
-  std::optional<double> drawn_share;  // of the pictures due, likewise; empty: none was due
+  std::optional<double> drawn_share;  // of the pictures due since then; empty: none was due
   std::optional<FrameStatus> frame;   // that carries the camera
 };
 
-/// A camera that takes pictures of a simulation and publishes them. Until somebody subscribes there
-/// is neither render thread nor OpenGL. To be used in the thread that serves the node's callbacks,
-/// but for view(), set_view() and change_view(), which any thread may call.
+/// A camera that takes pictures of a simulation and publishes them. Render thread and OpenGL start
+/// with the first subscriber. To be used in the thread that serves the node's callbacks, except for
+/// view(), set_view() and change_view(), which any thread may call.
 class Photographer {
  public:
-  /// Tells tf a static transform.
+  /// Sends a static transform to tf.
   using Broadcast = std::function<void(const geometry_msgs::TransformStamped&)>;
 
-  /// Simulator and `tf` must outlive this. `camera` has the name of its topics and its view. Images
-  /// come from the package and `image_folders`. `now` is the stamp of the simulator's state. Throws
+  /// Simulator and `tf` must outlive this. `camera`: the name of its topics, and its view. Images
+  /// come from the package and `image_folders`. `now`: the stamp of the simulator's state. Throws
   /// InvalidValue for a view that cannot be drawn.
   Photographer(const ros::NodeHandle&, const clothsim::NamedView& camera,
                const clothsim::Simulator&, TfListener& tf, Broadcast,
@@ -47,36 +47,36 @@ class Photographer {
 
   const std::string& name() const { return name_; }
 
-  /// The one that was set last.
+  /// The view that was set last.
   clothsim::View view() const;
 
-  /// Another view for the next picture, whose images are read by the calling thread. Throws
-  /// InvalidValue and keeps the old one when refused. Samples and EGL device are those of the
-  /// start.
+  /// Sets the view for the next picture; the calling thread reads its images. Throws InvalidValue
+  /// and keeps the old one when refused. Samples and EGL device do not change.
   void set_view(const clothsim::View&);
 
-  /// The same with what `change` makes of the newest view. One change waits for another.
+  /// The same with the newest view as changed by `change`. Concurrent changes wait for each other.
   void change_view(const std::function<void(clothsim::View&)>& change);
 
-  /// The simulator has a new state. Takes a picture if one is due in simulated time.
+  /// To be called for a new state of the simulator. Takes a picture if one is due in simulated
+  /// time.
   void update(const ros::Time& stamp);
 
   /// Waits until the pictures that were taken are published.
   void wait();
 
-  /// Takes a picture of the present state unless there is one or the view asks for none after each
+  /// Takes a picture of the present state, unless there is one or the view wants none after each
   /// step, and waits until it is published.
   void finish();
 
-  /// To be called often. Where no picture is due because no frame comes, as while the simulation is
-  /// paused or the clock stands: new subscribers, another look and a camera that moves get a
-  /// picture.
+  /// To be called often. Where no picture is due as no frame comes, while the simulation is paused
+  /// or the clock stands: takes pictures for new subscribers, another look and a moving camera.
   void refresh(bool paused);
 
-  /// What is seen beside the state has changed: refresh() takes another picture.
+  /// To be called when the scene looks different in the same state: refresh() takes another
+  /// picture.
   void redraw();
 
-  /// Logs why there are no pictures where that is new.
+  /// Logs a new reason for the lack of pictures.
   CameraStatus status();
 
  private:
@@ -86,7 +86,7 @@ class Photographer {
     clothsim::PreparedView prepared;
   };
 
-  /// Goes on with the view that was set last.
+  /// Adopts the view that was set last.
   void adopt();
   void take();
   ros::SteadyTime after_a_period() const;
@@ -107,24 +107,24 @@ class Photographer {
   clothsim::PreparedView prepared_;
   clothsim::SnapshotMaker snapshots_;
   std::string shaders_;
-  std::optional<TfFrame> frame_;            // that carries the camera
-  std::string own_frame_;                   // of the camera while no other one carries it
+  std::optional<TfFrame> frame_;            // of the camera
+  std::string own_frame_;                   // the camera's own frame, for a view without a frame
   std::optional<clothsim::Pose> own_pose_;  // of own_frame_, as tf knows it
 
   ros::Time stamp_;               // of the simulator's state
-  bool taken_ = false;            // there is a picture of it, or one on its way, or none is wanted
-  bool anew_ = false;             // what is seen beside the state has changed since the last one
-  unsigned topology_seq_ = 0;     // of the last one
+  bool taken_ = false;            // its picture is taken, under way, or not wanted
+  bool anew_ = false;             // the scene looks different since the last one
+  unsigned topology_seq_ = 0;     // of the last picture
   double next_ = 0;               // [s] of simulated time: when a picture is due
-  ros::SteadyTime next_refresh_;  // not before
-  ros::SteadyTime stands_;        // from then on, if no frame comes until then: none is due soon
+  ros::SteadyTime next_refresh_;  // time before which refresh() takes none
+  ros::SteadyTime stands_;        // refresh() takes pictures from then on if no frame comes
   RateMeter rate_;
-  int drawn_ = 0;       // pictures that the last status knew of
-  int dropped_ = 0;     // likewise
+  int drawn_ = 0;       // pictures drawn up to the last status
+  int dropped_ = 0;     // the same for dropped ones
   std::string logged_;  // the failure that was logged last
 
   CameraTopics topics_;
-  std::optional<clothsim::RenderThread> renderer_;  // last: it publishes
+  std::optional<clothsim::RenderThread> renderer_;  // last, as its thread publishes
 };
 
 }  // namespace clothsim_ros

@@ -4,10 +4,10 @@
 
 namespace clothsim_ros {
 
-/// How much of something happens in a second, such as simulated time.
+/// Measures an amount per second, such as simulated time.
 class RateMeter {
  public:
-  /// Forgets what was before `now` [s], as after a pause.
+  /// Discards the amount before `now` [s], as after a pause.
   void restart(double now);
 
   void add(double amount) { sum_ += amount; }
@@ -17,7 +17,7 @@ class RateMeter {
 
  private:
   double start_ = 0;  // [s]
-  double sum_ = 0;    // since then
+  double sum_ = 0;    // since start_
 };
 
 }  // namespace clothsim_ros

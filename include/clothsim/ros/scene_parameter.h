@@ -17,26 +17,28 @@ namespace clothsim_ros {
 struct GivenScene {
   clothsim::Scene scene;
   YAML::Node yaml;
-  std::filesystem::path file;  // empty: it comes from ~scene
+  std::filesystem::path file;  // empty: from ~scene
 };
 
-/// Reads the scene that a node starts with: the file of ~scene_file, with the values of ~scene laid
-/// over it unless a node has put them there, else ~scene. Throws InvalidValue with keys relative to
+/// Reads the node's first scene: the file of ~scene_file, with values replaced by those of ~scene
+/// unless ~scene comes from an earlier node, else ~scene. Throws InvalidValue with keys relative to
 /// the node.
 GivenScene read_first_scene(const ros::NodeHandle& node);
 
-/// Reads ~scene alone; paths in it begin at ~scene_folder. Throws InvalidValue likewise.
+/// Reads ~scene alone; its paths are relative to ~scene_folder. Throws InvalidValue with keys
+/// relative to the node.
 GivenScene read_scene_parameter(const ros::NodeHandle& node);
 
 /// Reads a scene's file: package://PACKAGE/path, file:///path or an absolute path. Throws
-/// InvalidValue likewise, with the key scene_file for what is no such file.
+/// InvalidValue with keys relative to the node, and with the key scene_file for an unusable file.
 GivenScene read_scene_file(const std::string& file);
 
-/// Has the parameters hold what runs: that of a file all over ~scene, beside its path.
+/// Sets the parameters to the running scene: ~scene to the content of its file, beside the file's
+/// path.
 void tell_scene(const ros::NodeHandle& node, const GivenScene&);
 
-/// The same value as roslaunch makes it of a YAML file. Throws YAML::Exception for what is no
-/// number, text, true, false, list or map.
+/// The value that roslaunch makes of the same YAML. Throws YAML::Exception for nodes other than
+/// numbers, texts, true, false, lists and maps.
 XmlRpc::XmlRpcValue to_xml_rpc(const YAML::Node&);
 
 }  // namespace clothsim_ros

@@ -2,16 +2,16 @@
 
 namespace clothsim_ros {
 
-/// From now on SIGINT and SIGTERM shut ROS down, also while it waits for a master. A thread of its
-/// own takes them, so that they break off no call of another. To be called before ros::init, with
-/// no roscpp handler of its own.
+/// Lets SIGINT and SIGTERM shut ROS down, also while it waits for a master. A thread of its own
+/// handles them, so that they interrupt no call of another thread. To be called before ros::init,
+/// without roscpp's own handler.
 void shut_down_on_signals();
 
-/// From now on the first one only sets is_interrupted(), for the node to end between two steps of
-/// its work: ROS, shut down meanwhile by its own thread, aborts a node that goes on to publish.
+/// Lets the first signal only set is_interrupted(), so that the node can end between two steps of
+/// its work: ROS, if shut down by its own thread meanwhile, aborts a node that still publishes.
 void end_in_order_on_signals();
 
-/// Whether one of them came.
+/// Whether a signal has come.
 bool is_interrupted();
 
 }  // namespace clothsim_ros

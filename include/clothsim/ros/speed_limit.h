@@ -8,24 +8,25 @@
 namespace clothsim_ros {
 
 /// Bounds the speed of points that tf frames hold. A cloth that is pulled metres long within one
-/// frame of simulation takes minutes; so where a tf frame jumps, its points travel there. What may
-/// move goes by `frame` [s], the duration of a frame of simulation, alone, so that a run repeats.
+/// frame of simulation takes minutes; so where a tf frame jumps, its points travel at bounded
+/// speed. The bound depends only on `frame` [s], the duration of a frame of simulation, so that a
+/// run is reproducible.
 class SpeedLimit {
  public:
-  /// Of `speed` [m/s].
+  /// `speed`: the bound [m/s].
   explicit SpeedLimit(double speed) : speed_(speed) {}
 
-  /// How near to `to` a point gets from `from` [m]. Warns of the tf frame `name` where the way
-  /// takes long.
+  /// The place that a point reaches on its way from `from` to `to` [m]. Warns of the tf frame
+  /// `name` where the way takes long.
   clothsim::Vector3 toward(const clothsim::Vector3& from, const clothsim::Vector3& to, double frame,
                            const std::string& name);
 
-  /// Likewise a frame whose points are at most `reach` [m] from its origin.
+  /// The same for a frame whose points are at most `reach` [m] from its origin.
   clothsim::Pose toward(const clothsim::Pose& from, const clothsim::Pose& to, double reach,
                         double frame, const std::string& name);
 
  private:
-  /// How much of a way [m] is within the limit, from 0 to 1.
+  /// The share from 0 to 1 of a way [m] that is within the limit.
   double share(double way, double frame, const std::string& name);
 
   double speed_;

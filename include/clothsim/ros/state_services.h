@@ -24,14 +24,14 @@ namespace clothsim_ros {
 /// The services ~get_state, ~set_state, ~save_state, ~restore_state and ~untangle.
 class StateServices {
  public:
-  /// All given must outlive this, `paused`, which tells of the simulation, too. States may take
-  /// `save_limit` bytes together. `jumped` is called after another state was set, the frame number
-  /// with it.
+  /// All arguments must outlive this. `paused`: whether the simulation is. States may take
+  /// `save_limit` bytes together. `jumped` is called after another state was set, and its frame
+  /// number.
   StateServices(ros::NodeHandle&, clothsim::Simulator&, StepTargets&, FrameFollower&, Changes&,
                 std::uint64_t& frame_number, const bool& paused, std::uint64_t save_limit,
                 std::function<void()> jumped);
 
-  /// Forgets the states that were saved.
+  /// Deletes the saved states.
   void clear() {
     saved_.clear();
     saved_bytes_ = 0;
@@ -46,7 +46,8 @@ class StateServices {
     std::uint64_t bytes;
   };
 
-  /// Keeps it in place of one of that name. Throws InvalidValue where there is no room.
+  /// Stores an entry, and replaces one of the same name. Throws InvalidValue where there is no
+  /// room.
   void keep(const std::string& name, Entry);
 
   bool get(clothsim::GetState::Request&, clothsim::GetState::Response&);

@@ -15,30 +15,31 @@
 
 namespace clothsim_ros {
 
-/// Moves the tf frames that a call of ~step gives targets for. tf has them in time for each frame
-/// of simulation. Others hear of them when it is done, and with each one from then on, until
-/// another node moves them; who begins to listen later, hears of them at once.
+/// Moves the tf frames for which a call of ~step gives targets. tf gets them before each frame of
+/// simulation. They are broadcast after that frame and each later one, until another node moves
+/// them, and at once for a new subscriber.
 class StepTargets {
  public:
-  /// `tf` must outlive this. `node`: whose queue serves those who begin to listen.
+  /// `tf` must outlive this. `node`: its queue serves new subscribers.
   StepTargets(const ros::NodeHandle& node, TfListener& tf) : tf_(tf), node_(node) {}
 
-  /// Sets out for the targets of a call. `followed`: frames that something of the node follows; a
-  /// target that carries none of them is logged, once. Throws InvalidValue and changes nothing.
+  /// Starts towards the targets of a call. `followed`: frames used by the node; a target that
+  /// carries none of them is logged, once. Throws InvalidValue without a change.
   void set_targets(const clothsim::Step::Request&, const clothsim::Simulator&,
                    const std::vector<std::string>& followed);
 
-  /// Hands the poses at the end of the next frame of simulation to tf.
+  /// Passes the poses at the end of the next frame of simulation to tf.
   void advance();
 
-  /// Tells others of the poses after a frame of simulation, or a jump.
+  /// Broadcasts the poses after a frame of simulation, or a jump.
   void broadcast(const ros::Time& stamp);
 
-  /// The call has ended, also before its targets were reached. Frames stay where they are.
+  /// To be called at the end of a call, even before its targets are reached. Frames stay where they
+  /// are.
   void stop() { moving_.clear(); }
 
-  /// Frames that nobody else has moved since go back to where the scene has the collider that
-  /// follows them, others to where they began.
+  /// Moves frames that no other node has moved since back to the pose of their collider in the
+  /// scene, or else to their first pose.
   void reset(const clothsim::Scene&);
 
   using Saved = std::map<std::string, clothsim::FrameMotion>;
@@ -60,10 +61,10 @@ class StepTargets {
   TfListener& tf_;
   ros::NodeHandle node_;
   ros::Publisher publisher_;
-  Saved motions_;                                // of all frames that were ever told, by name
-  std::map<std::string, clothsim::Pose> begin_;  // where each was then
+  Saved motions_;                                // of all frames with targets so far, by name
+  std::map<std::string, clothsim::Pose> begin_;  // first pose of each
   std::vector<std::string> moving_;              // in this call
-  std::set<std::string> strangers_;              // that were told
+  std::set<std::string> strangers_;              // that were logged
   ros::Time stamp_;                              // of the last frame
 };
 

@@ -11,13 +11,13 @@
 
 namespace clothsim_ros {
 
-/// The forces within the cloth, on ~stress. Without a subscriber nothing is computed.
+/// The stress in the cloth, on ~stress. Without a subscriber nothing is computed.
 class StressTopic {
  public:
   /// The simulator must outlive this.
   StressTopic(ros::NodeHandle&, const clothsim::Simulator&, std::string world_frame);
 
-  /// Publishes those of the frame just simulated, number `step` since the scene's start.
+  /// Publishes the stress after the frame just simulated, number `step` since the scene's start.
   void publish(const ros::Time& stamp, std::uint64_t step) const;
 
  private:

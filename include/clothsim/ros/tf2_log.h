@@ -9,10 +9,10 @@
 
 namespace clothsim_ros {
 
-/// At most one warning of transforms that are ignored in so long a time.
+/// Least time between two warnings of ignored transforms.
 inline const ros::WallDuration warning_period(5);
 
-/// Takes to the log what tf2 says of transforms that it refuses, while this lives. tf2 says it of
+/// While it exists, tf2's messages on transforms that it refuses go to the log. tf2 has one for
 /// each, and a message may hold a hundred thousand.
 class Tf2Log : public console_bridge::OutputHandler {
  public:

@@ -8,7 +8,8 @@
 
 namespace clothsim_ros {
 
-/// Hears what is sent on /tf and /tf_static, and by whom: tf2's own listener takes all of it.
+/// Subscribes to /tf and /tf_static, with the sender of each message: tf2's own listener puts all
+/// transforms into its buffer.
 class TfSubscribers {
  public:
   using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;

@@ -4,9 +4,8 @@
 
 namespace clothsim_ros {
 
-/// Lets one message through in each period, from the first on. Goes by the computer's clock:
-/// ROS_WARN_THROTTLE goes by ROS time, which stands or jumps, and keeps silent until the first
-/// period of it is over.
+/// Passes one message in each period, beginning with the first message. By the computer's clock:
+/// ROS_WARN_THROTTLE uses ROS time, which may stand or jump, and is silent during the first period.
 class Throttle {
  public:
   explicit Throttle(const ros::WallDuration& period) : period_(period) {}
@@ -16,7 +15,7 @@ class Throttle {
 
  private:
   ros::WallDuration period_;
-  ros::SteadyTime next_;  // when one may pass again
+  ros::SteadyTime next_;  // time of the next pass
 };
 
 }  // namespace clothsim_ros

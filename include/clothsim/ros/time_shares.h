@@ -6,19 +6,19 @@
 
 namespace clothsim_ros {
 
-/// What a node's time goes into, as shares of the time that passes. For one thread.
+/// A node's use of time, as shares of the elapsed time. For one thread.
 class TimeShares {
  public:
   enum class Use { nothing, serving, simulating, publishing };
 
   struct Shares {
-    double serving = 0;     // calls and other callbacks, with what they wait for
+    double serving = 0;     // calls and other callbacks, including their waits
     double simulating = 0;  // CPU time
     double publishing = 0;  // CPU time
-    double kept = 0;        // from the CPU, by other work, while simulating and publishing
+    double kept = 0;        // kept from the CPU by other programs while simulating and publishing
   };
 
-  /// Time while it lives counts for `use`, but for that of a Scope inside.
+  /// Counts the time of its life for `use`, except that of a Scope inside.
   class Scope {
    public:
     Scope(TimeShares&, Use);
@@ -31,7 +31,7 @@ class TimeShares {
     Use outer_;
   };
 
-  /// Since the last call.
+  /// The shares since the last call.
   Shares take();
 
  private:
@@ -45,7 +45,7 @@ class TimeShares {
   Seconds& at(Use use) { return spent_[static_cast<size_t>(use)]; }
 
   Use use_ = Use::nothing;
-  Seconds charged_ = now();         // up to here time is counted
+  Seconds charged_ = now();         // time is counted up to here
   double start_ = charged_.wall;    // of the shares [s]
   std::array<Seconds, 4> spent_{};  // by Use, since start_
 };

@@ -6,10 +6,11 @@
 
 namespace clothsim_ros {
 
-/// Hands callbacks on to a queue, and counts the time in them as serving, whenever they are called.
+/// Passes callbacks on to a queue, and counts the time in them as serving.
 class TimedCallbacks : public ros::CallbackQueueInterface {
  public:
-  /// Both must outlive this and the callbacks. Those are to be called in the thread of `time`.
+  /// Both must outlive this and the callbacks. The callbacks must be called in the thread of
+  /// `time`.
   TimedCallbacks(ros::CallbackQueueInterface& queue, TimeShares& time)
       : queue_(queue), time_(time) {}
 

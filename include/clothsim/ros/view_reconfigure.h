@@ -11,23 +11,23 @@
 
 namespace clothsim_ros {
 
-/// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider
-/// and ~light, which all cameras see; ~viewpoint of ~camera, ~camera_NAME/viewpoint of others.
-/// Changes hold from the next picture on. A thread of its own serves them, so that the simulation
-/// does not wait while images are read.
+/// The view that dynamic_reconfigure changes: ~shading/cloth, ~shading/NAME for each collider and
+/// ~light, which all cameras share; ~viewpoint of ~camera, ~camera_NAME/viewpoint of others.
+/// Changes take effect with the next picture. They have a thread of their own, so that the
+/// simulation does not wait while images are read.
 class ViewReconfigure {
  public:
   /// Starts from the cameras' views. The cameras must outlive this.
   ViewReconfigure(const ros::NodeHandle&, Cameras&, const clothsim::Scene&);
   ~ViewReconfigure();
 
-  /// Of the values, below the node's, such as "light/intensity".
+  /// The names of the values, below the node's, such as "light/intensity".
   const std::vector<std::string>& names() const;
 
-  /// Those that differ from the start's, as "light/intensity 3".
+  /// The values that differ from the start's, as "light/intensity 3".
   std::vector<std::string> changed();
 
-  /// Takes back what requests have changed; may read images. Throws what the cameras throw.
+  /// Undoes the changes of requests; may read images. Throws the exceptions of the cameras.
   void reset();
 
  private:

@@ -13,15 +13,15 @@
 
 namespace clothsim_ros {
 
-/// Sets the mean wind from ~wind, a velocity [m/s] in any tf frame: only the frame's orientation
-/// counts, as it is when the message comes. An empty frame is the world's. What it takes stands in
-/// ~changes. Logs what it refuses: a frame without a transform, numbers out of range.
+/// Sets the mean wind from ~wind, a velocity [m/s] in any tf frame: only the frame's orientation at
+/// the time of arrival counts. An empty frame is the world's. Accepted messages are published on
+/// ~changes, refused ones are logged: a frame without a transform, numbers out of range.
 class WindListener {
  public:
   /// All must outlive this.
   WindListener(ros::NodeHandle&, clothsim::Simulator&, TfListener&, Changes&);
 
-  /// Tells ~changes of the wind that was heard last, where that still holds.
+  /// Publishes the last wind received on ~changes, where it is still in effect.
   void tell() const;
 
  private:
@@ -30,7 +30,7 @@ class WindListener {
   clothsim::Simulator& simulator_;
   TfListener& tf_;
   Changes& changes_;
-  std::optional<clothsim::Vector3> heard_;  // last [m/s]
+  std::optional<clothsim::Vector3> heard_;  // the last one received [m/s]
   Throttle warnings_{warning_period};
   ros::Subscriber subscriber_;
 };

@@ -11,16 +11,17 @@
 
 namespace clothsim {
 
-/// A frame that is told where to be some frames of simulation later.
+/// A frame that reaches its target some frames of simulation later.
 class FrameMotion {
  public:
   explicit FrameMotion(const Pose& pose = {}, const Twist& twist = {})
       : pose_(pose), twist_(twist), way_(pose) {}
 
-  /// Sets out for `target`, to be there after `frames` frames of `frame_duration` [s] each.
+  /// Starts towards `target`, to arrive after `frames` frames of `frame_duration` [s] each.
   void set_target(const FrameTarget& target, int frames, double frame_duration);
 
-  /// Goes on to the end of the next frame of simulation. Once there it stays, at rest.
+  /// Advances to the end of the next frame of simulation and returns the pose there. After its
+  /// arrival the frame is at rest.
   const Pose& advance();
 
   bool has_arrived() const { return done_ == frames_; }
@@ -37,33 +38,33 @@ class FrameMotion {
   Pose pose_;
   Twist twist_;
   PoseWay way_;
-  int frames_ = 0;  // of the way
-  int done_ = 0;    // of those
+  int frames_ = 0;  // until the target
+  int done_ = 0;    // of `frames_`
 };
 
-/// Frames that a program moves, without tf, and with them what follows them in a simulator: its
-/// colliders, pins and attached points. A frame that is new starts where its target says, else
-/// where its collider or what is attached to it is, else at the target itself. Pins keep the offset
-/// that they have in it then. Belongs to one simulator; a copy that is taken together with
-/// Simulator::save() goes on to the same bits.
+/// Frames that a program moves, without tf, with their followers in a simulator: colliders, pins
+/// and attached points. A new frame starts at the start in its target, else at its collider or
+/// attached points, else at the target itself. Pins keep the offset that they have in the frame
+/// then. Belongs to one simulator; a copy taken together with Simulator::save() continues with the
+/// same bits.
 class DrivenFrames {
  public:
-  /// Has frames, by name, be at their targets after `frames` >= 1 frames of simulation. Where a
-  /// target has a start, what follows is put there at once. Throws InvalidValue and changes
-  /// nothing; keys begin with the frame.
+  /// Moves frames, by name, to their targets within `frames` >= 1 frames of simulation. Where a
+  /// target has a start, the followers are put there at once. Throws InvalidValue without a change;
+  /// keys begin with the frame.
   void set_targets(const std::map<std::string, FrameTarget>& targets, int frames, Simulator&);
 
-  /// Puts a frame at a pose, with what follows it. It has `twist` for the next set_targets().
-  /// Throws InvalidValue and changes nothing.
+  /// Puts a frame and its followers at a pose. `twist` is the frame's velocity at the start of the
+  /// next set_targets(). Throws InvalidValue without a change.
   void place(const std::string& frame, const Pose&, const Twist&, Simulator&);
 
-  /// Hands the next poses to the simulator: to be called before each Simulator::step().
+  /// Passes the next poses to the simulator: to be called before each Simulator::step().
   void move(Simulator&);
 
-  /// Where the frame is; null for one that was never told.
+  /// The pose of the frame; null for one without a target so far.
   const Pose* pose(const std::string& frame) const;
 
-  /// To be called when the simulator was reset or loaded anew.
+  /// To be called after the simulator was reset or loaded.
   void reset() { driven_.clear(); }
 
   /// For an archive that writes or reads its arguments.
@@ -99,11 +100,11 @@ class DrivenFrames {
   std::map<std::string, Driven> driven_;  // by frame
 };
 
-/// Where the points attached to a frame say that it is, else the first collider that follows it;
-/// empty: neither is there.
+/// The pose of a frame by the points attached to it, else by the first collider that follows it;
+/// empty: there is neither.
 std::optional<Pose> followed_pose(const std::string& frame, const Simulator&);
 
-/// The frames that something of the scene follows, or points are attached to.
+/// The frames that the scene's colliders and pins follow, or that points are attached to.
 std::vector<std::string> followed_frames(const Simulator&);
 
 }  // namespace clothsim

@@ -12,24 +12,24 @@
 
 namespace clothsim {
 
-/// Plays the motions of a scene. Times are rounded to whole frames of simulation, and a frame moves
-/// from key frame to key frame as DrivenFrames has it, which is as ~step has it. The first one is
-/// reached from where the frame is at the start; at time 0 the frame is put there.
+/// Plays the motions of a scene. Times are rounded to whole frames of simulation. A frame moves
+/// from key frame to key frame by DrivenFrames, as with ~step. It starts towards the first one from
+/// its pose at the start; a key frame at time 0 puts the frame there.
 class MotionPlayer {
  public:
-  /// Files are looked for from `folder` on. Throws InvalidValue with keys from {"motions"} on, also
-  /// for two key frames of one frame within one frame of simulation.
+  /// Paths of files are relative to `folder`. Throws InvalidValue with keys from {"motions"} on,
+  /// also for two key frames of one frame within one frame of simulation.
   MotionPlayer(const Simulator&, const std::filesystem::path& folder);
 
-  /// Does what is due before the next frame: to be called before each Simulator::step(). Throws
-  /// InvalidValue where the cloth does not have what an entry asks for.
+  /// Applies the entries due before the next frame: to be called before each Simulator::step().
+  /// Throws InvalidValue where an entry does not fit the cloth.
   void play(Simulator&);
 
-  /// When the last entry has its effect [s].
+  /// Time at which the last entry takes effect [s].
   double duration() const { return duration_; }
 
-  /// How far it has come, for an archive that writes or reads its arguments. The motions
-  /// themselves are the scene's.
+  /// The progress, for an archive that writes or reads its arguments. The motions themselves are
+  /// part of the scene.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(driven_, events_.next, frame_);
@@ -37,7 +37,7 @@ class MotionPlayer {
   }
 
  private:
-  /// An entry of the scene, before the frame of simulation that it comes before.
+  /// An entry of the scene, and the frame of simulation that it precedes.
   template <class Action>
   struct Due {
     long long frame;
@@ -49,7 +49,7 @@ class MotionPlayer {
     std::vector<Due<Action>> entries;  // by time
     std::size_t next = 0;
 
-    std::size_t sort_in(Due<Action>);  // returns its place
+    std::size_t sort_in(Due<Action>);  // returns its index
   };
 
   void sort_in(const Simulator&, const MotionEntry&, std::size_t item);

@@ -6,20 +6,20 @@
 
 namespace clothsim {
 
-/// The way of a frame from one pose to another. Without a twist at its end the origin moves in a
+/// The trajectory of a frame between two poses. Without a twist at its end, the origin moves in a
 /// straight line at constant speed, and the frame turns at constant speed by at most half a turn
-/// (slerp). With one, position and rotation vector are cubics (Hermite) that begin and end with the
-/// given twists, so that the velocity is continuous from one way to the next.
+/// (slerp). With one, position and rotation vector are cubics (Hermite) with the given twists at
+/// both ends, so that consecutive trajectories have a continuous velocity.
 class PoseWay {
  public:
   /// Stays at `pose`.
   explicit PoseWay(const Pose& pose) : start_(pose), end_(pose) {}
 
-  /// Of `duration` > 0 [s]. `start_twist` counts where there is one at the end.
+  /// `duration` > 0 [s]. `start_twist` is used where `end_twist` is given.
   PoseWay(const Pose& start, const Twist& start_twist, const Pose& end,
           const std::optional<Twist>& end_twist, double duration);
 
-  /// At a share from 0 to 1 of the duration. At 1 the end, to the last bit.
+  /// The pose at a share from 0 to 1 of the duration. At 1 the end, to the last bit.
   Pose pose_at(double share) const;
   Twist twist_at(double share) const;
 
@@ -32,8 +32,8 @@ class PoseWay {
   }
 
  private:
-  /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1, even where `first`
-  /// and `last`, by which its slopes there differ from d, are 0.
+  /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1. `first` and `last`:
+  /// differences of the slopes there from d, which may be 0.
   struct Cubic {
     Vector3 way{0, 0, 0};
     Vector3 first{0, 0, 0};

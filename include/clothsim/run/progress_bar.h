@@ -4,11 +4,11 @@
 
 namespace clothsim {
 
-/// A bar on standard error for a long run. Says nothing where standard error is not a terminal.
+/// A bar on standard error for a long run. Silent where standard error is not a terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(long long total);
-  ~ProgressBar();  // takes the bar away
+  ~ProgressBar();  // removes the bar
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 

@@ -7,13 +7,14 @@
 
 namespace clothsim {
 
-/// Greatest depth of a point or triangle of the cloth in a collider [m], 0 where none is: how far
-/// it must move to be out. A two-sided plane has no inside.
+/// Greatest depth of a point or triangle of the cloth in a collider [m], 0 where there is none: the
+/// distance that it must move to be out. A two-sided plane has no inside.
 double deepest_penetration(const Simulator&);
 
-/// What a whole run did. Cost counts the steps alone, without setting up and writing files.
+/// Statistics of a whole run. Times are those of the steps alone, without setup and writing of
+/// files.
 struct RunReport {
-  /// Counts a frame in.
+  /// Adds a frame.
   void add(const StepReport&);
 
   std::string scene;                   // file
@@ -22,15 +23,15 @@ struct RunReport {
   double wall_seconds = 0;
   double cpu_seconds = 0;  // of all threads
   StepReport last_frame;
-  int recoveries = 0;       // frames taken back and tried again
+  int recoveries = 0;       // frames undone and repeated
   long long ran_out = 0;    // substeps whose method stopped iterating before its tolerance
   long long held_back = 0;  // moves of points cut short, summed over the steps
-  int pinched = 0;          // points that two colliders left no room, most at once
-  int pinched_point = -1;   // one of them
-  std::string error;        // that ended it; the simulator then holds the last good frame
+  int pinched = 0;          // pinched points, most at once
+  int pinched_point = -1;   // the number of one of them
+  std::string error;        // that ended the run; the simulator then holds the last good frame
 };
 
-/// The report of a run that left `simulator` as it is, as YAML in SI units.
+/// The report of a run that ended in the state of `simulator`, as YAML in SI units.
 std::string to_yaml(const RunReport&, const Simulator& simulator);
 
 }  // namespace clothsim

@@ -6,14 +6,14 @@
 
 namespace clothsim {
 
-/// Where the cloth lies on a collider.
+/// Contact of the cloth with a collider.
 struct Touch {
-  int count = 0;            // of points, and of triangles that touch with none of their corners
-  Vector3 middle{0, 0, 0};  // mean of these places [m]; the origin where there is none
+  int count = 0;            // points, and triangles in contact between their corners
+  Vector3 middle{0, 0, 0};  // mean position of the contacts [m]; the origin without contacts
 };
 
-/// One for each collider, by the state as it is: what is within 0.1 mm of where contact holds it.
-/// Nothing touches a collider that is off.
+/// The touch of each collider in the present state: points and triangles within 0.1 mm of the
+/// contact distance. None for a disabled collider.
 std::vector<Touch> find_touches(const Simulator&);
 
 }  // namespace clothsim

@@ -16,8 +16,8 @@ ColliderSpec read_collider(const YAML::Node&, const SceneSources&);
 Shape padded(const Shape&, double padding);
 
 /// Reads one item of a scene's list `robots`: adds a collider for each collision of the links it
-/// names, called ROBOT/LINK, that follows the link's frame. What cannot be used is left out, with a
-/// line in scene.left_out. Throws InvalidValue for keys, a URDF that is none, an unknown link.
+/// names, called ROBOT/LINK, that follows the link's frame. Unusable collisions are left out, with
+/// a line in scene.left_out. Throws InvalidValue for keys, an invalid URDF, an unknown link.
 void read_robot(const YAML::Node&, const SceneSources&, Scene&);
 
 }  // namespace clothsim

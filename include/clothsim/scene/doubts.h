@@ -9,9 +9,9 @@
 
 namespace clothsim {
 
-/// What of a scene is valid and hardly meant, each a line for a log with what may have been meant:
-/// angles in degrees, sizes in centimetres, a cloth that starts in a collider. `root` is what the
-/// scene was read from.
+/// Valid values of a scene that are probably mistakes, each as a line for a log with the probable
+/// meaning: angles in degrees, sizes in centimetres, a cloth that starts in a collider. `root`: the
+/// scene's YAML.
 std::vector<std::string> doubts(const YAML::Node& root, const Scene&);
 
 }  // namespace clothsim

@@ -11,26 +11,26 @@
 
 namespace clothsim {
 
-/// The keys of a cloth that say what it is made of, in a scene or in a fabric's file. Those that a
-/// classic cloth has too:
+/// The keys of a cloth's material, in a scene or in a fabric's file. The keys that a classic cloth
+/// has, too:
 std::vector<Field> material_fields(ClothSpec&);
 
-/// Those of a fabric.
+/// The keys of a fabric.
 std::vector<Field> fabric_fields(Fabric&);
 
-/// Those of a material that may change while a cloth moves.
+/// The keys of a material that may change during the simulation.
 std::vector<Field> live_fields(Material&);
 
 /// Whether the map of a cloth in a scene names a fabric, or one of its values.
 bool names_fabric(const YAML::Node& cloth);
 
-/// Makes `cloth` a fabric as its map in a scene begins: without drag rate and strain limit, then
-/// with the values of the file that the key `fabric` names. Throws InvalidValue for a map that has
-/// `ks` too, and for the file's mistakes.
+/// Makes `cloth` a fabric before its map in a scene is read: without drag rate and strain limit,
+/// then with the values of the file that the key `fabric` names. Throws InvalidValue for a map that
+/// has `ks`, too, and for errors in the file.
 void start_fabric(const YAML::Node& map, const std::filesystem::path& folder, ClothSpec& cloth);
 
-/// The file of a fabric: a path that ends in .yaml, from `folder` on, or a name in config/fabrics
-/// of the package. Throws InvalidValue, with the names that there are.
+/// The file of a fabric: a path that ends in .yaml, relative to `folder`, or a name in
+/// config/fabrics of the package. Throws InvalidValue, which lists the names.
 std::string fabric_file(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace clothsim

@@ -6,9 +6,9 @@
 
 namespace clothsim {
 
-/// What of a scene no live value of the node changes, one "key: value" a line: two scenes of equal
-/// texts run alike once their live values are equal. Of a mesh it has the file's name alone, as
-/// that may lie elsewhere on another computer.
+/// The values of a scene that are not live values of the node, one "key: value" a line: two scenes
+/// with equal texts run alike once their live values are equal. For a mesh only the file's name, as
+/// its folder may differ on another computer.
 std::string fixed_values(const Scene&);
 
 }  // namespace clothsim

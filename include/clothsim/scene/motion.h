@@ -12,20 +12,20 @@ namespace clothsim {
 
 struct LiveSpec;
 
-/// How fast a frame moves, in the world.
+/// Velocity of a frame, in the world.
 struct Twist {
   Vector3 linear{0, 0, 0};   // of its origin [m/s]
   Vector3 angular{0, 0, 0};  // [rad/s]
 };
 
-/// Where a frame is to be.
+/// A pose for a frame to move to.
 struct FrameTarget {
   Pose pose;
-  std::optional<Twist> twist = {};  // that it arrives with; empty: it moves evenly
-  std::optional<Pose> start = {};   // empty: from where it is
+  std::optional<Twist> twist = {};  // at the target; empty: constant velocity on the way
+  std::optional<Pose> start = {};   // empty: the present pose
 };
 
-/// A frame is at a pose.
+/// A frame is at a pose at a time.
 struct KeyFrame {
   std::string frame;
   FrameTarget target;  // without a start
@@ -37,19 +37,19 @@ struct KeyFrameFile {
   std::string file;  // relative to the folder of the scene
 };
 
-/// Points follow a frame from now on, as by Simulator::attach().
+/// Points follow a frame from this time on, as by Simulator::attach().
 struct AttachPoints {
   std::string frame;
-  std::vector<int> points;           // empty: those free within `radius` of the frame
+  std::vector<int> points;           // empty: the free points within `radius` of the frame
   double radius = 0;                 // [m]
   std::optional<double> tear_force;  // [N]
   std::optional<double> strength;    // [N]
 };
 
-/// A frame lets go.
+/// A frame releases points.
 struct DetachPoints {
   std::string frame;
-  std::vector<int> points;  // empty: of all
+  std::vector<int> points;  // empty: all
 };
 
 struct SwitchCollider {
@@ -57,7 +57,7 @@ struct SwitchCollider {
   bool enabled = true;
 };
 
-/// Values that change from now on. Throws InvalidValue for what is none of the scene's.
+/// Values that change from this time on. Throws InvalidValue for values the scene does not have.
 struct ChangeValues {
   std::function<void(LiveSpec&)> change;
 };
@@ -65,9 +65,9 @@ struct ChangeValues {
 using MotionAction =
     std::variant<KeyFrame, KeyFrameFile, AttachPoints, DetachPoints, SwitchCollider, ChangeValues>;
 
-/// What happens in a run without anybody there.
+/// A scheduled event of a run.
 struct MotionEntry {
-  double time = 0;  // [s] from the start of the run; of no meaning for a file
+  double time = 0;  // [s] from the start of the run; without meaning for a file
   MotionAction action;
 };
 

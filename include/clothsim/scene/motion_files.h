@@ -8,8 +8,8 @@
 
 namespace clothsim {
 
-/// Reads key frames from a .csv or .npz file: times [s], places [m], and orientations where it has
-/// them. Throws InvalidValue with the path as key.
+/// Reads key frames from a .csv or .npz file: times [s], positions [m], and orientations if there
+/// are any. Throws InvalidValue with the path as key.
 std::vector<MotionEntry> read_key_frames(const std::filesystem::path&, const std::string& frame);
 
 }  // namespace clothsim

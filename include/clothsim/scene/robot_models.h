@@ -8,7 +8,7 @@
 
 namespace clothsim {
 
-/// A robot of a scene as one who moves its joints has it: the frame of each link is called PREFIX
+/// A robot of a scene, for programs that move its joints: the frame of each link is called PREFIX
 /// and the link's name.
 struct RobotModel {
   std::string name;
@@ -17,7 +17,7 @@ struct RobotModel {
   Kinematics kinematics;
 };
 
-/// Those of a scene's YAML that read_scene() has taken. Throws InvalidValue.
+/// The robots in the YAML of a scene that read_scene() has accepted. Throws InvalidValue.
 std::vector<RobotModel> read_robot_models(const YAML::Node& scene, const SceneSources&);
 
 }  // namespace clothsim

@@ -16,55 +16,55 @@
 
 namespace clothsim {
 
-/// Substeps that a frame may have: with more it takes minutes.
+/// Range of the substeps in a frame: with more a frame takes minutes.
 inline constexpr Range substeps_range{1, 10'000, ""};
 inline constexpr int max_substeps = static_cast<int>(substeps_range.max);
 
-/// Threads that may compute.
+/// Range of the number of threads.
 inline constexpr Range threads_range{1, 64, ""};
 
-/// Most colliders: their ids in the mask image go from 2 to that of the last byte.
+/// Most colliders: their ids in the mask image are a byte, from 2 on.
 inline constexpr std::size_t max_colliders = std::numeric_limits<std::uint8_t>::max() - 1;
 
-/// Most bytes of a scene's file, or of a robot's: far above any.
+/// Most bytes of a scene's file, or of a robot's: far above any real one.
 inline constexpr std::size_t max_file_size = 16'000'000;
 
-/// Characters of what a user wrote, or items of a list, that a message repeats. A path of more keys
-/// could not be told, and no value of a scene or a view lies as deep.
+/// Longest part of a user's text [characters], or of a list, that a message repeats. Deeper paths
+/// of keys could not be shown, and no value of a scene or a view lies as deep.
 inline constexpr std::size_t longest_shown = 40;
 
-/// What is written with some digits may be off by so much, of its size or [m]; a direction or a
-/// quaternion that is shorter is none.
+/// Allowed rounding of numbers in text, relative to their size or in [m]; a shorter direction or
+/// quaternion is invalid.
 inline constexpr double written_rounding = 1e-6;
 
-/// Positions [m] and velocities [m/s] beyond are no cloth's. Single precision still holds them, so
-/// whatever shows a good state can.
+/// Range of positions [m] and velocities [m/s] of a cloth. Single precision can represent them, so
+/// any valid state can be shown.
 inline constexpr Range place_range{-1e12, 1e12, "m"};
 
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
-  std::optional<Vector3> wind;      // [m/s], the mean; empty: there is no air but for gusts
-  double gusts = 0;                 // [m/s] most that each component of the wind is off the mean
+  std::optional<Vector3> wind;      // [m/s], the mean; empty: no air, except for gusts
+  double gusts = 0;                 // [m/s] largest deviation of each component from the mean
   double frames_per_second = 90;    // [Hz]
-  std::optional<int> substeps;      // a frame; empty: as many as the method needs
-  double strain_tolerance = 0.004;  // stretch allowed over cloth.strain_limit, of the rest length
-  double tolerance = 1e-3;          // error of positions that `auto` aims at, of the cloth's size
+  std::optional<int> substeps;      // per frame; empty: as many as the method needs
+  double strain_tolerance = 0.004;  // allowed strain above cloth.strain_limit, of the rest length
+  double tolerance = 1e-3;          // position error allowed for `auto`, of the cloth's size
   std::string method = "auto";      // or a name of method_names()
   MethodParameters method_parameters;  // of that method; none: its defaults
   std::uint64_t seed = 1;
-  int threads = 1;  // that compute; the same bits from any number
+  int threads = 1;  // the results do not depend on their number
 };
 
-/// All that defines a simulation. Equal scenes give equal bits.
+/// The full definition of a simulation. Equal scenes give equal bits.
 struct Scene {
   ClothSpec cloth;
   std::vector<ColliderSpec> colliders;
   SimulationSpec simulation;
-  std::vector<std::string> left_out;  // of robots, and why: for a log; no part of what is simulated
+  std::vector<std::string> left_out;  // unusable parts of robots, and why: for a log; not simulated
   std::vector<MotionEntry> motions;   // for a MotionPlayer; a simulator itself does not play them
 };
 
-/// What of a scene may change between two frames.
+/// Values of a scene that may change between two frames.
 struct LiveSpec {
   Material material;
   double thickness;  // these three as in ClothSpec
@@ -82,21 +82,21 @@ void check_method(const std::string& method);
 /// Throws InvalidValue with the key {"orientation"} unless it is a unit quaternion.
 void check_orientation(const Eigen::Quaterniond&);
 
-/// Throw InvalidValue for what is beyond place_range, or not finite; for orientations that are no
-/// unit quaternion.
+/// Throw InvalidValue for values beyond place_range, or not finite; for orientations that are not
+/// unit quaternions.
 void check_place(const Vector3&);
 void check_place(const Pose&);
 
 /// Throws InvalidValue, keys relative to the target, such as {"position", "0"}, for numbers that
-/// are not finite, places beyond 1e12 m, speeds beyond 1e6 m/s or rad/s and orientations that are
-/// no unit quaternion.
+/// are not finite, positions beyond 1e12 m, speeds beyond 1e6 m/s or rad/s and orientations that
+/// are not unit quaternions.
 void check(const FrameTarget&);
 
 /// Throws InvalidValue with keys relative to the simulation, such as {"method"}.
 void validate(const SimulationSpec&);
 
-/// Throws InvalidValue with keys as of read_live_values(), such as {"collider_friction", "ball"};
-/// of the material alone, without what it takes to be that of a cloth of some size.
+/// Throws InvalidValue with keys as of read_live_values(), such as {"collider_friction", "ball"}.
+/// The material is checked by itself, without the size of the cloth.
 void validate(const LiveSpec&);
 /// Throws InvalidValue with keys relative to the collider, such as {"radius"}.
 void validate(const ColliderSpec&);

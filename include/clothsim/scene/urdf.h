@@ -10,16 +10,16 @@
 
 namespace clothsim {
 
-/// The links of a robot with their collision geometries, as a URDF has them.
+/// The links of a robot with their collision geometries, as in a URDF.
 struct Urdf {
   struct Mesh {
-    std::string file;        // as the URDF names it
-    Vector3 scale{1, 1, 1};  // metres a unit of the file
+    std::string file;        // as in the URDF
+    Vector3 scale{1, 1, 1};  // [m] per unit of the file
   };
   struct Collision {
     Pose origin;  // in the link's frame
     std::variant<Sphere, Cuboid, Cylinder, Capsule, Mesh> geometry;
-    std::string fault;  // why it cannot be used; empty: it can
+    std::string fault;  // why it cannot be used; empty: usable
   };
   struct Link {
     std::string name;
@@ -28,22 +28,22 @@ struct Urdf {
   };
 
   struct Mimic {
-    std::string joint;  // that it follows
+    std::string joint;  // the joint that this one follows
     double multiplier = 1;
     double offset = 0;
   };
   struct Joint {
     std::string name;
-    std::string type;  // as the URDF names it
+    std::string type;  // as in the URDF
     std::string parent;
     std::string child;
     Pose origin;            // in the parent's frame
     Vector3 axis{1, 0, 0};  // in the joint's frame
     std::optional<Range> limit;
     std::optional<Mimic> mimic;
-    std::string fault;  // why it cannot be moved; empty: it can, if its type does
+    std::string fault;  // why it cannot be moved; empty: movable, if its type is
 
-    /// Other types stay where they are.
+    /// Other types are fixed.
     bool moves() const { return type == "revolute" || type == "continuous" || type == "prismatic"; }
   };
 
@@ -52,10 +52,10 @@ struct Urdf {
   std::vector<Joint> joints;
 };
 
-/// Reads the text of a URDF, of which links, their collisions and the tree of joints count. What is
-/// wrong with one collision, or with how a joint moves, is its fault; throws InvalidValue, without
-/// a key, for what is no URDF: other text, links without a name or of one name, joints to no link
-/// or around in a circle.
+/// Reads the links, their collisions and the tree of joints from the text of a URDF. An error in
+/// one collision, or in the motion of a joint, goes into its `fault`. Throws InvalidValue, without
+/// a key, for text that is no URDF, links without a name or with equal names, joints to unknown
+/// links or in a cycle.
 Urdf read_urdf(const std::string& text);
 
 }  // namespace clothsim

@@ -12,12 +12,12 @@
 #include "clothsim/model/types.h"
 
 // Strict readers of single YAML values. All throw InvalidValue for a wrong type, with a key
-// relative to the node they are given. A quoted scalar is text, never a number or a switch; where
-// nodes are made by a program, the tag "!" says the same as quotes.
+// relative to the node they are given. A quoted scalar is text, never a number or a switch; in
+// nodes made by a program, the tag "!" has the same meaning as quotes.
 
 namespace clothsim {
 
-/// `expected` is for the message, where more than a number is allowed.
+/// `expected`: for the message, where other values are allowed, too.
 double read_number(const YAML::Node&, const std::string& expected = "a finite number");
 std::int64_t read_integer(const YAML::Node&, std::int64_t min, std::int64_t max,
                           const std::string& expected = "a whole number");
@@ -37,26 +37,26 @@ std::string describe(const YAML::Node&);
 
 using ReadValue = std::function<void(const YAML::Node&)>;
 
-/// A key that a map may have, and what to do with its value.
+/// A key that a map may have, and the reader of its value.
 struct Field {
   std::string key;
   ReadValue read;
 };
 
-/// Reads each key that the map has. Throws for a key twice or one that is not among `fields`.
+/// Reads each key of the map. Throws for a repeated key or one that is not among `fields`.
 void read_map(const YAML::Node&, const std::vector<Field>& fields);
 
 /// Reads each item of a list; keys are "0", "1" and so on.
 void read_list(const YAML::Node&, const std::function<void(const YAML::Node&)>& read_item);
 
-/// Stores what is read in `target`, which must outlive the reader.
+/// Stores the value in `target`, which must outlive the reader.
 ReadValue into(double& target);
 ReadValue into(int& target);
 ReadValue into(std::uint64_t& target);
 ReadValue into(bool& target);
 ReadValue into(std::string& target);
 ReadValue into(Vector3& target);
-ReadValue into(std::array<double, 2>& target);  // a list of two numbers, or a number for both
+ReadValue into(std::array<double, 2>& target);  // a list of two numbers, or one number for both
 ReadValue into(std::optional<double>& target);  // a number, or off: empty
 
 }  // namespace clothsim

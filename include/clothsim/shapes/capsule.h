@@ -4,13 +4,13 @@
 
 namespace clothsim {
 
-/// All within `radius` of the z axis of its own frame from -length / 2 to length / 2.
+/// All points within `radius` of the z axis of its own frame from -length / 2 to length / 2.
 struct Capsule {
   static constexpr const char* name = "capsule";
   double length = 0.4;  // [m] between the centres of its round ends
   double radius = 0.1;  // [m]
 
-  // What shape.h asks of each.
+  // Members that shape.h requires.
   static constexpr bool is_convex = true;
   bool operator==(const Capsule& c) const { return length == c.length && radius == c.radius; }
   double safe_depth() const { return radius / 2; }

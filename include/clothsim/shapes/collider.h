@@ -23,12 +23,12 @@ inline Vector3 to_world(const Pose& pose, const Vector3& local) {
   return pose.position + pose.orientation * local;
 }
 
-/// The pose of what is at `inner` in a frame at `outer`.
+/// The pose in the world of a frame at `inner` in a frame at `outer`.
 inline Pose operator*(const Pose& outer, const Pose& inner) {
   return {to_world(outer, inner.position), outer.orientation * inner.orientation};
 }
 
-/// The pose of a frame in which something at `pose` of the world is at `inner`.
+/// The pose of a frame in which `pose` of the world is `inner`.
 inline Pose frame_of(const Pose& pose, const Pose& inner) {
   const Eigen::Quaterniond turn = pose.orientation * inner.orientation.conjugate();
   return {pose.position - turn * inner.position, turn};
@@ -38,10 +38,10 @@ inline Pose frame_of(const Pose& pose, const Pose& inner) {
 struct ColliderSpec {
   std::string name;
   Shape shape = Sphere{0.2};
-  Pose pose;            // of its frame in the world, until something moves that
+  Pose pose;            // of its frame in the world at the start
   double friction = 0;  // Coulomb's coefficient, static and dynamic
   std::string frame;    // tf frame that carries the shape; empty: fixed
-  bool enabled = true;  // off: it touches nothing
+  bool enabled = true;  // false: no contact
   Pose offset = {};     // of the shape in its frame
 };
 

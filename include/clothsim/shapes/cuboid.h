@@ -9,14 +9,14 @@ struct Cuboid {
   static constexpr const char* name = "box";
   Vector3 size{0.4, 0.4, 0.4};  // [m]
 
-  // What shape.h asks of each.
+  // Members that shape.h requires.
   static constexpr bool is_convex = true;
   bool operator==(const Cuboid& other) const { return size == other.size; }
   double safe_depth() const { return size.minCoeff() / 4; }
   double bounding_radius() const { return size.norm() / 2; }
   double corner_distance(double, double) const { return std::numeric_limits<double>::infinity(); }
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
-    // Beyond the faces on its side.
+    // Distances beyond the faces on the point's side.
     const double bx = std::abs(x) - size.x() / 2;
     const double by = std::abs(y) - size.y() / 2;
     const double bz = std::abs(z) - size.z() / 2;
@@ -27,7 +27,7 @@ struct Cuboid {
     const double s = r > 0 ? r : 1;
     const bool inside = nearest <= 0;
 
-    // Inside, along the first axis of those nearest.
+    // Inside: along the first of the axes with the nearest face.
     const double ax = bx >= yz ? 1.0 : 0.0;
     const double ay = bx >= yz ? 0.0 : (by >= bz ? 1.0 : 0.0);
     const double az = 1 - ax - ay;

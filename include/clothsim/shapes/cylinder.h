@@ -4,14 +4,14 @@
 
 namespace clothsim {
 
-/// All within `radius` of the z axis of its own frame, with flat ends at -length / 2 and length
-/// / 2.
+/// All points within `radius` of the z axis of its own frame, with flat ends at -length / 2 and
+/// length / 2.
 struct Cylinder {
   static constexpr const char* name = "cylinder";
   double length = 0.4;  // [m]
   double radius = 0.1;  // [m]
 
-  // What shape.h asks of each.
+  // Members that shape.h requires.
   static constexpr bool is_convex = true;
   bool operator==(const Cylinder& c) const { return length == c.length && radius == c.radius; }
   double safe_depth() const { return (radius < length / 2 ? radius : length / 2) / 2; }
@@ -20,7 +20,7 @@ struct Cylinder {
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
     const double rho = std::sqrt(x * x + y * y);
     const double scale = rho > 0 ? rho : 1;
-    // Beyond its side and the end on this side.
+    // Distances beyond the side and beyond the end on the point's side.
     const double br = rho - radius;
     const double bz = std::abs(z) - length / 2;
     const double nearest = br > bz ? br : bz;

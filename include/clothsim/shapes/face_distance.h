@@ -5,24 +5,24 @@
 namespace clothsim {
 
 /// Distance between a solid and a triangle in the solid's own frame; empty where it is more than
-/// `reach` [m]. A plane bounds its corners alone: always empty.
+/// `reach` [m]. Always empty for a plane: there the triangle's corners are enough.
 ///
-/// Out of a polyhedron the shortest way is along the normal of one of its faces or of the triangle,
-/// or square to an edge of each (Gottschalk, Lin & Manocha 1996, "OBBTree"); round shapes are a
-/// point or a line with a radius.
+/// The shortest way out of a polyhedron is along the normal of one of its faces or of the triangle,
+/// or perpendicular to an edge of each (Gottschalk, Lin & Manocha 1996, "OBBTree"); round shapes
+/// are a point or a line with a radius.
 std::optional<FaceDistance> face_distance(const Shape&, const Triangle&, double reach);
 
-/// Where a line of the shape, an edge of a box or the axis of a capsule, comes as near to the edges
+/// Where a line of the shape (an edge of a box, the axis of a capsule) comes as near to the edges
 /// of a triangle, between their ends: distances along the normal of `nearest`, by edge, each from
-/// corner i to i + 1. A triangle that lies on such a line touches it at two of them.
+/// corner i to i + 1. A triangle that lies on such a line touches it at two of its edges.
 std::array<std::optional<FaceDistance>, 3> edges_along(const Shape&, const Triangle&,
                                                        const FaceDistance& nearest, double reach);
 
-/// False where, within `reach` [m], the triangle can touch the shape with nothing but its corners,
-/// as on the middle of a box's face or far away. Quick.
+/// False where, within `reach` [m], the triangle can touch the shape with its corners alone, as on
+/// the middle of a box's face, or not at all. Quick.
 bool touches_between_corners(const Shape&, const Triangle&, double reach);
 
-/// False where that is so of all triangles in the box. Quicker.
+/// False where the same holds for all triangles in the box. Quicker.
 bool touches_between_corners(const Shape&, const Box&, double reach);
 
 }  // namespace clothsim

@@ -11,30 +11,31 @@
 
 namespace clothsim {
 
-/// A solid or a sheet, and the file that it is from.
+/// A solid or a sheet, and the file it was read from.
 struct MeshFile {
   Solid solid;
-  std::string uri;         // that others find it by, as RViz does: package:// or file://
-  Vector3 scale{1, 1, 1};  // of its coordinates
+  std::string uri;         // for other programs, as RViz: package:// or file://
+  Vector3 scale{1, 1, 1};  // of the file's coordinates
 };
 
 /// Range of the size of a scale.
 inline constexpr Range mesh_scale_range{1e-6, 1e6, ""};
 
-/// Reads an STL, OBJ or DAE file. `scale` [m per unit of the file; a negative one mirrors] comes on
-/// top of the unit that a DAE file names; z is up in all, whatever a DAE file says, as in RViz.
-/// Throws InvalidValue, without a key, for what is missing, no such file, too large or no solid.
+/// Reads an STL, OBJ or DAE file. `scale` [m per unit of the file; a negative one mirrors]
+/// multiplies the unit that a DAE file names; z is up in all files, also where a DAE file says
+/// otherwise, as in RViz. Throws InvalidValue, without a key, for a file that is missing, too large
+/// or no solid.
 TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
 
-/// The solid in a file, or several where shells overlap, see split_overlapping(). What other scenes
-/// hold of the same file, unchanged, is shared.
+/// The solid in a file, or several where shells overlap, see split_overlapping(). Scenes that read
+/// the same unchanged file share the result.
 std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const std::filesystem::path&,
                                                              const std::string& uri,
                                                              const Vector3& scale,
                                                              Bounds = Bounds::solid);
 
-/// The same of a file in which none do; throws InvalidValue, without a key, where some do. Of a
-/// sheet they may.
+/// The same for a file whose shells do not overlap: throws InvalidValue, without a key, where they
+/// do. Those of a sheet may overlap.
 std::shared_ptr<const MeshFile> read_mesh_file(const std::filesystem::path&, const std::string& uri,
                                                const Vector3& scale, Bounds = Bounds::solid);
 

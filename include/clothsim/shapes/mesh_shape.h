@@ -9,13 +9,13 @@ namespace clothsim {
 struct MeshFile;
 
 /// A solid of triangles in its own frame, or a sheet of them, grown by a padding with round edges:
-/// of a sheet to both sides.
+/// a sheet on both sides.
 struct MeshShape {
   static constexpr const char* name = "mesh";
-  std::shared_ptr<const MeshFile> file;  // never null where distances are asked for
+  std::shared_ptr<const MeshFile> file;  // never null where distances are computed
   double padding = 0;                    // [m]
 
-  // What shape.h asks of each.
+  // Members that shape.h requires.
   static constexpr bool is_convex = false;
   bool operator==(const MeshShape& m) const { return file == m.file && padding == m.padding; }
   double safe_depth() const;

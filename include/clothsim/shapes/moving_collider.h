@@ -6,7 +6,7 @@
 
 namespace clothsim {
 
-/// A collider on its way from one pose to the next, in a straight line with constant angular
+/// A collider that moves from one pose to the next, in a straight line with constant angular
 /// velocity.
 class MovingCollider {
  public:
@@ -21,10 +21,10 @@ class MovingCollider {
   /// Moves it on by h [s].
   void advance(double h);
 
-  /// Ends the motion exactly at the pose last aimed at.
+  /// Ends the motion exactly at the target pose.
   void snap_to_target();
 
-  /// Off, it moves on and touches nothing.
+  /// A disabled collider moves on without contact.
   void enable(bool enabled) { enabled_ = enabled; }
   bool enabled() const { return enabled_; }
 
@@ -33,7 +33,7 @@ class MovingCollider {
   void set_friction(double friction) { friction_ = friction; }
   const Pose& pose() const { return pose_; }
   const Pose& previous() const { return previous_; }  // before the last advance()
-  const Pose& target() const { return target_; }      // last aimed at
+  const Pose& target() const { return target_; }      // of the last set_target()
 
   /// Where it was at a share from 0 to 1 of the last advance().
   Pose pose_at(double share) const;
@@ -47,17 +47,18 @@ class MovingCollider {
   /// Velocity of the solid at `point` in the world [m/s].
   Vector3 velocity_at(const Vector3& point) const;
 
-  /// Where what of the solid was at `point` before the last advance() is now, in the world [m].
+  /// Where the solid's material point that was at `point` before the last advance() is now, in the
+  /// world [m].
   Vector3 carried(const Vector3& point) const;
 
   /// velocity_at `points`, N x 3 both.
   Points velocities_at(const Points& points) const;
 
   /// False where no point in `box` of the world can have been within `margin` [m] of the solid
-  /// during the last advance(), or it is off.
+  /// during the last advance(), or where the collider is disabled.
   bool reaches(const Eigen::AlignedBox3d& box, double margin) const;
 
-  /// Fastest speed of the solid, thought on, within `box` of the world [m/s].
+  /// Fastest speed within `box` of the world [m/s] of the solid, continued through the whole box.
   double max_speed_in(const Eigen::AlignedBox3d& box) const;
 
  private:

@@ -5,12 +5,12 @@
 namespace clothsim {
 
 /// Plane z = 0 of its own frame, normal +z. One-sided: all of z < 0 is solid. Two-sided: a sheet
-/// that holds whatever is on either side.
+/// that keeps points on the side they are on.
 struct Plane {
   static constexpr const char* name = "plane";
   bool two_sided = false;
 
-  // What shape.h asks of each: the corners of triangles are enough for a plane.
+  // Members that shape.h requires. For a plane the corners of triangles are enough.
   static constexpr bool is_convex = true;
   bool operator==(const Plane& other) const { return two_sided == other.two_sided; }
   double safe_depth() const { return std::numeric_limits<double>::infinity(); }

@@ -1,4 +1,4 @@
-// What shapes answer, each in its own frame.
+// Results of queries to shapes, each in the shape's own frame.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct Distance {
   Vector3 normal;
 };
 
-/// The same as numbers that vector loops keep apart.
+/// The same as separate numbers, for vector loops.
 struct NearSurface {
   double value;    // [m]
   double x, y, z;  // of the normal
@@ -26,7 +26,8 @@ struct NearSurface {
   operator Distance() const { return {value, {x, y, z}}; }
 };
 
-/// Length (x, y, z) - inset [m], and its direction; `otherwise` is that of no length.
+/// Length (x, y, z) - inset [m], and its direction; `otherwise` is the direction where the length
+/// is 0.
 [[gnu::always_inline]] inline NearSurface about_core(double x, double y, double z, double inset,
                                                      const Vector3& otherwise) {
   const double r = std::sqrt(x * x + y * y + z * z);
@@ -35,8 +36,8 @@ struct NearSurface {
           r > 0 ? z / s : otherwise.z()};
 }
 
-/// Where a triangle comes closest to a shape, or how it gets out of it; by default it is nowhere
-/// near.
+/// Where a triangle comes closest to a shape, or its shortest way out; the default is infinitely
+/// far.
 struct FaceDistance {
   /// [m] between them; negative: the shortest way that takes the triangle out.
   double value = std::numeric_limits<double>::infinity();
@@ -44,7 +45,7 @@ struct FaceDistance {
   std::array<double, 3> weights{1, 0, 0};  // of the corners, at the triangle's point; sum 1
 };
 
-/// Takes the ends of a straight line of a shape and the radius about it [m].
+/// Gets the ends of a straight line of a shape and the radius about it [m].
 using VisitLine = std::function<void(const Vector3& low, const Vector3& high, double radius)>;
 
 }  // namespace clothsim

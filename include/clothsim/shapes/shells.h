@@ -6,9 +6,9 @@
 
 namespace clothsim {
 
-/// The shells of a solid, each connected and closed, in groups none of which has two that touch or
-/// overlap: where one does, the nearest face does not tell inside from outside. A hollow goes with
-/// the shell around it. One group, of all, where none overlaps another.
+/// The shells of a solid, each connected and closed, in groups without shells that touch or
+/// overlap: in an overlap the nearest face does not tell inside from outside. A hollow goes with
+/// the shell around it. A single group of all shells where none overlaps another.
 std::vector<TriangleSoup> split_overlapping(const Solid&);
 
 }  // namespace clothsim

@@ -8,7 +8,7 @@
 
 namespace clothsim {
 
-/// A pose as vector loops take it: local = turn^T (world - origin).
+/// A pose as vector loops use it: local = turn^T (world - origin).
 struct Frame {
   explicit Frame(const Pose& pose)
       : turn(pose.orientation.toRotationMatrix()), origin(pose.position) {}
@@ -17,15 +17,15 @@ struct Frame {
   Vector3 origin;  // [m]
 };
 
-/// What is asked of a mesh; of other shapes all is known at once.
+/// Options of a query to a mesh; other shapes ignore them.
 struct Asked {
   double near = std::numeric_limits<double>::infinity();  // [m] see Solid::distance_within()
-  Solid::Neighbourhood* neighbourhoods = nullptr;         // of the points; none: none is kept
+  Solid::Neighbourhood* neighbourhoods = nullptr;         // of the points; null: not kept
 };
 
 /// Signed distances [m] of `count` points of the world from the surface of a solid at `frame`, and
 /// their normals in the world. `sides`: where the points came from, when the solid was at `before`;
-/// see signed_distance(). Those from a mesh are such as `asked`.
+/// see signed_distance(). `asked`: options for a mesh.
 void signed_distances(const Shape&, const Frame& frame, PointRun points, const Frame& before,
                       PointRun sides, int count, const Asked& asked, double* distances,
                       MutablePointRun normals);

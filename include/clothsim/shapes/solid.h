@@ -13,39 +13,39 @@
 
 namespace clothsim {
 
-/// Triangles as files hold them.
+/// Triangles as in a file.
 struct TriangleSoup {
   std::vector<Vector3> vertices;              // [m]
   std::vector<std::array<int, 3>> triangles;  // of vertices
 };
 
-/// What closed triangles enclose, summed triangle by triangle.
+/// The volume within closed triangles, summed triangle by triangle.
 struct Volume {
   double sum = 0;    // below 0 where the surface is inside out [m^3]
-  double parts = 0;  // of what triangles add and take, each as it is above 0 [m^3]
+  double parts = 0;  // sum of the triangles' absolute contributions [m^3]
 
-  /// A triangle, by its corners from any place that is the same for all.
+  /// Adds a triangle, by its corners relative to an origin that is the same for all.
   void add(const Vector3& a, const Vector3& b, const Vector3& c);
-  /// Is it but rounding?
+  /// Is the volume zero but for rounding?
   bool is_none() const;
 };
 
-/// What triangles bound: a solid that they enclose, or nothing, as a sheet that is open to both
-/// sides.
+/// Triangles bound a solid within them, or a sheet that is open to both sides.
 enum class Bounds { solid, sheet };
 
 /// A solid within a closed surface of triangles, or the surface alone. Distances are exact, up to
-/// rounding. Those from a sheet are never negative.
+/// rounding. Distances from a sheet are never negative.
 ///
-/// A grid of cells lists, for each about the surface, the triangles that can be nearest to a point
-/// in it, nearest first; elsewhere a tree of boxes finds it. Outside, the grid also knows how many
-/// cells there are to the surface at least. What is inside tell normals of faces,
-/// edges and vertices, these weighted by angles (Baerentzen & Aanaes 2005, "Signed distance
-/// computation using the angle weighted pseudonormal").
+/// A grid of cells lists, for each cell near the surface, the triangles that can be nearest to a
+/// point in it, nearest first; elsewhere a tree of boxes finds the nearest. Outside, the grid also
+/// stores a lower bound on the number of cells to the surface. Inside and outside are told apart by
+/// the normals of faces, edges and vertices, the latter two weighted by angles (Baerentzen & Aanaes
+/// 2005, "Signed distance computation using the angle weighted pseudonormal").
 class Solid {
  public:
-  /// An edge at which the surface bends outwards, of a sheet to either side or where it ends, with
-  /// the normals of itself and its ends: sums of those of the faces there, of any length.
+  /// An edge at which the surface bends outwards (a sheet: to either side, or where it ends), with
+  /// the normals of the edge and of its ends: sums of the normals of the faces there, of any
+  /// length.
   struct Ridge {
     std::array<Vector3, 2> ends;  // [m]
     Vector3 normal;
@@ -54,41 +54,41 @@ class Solid {
   };
 
   /// Vertices at one place become one. Throws InvalidValue, without a key, unless the surface is
-  /// finite, closed and of one sense, each edge between two triangles, with a volume inside. One
-  /// that is inside out is turned. A sheet need not be any of this but finite.
+  /// finite, closed and of one sense, each edge between two triangles, with a volume inside. A
+  /// surface that is inside out is turned. A sheet need only be finite.
   explicit Solid(const TriangleSoup&, Bounds = Bounds::solid);
 
   bool is_sheet() const { return is_sheet_; }
 
-  /// Signed distance from the surface and the unit normal into free space, of a sheet away from it.
-  /// Where the nearest point is not one alone, it is one of those possible.
+  /// Signed distance from the surface and the unit normal into free space; for a sheet, away from
+  /// it. Where several points of the surface are nearest, the normal is that of one of them.
   std::pair<double, Vector3> distance(const Vector3& point) const;
 
-  /// The triangles that are nearest to a place, with which those of places beside it are found.
+  /// The triangles nearest to a place: a start for the search from places near it.
   struct Neighbourhood {
     static constexpr std::size_t most = 4;
 
     Vector3 place = Vector3::Zero();
-    double beyond = 0;  // all other triangles are at least so far from it [m]
+    double beyond = 0;  // lower bound on the distance of all other triangles [m]
     std::size_t count = 0;
     std::array<int, most> faces{};
     std::array<double, most> distances{};  // of these [m]
   };
 
-  /// The same up to `near` [m], to the same bits whatever the `neighbourhood` of earlier points is.
-  /// What is farther outside has a value that is no more than its distance, but more than `near`,
-  /// or as much, and any normal.
+  /// distance() up to `near` [m], with the same bits for any `neighbourhood` of earlier points.
+  /// Beyond `near` outside, the value lies between `near` and the distance, and the normal is
+  /// arbitrary.
   std::pair<double, Vector3> distance_within(double near, const Vector3& point,
                                              Neighbourhood& neighbourhood) const;
 
-  /// Calls visit(ridge) for those that may be no farther than `most` [m] from a triangle, the
-  /// nearer ones first; it may lower `most`.
+  /// Calls visit(ridge) for the ridges that may be within `most` [m] of a triangle, the nearer ones
+  /// first; `visit` may lower `most`.
   template <class Visit>
   void visit_ridges(const std::array<Vector3, 3>& t, double& most, const Visit& visit) const {
     const Box box = Box(t[0]).extend(t[1]).extend(t[2]);
     const Vector3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
     const double height = normal.dot(t[0]);
-    // A box is no nearer to the triangle than to the box about that, and to its plane.
+    // Lower bound of a box: its distance from the triangle's box, and from the triangle's plane.
     const auto bound = [&](const Box& b) {
       const double off =
           std::abs(normal.dot(b.center()) - height) - normal.cwiseAbs().dot(b.sizes()) / 2;
@@ -114,8 +114,8 @@ class Solid {
                       });
   }
 
-  /// How far below its corners a flat triangle with edges of at most `edge` [m] may dip into the
-  /// solid at most, with its corners on the surface [m].
+  /// Bound on the depth [m] to which a flat triangle with edges of at most `edge` [m] and its
+  /// corners on the surface dips into the solid.
   double dip(double edge) const;
 
   /// Thickness below all but a hundredth of the surface [m].
@@ -140,20 +140,21 @@ class Solid {
     Vector3 gap = Vector3::Zero();  // from the surface to the point
     std::array<double, 3> weights{1, 0, 0};
 
-    /// Of two at the same distance the first: what is found does not depend on how.
+    /// Ties go to the first triangle, so that the result does not depend on the order of the
+    /// search.
     bool is_before(const Nearest& other) const {
       return squared < other.squared || (squared == other.squared && face < other.face);
     }
   };
   class NearestFew;
-  /// Holds a triangle. In single precision, so that those of many faces stay in the cache.
+  /// A ball around a triangle. In single precision, so that many of them stay in the cache.
   struct Ball {
     float x, y, z;
-    float radius;  // a little more than it takes [m]
+    float radius;  // a little more than needed [m]
   };
   struct Candidate {
     int face;
-    float least;  // of its distance from the cell's centre [m], or a little less
+    float least;  // lower bound on its distance from the cell's centre [m]
   };
 
   void weld(const TriangleSoup&);
@@ -181,7 +182,8 @@ class Solid {
   std::pair<double, Vector3> signed_distance(const Nearest&) const;
   bool has_candidates(std::size_t cell) const { return first_of_[cell] < first_of_[cell + 1]; }
 
-  /// Triangles that are no candidates of a cell are at least so far from a point of it [m].
+  /// Lower bound on the distance of a point in a cell from the triangles that are no candidates
+  /// there [m].
   double beyond_candidates(int cell, const Vector3& point) const;
 
   int cell_of(const Vector3& point) const;
@@ -190,7 +192,7 @@ class Solid {
   bool is_sheet_;
   std::vector<Vector3> vertices_;
   std::vector<std::array<int, 3>> triangles_;
-  std::vector<Corners> corners_;  // of the triangles: apart from the normals, which few ask for
+  std::vector<Corners> corners_;  // of the triangles; few queries need their normals
   std::vector<Ball> balls_;       // about them
   std::vector<Face> faces_;
   std::vector<Vector3> vertex_normals_;
@@ -207,8 +209,8 @@ class Solid {
   std::array<int, 3> cells_{};  // along each axis
   std::vector<int> first_of_;   // by cell, and one more: its first candidate
   std::vector<Candidate> candidates_;
-  // By cell: at least so many steps to the next one with candidates, over corners too; 0 for those,
-  // and inside the solid.
+  // By cell: lower bound on the steps to the next cell with candidates, over corners too; 0 for
+  // those cells, and inside the solid.
   std::vector<unsigned char> steps_;
 };
 

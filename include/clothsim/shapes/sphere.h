@@ -9,7 +9,7 @@ struct Sphere {
   static constexpr const char* name = "sphere";
   double radius = 0.2;  // [m]
 
-  // What shape.h asks of each.
+  // Members that shape.h requires.
   static constexpr bool is_convex = true;
   bool operator==(const Sphere& other) const { return radius == other.radius; }
   double safe_depth() const { return radius / 2; }

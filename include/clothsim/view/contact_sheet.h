@@ -7,7 +7,7 @@
 
 namespace clothsim {
 
-/// A picture with what it shows, in a few words; no words: no label.
+/// A picture with a short label; empty: no label.
 struct Tile {
   Image image;
   std::string label;

@@ -10,8 +10,8 @@
 namespace clothsim {
 
 /// The images of a view, each read from its file once, and again when the file has changed. A path
-/// is taken as it is, or else as the name of one of the package's own textures. sweep() drops those
-/// that were not asked for since the last sweep().
+/// is taken as given, or else as the name of one of the package's own textures. sweep() drops
+/// images that were not requested since the last sweep().
 class ImageStore {
  public:
   explicit ImageStore(std::string textures_folder, ImageFolders folders = {})
@@ -39,7 +39,7 @@ class ImageStore {
                                   Load load);
 
   std::string folder_;
-  ImageFolders folders_;  // that others must be in
+  ImageFolders folders_;  // allowed folders of other images
   Entries<Image> images_;
   Entries<HeightMap> height_maps_;
   Entries<CubeMap> cube_maps_;

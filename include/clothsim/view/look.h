@@ -8,8 +8,8 @@
 
 namespace clothsim {
 
-/// How an object looks, as a user says it: a shader by name, and the parameters of them all, so
-/// that the shader can be changed without the others being lost.
+/// The look of an object as a user sets it: a shader by name, and the parameters of all shaders, so
+/// that the shader can be changed without losing the others' parameters.
 struct Look {
   std::string shader = "blinn_phong";
   Color color{0.8, 0.25, 0.2};
@@ -26,8 +26,8 @@ struct Look {
 };
 
 /// The shader with its own parameters and images. Throws InvalidValue with a key such as
-/// {"texture"}, also for what belongs to other shaders, so that any shader can be chosen next; of
-/// their images, the package's own are not read.
+/// {"texture"}, also for parameters of other shaders, so that any shader can be chosen next; the
+/// package's own images for other shaders are not read.
 Shading make_shading(const Look&, ImageStore&);
 
 }  // namespace clothsim

@@ -7,13 +7,13 @@
 
 namespace clothsim {
 
-/// Draws pictures of scenes, and keeps the renderer and the images from one to the next.
+/// Draws pictures of scenes, and keeps the renderer and the images between them.
 class PictureMaker {
  public:
-  /// On the device that the first view asks for. Throws as Renderer does.
+  /// Uses the device of the first view. Throws as Renderer does.
   explicit PictureMaker(const View& first);
 
-  /// The wanted images of the present state, until the next call. Throws as prepare() and
+  /// The wanted images of the present state, valid until the next call. Throws as prepare() and
   /// Renderer::render() do.
   const Images& draw(const Simulator&, const View&, const WantedImages&);
 

@@ -5,8 +5,8 @@
 
 namespace clothsim {
 
-/// Takes snapshots of a simulation. What did not change since the last one is shared with it, so
-/// that it is not uploaded again.
+/// Takes snapshots of a simulation. Unchanged parts are shared with the last snapshot, so that they
+/// are not uploaded again.
 class SnapshotMaker {
  public:
   Snapshot make(const Simulator&, const PreparedView&);

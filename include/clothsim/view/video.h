@@ -8,14 +8,14 @@
 
 namespace clothsim {
 
-/// A video file that ffmpeg writes while pictures come, so that none of them waits on disk.
+/// A video file. ffmpeg encodes it during the run, so that no pictures wait on disk.
 class Video {
  public:
-  /// Of pictures of width x height pixels, `rate` [Hz] of them; the ending names the format, as
-  /// .mp4. Throws std::runtime_error where there is no ffmpeg.
+  /// width x height: size of the pictures in pixels; `rate` [Hz]; the extension gives the format,
+  /// as .mp4. Throws std::runtime_error without ffmpeg.
   Video(const std::filesystem::path& path, int width, int height, double rate);
 
-  /// Without finish() ffmpeg ends with what it has.
+  /// Without finish() ffmpeg ends the video with the pictures so far.
   ~Video();
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
@@ -23,8 +23,8 @@ class Video {
   /// Bytes r, g, b of each pixel, top row first. Throws std::runtime_error where ffmpeg has ended.
   void append(const std::vector<std::uint8_t>& rgb);
 
-  /// Waits for the file to be complete. Throws std::runtime_error where ffmpeg fails; it has then
-  /// told why.
+  /// Waits for the file to be complete. Throws std::runtime_error where ffmpeg fails; ffmpeg has
+  /// printed the reason then.
   void finish();
 
  private:

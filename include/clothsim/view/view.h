@@ -11,31 +11,31 @@
 
 namespace clothsim {
 
-/// How a collider looks, and how finely it is meshed.
+/// The look of a collider, and the resolution of its mesh.
 struct ColliderLook {
   Look look;
   int segments = 64;
-  double extent = 10;  // [m] side of a plane
+  double extent = 10;  // [m] side length of a plane
 
   ColliderLook() { look.color = {0.35, 0.45, 0.6}; }
 };
 
-/// All that a picture of a scene needs beside the scene.
+/// All settings of a picture of a scene, apart from the scene.
 struct View {
-  Camera camera;                   // without a pose: it follows from eye and target
+  Camera camera;                   // without a pose: eye and target give it
   Vector3 eye{2, -1.8, 1.4};       // [m] from here each of config/scenes is in the picture
   Vector3 target{0.5, 0.15, 0.4};  // [m]
-  std::string frame;  // tf frame that carries the camera once it is seen, in optical convention
+  std::string frame;               // tf frame of the camera once tf has it, in optical convention
   Light light;
   Color background{0.1, 0.1, 0.12};
   std::string sky;  // as Look::environment; empty: the colour
   Look cloth;
-  ColliderLook collider;                          // all that are not named
+  ColliderLook collider;                          // for colliders that are not named
   std::map<std::string, ColliderLook> colliders;  // by name
   double rate = 30;                               // [Hz] of pictures, at most
-  bool each_step = true;          // besides, a picture of the last frame of each ~step
-  int samples = 4;                // of a pixel in the colour image, for smooth edges; 1: none
-  std::optional<int> egl_device;  // index of the EGL device that draws; empty: the best
+  bool each_step = true;                          // also a picture of the last frame of each ~step
+  int samples = 4;                // per pixel of the colour image, for smooth edges; 1: none
+  std::optional<int> egl_device;  // index of the EGL device; empty: the best
 };
 
 /// Throws InvalidValue for the look of a collider that the scene does not have.
@@ -50,7 +50,7 @@ struct PreparedView {
   Light light;
   Background background;
   Shading cloth;
-  ColliderView collider;  // shape and pose are set picture by picture
+  ColliderView collider;  // shape and pose are set for each picture
   std::map<std::string, ColliderView> colliders;
 };
 

@@ -8,9 +8,9 @@
 
 namespace clothsim {
 
-/// The only reader of views; docs/rendering.md lists the keys. What is left out keeps its default.
-/// Throws InvalidValue for an unknown key, a wrong type, a number out of range; prepare() then
-/// refuses images that cannot be read.
+/// The only reader of views; docs/rendering.md lists the keys. Missing keys keep their defaults.
+/// Throws InvalidValue for an unknown key, a wrong type, a number out of range; prepare() refuses
+/// images that cannot be read.
 View read_view(const YAML::Node& root);
 
 struct NamedView {

@@ -23,7 +23,7 @@ btVector3 to_bullet(const Vector3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
 }
 
-/// What both kinds of world need; made before them and destroyed after.
+/// Parts of both kinds of world; constructed before them and destroyed after.
 struct Parts {
   btSoftBodyRigidBodyCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -100,7 +100,7 @@ class PositionCloth : public BulletCloth {
     build(info, [&](const SpringRun& run, int a, int b) {
       btSoftBody::Material* material = body_->m_materials[0];
       if (matched) {
-        // A compliant projection of one step, and the same by a row of weaker ones.
+        // A compliant projection of one step, and the same by a sequence of weaker ones.
         const double w = cloth_.inv_mass[a] + cloth_.inv_mass[b];
         const double share = w / (w + 1 / (run.stiffness * h * h));
         material = body_->appendMaterial();

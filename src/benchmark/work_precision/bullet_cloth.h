@@ -7,16 +7,16 @@ namespace clothsim::work_precision {
 
 /// Bullet's two kinds of soft body.
 enum class BulletWorld {
-  positions,  // btSoftRigidDynamicsWorld: links shortened by projection, the one its demos use
-  springs,    // btDeformableMultiBodyDynamicsWorld: springs in N/m, explicit, as is its default
+  positions,  // btSoftRigidDynamicsWorld: links shortened by projection, as in Bullet's demos
+  springs,    // btDeformableMultiBodyDynamicsWorld: springs in N/m, explicit, its default
 };
 
 /// A scene's cloth as a soft body of Bullet, with the same points, masses, links, pins, gravity and
 /// drag, without contact. `iterations`: passes over the links in a substep (positions alone).
 ///
-/// Links of the first kind have no stiffness in N/m. `matched`: each gets the share of its
-/// elongation that a spring of the scene's stiffness would have given up in the substep, spread
-/// over the iterations; else they are as stiff as they get, Bullet's default.
+/// Links of the first kind have no stiffness in N/m. `matched`: each projection takes the share of
+/// the elongation that a spring of the scene's stiffness would lose in the substep, spread over the
+/// iterations; otherwise links have the largest stiffness, Bullet's default.
 StepperMaker bullet(const Scene&, BulletWorld, int substeps, int iterations, bool matched);
 
 }  // namespace clothsim::work_precision

@@ -49,7 +49,7 @@ class Classic : public Stepper {
  private:
   struct Point {
     Vector3 x, v, force;
-    Vector3 start;  // where the substep began
+    Vector3 start;  // at the start of the substep
     double mass, inv_mass;
   };
   struct Spring {

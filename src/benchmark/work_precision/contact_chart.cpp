@@ -1,4 +1,4 @@
-// What self contact by points and by surfaces costs, and what each misses.
+// Cost of self contact by points and by surfaces, and the crossings that each leaves.
 
 #include <algorithm>
 #include <memory>
@@ -14,21 +14,21 @@
 namespace clothsim::work_precision {
 namespace {
 
-/// A pile of the same cloth, its material or its points changed.
+/// A pile of the same cloth, with another material or other points.
 struct Pile {
   const char* name;
   int side;              // points along either side
   double ks = 5000;      // [N/m]
   double density = 150;  // [kg/m^2]
-  double thickness = 0;  // [m]; 0: of the shipped scene, or as much less as the points are closer
+  double thickness = 0;  // [m]; 0: of the shipped scene, reduced with the distance of the points
 };
 
-/// By number of points, at the same frame, as the first folds touch; and what points are not made
-/// for, until it lies still.
+/// By number of points, at the same frame, as the first folds touch; and cases beyond contact by
+/// points, until the cloth lies still.
 struct Series {
   const char* name;
   int frames;
-  int measured_from;  // frame from which on the cost counts
+  int measured_from;  // first frame whose cost counts
   std::vector<Pile> piles;
 };
 

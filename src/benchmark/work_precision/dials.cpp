@@ -10,13 +10,13 @@
 namespace clothsim::work_precision {
 namespace {
 
-/// Newton's method to rounding of a step of a thousandth of a millimetre.
+/// Tolerance of Newton's method: rounding, for a step of a thousandth of a millimetre.
 constexpr double newton_tolerance = 1e-8;
 
-/// Most substeps a frame that are carried to convergence: it costs milliseconds a step.
+/// Most substeps a frame with iterations to convergence, which takes milliseconds a step.
 constexpr int max_converged_substeps = 4;
 
-/// Of a stiff ribbon, they cost seconds.
+/// Most substeps of explicit methods: on a stiff ribbon they take seconds.
 constexpr int max_explicit_substeps = 4096;
 
 template <typename Value>
@@ -31,7 +31,7 @@ struct Assign {
   }
 };
 
-/// Sets parameter `key` of whatever method has it.
+/// Sets parameter `key` in the method that has it.
 template <typename Value>
 void set_parameter(MethodParameters& parameters, const std::string& key, Value value) {
   std::visit(
@@ -83,7 +83,7 @@ std::vector<Dial> dials(const Trial& trial, bool quick) {
   explicit_steps.erase(std::unique(explicit_steps.begin(), explicit_steps.end()),
                        explicit_steps.end());
   std::vector<Dial> list;
-  if (!trial.reference_damping) list.push_back({"auto", {}});  // it chooses for motion
+  if (!trial.reference_damping) list.push_back({"auto", {}});  // its choice is for motion
   for (const std::string& method : method_names()) {
     if (uses_newton(method)) {
       for (int n = 1; n <= trial.max_newton_substeps; n *= 2) list.push_back({method, n});

@@ -16,8 +16,7 @@
 namespace clothsim::work_precision {
 namespace {
 
-/// Position error beyond which a run counts as failed though its numbers are finite: it tells
-/// nothing about the cloth.
+/// Position error beyond which a run counts as failed even with finite numbers: it is useless.
 constexpr double lost = 0.5;
 
 /// One minute of CPU a run, in case a method does worse than expected.
@@ -44,8 +43,8 @@ struct Judge {
   const Trial trial;
   Reference reference;
   std::map<std::pair<std::string, int>, Trajectory> converged_runs;
-  std::optional<Contender> chosen;       // by `auto`
-  double predicted_error = Score::none;  // by it
+  std::optional<Contender> chosen;       // of `auto`
+  double predicted_error = Score::none;  // of `auto`
   std::vector<Contender> others;
 
   /// The run of the same scheme without solver error; null where it does not iterate.
@@ -61,7 +60,7 @@ struct Judge {
   }
 };
 
-/// The least error of a run that the reference can tell.
+/// The smallest error of a run that the reference can resolve.
 double min_error(const Reference& reference) {
   double own = 0;
   for (std::size_t i = 0; i < reference.horizon; ++i) own = std::max(own, reference.own_error(i));
@@ -79,7 +78,7 @@ void add_reference(const Judge& judge, Tables& tables) {
   const double seconds = reference.trajectory.back().time;
   const double horizon =
       reference.horizon > 0 ? reference.trajectory[reference.horizon - 1].time : 0;
-  const double own_error = trusted * min_error(reference);  // up to there
+  const double own_error = trusted * min_error(reference);  // up to the horizon
   tables.references.add({trial.name, trial.scene.cloth.columns, trial.scene.cloth.rows,
                          trial.compared == Compared::rest_shape ? "rest_shape" : "all_frames",
                          seconds, reference.substeps, trial.smooth ? 1 : 0, reference.order,
@@ -135,7 +134,7 @@ void add_run(Judge& judge, const std::string& name, const Dial& dial, const Run&
   }
 }
 
-/// What `auto` chose, how far off it foretold, and what it passed over.
+/// The choice of `auto`, its predicted error, and the best method that it did not choose.
 void add_choice(const Judge& judge, Tables& tables) {
   if (!judge.chosen) return;
   const Contender& chosen = *judge.chosen;
@@ -176,7 +175,7 @@ std::vector<Job> methods_jobs(const Options& options) {
         add_run(*judge, peer.name, peer.dial, result, nullptr, *tables);
       });
     }
-    // After each scene, so that a run that is broken off leaves something.
+    // After each scene, so that an interrupted run leaves results.
     jobs.push_back([=] {
       add_choice(*judge, *tables);
       judge->reference = {};

@@ -1,4 +1,4 @@
-// Built where there is no Bullet.
+// Built without Bullet.
 
 #include "peers.h"
 

@@ -16,7 +16,7 @@ struct Peer {
   StepperMaker make;
 };
 
-/// The peers that can play `trial`; none where they were not found at build time.
+/// The peers that can simulate `trial`; none where they were not found at build time.
 std::vector<Peer> peers(const Trial& trial, bool quick);
 
 }  // namespace clothsim::work_precision

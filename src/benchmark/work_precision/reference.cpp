@@ -12,13 +12,13 @@ namespace {
 
 constexpr double nudge = 1e-10;  // of the size
 
-/// How far inside Verlet's limit its coarsest reference run stays: h omega is 2 / refinement at
-/// most, or as near to it as the most substeps a frame may have allow.
+/// How far inside Verlet's limit its coarsest reference run stays: h omega is at most 2 /
+/// refinement, or as near to it as the largest number of substeps allows.
 constexpr double refinement = 16;
 constexpr double rough_refinement = 32;  // where contact or the strain limit lower the order
 constexpr double cheap_refinement = 1.25;
 
-/// Sweeps of the constraints go on to this violation, so that the step alone is left as error.
+/// Violation at which sweeps of the constraints end, so that only the error of the step is left.
 constexpr double strain_tolerance = 1e-6;
 
 Trajectory follow(Scene scene, const std::string& method, int substeps, int frames) {

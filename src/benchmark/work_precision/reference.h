@@ -8,7 +8,7 @@
 
 namespace clothsim::work_precision {
 
-/// What runs of a trial are scored against. Lengths are shares of the cloth's size.
+/// The reference for the runs of a trial. Lengths are relative to the cloth's size.
 struct Reference {
   Trajectory trajectory;
   std::vector<double> uncertainty;  // RMS position error of the reference itself, by frame
@@ -21,33 +21,33 @@ struct Reference {
   double own_error(std::size_t frame) const { return growth[frame] * uncertainty[frame]; }
 };
 
-/// Share of a run's error that the reference's own may be.
+/// Largest share of the reference's own error in a run's error.
 inline constexpr double trusted = 0.1;
 
-/// Verlet at h, h/2 and h/4. In a smooth trial Richardson's (4 x_{h/4} - x_{h/2}) / 3, else the
-/// finest run. Uncertainty is the larger of the distance to rk4 and what the last halving changed
-/// (after Richardson, which is of order 4, a fifteenth of that). The twin starts from a cloth
-/// nudged by 1e-10 of its size. The horizon is where the twin's growth times the uncertainty
-/// reaches a tenth of the trial's `charted_error`; one for all runs, so that their errors compare.
-/// Shapes at rest do not grow apart: there the twin's distance counts as uncertainty, and growth is
-/// 1. Throws Diverged.
+/// Verlet at h, h/2 and h/4. The result is Richardson's (4 x_{h/4} - x_{h/2}) / 3 in a smooth
+/// trial, else the finest run. Uncertainty is the larger of the distance to rk4 and the change by
+/// the last halving (after Richardson, which is of order 4, a fifteenth of that). The twin starts
+/// from a cloth perturbed by 1e-10 of its size. The horizon is where the twin's growth times the
+/// uncertainty reaches a tenth of the trial's `charted_error`; it is the same for all runs, so that
+/// their errors compare. Shapes at rest do not diverge: there the twin's distance counts as
+/// uncertainty, and growth is 1. Throws Diverged.
 Reference make_reference(const Trial&);
 
 /// The same from runs close to Verlet's limit, without rk4 and twin: for large and short trials,
 /// which are smooth.
 Reference make_cheap_reference(const Trial&);
 
-/// The same scene, larger by 1e-10 and pulled as much sideways: where motion is chaotic its points
-/// go their own ways.
+/// The same scene, larger by 1e-10 and pulled as much sideways: in chaotic motion its points
+/// diverge from the original's.
 Scene twin_of(Scene);
 
 /// Larger side of the cloth [m].
 double size_of(const Scene&);
 
-/// RMS distance over the points of two states [m].
+/// RMS distance between the points of two states [m].
 double rms_distance(const Points& a, const Points& b);
 
-/// RMS distance over points and frames [m], the last `frames` of them.
+/// RMS distance over points and frames [m], of the last `frames` frames.
 double rms_distance(const Trajectory& a, const Trajectory& b, std::size_t frames);
 
 }  // namespace clothsim::work_precision

@@ -20,7 +20,7 @@ class SimulatorStepper : public Stepper {
   Simulator simulator_;
 };
 
-/// One run; `spent` [s] grows by what it took.
+/// One run; adds its time to `spent` [s].
 Run run_once(Stepper& stepper, int frames, double stop, double& spent) {
   Run run;
   double seconds = 0;

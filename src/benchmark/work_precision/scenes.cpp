@@ -58,8 +58,8 @@ Scene drape(int side) {
   return scene;
 }
 
-/// A strip of three columns, held at one end: where it is as stiff as steel, the explicit step is
-/// far below what the swing needs, and a factorisation costs little.
+/// A strip of three columns, held at one end: with the stiffness of steel, the explicit step is far
+/// below the step for the swing, and a factorisation is cheap.
 Scene ribbon(double ks) {
   constexpr int rows = 51;
   Scene scene = corner_drop(rows);
@@ -71,8 +71,7 @@ Scene ribbon(double ks) {
   return scene;
 }
 
-/// Without drag it swings for ever; its frames are long, and what is asked for is its shape at
-/// rest.
+/// Without drag it would swing for ever; its frames are long, and its shape at rest is compared.
 Scene settle(int side) {
   Scene scene = corner_drop(side);
   scene.cloth.material.damping = 0;
@@ -85,7 +84,7 @@ Scene settle(int side) {
 std::vector<Trial> trials(bool quick) {
   constexpr Compared all = Compared::all_frames;
   if (quick) return {{"edge_swing", edge_swing(8), 18, all, true, 1, true}};
-  Scene bare_fold = shipped_scene("self_collision", 25);  // contact alone
+  Scene bare_fold = shipped_scene("self_collision", 25);  // contact only
   bare_fold.cloth.material.strain_limit.reset();
   return {
       {"edge_swing", edge_swing(25), 45, all, true, 4, true},

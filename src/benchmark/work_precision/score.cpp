@@ -54,7 +54,7 @@ Score score(const Run& run, const Reference& reference, const Trial& trial) {
     const State& state = run.trajectory[i];
     const State& truth = reference.trajectory[i];
 
-    // Point by point, within the horizon.
+    // Point by point, up to the horizon.
     if (rest || i < reference.horizon) {
       ++compared;
       squares += square(rms_distance(state.positions, truth.positions) / size);
@@ -66,7 +66,7 @@ Score score(const Run& run, const Reference& reference, const Trial& trial) {
       own_error = std::max(own_error, reference.own_error(i));
     }
 
-    // As a whole, in every frame.
+    // The whole cloth, in every frame.
     const double energy = total_energy(cloth, gravity, state) - total_energy(cloth, gravity, truth);
     score.energy = std::fmax(score.energy, std::abs(energy) / (mass * gravity.norm() * size));
     const Vector3 slip = mean_by_mass(cloth, state.velocities - truth.velocities);

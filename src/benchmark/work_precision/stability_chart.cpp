@@ -1,5 +1,5 @@
-// Where methods are stable, by step and stiffness and by step and density: each step's run is
-// judged against a reference, so that stable but wrong shows too.
+// Where methods are stable, by step and stiffness and by step and density: the run of each step is
+// compared with a reference, so that stable but wrong runs show, too.
 
 #include <cmath>
 #include <memory>
@@ -18,15 +18,15 @@ namespace {
 constexpr int side = 10;
 constexpr double seconds = 0.5;
 
-/// Finest steps of a run, by what a step costs.
+/// Most steps of a run, by the cost of a step.
 constexpr int max_steps = 8192;
 constexpr int max_iterative_steps = 1024;
 constexpr int max_newton_steps = 64;
 
 constexpr int min_reference_steps = 4000;  // of rk4, where the springs alone would allow more
 
-/// Energy above the start's, of M g size, that counts as unstable: nothing does work on an undamped
-/// cloth but gravity, whose energy is counted.
+/// Gain of energy over the start, of M g size, that counts as unstable: only gravity, whose energy
+/// is counted, does work on an undamped cloth.
 constexpr double energy_gain = 0.05;
 
 struct Column {
@@ -37,7 +37,7 @@ struct Column {
   Points end;        // of the reference
 };
 
-/// Undamped, so that nothing hides a growing swing, and uneven, so that every swing is there.
+/// Undamped, so that growing oscillations show, and uneven, so that all modes are excited.
 Scene scene_of(const std::string& varied, double value) {
   Scene scene = corner_drop(side);
   Material& material = scene.cloth.material;
@@ -47,8 +47,8 @@ Scene scene_of(const std::string& varied, double value) {
   return scene;
 }
 
-/// `steps` steps as frames of one substep each. False where a step diverged or energy came from
-/// nowhere; `end` is then empty.
+/// `steps` steps as frames of one substep each. False where a step diverged or the energy grew;
+/// `end` is then empty.
 bool is_stable(Scene scene, const std::string& method, int steps, Points& end) {
   scene.simulation.frames_per_second = steps / seconds;
   Simulator simulator(at(scene, {method, 1}));

@@ -8,17 +8,17 @@
 
 namespace clothsim::work_precision {
 
-/// Anything that moves a cloth frame by frame: the simulator, or a peer.
+/// A simulation of a cloth, frame by frame: the simulator, or a peer.
 class Stepper {
  public:
   virtual ~Stepper() = default;
 
-  /// One frame. Throws Diverged.
+  /// Simulates one frame. Throws Diverged.
   virtual StepReport step() = 0;
   virtual const State& state() const = 0;
 };
 
-/// Makes the same stepper anew, for runs that are repeated.
+/// Makes a new stepper each time, for repeated runs.
 using StepperMaker = std::function<std::unique_ptr<Stepper>()>;
 
 StepperMaker simulator_of(const Scene&);

@@ -1,4 +1,4 @@
-// What the strain limit leaves over, and how far the rest shape is off, against cost.
+// The remaining violation of the strain limit, and the error of the rest shape, against cost.
 
 #include <algorithm>
 #include <memory>
@@ -66,7 +66,7 @@ std::vector<Job> strain_limit_jobs(const Options& options) {
         run(simulator_of(scene), shared->trial.frames, {0, 300}).trajectory.back().positions;
   });
 
-  // The shipped limit: its tolerance and the substeps are the dials.
+  // The shipped limit, by its tolerance and the substeps.
   const auto tolerances =
       options.quick ? std::vector{0.004} : std::vector{0.1, 0.03, 0.01, 0.004, 1e-3, 1e-4, 1e-5};
   for (const int substeps : options.quick ? std::vector{0} : std::vector{0, 30}) {
@@ -80,7 +80,7 @@ std::vector<Job> strain_limit_jobs(const Options& options) {
     }
   }
 
-  // The classic one: 30 substeps and one pass; or more passes.
+  // The classic limit: 30 substeps and one pass; or more passes.
   for (const bool follow : {false, true}) {
     for (const int passes : options.quick ? std::vector{1} : std::vector{1, 4, 16}) {
       jobs.push_back([=] {

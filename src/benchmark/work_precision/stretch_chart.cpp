@@ -1,5 +1,5 @@
-// How often springs are stretched by how much, by method: where motion is chaotic and points can no
-// longer be compared, that still can.
+// The distribution of the springs' stretch, by method: it can be compared even in chaotic motion,
+// where points cannot.
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ struct Series {
   const char* name;
   Scene scene;
   int frames;
-  int counted_from;  // frame
+  int counted_from;  // first frame that counts
 };
 
 std::vector<Series> series(bool quick) {
@@ -29,8 +29,8 @@ std::vector<Series> series(bool quick) {
   return {{"sphere_drop", sphere_drop(side), 270, 90}, {"fold", fold(side), 270, 90}};
 }
 
-/// Shares of all springs in all frames by stretch l / L0 - 1; what lies outside is in the
-/// outermost.
+/// Shares of all springs in all frames by stretch l / L0 - 1; values outside count in the outermost
+/// bin.
 class Histogram {
  public:
   static constexpr int bins = 150;

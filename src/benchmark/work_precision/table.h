@@ -7,7 +7,7 @@
 
 namespace clothsim::work_precision {
 
-/// Rows under a header, written as CSV. A number that is not one is left empty.
+/// Rows under a header, written as CSV. NaN becomes an empty field.
 class Table {
  public:
   using Cell = std::variant<std::string, double, int>;

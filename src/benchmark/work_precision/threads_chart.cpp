@@ -1,4 +1,4 @@
-// What a simulated second takes with one thread and with two.
+// The time of a simulated second with one thread and with two.
 
 #include <algorithm>
 #include <limits>
@@ -18,7 +18,7 @@ struct Series {
   Scene (*scene)(int side);
   std::vector<int> sides;  // points along either side
   int frames;
-  int measured_from;  // frame from which on the time counts
+  int measured_from;  // first frame whose time counts
 };
 
 Scene limited_drop(int side) { return shipped_scene("pinned2", side); }
@@ -30,7 +30,7 @@ std::vector<Series> series(bool quick) {
           {"folds", fold, {25, 50, 100}, 54, 36}};  // as its first folds touch
 }
 
-/// Per simulated second [s]; the least of several runs, to which other work adds least.
+/// Per simulated second [s]; the minimum of several runs, which is least affected by other work.
 struct Time {
   double wall = std::numeric_limits<double>::infinity();
   double cpu = std::numeric_limits<double>::infinity();
@@ -58,7 +58,7 @@ std::vector<Job> threads_jobs(const Options& options) {
       jobs.push_back([=] {
         Time times[2];
         constexpr int rounds = 3;
-        for (int round = 0; round < rounds; ++round) {  // in turn: both meet the same machine
+        for (int round = 0; round < rounds; ++round) {  // in turn: under the same conditions
           for (const int threads : {1, 2}) {
             Scene scene = s.scene(side);
             scene.simulation.threads = threads;

@@ -6,15 +6,15 @@
 
 namespace clothsim::work_precision {
 
-/// A run that was done, as a judge of `auto` sees it.
+/// A finished run, for the assessment of `auto`.
 struct Contender {
-  std::string method;  // as `auto` would name it
+  std::string method;  // by its name in `auto`
   double cost;         // [CPU ms per simulated second]
-  double error;        // of positions, of the size; where the reference cannot tell, what it can
+  double error;        // of positions, of the size; not below that of the reference
 };
 
-/// The most exact of `runs` by methods other than that of `chosen` which cost no more than it: what
-/// `auto` has passed over. None where all of those are dearer.
+/// The most accurate of `runs` by methods other than that of `chosen` that cost no more: the best
+/// alternative for `auto`. None where all of those cost more.
 std::optional<Contender> best_passed_over(const Contender& chosen,
                                           const std::vector<Contender>& runs);
 

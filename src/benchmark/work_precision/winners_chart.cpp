@@ -1,4 +1,4 @@
-// Which method reaches a given error at the least cost, by stiffness and number of points.
+// The method that reaches a given error at the least cost, by stiffness and number of points.
 
 #include <cmath>
 #include <map>
@@ -15,10 +15,10 @@
 namespace clothsim::work_precision {
 namespace {
 
-constexpr int frames = 6;  // at 200 x 200 points a step is dear
+constexpr int frames = 6;  // at 200 x 200 points a step is expensive
 
-/// The tightest error that is charted. A run that costs more than twice what another took to reach
-/// it cannot win; it is stopped.
+/// The tightest error that is charted. A run that costs more than twice another run's cost to reach
+/// it cannot win and is stopped.
 constexpr double tightest = 1e-5;
 constexpr double hopeless = 2;
 constexpr double longest = 8;  // of any run [CPU s]
@@ -30,8 +30,8 @@ struct Cell {
   std::set<std::string> exact;                            // methods within `tightest`
 };
 
-/// By points a side, stiffness and place in the list of dials: the cost seen. A cloth of twice the
-/// points a side has four times the points, so that it costs four times as much at least.
+/// Measured costs by points a side, stiffness and index in the list of dials. A cloth of twice the
+/// points a side has four times the points, so that it costs at least four times as much.
 using Costs = std::map<std::tuple<int, double, std::size_t>, double>;
 
 struct Shared {
@@ -49,7 +49,7 @@ Scene scene_of(int side, double ks) {
 /// Explicit methods from their limit on, the others from one substep on; cheap ones first.
 std::vector<Dial> cell_dials(const Scene& scene, bool quick) {
   const Cloth cloth = make_grid(scene.cloth);
-  const double angle =  // omega of a frame
+  const double angle =  // omega times a frame's duration
       omega_max_bound(cloth, cloth.rest_positions) / scene.simulation.frames_per_second;
   std::vector<Dial> list;
   for (const std::string& method : method_names()) {
@@ -116,10 +116,10 @@ std::vector<Job> winners_jobs(const Options& options) {
       const std::vector<Dial> list = cell_dials(cell->trial.scene, options.quick);
       for (std::size_t i = 0; i < list.size(); ++i) {
         if (!wanted(options.methods, list[i].method)) continue;
-        if (list[i].substeps > max_substeps) continue;  // no scene may have so many
+        if (list[i].substeps > max_substeps) continue;  // more than a scene may have
         jobs.push_back([=] { race(*cell, list[i], i, *shared); });
       }
-      jobs.push_back([=] { cell->reference = {}; });  // some are large
+      jobs.push_back([=] { cell->reference = {}; });  // frees memory: some are large
     }
   }
   jobs.push_back([=] { shared->table.write(options.output / "winners.csv"); });
