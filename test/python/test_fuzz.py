@@ -114,7 +114,7 @@ def call(rng, simulator, batch):
     ])
 
 
-# Exceptions of Python, beside our own: a refusal, whatever its name. Broken raises LookupError.
+# Exceptions of Python, beside our own: a refusal under any name. Broken raises LookupError.
 REFUSALS = (ValueError, TypeError, RuntimeError, LookupError, OverflowError)
 
 

@@ -115,7 +115,7 @@ def pixels_of(picture, color, tolerance=30):
 
 
 def cloth_in(picture):
-    """Which pixels show the red cloth, in whatever light."""
+    """Mask of the pixels of the red cloth, in any light."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return (red > 60) & (red > 2 * green) & (red > 2 * blue)
 

@@ -77,7 +77,7 @@ TEST(ColliderWrench, TheWeightIsThatOfEveryMethodWithAndWithoutDrag) {
 }
 
 TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
-  // They leave its upper edge no room, and have half each, as their friction is the same.
+  // They leave its upper edge no room, and carry half each, as their friction is the same.
   Scene scene = over({collider("left", Cuboid{{0.3, 0.02, 0.06}}, {0.1, -0.0095, 0.2}, 1),
                       collider("right", Cuboid{{0.3, 0.02, 0.06}}, {0.1, 0.0095, 0.2}, 1)},
                      10);
