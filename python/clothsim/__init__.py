@@ -1,4 +1,4 @@
-"""Cloth, simulated in this process: docs/python.md tells how. SI units, z up.
+"""Cloth, simulated in this process: see docs/python.md. SI units, z up.
 
     import clothsim
     simulator = clothsim.Simulator("config/scenes/sphere.yaml")

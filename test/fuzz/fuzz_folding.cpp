@@ -63,7 +63,7 @@ class Folding {
   double time() const { return simulator_.state().time; }
   bool is_driven() const { return attack_ != Attack::drop && time() < driven_until; }
   bool is_calm() const { return !is_driven() && speed_ < calm; }
-  /// Fine cloths are judged as they fold, coarse ones until they rest; hanging ones swing.
+  /// Fine cloths are checked as they fold, coarse ones until they rest; hanging ones swing.
   bool is_to_rest() const {
     return columns_ == 30 && (attack_ == Attack::drop || attack_ == Attack::sphere);
   }

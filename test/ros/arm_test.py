@@ -31,7 +31,7 @@ class Arm(unittest.TestCase):
             self.assertLess(time.monotonic(), end, "the example goes on")
             time.sleep(0.1)
 
-        # It hung free from two fingers to which nothing was attached.
+        # The towel hung free from two fingers, and no point was attached.
         self.assertGreater(max(positions(s)[:, 2].min() for s in cloth.states.all()), 0.02)
         self.assertEqual([m for m in colliders.all() if m.held], [])
         carried = next(float(found[1]) for found in (re.match(r"the arm carries (\S+) N", m.msg) for m in log.all())

@@ -222,7 +222,7 @@ class CameraTest(CameraTestCase):
         self.assertTrue(np.array_equal(np.isnan(frame.normals[..., 0]), frame.mask == NOTHING))
 
     def test_visible_points(self):
-        """Also for subscribers that want no image. Depth shows the same points, except at edges of pixels."""
+        """Also without a subscriber to images. Depth shows the same points, except at edges of pixels."""
         recorder = Recorder("/clothsim/camera/visible_points", VisiblePoints)
         wait_for(recorder.connected, "the points that are seen")
         state = self.cloth.step(40)

@@ -47,7 +47,7 @@ class Grasp(unittest.TestCase):
         self.assertLess(sum(carried), WEIGHT * (np.mean(height > GROUND) + SWING))
 
         self.expect_held(cloth.states.all(), transforms.all())
-        # They laid it down without pressing.
+        # The hands laid the cloth down without pressing.
         let_go = self.state_before(cloth, log, "the cloth is folded").header.stamp
         for recorder in wrenches.values():
             last = max((m for m in recorder.all() if m.header.stamp <= let_go),

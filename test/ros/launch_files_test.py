@@ -64,7 +64,7 @@ class LaunchFiles(unittest.TestCase):
         self.assertFalse([name for name in plain if "jump_speed" in name or "/camera/" in name])
 
     def test_paths_of_scenes(self):
-        """They are relative to the working directory of roslaunch, or to a package."""
+        """Paths are relative to the working directory of roslaunch, or to a package."""
         for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"),
                             ("package://a/b.yaml", "package://a/b.yaml")):
             given = self.parameters("clothsim", "scene.launch", "scene:=" + scene)

@@ -157,7 +157,7 @@ class LifeCycle(unittest.TestCase):
     def test_terminate(self):
         node, _ = self.start_node("terminated")
         self.assertEqual(self.assert_ends_cleanly(node, by=signal.SIGTERM), "")
-        self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master knows, too
+        self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master has removed them, too
 
     def test_interrupt_while_starting(self):
         """While it builds a large cloth: it ends after that, before it simulates."""

@@ -92,7 +92,7 @@ class Load(unittest.TestCase):
         self.assertFalse(rospy.has_param("/clothsim/scene_file"))
 
     def test_examples_of_the_docs_are_the_same_in_simulate(self):
-        """Each gives the same positions in both, except with motions, which the node does not play."""
+        """Each example gives the same positions in both, except with motions, which the node does not play."""
         simulate = roslib.packages.find_node("clothsim", "simulate")[0]
         count = 0
         for page in ("docs/scenes.md", "docs/fabrics.md"):
@@ -168,7 +168,7 @@ class Load(unittest.TestCase):
         self.assertEqual(rospy.get_param("/clothsim/density"), 150.0)
 
     def test_parameters_of_the_scenes_method(self):
-        """They are restored with it, after another method."""
+        """The parameters are restored with the method, after another one."""
         self.load({**SMALL, "simulation": {"method": "xpbd", "method_parameters": {"iterations": 20}}})
         expected = content(self.cloth.step(10))
         client = Client("/clothsim", timeout=PATIENCE)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""In a namespace: RViz, started there with our configuration, asks for topics that there are."""
+"""In a namespace: RViz, started there with our configuration, subscribes to existing topics."""
 
 import os
 import unittest

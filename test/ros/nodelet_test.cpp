@@ -53,7 +53,7 @@ TEST_F(Nodelet, PublishesUnderItsOwnName) {
   EXPECT_EQ(state->positions, answer.state.positions);
 }
 
-/// It is published under the name of the process's node, as for all nodelets of a process.
+/// The transform comes from a node of the same name, as for all nodelets of a process.
 TEST_F(Nodelet, HearsTransformsOfItsNeighbours) {
   double x = 0;
   const ros::Subscriber subscriber = node_.subscribe<visualization_msgs::MarkerArray>(

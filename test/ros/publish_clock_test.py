@@ -21,7 +21,7 @@ class PublishClock(unittest.TestCase):
         cloth = Cloth()
         clock = Recorder("/clock", Clock)
 
-        # It runs, and no state has a stamp in the future.
+        # The simulation runs, and no state has a stamp in the future.
         cloth.states.wait("frame 50", lambda s: s.step >= 50)
         cloth.pause()
         stamp = cloth.step(1).header.stamp

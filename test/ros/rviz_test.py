@@ -68,7 +68,7 @@ class Rviz(unittest.TestCase):
             self.assertLess(distance(near.mean(axis=0) + 0.5, expected), 1.5)
 
     def test_the_cloth_follows_its_states(self):
-        """It swings down: at the former place of its edge the background is seen."""
+        """The cloth swings down: at the former place of its edge the background is seen."""
         def height(picture):
             return np.flatnonzero(cloth_in(picture).any(axis=1)).max()
         before = height(ready(self.desktop, shows_cloth))
@@ -113,9 +113,9 @@ class Rviz(unittest.TestCase):
             wait_for(has_followed, "the points to follow the mouse")
             after = positions(states[-1])[held]
             self.assertAlmostEqual(self.view.pixel(after.mean(axis=0))[1], ahead, delta=0.002)
-            # They keep their places relative to each other.
+            # The points keep their places relative to each other.
             self.assertLess(np.abs((after - after[0]) - (before - before[0])).max(), 1e-4)
-            # They are shown in yellow.
+            # The points are shown in yellow.
             ready(self.desktop, lambda p: any(
                 distance(place, target) < 20 for place in pixels_of(p, YELLOW, 10)))
         finally:

@@ -247,7 +247,7 @@ class State(unittest.TestCase):
         self.assertEqual(content(self.cloth.step(20)), expected)
 
     def test_a_pin_whose_frame_jumps(self):
-        """It travels there at ~jump_speed, and goes on so from a state saved under way."""
+        """The pin travels there at ~jump_speed, and goes on so from a state saved under way."""
         self.carry(0, wait=1.0)
         self.cloth.step(2)
         self.carry(-1000)

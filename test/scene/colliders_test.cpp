@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, Driven,
 class Turning : public ::testing::TestWithParam<double> {};
 
 TEST_P(Turning, ABarSweepsTheClothAside) {
-  // It turns about its middle beside the cloth; its end comes through the place of the cloth.
+  // The bar turns about its middle beside the cloth; its end comes through the place of the cloth.
   const double w = GetParam();  // [rad/s]
   const auto at = [](double angle) { return pose_at({0.5, -0.3, 0.6}, {M_PI / 2 + angle, 0, 0}); };
   Simulator simulator(hanging_with({{"bar", Capsule{0.8, 0.02}, at(-M_PI / 2), 0.3, ""}}));

@@ -106,7 +106,7 @@ TEST(HardScene, PinchedBetweenTwoClosingSpheres) {
     run_checked(simulator, 1.0 / 90, 50);
   }
   run_checked(simulator, 2, 50);
-  // It slips out from between them, whole.
+  // The cloth slips out from between them, whole.
   EXPECT_EQ(deepest_penetration(simulator), 0);
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
 }
@@ -332,7 +332,8 @@ double lowest_height(int side, int column, int row) {
 class HeavyPoint : public ::testing::TestWithParam<double> {};
 
 TEST_P(HeavyPoint, Hangs) {
-  // It hangs in the middle of the hem; substeps as for its weight, twice a frame's passes.
+  // The heavy point is in the middle of the hem; substeps as for its weight, twice a frame's
+  // passes.
   Scene scene = hanging(8);
   Cloth cloth = make_grid(scene.cloth);
   const int heavy = 7 * 8 + 4;

@@ -255,7 +255,7 @@ TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
     simulator.step();
     ASSERT_LT(deepest_penetration(simulator), 2e-3) << frame;
   }
-  // It has taken the cloth along.
+  // The rod has taken the cloth along.
   EXPECT_LT(simulator.state().positions.col(2).minCoeff(), 0.7);
 }
 

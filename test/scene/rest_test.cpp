@@ -425,7 +425,7 @@ TEST_P(SelfCollision, RestsInSeparateLayers) {
   EXPECT_GT(closest_ever, 0.9 * contact) << "while it fell";
   EXPECT_EQ(deepest_penetration(simulator), 0);
   EXPECT_LT(worst_stretch(simulator.cloth(), state.positions), 0.105);
-  // It folded: a sheet that stood 1 m high lies under 25 cm, in several layers.
+  // The cloth folded: a sheet that stood 1 m high lies under 25 cm, in several layers.
   EXPECT_LT(state.positions.col(2).maxCoeff(), 0.25);
   EXPECT_GT(state.positions.col(2).maxCoeff(), 3 * contact);
 }

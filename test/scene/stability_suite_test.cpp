@@ -182,7 +182,7 @@ TEST(Recovery, ANamedMethodEndsWithATypedError) {
 }
 
 TEST(Recovery, WhereNothingHelpsItEndsWithATypedError) {
-  // It falls beyond the range of a cloth's numbers, for any substeps and method.
+  // The cloth falls beyond the range of its numbers, for any substeps and method.
   Scene scene;
   scene.cloth = square_spec(5, 5);
   scene.simulation.gravity = Vector3(0, 0, -1e6);

@@ -332,7 +332,7 @@ TEST(FindIntersections, ListsPairsThatShareNoPoint) {
       3, 1, -1, 3, 1, 1, 3.5, 1, 1,                 // through its first triangle
       2, 2, -1, 1, 3, 1, 3, 1, 1,                   // a corner through its diagonal
       3, 1, -1, 4, 1, 5,                            // through the first, but hangs on its point
-      3, 2, 1, 4, 2, 1;                             // beside it, and hangs on the point of another
+      3, 2, 1, 4, 2, 1;                             // beside it, and ends on the point of another
   ASSERT_EQ(checked_count(cloth, positions, "square"), 4);
   const auto pairs = find_intersections(cloth, positions);
   const int expected[][2] = {{0, 2}, {0, 3}, {0, 5}, {1, 3}};

@@ -120,7 +120,7 @@ TEST(SceneYaml, AcceptsWhatPhysicsAllows) {
   EXPECT_EQ(read_changed({"cloth.columns=1000", "cloth.rows=1000"}).cloth.rows, 1000);
 }
 
-// The parameter server knows 50.0 and 50 as two types, and hands on the first as 50.
+// The parameter server has 50.0 and 50 as two types, and hands on the first as 50.
 TEST(SceneYaml, AWholeNumberMayBeWrittenAsAnyNumber) {
   EXPECT_EQ(read_changed({"cloth.columns=50.0"}).cloth.columns, 50);
   EXPECT_EQ(read_changed({"cloth.columns=5.0e+1"}).cloth.columns, 50);
@@ -390,7 +390,7 @@ TEST(LiveValues, LeftOutKeepTheirValue) {
   change(scene, "{method: xpbd}");
   EXPECT_EQ(std::get<Xpbd::Parameters>(scene.simulation.method_parameters).iterations, 9);
 
-  // It does not have the parameters of another method.
+  // The choice does not have the parameters of another method.
   change(scene, "{method: bdf2}");
   EXPECT_TRUE(std::holds_alternative<std::monostate>(scene.simulation.method_parameters));
 }

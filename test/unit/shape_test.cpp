@@ -158,7 +158,7 @@ TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
       const Distance d = signed_distance(shape, p, p);
       EXPECT_TRUE(std::isfinite(d.value));
       EXPECT_NEAR(d.normal.norm(), 1, 1e-15) << p.transpose();
-      // It leads outwards: a step along it gains its length.
+      // The normal leads outwards: a step along it gains its length.
       const Vector3 out = p + 1e-3 * d.normal;
       EXPECT_NEAR(signed_distance(shape, out, out).value - d.value, 1e-3, 1e-12) << p.transpose();
     }

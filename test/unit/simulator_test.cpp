@@ -390,7 +390,7 @@ TEST(Simulator, IsBrokenOffBetweenSubsteps) {
   EXPECT_EQ(simulator.state().velocities, twin.state().velocities);
   EXPECT_EQ(simulator.state().time, twin.state().time);
 
-  // It goes on as from a state without a memory, and still asks after a scene is loaded.
+  // It goes on as from a state without a memory. The interrupt is kept when a scene is loaded.
   twin.set_state(twin.state());
   simulator.step();
   twin.step();

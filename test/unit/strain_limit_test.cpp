@@ -162,7 +162,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
 }
 
 TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
-  // It gives the result of plain passes; the points move by the changes of velocities.
+  // solve() gives the result of plain passes; the points move by the changes of velocities.
   ClothSpec spec = limited(square_spec(8));
   spec.pinned = {{0, 0, ""}, {7, 0, ""}};
   const Cloth cloth = make_grid(spec);

@@ -55,7 +55,7 @@ TEST(StabilityLimit, StableJustBelow) {
     farthest_off = std::max(
         farthest_off, farthest(simulator.state().positions, simulator.cloth().rest_positions));
   }
-  // It started up to 1 mm off.
+  // The start is up to 1 mm off.
   EXPECT_LT(farthest_off, 5e-3);
 }
 
@@ -81,7 +81,7 @@ TEST(StabilityLimit, BlowsUpJustAboveAndKeepsTheLastGoodFrame) {
   EXPECT_EQ(simulator.state().velocities, last.velocities);
   EXPECT_EQ(simulator.state().time, last.time);
 
-  // It is refused again, and a reset with a smaller step runs.
+  // The step is refused again, and a reset with a smaller step runs.
   EXPECT_THROW(simulator.step(), Diverged);
   simulator.reset();
   SimulationSpec simulation = simulator.scene().simulation;
