@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""What the documents tell users to type is there: programs, their options, launch files, their
-arguments, scripts, files. Commands of `simulate` are run, for a moment. The first hour has a test of
-its own, which runs all of it. Argument: the folder of the programs (build/devel/lib/clothsim)."""
+"""The commands of the documents exist: programs, their options, launch files, their arguments, scripts,
+files. Commands of `simulate` are run, for a moment. The first hour has a test of its own, which runs all
+of it. Argument: the folder of the programs (build/devel/lib/clothsim)."""
 
 import functools
 import pathlib
@@ -16,7 +16,7 @@ PROGRAMS = pathlib.Path(*sys.argv[1:2] or [PACKAGE / "build/devel/lib/clothsim"]
 
 
 def commands(text):
-    """Of the blocks of a document, as lists of words."""
+    """Commands in the blocks of a document, as lists of words."""
     for kind, block in re.findall(r"^ *```(\w*)\n(.*?)^ *```", text, re.DOTALL | re.MULTILINE):
         if kind not in ("", "sh", "bash"):
             continue
@@ -36,7 +36,7 @@ def arguments_of(launch_file):
 
 
 def run_for_a_moment(words):
-    """What `simulate` says where it fails."""
+    """The error message of `simulate`, empty if it succeeds."""
     at = words.index("--seconds") + 1 if "--seconds" in words else len(words)
     words = words[:at] + ["0.05"] + words[at + 1:]
     with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/constants.md has each constant of the floors below as the code has it: name, value, unit and
+"""docs/constants.md has each constant of the floors below as in the code: name, value, unit and
 the words above it. With --write it writes that page."""
 
 import difflib
@@ -22,8 +22,8 @@ sets, and nobody could tune, as the order of a method, is an enumerator: {struct
 `scripts/test` fails where it differs from the code.
 """
 
-# A constant and the comment behind it. Its value has numbers: what follows from others alone is none,
-# nor is a range of what users may give, which docs/scenes.md has, nor an index -1 that stands for none.
+# A constant and the comment behind it. Its value has digits: left out are values that follow from others,
+# the ranges of users' values, which docs/scenes.md has, and an index -1 for none.
 CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char|int \w+ = -1\b)[\w:]+(?:<[^>]*>)? "
                       r"(?P<name>\w+)(?:<\w+>)?(?: = (?P<value>(?:\w+ [*/] |-)?\d[^;]*)|"
                       r"(?P<list>\{[-\d][^;]*\}));(?:\s*// ?(?P<behind>.*))?$")
@@ -31,7 +31,7 @@ CONSTANT = re.compile(r"(?:static |inline )*constexpr (?!Range|bool|const char|i
 ENUMERATOR = re.compile(r"enum(?: : [\w:]+)? \{ (?P<name>\w+) = (?P<value>\d+) \};")
 # These share their words with a number that has a unit, and have none.
 PURE = {"max_violation_share", "margin", "lift"}
-# Not that of a function of the number.
+# Not the unit of a function of the number.
 UNIT = re.compile(r"(?<!\) )\[((?:1/|k?)(?:m|s|g|N|J|K|Hz|rad|bytes)\b[\w/^ ]*)\]")
 
 
@@ -66,8 +66,7 @@ def words_around(lines, number):
 
 
 def constants_of(path):
-    """Rows of a file: name, value, unit, words. Constants that follow one another share the words
-    above the first."""
+    """Rows of a file: name, value, unit, words. Successive constants share the words above the first."""
     lines, rows, above, last = path.read_text().splitlines(), [], "", -2
     for number, line in enumerate(lines):
         found = CONSTANT.match(line.strip())

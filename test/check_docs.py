@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The documents hold together: each relative link leads to a file of the clone, each anchor to a
-heading, no formula is left open, and README and the method are as short as they are meant to be."""
+"""The documents are consistent: each relative link leads to a file of the clone, each anchor to a
+heading, no formula is left open, and README and the method keep their limits of length."""
 
 import pathlib
 import re
@@ -16,7 +16,7 @@ def documents():
 
 
 def without_blocks(text):
-    """Without code and displayed formulas."""
+    """The text without code and displayed formulas."""
     return re.sub(r"^ *```.*?^ *```|\$\$.*?\$\$", "", text, flags=re.DOTALL | re.MULTILINE)
 
 
@@ -25,7 +25,7 @@ def without_code(text):
 
 
 def anchors(text):
-    """Of a document's headings, as GitHub makes them."""
+    """Anchors of a document's headings, as GitHub makes them."""
     seen, found = {}, set()
     for heading in re.findall(r"^#+ (.*)$", without_blocks(text), re.MULTILINE):
         slug = re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
@@ -48,7 +48,7 @@ def wrong_links(path, text):
 
 
 def wrong_formulas(text):
-    """Formulas in a line where a dollar is left over."""
+    """Lines with an odd number of dollars, where a formula is left open."""
     for line in without_code(text).splitlines():
         if line.count("$") % 2:
             yield f"a formula is left open: {line}"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Each room of the code includes only from its own floor or below, and only ros/ and rviz/ know ROS.
+"""Each room of the code includes only from its own floor or below, and only ros/ and rviz/ depend on ROS.
 Files have at most 400 lines, functions 50."""
 
 import pathlib
@@ -43,9 +43,9 @@ SCOPE = re.compile(r"(?:.*>\s*)?(?:inline )?(?:namespace|class|struct|enum|union
 
 
 def long_functions(text):
-    """(line, length) of functions that are too long: blocks in namespaces and classes alone."""
+    """(line, length) of functions that are too long: only blocks in namespaces and classes count."""
     text = NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
-    begin, blocks = 0, []  # of what is read, and whether each open block is a scope, with its line
+    begin, blocks = 0, []  # start of the statement; for each open block: is it a scope, and its line
     for place, character in enumerate(text):
         if character == "{":
             head = text[begin:place]

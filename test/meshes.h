@@ -54,7 +54,7 @@ TriangleSoup cells_soup(int count, const Vector3& origin, const Vector3& cell, I
   return soup;
 }
 
-/// All of them in one.
+/// All of them in one surface.
 inline TriangleSoup together(const std::vector<TriangleSoup>& soups) {
   TriangleSoup all;
   for (const TriangleSoup& soup : soups) {
@@ -147,7 +147,7 @@ inline TriangleSoup globe_soup(double radius, int count) {
       for (int k = 0; k <= count; ++k) {
         Vector3 p = a + 1.0 * i / count * u + 1.0 * k / count * v;
         for (int axis = 0; axis < 3; ++axis) p[axis] = std::tan(M_PI / 4 * p[axis]);
-        // Of points on two sides of the cube the same bits.
+        // The same bits for points on two sides of the cube.
         p = (p.array() * 1e9).round() / 1e9;
         p = radius / p.norm() * p;
         soup.vertices.push_back((p.array() * 1e12).round() / 1e12);
@@ -215,7 +215,7 @@ inline void write_obj(const std::string& path, const TriangleSoup& soup) {
     file << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
 }
 
-/// Of text, as programs write it that mean well.
+/// A text file, as most programs write it.
 inline void write_stl(const std::string& path, const TriangleSoup& soup) {
   std::ofstream file(path);
   file.precision(9);

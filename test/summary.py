@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Sums up a ctest run of catkin tests: summary.py TESTS_JSON CTEST_XML PASSED FAILED.
 
-TESTS_JSON is ctest's list of tests, CTEST_XML its report. Prints what failed and, last,
+TESTS_JSON is ctest's list of tests, CTEST_XML its report. Prints the failures and, last,
 'N passed, N failed' over all test cases, PASSED and FAILED included; exits 1 when any failed.
 A test program that left no result, or that failed though its cases passed, is one failure.
 """

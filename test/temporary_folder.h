@@ -10,7 +10,7 @@
 
 namespace clothsim::testing {
 
-/// A new folder of a test's own, gone with all that is in it at the end.
+/// A new folder of a test's own, removed at the end with all its contents.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const std::string& name) {

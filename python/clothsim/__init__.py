@@ -1,4 +1,4 @@
-"""Cloth, simulated in this process: docs/python.md tells how. SI units, z up.
+"""Cloth, simulated in this process: see docs/python.md. SI units, z up.
 
     import clothsim
     simulator = clothsim.Simulator("config/scenes/sphere.yaml")
@@ -21,7 +21,7 @@ __all__ = [name for name in _HOME if not name.startswith("_")]
 
 
 def __getattr__(name):
-    """Loads the simulator with its first use: whoever wants messages alone does not wait for it."""
+    """Loads the simulator on its first use: programs that only need messages do not wait for it."""
     if name not in _HOME:
         raise AttributeError(f"module 'clothsim' has no attribute {name!r}")
     value = getattr(importlib.import_module("clothsim." + _HOME[name]), name)

@@ -175,7 +175,7 @@ class FoldEnv(Env):
 
 class FoldVectorEnv(VectorEnv):
     """Many towels, stepped by all cores. A towel whose episode has ended is reset in the following step,
-    whatever its action (AutoresetMode.NEXT_STEP)."""
+    for any action (AutoresetMode.NEXT_STEP)."""
 
     metadata = {**METADATA, **AUTORESET}
     single_action_space = ACTIONS

@@ -29,7 +29,7 @@ HANG = 0.07  # more than the towel's length, so that it hangs free [m]
 
 
 def inverse_kinematics(x, y, z, between):
-    """Positions of the joints, in the order of JOINTS [rad] or [m], that put the tips of fingers which point down
+    """Positions of the joints, in the order of JOINTS [rad] or [m], that put the tips of downward fingers
     at a place [m], with this gap between them [m]. The blades stay perpendicular to the x axis."""
     ahead, up = math.hypot(x, y), z + HAND - SHOULDER  # of the wrist, seen from the shoulder
     cosine = (ahead**2 + up**2 - UPPER_ARM**2 - FOREARM**2) / (2 * UPPER_ARM * FOREARM)

@@ -1,5 +1,5 @@
-// The benchmark of speed against accuracy, run short, as a user runs it: its files, what they must
-// show even so, and the charts drawn from them.
+// The benchmark of speed against accuracy as a user runs it, with short runs: its files, the trends
+// that must show even so, and the charts from them.
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ double number(const Row& row, const std::string& column) {
 
 class WorkPrecision : public ::testing::Test {
  protected:
-  /// All charts at once: the tests look at what one run left.
+  /// All charts at once: the tests read the files of one run.
   static void SetUpTestSuite() {
     temporary_.emplace("work_precision");
     folder_ = temporary_->path();
@@ -101,14 +101,14 @@ TEST_F(WorkPrecision, EveryMethodIsChartedAndVerletFallsWithOrderTwo) {
     if (row.at("method") == VelocityVerlet::name) {
       verlet[std::stoi(row.at("substeps"))] = number(row, "position_error");
     }
-    // Errors that are there are numbers, and the largest is not below the mean.
+    // Errors are numbers where there is one, and the largest is not below the mean.
     if (row.at("position_error").empty()) continue;
     EXPECT_GE(number(row, "position_max"), number(row, "position_error"));
     for (const char* column : {"velocity_error", "energy_error", "momentum_error", "centre_error",
                                "worst_stretch", "p99_stretch"}) {
       EXPECT_GE(number(row, column), 0) << column;
     }
-    // Its own tolerances left solver error far below the scheme's.
+    // With a method's own tolerances the solver error is far below that of the scheme.
     if (!row.at("solver_error").empty()) {
       EXPECT_LT(number(row, "solver_error"), 0.1 * number(row, "scheme_error"));
     }
@@ -120,7 +120,7 @@ TEST_F(WorkPrecision, EveryMethodIsChartedAndVerletFallsWithOrderTwo) {
 }
 
 TEST_F(WorkPrecision, ToldWhatAutoForetoldAndPassedOver) {
-  // On a cloth of 64 points a frame costs microseconds: which method is better tells nothing.
+  // On a cloth of 64 points a frame costs microseconds: the ranking of the methods means nothing.
   const std::vector<Row> rows = read(folder_ / "choices.csv");
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].at("method"), "verlet");
@@ -147,7 +147,7 @@ TEST(Verdict, TheBestPassedOverIsTheMostExactOfTheOthersThatCostNoMore) {
 }
 
 TEST_F(WorkPrecision, FailuresAreRecordedWhereTheoryHasThem) {
-  // Explicit methods beyond their limit, with room for a step that only just fails.
+  // Explicit methods beyond their limit, with a margin for a step that only just fails.
   int failed = 0;
   for (const Row& row : read(folder_ / "stability.csv")) {
     const double ratio = number(row, "step_s") / number(row, "limit_s");

@@ -9,7 +9,7 @@
 
 namespace clothsim::testing {
 
-/// Draws one number after the other; equal seeds draw the same.
+/// Draws random numbers; equal seeds give equal sequences.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : engine_(seed) {}
@@ -18,10 +18,10 @@ class Draw {
     return std::uniform_real_distribution<double>(from, to)(engine_);
   }
 
-  /// Each decade as likely as any other.
+  /// Log-uniform: each decade is equally likely.
   double decades(double from, double to) { return from * std::pow(to / from, even(0, 1)); }
 
-  /// Both ends included.
+  /// Includes both ends.
   int whole(int from, int to) { return std::uniform_int_distribution<int>(from, to)(engine_); }
 
   bool happens(double probability) { return even(0, 1) < probability; }

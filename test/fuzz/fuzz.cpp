@@ -23,7 +23,7 @@ struct Options {
 Options options;
 std::string program;
 
-/// Failures of the test that runs.
+/// Failures of the running test.
 int failures() {
   return ::testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count();
 }

@@ -5,15 +5,16 @@
 
 namespace clothsim::testing {
 
-/// Attacks where the command line does not say how many: a few seconds of them. Each fuzzer has its
-/// own.
+/// Default number of seeds where the command line gives none: a few seconds of work. Each fuzzer
+/// defines its own.
 extern const int usual_count;
 
-/// Runs `attack` for one seed after the other, as the command line asks for, telling each before it
-/// begins. A seed that fails or throws is told with how to run it again, and the next one begins.
+/// Runs `attack` for a sequence of seeds, as the command line asks. Prints each seed before its
+/// run. If a seed fails or throws, prints the command that repeats it and goes on with the next
+/// seed.
 void for_each_seed(const std::function<void(std::uint64_t)>& attack);
 
-/// Whether the seed that runs has failed.
+/// Whether the running seed has failed.
 bool has_failed();
 
 /// Processor time of this program [s].

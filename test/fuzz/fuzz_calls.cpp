@@ -1,5 +1,5 @@
-// Random calls of the simulator's functions, with values that users have and with some that nobody
-// has. A refusal changes nothing, nothing leaves the finite numbers, and what is held stays held.
+// Random calls of the simulator's functions, with ordinary values and with absurd ones. A refusal
+// changes nothing, all numbers stay finite, and held points stay at their holders.
 
 #include <algorithm>
 #include <iostream>
@@ -21,10 +21,10 @@ namespace {
 
 using namespace testing;
 
-constexpr int max_side_points = 8;  // of a cloth, along a side
-constexpr int calls = 60;           // a seed
+constexpr int max_side_points = 8;  // points along a side of a cloth
+constexpr int calls = 60;           // for each seed
 
-/// Distance [m] from its place at which a held point is no longer there.
+/// Distance [m] between a held point and its place above which the test fails.
 constexpr double held_tolerance = 1e-9;
 
 const std::vector<std::string> frames = {"left", "right", "other"};
@@ -35,7 +35,7 @@ class Caller {
   Caller(std::uint64_t seed, bool with_fabrics)
       : draw_(seed), with_fabrics_(with_fabrics), simulator_(scene(seed)) {}
 
-  /// One call; its name.
+  /// Makes one call and returns its name.
   const char* call();
 
   bool is_finite() const {
@@ -75,7 +75,7 @@ class Caller {
   }
   void load() { simulator_.load(scene(seed())); }
 
-  // What calls are made with.
+  // Arguments of the calls.
   Scene scene(std::uint64_t seed) {
     const bool is_fabric = with_fabrics_ && draw_.happens(0.7);
     return (is_fabric ? random_fabric_scene : random_scene)(seed, max_side_points).scene;
@@ -172,7 +172,7 @@ void Caller::step() {
   }
 }
 
-/// Each held point is where its frame has it, but for the lag that the grip tells.
+/// Each held point is where its frame has it, up to the lag that the grip reports.
 void Caller::expect_held() const {
   for (const auto& [frame, grip] : simulator_.grips()) {
     for (const Grip::Held& held : grip.held) {
@@ -184,7 +184,7 @@ void Caller::expect_held() const {
   }
 }
 
-/// A copy goes on to the same bits.
+/// A restored copy continues bit-identically.
 void Caller::replay() {
   const auto copy = simulator_.save();
   const auto go_on = [&] {
@@ -219,7 +219,7 @@ void Caller::set_state() {
   simulator_.set_state(state);
 }
 
-/// The present one, damaged.
+/// The current memory, damaged.
 void Caller::set_memory() {
   std::vector<double> memory = simulator_.memory();
   for (int i = draw_.whole(0, 3); i > 0; --i) {

@@ -1,5 +1,5 @@
-// Cloths of random materials that meet themselves: dropped, hit by a sphere, pressed or twisted. No
-// two triangles cross in any frame, judged in double precision by all pairs that are near.
+// Cloths of random materials in self contact: dropped, hit by a sphere, pressed or twisted. No two
+// triangles cross in any frame, by a check of all near pairs in double precision.
 
 #include <algorithm>
 #include <cmath>
@@ -19,22 +19,22 @@ namespace {
 
 using namespace testing;
 
-/// Stretch that no spring is over which neither pins nor colliders pull.
+/// Largest stretch of a spring on which neither pins nor colliders pull.
 constexpr double max_stretch = 0.12;
 
-/// Depth below the ground [m] that a frame may leave where a cloth held back from crossing itself
-/// is.
+/// Largest depth below the ground [m] at the end of a frame, where the crossing guard holds back
+/// the cloth.
 constexpr double held_skin = 2e-3;
 
 /// RMS speed of a cloth at rest [m/s], over half a second.
 constexpr double calm = 1e-3;
 
-/// Processor time after which a scene is left [s].
+/// Processor time after which a scene is abandoned [s].
 constexpr double max_cpu = 60;
 
 enum class Attack { drop, sphere, press, twist };
 
-/// A cloth that meets itself, and what drives it.
+/// A cloth in self contact, and its drive.
 class Folding {
  public:
   explicit Folding(std::uint64_t seed) : draw_(seed), simulator_(scene(seed)) {}
@@ -50,7 +50,7 @@ class Folding {
     if (attack_ == Attack::drop) {
       EXPECT_LT(report.worst_stretch, max_stretch);
     }
-    // What is driven into the ground, or pressed upon it, has no room.
+    // Cloth that is driven into the ground, or pressed onto it, has no room.
     if (attack_ == Attack::drop || (attack_ == Attack::sphere && is_calm())) {
       EXPECT_GT(simulator_.state().positions.col(2).minCoeff(), -held_skin);
     }
@@ -63,7 +63,7 @@ class Folding {
   double time() const { return simulator_.state().time; }
   bool is_driven() const { return attack_ != Attack::drop && time() < driven_until; }
   bool is_calm() const { return !is_driven() && speed_ < calm; }
-  /// Fine cloths are judged as they fold, coarse ones until they rest; what hangs, swings.
+  /// Fine cloths are checked as they fold, coarse ones until they rest; hanging ones swing.
   bool is_to_rest() const {
     return columns_ == 30 && (attack_ == Attack::drop || attack_ == Attack::sphere);
   }
@@ -108,8 +108,8 @@ class Folding {
     return scene;
   }
 
-  /// A ball that goes down through the cloth into the ground, or a plane that comes down to leave
-  /// it 3 cm, and goes up again.
+  /// A ball that goes down through the cloth into the ground, or a plane that comes down to 3 cm
+  /// above the ground and goes up again.
   Pose pose_of_drive(double after) const {
     const double way = std::clamp(speed_of_drive_ * after, 0.0, 1.2);
     if (attack_ == Attack::sphere) return {{0.5, 0, 1 - way}, Eigen::Quaterniond::Identity()};
@@ -128,7 +128,7 @@ class Folding {
     }
   }
 
-  /// Turns the last row about the line between the rows' middles, as it comes nearer.
+  /// Turns the last row about the line between the middles of both end rows, as it comes nearer.
   void twist(double share) {
     const int last = simulator_.cloth().num_points() - columns_;
     const Vector3 first_middle = (row(start_, 0) + row(start_, columns_ - 1)) / 2;

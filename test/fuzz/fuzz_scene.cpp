@@ -1,5 +1,5 @@
-// Random scenes: cloths of all materials, pinned, thrown and pushed about by moving colliders. What
-// must hold in all of them is looked at after every frame.
+// Random scenes: cloths of all materials, pinned, thrown and pushed by moving colliders. The
+// invariants of all such scenes are checked after every frame.
 
 #include <algorithm>
 #include <cmath>
@@ -21,50 +21,50 @@ namespace {
 
 using namespace testing;
 
-/// Speed [m/s] that any scene may have: what is pushed out of a collider, and swings.
+/// Speed [m/s] that is allowed in any scene, for cloth that leaves a collider, or swings.
 constexpr double usual_speed = 10;
 
-/// Times the speed of what drives it that a cloth may reach, as a whip's end does.
+/// Allowed ratio of the cloth's speed to the drive's: the end of a whip is faster than its handle.
 constexpr double whip = 8;
 
-/// Stretch over the strain limit where nothing pulls: its tolerance, and what contact adds to it.
+/// Stretch over the strain limit without a pull: the limit's tolerance plus the effect of contact.
 constexpr double over_limit = 0.05;
 
-/// Seconds in which colliders push out the cloth that they started in.
+/// Time [s] within which colliders push out a cloth that overlapped them at the start.
 constexpr double time_to_leave = 1;
 
-/// Depth of the cloth in a collider [m] that repairs of a frame may leave.
+/// Depth of the cloth in a collider [m] that is allowed after a frame's repairs.
 constexpr double skin = 1e-3;
 
-/// The same where pins pull what the guard holds back from crossing itself: 2.2 mm in one frame of
+/// The same where pins pull on cloth that the crossing guard holds back: 2.2 mm in one frame of
 /// seed 24.
 constexpr double held_skin = 5e-3;
 
-/// Distance [m] from where it was to be within which a pin has arrived.
+/// Distance [m] to its target within which a pin has arrived.
 constexpr double arrived = 1e-9;
 
-/// Shares of the energy that a second without drive may make, and of the angular momentum: errors
-/// of methods, and of velocities that are seen once a frame. A cloth that trembles makes all its
-/// energy anew many times a second.
+/// Shares of the energy that a second without drive may add, and of the angular momentum: errors of
+/// the methods, and of velocities that are sampled once a frame. A cloth that trembles adds all its
+/// energy many times a second.
 constexpr double made_share = 0.1;
 constexpr double spin_share = 0.05;
 
-/// Share of a momentum that a method may be off by, as it solves gravity and drag.
+/// Relative error of the momentum that is allowed to a method in gravity and drag.
 constexpr double momentum_share = 1e-4;
 
-/// Of all mass.
+/// Mean, weighted by mass.
 Vector3 mean(const Cloth& cloth, const Points& points) {
   return points.transpose() * cloth.mass / cloth.mass.sum();
 }
 
-/// Angular momentum about the middle, for each kilogram [m^2/s].
+/// Angular momentum about the centre of mass, per kilogram [m^2/s].
 Vector3 spin(const Cloth& cloth, const State& state) {
   const Vector3 momentum_of_middle =
       mean(cloth, state.positions).cross(mean(cloth, state.velocities));
   return angular_momentum(cloth, state) / cloth.mass.sum() - momentum_of_middle;
 }
 
-/// The speed of sound in a cloth, at most [m/s].
+/// Upper bound of the speed of sound in a cloth [m/s].
 double sound(const Material& material) {
   const auto& fabric = material.fabric;
   const double stiffness = fabric
@@ -112,7 +112,7 @@ class SceneRun {
 
   bool is_over() const { return time_ >= driven_for + still_for; }
 
-  /// What it cost and has come to.
+  /// Prints cost and results.
   void print(double cpu) const {
     std::cout << "; " << cpu / time_ << " CPU seconds and " << visits_ / time_
               << " visits of points a second, stretch " << worst_ << ", fastest " << max_speed_
@@ -129,7 +129,7 @@ class SceneRun {
   }
   double size() const { return std::hypot(random_.scene.cloth.width, random_.scene.cloth.height); }
 
-  /// Gives a cloth that is thrown its velocities.
+  /// Sets the velocities of a thrown cloth.
   void throw_cloth() {
     if (random_.velocity.isZero()) return;
     const Vector3 middle = mean(cloth(), start_.positions);
@@ -140,7 +140,7 @@ class SceneRun {
     simulator_.set_state(start_);
   }
 
-  /// Moves colliders and pins to where the frame ends.
+  /// Moves colliders and pins to their places at the end of the frame.
   void drive() {
     const double t = time_ + simulator_.frame_duration();
     for (std::size_t i = 0; i < random_.colliders.size(); ++i) {
@@ -162,7 +162,8 @@ class SceneRun {
     return random_.pins[i].at(time, start).position;
   }
 
-  /// A pin that its own cloth has blocked goes on to where it was to be, and drives it.
+  /// Whether a pin is not at its target yet. A pin that its own cloth has blocked goes on to its
+  /// target, and drives the cloth meanwhile.
   bool is_pin_late() const {
     for (std::size_t i = 0; i < random_.pins.size(); ++i) {
       const Vector3 at = row(state().positions, pin_point(i));
@@ -171,8 +172,8 @@ class SceneRun {
     return false;
   }
 
-  /// As fast as it was driven, fell, or as springs that are let go throw it: with the speed of
-  /// sound in the cloth, of which the stretch is the share.
+  /// Bound of the speed: drive, fall, and the release of springs, which is the speed of sound in
+  /// the cloth times the stretch.
   void check_speed() {
     const double bound = usual_speed + whip * random_.max_drive_speed() + gravity().norm() * time_ +
                          2 * worst_ * sound(random_.scene.cloth.material);
@@ -195,7 +196,7 @@ class SceneRun {
     EXPECT_LT(depth, is_held ? held_skin : skin);
   }
 
-  /// Nothing takes a pinned point out of a collider, nor the springs that hold on to it.
+  /// A pinned point in a collider stays there, and so may the springs at it.
   bool has_pins_at_colliders() const {
     double longest = 0;
     for (const SpringRun& run : cloth().springs) longest = std::max(longest, run.rest_length);
@@ -217,15 +218,15 @@ class SceneRun {
     EXPECT_EQ(count_intersections(cloth(), state().positions), 0);
   }
 
-  /// What springs, limit and the cloth itself do within it neither moves nor turns a free cloth:
-  /// that is left to gravity, whose share is the same at all points, and to drag.
+  /// Springs, strain limit and self contact neither move nor turn a free cloth. Only gravity, with
+  /// the same acceleration at all points, and drag do.
   void check_momentum() {
     const double c = cloth().damping, kept = std::exp(-c * time_);
     const double fell = c > 0 ? (1 - kept) / c : time_;
     const Vector3 velocity = kept * mean(cloth(), start_.velocities) + fell * gravity();
     EXPECT_LT((mean(cloth(), state().velocities) - velocity).norm(),
               momentum_share * (1 + velocity.norm()));
-    if (cloth().internal_damping[1] > 0) return;  // what is bent loses spin by it
+    if (cloth().internal_damping[1] > 0) return;  // damping of bends takes spin
     const double scale = size() * (1 + testing::max_speed(start_));
     EXPECT_LT((spin(cloth(), state()) - kept * spin(cloth(), start_)).norm(), spin_share * scale);
   }
@@ -237,12 +238,12 @@ class SceneRun {
   double time_ = 0;
   int recoveries_ = 0;
   double visits_ = 0;     // of points, in substeps and passes
-  double worst_ = 0;      // stretch
+  double worst_ = 0;      // largest stretch
   double max_speed_ = 0;  // [m/s]
-  double deepest_ = 0;    // in a collider, since all was out [m]
+  double deepest_ = 0;    // in a collider, once the cloth was out of all [m]
   bool is_out_ = false;
-  bool was_held_back_ = false;  // from crossing itself
-  EnergyAccount account_;       // since nothing is driven any more
+  bool was_held_back_ = false;  // by the crossing guard
+  EnergyAccount account_;       // since the end of the drive
   double made_ = 0;
 };
 

@@ -24,11 +24,11 @@ Material random_material(Draw& draw) {
   return material;
 }
 
-/// Zero now and then, as every value of a fabric may be.
+/// Sometimes zero: each value of a fabric may be.
 double or_zero(Draw& draw, double value) { return draw.happens(0.1) ? 0 : value; }
 
-/// Of cells `ratio` times as wide as they are high. Within what a scene may ask for: diagonals give
-/// no more stretch stiffness than there is.
+/// For cells `ratio` times as wide as high. The shear stiffness stays valid: diagonals add no more
+/// stretch stiffness than the fabric has.
 Fabric random_fabric(Draw& draw, double ratio) {
   Fabric fabric;
   double max_shear = 1e4;
@@ -71,7 +71,7 @@ ClothSpec random_cloth(Draw& draw, int most) {
   return cloth;
 }
 
-/// None, corners, an edge, or any points.
+/// No pins, corners, an edge, or any points.
 std::vector<Pin> random_pins(Draw& draw, const ClothSpec& cloth) {
   const int last_column = cloth.columns - 1, last_row = cloth.rows - 1;
   std::vector<Pin> pins;
@@ -105,7 +105,7 @@ std::vector<Pin> random_pins(Draw& draw, const ClothSpec& cloth) {
   return pins;
 }
 
-/// At any speed, but not far: over `size` [m], three times that at most.
+/// At any speed, and over three times `size` [m] at most.
 Motion random_motion(Draw& draw, double size) {
   Motion motion;
   if (draw.happens(0.3)) return motion;
@@ -137,7 +137,7 @@ Shape random_shape(Draw& draw, double size, int kinds) {
   }
 }
 
-/// From beside the cloth; now and then in it.
+/// Beside the cloth, sometimes in it.
 ColliderSpec random_collider(Draw& draw, const ClothSpec& cloth, int index, int kinds) {
   const double size = std::max(cloth.width, cloth.height);
   ColliderSpec collider;
@@ -205,7 +205,7 @@ Pose Motion::at(double time, const Pose& start) const {
 }
 
 RandomScene random_scene(std::uint64_t seed, int most) {
-  // Seeds below keep the scenes that they had before there were cylinders and meshes.
+  // Seeds below keep the scenes from before there were cylinders and meshes.
   constexpr std::uint64_t with_all_shapes = 100000;
   const int kinds = seed < with_all_shapes ? 4 : 6;
   Draw draw(seed);
@@ -219,7 +219,7 @@ RandomScene random_scene(std::uint64_t seed, int most) {
   for (int i = 0; i < colliders; ++i) {
     scene.colliders.push_back(random_collider(draw, scene.cloth, i, kinds));
     random.colliders.push_back(random_motion(draw, size));
-    // A plane that turns sweeps everything there is.
+    // A plane that turns sweeps all space.
     if (std::holds_alternative<Plane>(scene.colliders.back().shape)) {
       random.colliders.back().turn.setZero();
     }

@@ -1,4 +1,4 @@
-"""Small scenes for the tests of the Python package, and where the repository has things."""
+"""Small scenes for the tests of the Python package, and paths of the repository."""
 
 import pathlib
 
@@ -9,12 +9,12 @@ SCENES = CLONE / "config/scenes"
 
 
 def free(points=8, **cloth):
-    """A cloth that falls, with nothing in its way."""
+    """A cloth in free fall."""
     return {"cloth": {"columns": points, "rows": points, "density": 5, **cloth}}
 
 
 def busy(method="auto", **simulation):
-    """A small cloth that meets all: a pin, a ball that follows a frame, the ground, itself."""
+    """A small cloth with a pin, a ball that follows a frame, the ground and self contact."""
     return {
         "cloth": {"columns": 10, "rows": 10, "thickness": 0.02, "self_collision": True, "ks": 300,
                   "pinned": [{"point": [0, 0], "frame": "hand"}]},
@@ -27,7 +27,7 @@ def busy(method="auto", **simulation):
 
 
 def hanging(points=12, **cloth):
-    """Held at two corners, swinging."""
+    """A cloth that is held at two corners and swings."""
     pins = [[0, 0], [points - 1, 0]]
     return free(points, pinned=pins, **cloth)
 

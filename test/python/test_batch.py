@@ -1,4 +1,4 @@
-"""Many simulators at once, and many threads at one: what is wrong is told, nothing crashes."""
+"""Many simulators at once, and many threads at one simulator: errors are reported, nothing crashes."""
 
 import gc
 import os
@@ -17,7 +17,7 @@ from clothsim import Batch, Simulator
 
 
 def in_threads(count, work):
-    """Runs work(i) in `count` threads at once and raises what they do."""
+    """Runs work(i) in `count` threads at once and raises their exceptions."""
     errors = []
 
     def run(i):
@@ -97,7 +97,7 @@ def test_a_scene_of_other_points_is_told():
 
 
 def wild():
-    """Diverges: substeps are far beyond what the springs can take."""
+    """Diverges: the substeps are far beyond the stability limit of the springs."""
     return {"cloth": {"columns": 4, "rows": 4, "ks": 1e6, "density": 0.01, "strain_limit": "off",
                       "pinned": [[0, 0]]},
             "simulation": {"method": "verlet", "substeps": 1}}
@@ -172,7 +172,7 @@ def test_the_gil_is_free_while_it_computes():
     during = ticks - before
     done.set()
     thread.join()
-    assert during > 1  # one could slip in before and after
+    assert during > 1  # a call could come between before and after
 
 
 def test_a_signal_ends_a_long_call():
@@ -250,4 +250,4 @@ def test_simulators_come_and_go_without_a_trace():
     for _ in range(100):
         use()
     gc.collect()
-    assert resident() - before < 100 * 4 * 20_000  # a simulator each round would be far more
+    assert resident() - before < 100 * 4 * 20_000  # a new simulator in each round would use far more

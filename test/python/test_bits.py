@@ -65,7 +65,7 @@ def test_motions_are_played_as_by_simulate(tmp_path):
     assert np.array_equal(simulator.positions, table[:, :3])
     assert not np.array_equal(simulator.positions, run_without_motions(54))
 
-    simulator.set(damping=5.4)  # live values are not in what was saved
+    simulator.set(damping=5.4)  # live values are not part of the saved state
     simulator.restore(saved)
     simulator.step(34)
     assert np.array_equal(simulator.positions, table[:, :3])

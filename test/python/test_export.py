@@ -1,4 +1,4 @@
-"""A run as OBJ, PLY and USD: read again by readers that are written out here."""
+"""A run as OBJ, PLY and USD, read again by readers in this file."""
 
 import ast
 import pathlib

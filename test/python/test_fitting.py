@@ -1,4 +1,4 @@
-"""A fabric is found from a made-up measurement of it, from markers and from point clouds."""
+"""A fabric is recovered from a synthetic measurement of it, from markers and from point clouds."""
 
 import csv
 

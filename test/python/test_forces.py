@@ -1,4 +1,4 @@
-"""Forces from outside on points, and those within the cloth: against Newton's and Hooke's laws."""
+"""External forces on points, and internal forces of the cloth: against Newton's and Hooke's laws."""
 
 import pickle
 
@@ -14,7 +14,7 @@ G = 9.8  # [m/s^2]
 
 
 def loose(method="auto", **cloth):
-    """Points that nothing joins, without gravity."""
+    """Points without springs and gravity."""
     return {"cloth": {"columns": 3, "rows": 3, "damping": 0, "strain_limit": "off",
                       "springs": {"structural": False, "shear": False, "bending": False}, **cloth},
             "simulation": {"gravity": [0, 0, 0], "method": method, "frames_per_second": 100}}
@@ -121,7 +121,7 @@ def test_what_is_no_force_is_refused(forces, message):
     assert np.array_equal(simulator.forces, np.ones((9, 3)))
 
 
-# A strip that hangs from its upper edge carries in each cut the weight below.
+# Each cross-section of a strip that hangs from its upper edge carries the weight below it.
 
 COLUMNS, ROWS = 6, 13
 
@@ -173,7 +173,7 @@ def test_tensions_and_stress_of_an_even_stretch():
     topology = simulator.topology
     along = topology["springs"][:, 1] - topology["springs"][:, 0] == 1
     assert np.allclose(simulator.tensions[along], ks * strain * wide, rtol=1e-6)
-    # In a cell one spring along it, two across it and one over two cells, of 0.2 ks.
+    # For each cell: one spring along it, two across it and one over two cells, of 0.2 ks.
     inner = simulator.stress.reshape(columns - 1, columns - 1, 2, 3)[2:-2, 2:-2].mean(axis=(0, 1, 2))
     diagonals = 2 * ks * strain / 2  # each T / L = ks strain / 2
     assert inner[0] == pytest.approx(ks * strain + 4 * 0.2 * ks * strain + diagonals, rel=1e-3)

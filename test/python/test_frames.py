@@ -1,4 +1,4 @@
-"""Frames that a script moves, and what follows them: colliders, pins, points that are attached."""
+"""Frames that a script moves, and their followers: colliders, pins, attached points."""
 
 import math
 
@@ -16,7 +16,7 @@ def test_a_collider_goes_to_its_target_in_equal_moves():
     simulator = Simulator(busy())
     simulator.place_frame("ball", [0.5, 0.5, 0.2])
     heights = []
-    for _ in range(3):  # one way of nine frames, looked at three times
+    for _ in range(3):  # one motion of nine frames, seen three times
         before = simulator.colliders["ball"]["pose"][2]
         simulator.step(3, {"ball": [0.5, 0.5, before + 0.05]})
         heights.append(simulator.colliders["ball"]["pose"][2])

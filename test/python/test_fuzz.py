@@ -1,4 +1,4 @@
-"""Whatever Python hands over: it is taken or refused by an exception, and simulators go on."""
+"""Any value from Python is accepted or refused by an exception, and simulators go on."""
 
 import os
 import random
@@ -14,7 +14,7 @@ CALLS = 250
 
 
 class Broken:
-    """An array to the eye that fails when it is looked at."""
+    """Looks like an array and raises when it is read."""
 
     def __len__(self):
         raise LookupError
@@ -80,7 +80,7 @@ VALUES = ["ks", "density", "damping", "strain_limit", "springs", "gravity", "sub
 
 
 def small(value):
-    """Leaves out what is allowed and takes minutes."""
+    """Leaves out values that are valid and take minutes."""
     too_many = isinstance(value, (int, float, np.number)) and abs(value) > 100
     return None if too_many else value
 
@@ -114,11 +114,11 @@ def call(rng, simulator, batch):
     ])
 
 
-# What Python raises, beside our own: a refusal, whatever its name. What Broken does is LookupError.
+# Exceptions of Python, beside our own: a refusal under any name. Broken raises LookupError.
 REFUSALS = (ValueError, TypeError, RuntimeError, LookupError, OverflowError)
 
 
-@pytest.mark.filterwarnings("ignore")  # numpy's, of what it makes of complex numbers
+@pytest.mark.filterwarnings("ignore")  # numpy's warning on a cast of complex numbers
 @pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_breaks_a_simulator(seed):
     rng = random.Random(seed)
@@ -133,7 +133,7 @@ def test_nothing_breaks_a_simulator(seed):
             refused += 1
         for array in (*views, simulator.positions, simulator.velocities, batch.positions):
             assert np.isfinite(array).all()
-    assert 0.2 * CALLS < refused < CALLS  # some are taken, too
+    assert 0.2 * CALLS < refused < CALLS  # some are accepted, too
     simulator.load(busy())
     twin = Simulator(busy())
     simulator.step(3)

@@ -1,5 +1,5 @@
 """The environments of scripts/examples/fold_env.py against Gymnasium: its own checker where it is
-installed, a stand-in with the same rules where it is not."""
+installed, else a stand-in with the same rules."""
 
 import importlib
 import importlib.util
@@ -37,7 +37,7 @@ def within(space, x):
 
 
 def some_actions(count, steps):
-    """Ways that no crumpled towel makes slow: the plan's, a little off."""
+    """The plan's actions, slightly changed: they crumple no towel, which would be slow to simulate."""
     import fold_env
     random = np.random.default_rng(1)
     for action in list(fold_env.plan())[:steps]:

@@ -1,4 +1,4 @@
-"""What the package says of itself is so: stubs, documentation, examples."""
+"""Stubs, documentation and examples of the package are correct."""
 
 import ast
 import pathlib

@@ -1,4 +1,4 @@
-"""Scenes, states, simulators and what they give pickle, and go on to the same bits in another process."""
+"""Scenes, states, simulators and their results pickle, and continue bit-identically in another process."""
 
 import copy
 import multiprocessing
@@ -18,7 +18,7 @@ def again(thing):
 
 
 def stirred(method="auto", **simulation):
-    """In the midst of all that there is: live values, grips, frames under way, a collider off."""
+    """A simulator with live values, grips, moving frames and a collider that is turned off."""
     simulator = clothsim.Simulator(busy(method, **simulation))
     simulator.weighs_colliders = True
     simulator.place_frame("ball", [0.5, 0.5, 0.75])
@@ -61,7 +61,7 @@ def test_parameters_of_a_method_and_a_fabric_come_along():
     simulator.step(5)
     other.step(5)
     assert same_state(simulator, other)
-    simulator.reset()  # to the values of now
+    simulator.reset()  # to the current values
     other.reset()
     simulator.step(5)
     other.step(5)

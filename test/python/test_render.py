@@ -1,4 +1,4 @@
-"""Pictures from Python: what they show, and that they are those of `picture`."""
+"""Pictures from Python: their content, and that they equal those of `picture`."""
 
 import pathlib
 import subprocess
@@ -126,7 +126,7 @@ def test_all_images_are_there_by_name():
     assert np.isfinite(images["uv"][cloth]).all() and np.isnan(images["uv"][~cloth]).all()
     assert np.allclose(images["normals"][cloth], [0, 0, -1], atol=1e-6)  # towards the camera
     assert np.array_equal(images["visible_points"], np.arange(100))
-    assert np.isnan(images["flow"]).all()  # since no picture
+    assert np.isnan(images["flow"]).all()  # since there was no picture before
     some = simulator.render(ABOVE, ["mask", "uv"])
     assert list(some) == ["mask", "uv"] and np.array_equal(some["uv"], images["uv"], equal_nan=True)
 

@@ -1,4 +1,4 @@
-"""The joints of a scene's robots: forward kinematics against matrices written out here."""
+"""The joints of a scene's robots: forward kinematics against matrices in this file."""
 
 import numpy as np
 import pytest
@@ -68,7 +68,7 @@ def scene(tmp_path):
 
 
 def check_links(simulator, joints):
-    """The colliders' frames; of the mast its box is half a metre up in its own."""
+    """The colliders' frames; the box of the mast is half a metre up in its link's frame."""
     for link, matrix in expected(**joints).items():
         offset = shift(0, 0, 0.5) if link == "mast" else np.eye(4)
         pose = simulator.colliders["toy/a_" + link]["pose"]
@@ -86,7 +86,7 @@ def test_links_are_where_joints_have_them(scene):
         robot.set_joints(values)
         told = {name: joint["position"] for name, joint in robot.joints.items()}
         assert {name: told[name] for name in values} == values
-        check_links(simulator, told)  # also of those that were told before
+        check_links(simulator, told)  # also for the joints that were set before
     simulator.reset()
     assert all(joint["position"] == 0 for joint in robot.joints.values())
     robot.set_joints({})

@@ -1,4 +1,4 @@
-"""What a script does with a scene and a simulator, one after the other."""
+"""Calls of a script on a scene and a simulator, one by one."""
 
 import copy
 import math
@@ -126,7 +126,7 @@ def test_a_report_has_what_simulate_writes():
 def test_crossing_triangles_are_found():
     simulator = Simulator(free(6))
     positions = simulator.positions.copy()
-    over = positions[:, 0] > 0.5  # is folded over, and through the other half a quarter from its end
+    over = positions[:, 0] > 0.5  # folded over, and through the other half a quarter from its end
     positions[over, 0] = 1 - positions[over, 0]
     positions[over, 1] += 0.03
     positions[over, 2] += 0.2 * (positions[over, 0] - 0.25)
@@ -332,7 +332,7 @@ def test_values_of_the_scene_come_back():
     simulator.reset()
     simulator.step(10)
     assert same_state(simulator, twin)
-    simulator.load(SCENES / "plane.yaml")  # whose values are the scene's from now on
+    simulator.load(SCENES / "plane.yaml")  # which has the scene's values from now on
     simulator.set(ks=500)
     simulator.reset_values()
     twin.load(SCENES / "plane.yaml")

@@ -38,8 +38,8 @@ TEST(Camera, EveryPointLandsOnThePixelThatImageGeometrySays) {
   const Camera camera = odd_camera();
   const image_geometry::PinholeCameraModel model = ros_model(camera);
 
-  // Points at random in front of the camera, each a triangle a third of a pixel wide around the
-  // centre of the pixel that image_geometry projects it to.
+  // Random points in front of the camera, each a triangle a third of a pixel wide around the
+  // centre of the pixel to which image_geometry projects it.
   constexpr int count = 264;
   Points positions(3 * count, 3);
   std::vector<std::array<int, 3>> triangles;

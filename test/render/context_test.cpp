@@ -13,7 +13,7 @@
 namespace clothsim {
 namespace {
 
-// Under a sanitizer freed memory is kept aside; there the leak check at exit is the judge.
+// A sanitizer keeps freed memory; there its leak check at exit decides.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool memory_tells = false;
 #else
@@ -27,8 +27,8 @@ long resident_pages() {
   return resident;
 }
 
-/// Pages by which `cycle` makes this process grow each time: the least of three times, as the
-/// driver's and allocator's caches grow in one of them or another, and a leak in each.
+/// Pages by which `cycle` makes this process grow each time: the minimum of three runs, as the
+/// driver's and allocator's caches grow in some of them, and a leak in each.
 template <typename Cycle>
 long growth(const Cycle& cycle) {
   long least = std::numeric_limits<long>::max();

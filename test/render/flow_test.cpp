@@ -1,4 +1,4 @@
-// Flow of what moves, against where its points were in the last picture.
+// Flow of moving surfaces, against the places of their points in the last picture.
 
 #include <gtest/gtest.h>
 
@@ -19,10 +19,11 @@ Images draw_flow(const Snapshot& snapshot, const Camera& camera) {
   return images;
 }
 
-/// So that the next picture has nothing to have come from.
+/// Makes the next picture one without a predecessor.
 void forget_last_picture() { draw(flat_cloth(2, 2), camera_with_fov(8, 8, 1)); }
 
-/// A mesh of now whose tangents are the positions that its points had before: what trace() blends.
+/// The current mesh with the former positions of its points as tangents, which trace()
+/// interpolates.
 Mesh with_positions_before(Mesh now, const Mesh& before) {
   now.tangents = before.positions;
   return now;
@@ -121,7 +122,7 @@ TEST(Flow, FlowOfADisplacedSurfaceAndOfARope) {
   }
 }
 
-/// How many pixels of an object have a flow, and how many do not.
+/// Numbers of pixels of an object with a flow, and without one.
 std::pair<int, int> with_and_without_flow(const Images& images, int object) {
   std::pair<int, int> counts;
   for (std::size_t i = 0; i < images.mask.size(); ++i) {

@@ -6,7 +6,7 @@
 
 #include "render_fixture.h"
 
-// A few whole pictures against those kept in goldens/. With CLOTHSIM_UPDATE_GOLDENS=1 in the
+// A few whole pictures against those in goldens/. With CLOTHSIM_UPDATE_GOLDENS=1 in the
 // environment the pictures are written anew: look at them before they are committed.
 
 namespace clothsim {
@@ -37,7 +37,7 @@ Snapshot scene(const Shading& cloth, const Shading& sphere) {
   return snapshot;
 }
 
-/// Least and most of a channel within `reach` pixels of one.
+/// Minimum and maximum of a channel within `reach` pixels of one.
 std::pair<int, int> range_around(const Image& image, int u, int v, int channel, int reach) {
   std::pair<int, int> range{255, 0};
   for (int y = std::max(0, v - reach); y <= std::min(image.height - 1, v + reach); ++y)
@@ -48,7 +48,7 @@ std::pair<int, int> range_around(const Image& image, int u, int v, int channel, 
   return range;
 }
 
-/// `reach` [pixels]: how far from where the golden picture has a colour it may be.
+/// `reach`: largest distance to a place with that colour in the golden picture [pixels].
 void expect_golden(const std::string& name, const Snapshot& snapshot, int reach = 0) {
   Camera camera = camera_with_fov(160, 120, 0.9);
   camera.pose = look_at({-0.6, -1.5, 1.3}, {0.5, 0.4, 0.5});

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of the test's own that is removed again.
+/// A folder of the test's own that is removed at the end.
 struct Folder {
   fs::path path = fs::path(testing::TempDir()) / "clothsim_images";
   Folder() {
@@ -148,7 +148,7 @@ std::string image_refusal(const std::string& path) {
   return "accepted";
 }
 
-// The pixels that these files promise are not there: what decodes first calls them broken.
+// The files lack the pixels of their headers: the decoder calls them broken first.
 TEST(Image, TheSizeIsCheckedBeforeAnythingIsDecoded) {
   const Folder folder;
   const std::string big_endian("\0\0\x75\x30", 4), little_endian("\x30\x75\0\0", 4);  // 30000
@@ -228,14 +228,14 @@ TEST(Image, OneOutsideTheFoldersIsRefusedHoweverItIsNamed) {
   EXPECT_NO_THROW(load_cube(folder.file("in/cube"), "key"));
 }
 
-// A driver may take less than others, or have no memory left: no picture, rather than a wrong one.
+// A driver may accept less than others, or run out of memory: no picture, rather than a wrong one.
 TEST(Image, OneThatTheDriverDoesNotTakeFailsEachPicture) {
   Snapshot snapshot = flat_cloth(3, 3);
   Camera camera = camera_with_fov(40, 30, 0.8);
   camera.pose = look_at({0.5, 0.5, 2}, {0.5, 0.5, 0});
   const Images before = draw(snapshot, camera);
   const auto image = std::make_shared<Image>();
-  image->width = 1 << 20;  // more than any takes
+  image->width = 1 << 20;  // more than any driver accepts
   image->height = 1;
   image->rgb.resize(3 * static_cast<std::size_t>(image->width));
   for (const Shading& shading : {Shading(Textured{image}), Shading(Translucent{image, {}, 0.5})}) {

@@ -6,7 +6,7 @@
 
 namespace clothsim {
 
-/// The values of pixel (u, v) of an image with two or three a pixel.
+/// The values of pixel (u, v) of an image with two or three channels.
 template <int channels>
 Eigen::Matrix<double, channels, 1> pixel(const Images& images, const std::vector<float>& image,
                                          int u, int v) {
@@ -16,7 +16,7 @@ Eigen::Matrix<double, channels, 1> pixel(const Images& images, const std::vector
   return values;
 }
 
-/// What the mask says.
+/// The value of the mask.
 int id(const Images& images, int u, int v);
 
 /// Calls visit(u, v) for each pixel.
@@ -26,7 +26,7 @@ void for_each_pixel(const Camera& camera, const Visit& visit) {
     for (int u = 0; u < camera.width; ++u) visit(u, v);
 }
 
-/// Where a camera has a point [pixel].
+/// Pixel of a point [pixel].
 Eigen::Vector2d project(const Camera& c, const Vector3& point);
 
 /// A cloth that bends, a ball that rolls, and a box and a camera that move and turn.

@@ -230,7 +230,7 @@ TEST(Pixels, NearerObjectsHideFartherOnes) {
 
 TEST(Pixels, ClothThatLiesOnASphereHidesIt) {
   // A cap of the sphere with its points 1e-4 m outside: between them the flat triangles dip
-  // below the surface, and yet the cloth is what is seen.
+  // below the surface, and yet the cloth is visible.
   const double radius = 0.2, offset = 1e-4;
   Snapshot snapshot = flat_cloth(15, 15);
   Points positions = *snapshot.positions;

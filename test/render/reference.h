@@ -7,17 +7,17 @@
 
 namespace clothsim {
 
-/// Where a ray meets a mesh, in double: what a fragment shader is handed.
+/// Hit of a ray on a mesh, in double precision: the input of a fragment shader.
 struct Hit {
   double distance;   // in lengths of the ray
   Vector3 position;  // [m]
-  Vector3 normal;    // interpolated and made unit, towards where the ray comes from
-  Vector3 tangent;   // interpolated, not made unit
+  Vector3 normal;    // interpolated and normalised, on the side of the ray's origin
+  Vector3 tangent;   // interpolated, not normalised
   Eigen::Vector2d uv;
-  bool front;  // the triangle's front side is seen
+  bool front;  // whether the triangle's front side is visible
 };
 
-/// The nearest hit, by trying every triangle (Moeller and Trumbore 1997).
+/// The nearest hit, by a test of every triangle (Moeller and Trumbore 1997).
 std::optional<Hit> trace(const Mesh&, const Vector3& eye, const Vector3& ray);
 
 /// Linear value of a channel at (u, v), v upwards, between the four nearest pixels, repeating.

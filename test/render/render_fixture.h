@@ -24,7 +24,7 @@ bool surrounded_by(const Images&, int u, int v, int id);
 /// axis is 1, so that a factor on it is a depth.
 Vector3 pixel_ray(const Camera&, double u, double v);
 
-/// What the framebuffer makes of linear light, 0 to 255, not rounded (IEC 61966-2-1).
+/// The framebuffer's value of linear light, 0 to 255, not rounded (IEC 61966-2-1).
 double srgb_byte(double linear);
 double linear_of_srgb(double srgb);
 

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A copy of the shaders that is removed again.
+/// A copy of the shaders that is removed at the end.
 struct ShaderCopy {
   fs::path folder = fs::path(testing::TempDir()) / "clothsim_shaders";
   ShaderCopy() {

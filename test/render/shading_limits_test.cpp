@@ -79,7 +79,7 @@ TEST(Shading, CollapsedClothsLeaveNoTrace) {
       move_cloth(stage.snapshot, spread * scale.asDiagonal());
       const Images images = draw(stage.snapshot, stage.camera);
       for (const float depth : images.depth) EXPECT_EQ(depth, INFINITY) << name;
-      if (name == "wireframe") continue;  // lines have no area and are seen
+      if (name == "wireframe") continue;  // lines have no area and are visible
       for (const std::uint8_t value : images.color) EXPECT_EQ(value, 0) << name;
     }
   }

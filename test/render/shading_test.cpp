@@ -4,13 +4,13 @@
 
 #include "stage.h"
 
-// Each shader against its formula, computed in double at the points that pixels show.
+// Each shader against its formula, computed in double at the surface points of the pixels.
 
 namespace clothsim {
 namespace {
 
 TEST(Shading, Normal) {
-  // Not sRGB: what is compared is the byte itself.
+  // Not sRGB: the test compares the byte itself.
   Stage stage;
   stage.snapshot.cloth_shading = NormalColor{};
   const Images images = draw(stage.snapshot, stage.camera);
@@ -82,7 +82,7 @@ TEST(Shading, PhongTexture) {
       filtered_tolerance);
 }
 
-/// The normal of a height map at a hit, on the side it is seen from.
+/// The normal of a height map at a hit, on the visible side.
 Vector3 bumped(const Bump& bump, const Hit& hit) {
   const HeightMap& map = *bump.height_map;
   const double here = sample(map, hit.uv);

@@ -1,4 +1,4 @@
-// Shadows where a ray from the surface to the light meets something, and nowhere else.
+// Shadows where something lies between the surface and the light, and nowhere else.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ bool sphere_hides(const Vector3& point, const Vector3& light, const Vector3& cen
   return (point + t * way - center).norm() < radius;
 }
 
-/// Where a set of pixels is, and how large a disk would be that has as many.
+/// Centre of a set of pixels, and radius of a disk of the same area.
 struct Spot {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double count = 0;
@@ -62,7 +62,7 @@ std::pair<Images, Images> with_and_without(Snapshot snapshot, const Camera& came
   return {std::move(with), draw(snapshot, camera)};
 }
 
-// The light as it is, so far away that its rays are parallel, and nearer to the ball.
+// The light at its distance, so far away that its rays are parallel, and nearer to the ball.
 class BallsShadow : public ::testing::TestWithParam<double> {};
 
 TEST_P(BallsShadow, IsWhereRaysToTheLightMeetTheBall) {
@@ -160,8 +160,8 @@ TEST(Shadow, OfAClothOnItselfIsWhereRaysToTheLightMeetIt) {
 }
 
 TEST(Shadow, NothingShadesItself) {
-  // A waved cloth, and a ball of many faces, seen and lit from the side: no ray to the light is in
-  // its own way where it is lit, but at the waves' crests and the ball's edge of light.
+  // A waved cloth, and a ball of many faces, seen and lit from the side: no ray to the light meets
+  // its own surface where it is lit, except at the waves' crests and the ball's terminator.
   Stage stage;
   stage.snapshot.colliders.clear();
   stage.snapshot.cloth_shading = white();
@@ -216,7 +216,7 @@ TEST(Shadow, IsOfNoConsequenceWhereNothingCastsOne) {
 }
 
 TEST(Shadow, OfALightAmongThingsIsWithin75DegreesOfTheirMiddle) {
-  // The light between a ball that it shines on and the cloth, above a plane.
+  // The light is above a plane, between a ball that it lights and the cloth.
   Snapshot snapshot = ball_on_plane();
   snapshot.colliders[1].pose.position = {0, 0, 0.5};
   snapshot.colliders.push_back(snapshot.colliders[1]);

@@ -8,15 +8,15 @@
 
 namespace clothsim {
 
-/// Linear colour by a formula, or nothing where the pixel is not to be compared. `view` points to
+/// Linear colour by a formula, or nothing if the pixel is not to be compared. `view` points to
 /// the camera.
 using Formula = std::function<std::optional<Vector3>(const Hit&, const Vector3& view)>;
 
 constexpr double byte_tolerance = 2;      // of 255
-constexpr double filtered_tolerance = 3;  // where texture units weigh texels, by 8 bits
+constexpr double filtered_tolerance = 3;  // texture units interpolate texels with weights of 8 bits
 
-/// Draws and compares a grid of pixels that lie well on object `id` with the formula at the point
-/// that the reference tracer finds. Returns the number of pixels compared.
+/// Draws, and compares a grid of pixels well inside object `id` with the formula at the point
+/// from the reference tracer. Returns the number of pixels compared.
 int compare(const Snapshot&, const Camera&, int id, const Mesh&, const Formula&,
             Renderer& renderer = shared_renderer(), double tolerance = byte_tolerance);
 

@@ -15,7 +15,7 @@ std::shared_ptr<const Image> plain_image(std::uint8_t r, std::uint8_t g, std::ui
   return image;
 }
 
-/// Layers of one colour without light: what is seen is ambient alone, ka Ia = `level`, on `alpha`.
+/// Layers of one colour without light: all light is ambient, ka Ia = `level`, on `alpha`.
 Translucent layer(double alpha, double level) {
   Translucent shading;
   shading.image = plain_image(255, 255, 255);

@@ -1,5 +1,5 @@
-// What the images of the surfaces hold beside depth and mask (pixels_test.cpp), against the ray
-// through each pixel's centre.
+// Images of the surfaces other than depth and mask (pixels_test.cpp), against the ray through each
+// pixel's centre.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(Truth, UvIsThatOfTheClothWhereTheRayMeetsIt) {
     const auto hit = trace(stage.cloth, stage.camera.pose.position, pixel_ray(stage.camera, u, v));
     if (!hit) return;  // the rim runs through the pixel
     const auto depth = images.depth[static_cast<std::size_t>(v * images.width + u)];
-    if (std::abs(hit->distance - double(depth)) > 1e-4) return;  // as does the rim of a fold
+    if (std::abs(hit->distance - double(depth)) > 1e-4) return;  // and so does the rim of a fold
     EXPECT_LT((uv - hit->uv).norm(), 1e-5) << u << " " << v;
     ++on_cloth;
   });
@@ -90,7 +90,7 @@ Vector3 expected_normal(const Camera& camera, const Vector3& normal, const Vecto
 
 TEST(Truth, NormalsAreThoseOfTheClothAndOfTheExactSphere) {
   Stage stage;
-  stage.snapshot.colliders[0].segments = 8;  // of a mesh that does not show
+  stage.snapshot.colliders[0].segments = 8;  // a coarse mesh, which must have no effect
   const Images images = draw_all(stage.snapshot, stage.camera);
   const Vector3 eye = stage.camera.pose.position;
   const Vector3 centre = stage.snapshot.colliders[0].pose.position;
@@ -121,8 +121,8 @@ TEST(Truth, NormalsAreThoseOfTheClothAndOfTheExactSphere) {
   EXPECT_GT(on_sphere, 300);
 }
 
-/// Whether the shape has about this normal at a point of its surface, on the side that the ray
-/// comes from. On an edge either face's will do.
+/// Whether the shape has about this normal at a point of its surface, on the side of the ray's
+/// origin. On an edge the normal of either face counts.
 bool is_normal(const Shape& shape, const Vector3& at, const Vector3& normal, const Vector3& ray) {
   constexpr double aside = 2e-3;  // [m]
   for (int i = 0; i < 8; ++i) {
@@ -134,8 +134,8 @@ bool is_normal(const Shape& shape, const Vector3& at, const Vector3& normal, con
 }
 
 TEST(Truth, NormalsOfEachShapeFaceTheCamera) {
-  // From outside, and from within: planes and boxes exactly, round ones as finely as they are
-  // meshed.
+  // From outside, and from within: planes and boxes exactly, round shapes to the accuracy of their
+  // meshes.
   for (const Shape& shape : {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}),
                              Shape(Capsule{0.5, 0.2}), Shape(Cylinder{0.5, 0.2}),
                              Shape(Sphere{0.3}), testing::mesh_shape(testing::step_soup(0.4))}) {

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Key and what was got of the error that reading and preparing this view ends with.
+/// Key and got of the error that ends the reading and preparing of this view.
 std::string refused(const std::string& yaml) {
   try {
     ImageStore images(textures_folder());
@@ -45,8 +45,8 @@ TEST(View, AnEmptyOneHasDefaultsThatCanBeDrawn) {
   EXPECT_EQ(view.cloth.shader, "blinn_phong");
 }
 
-// The default view, or that of a fabric's scene, stands so that a cloth of any scene we ship is in
-// the picture from its start until it rests.
+// In the default view, or that of a fabric's scene, a cloth of any shipped scene is in the picture
+// from its start until it rests.
 class SceneInView : public ::testing::TestWithParam<std::string> {};
 
 std::vector<std::string> shipped_scenes() {
@@ -68,7 +68,7 @@ TEST_P(SceneInView, StaysInThePictureAndFillsIt) {
       read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/" + GetParam() + ".yaml")));
 
   constexpr double run = 3;  // [s] longer than any of them falls, swings over or spreads
-  Eigen::AlignedBox2d seen;  // all that the cloth passes
+  Eigen::AlignedBox2d seen;  // bounds of the cloth in the picture
   while (simulator.state().time < run) {
     for (const auto& point : simulator.state().positions.rowwise()) {
       const Vector3 p = to_camera * (point.transpose() - camera.pose.position);
@@ -149,7 +149,7 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{cloth: {shader: shiny}}", "cloth.shader: got shiny");
   expect_refused("{cloth: {power: 0}}", "cloth.power: got 0");
   expect_refused("{cloth: {shader: texture, texture: no.png}}", "cloth.texture: got \"no.png\"");
-  expect_refused("{cloth: {alpha: 2}}", "cloth.alpha: got 2");  // of a shader that is not chosen
+  expect_refused("{cloth: {alpha: 2}}", "cloth.alpha: got 2");  // for a shader that is not chosen
   expect_refused("{cloth: {levels: 0}}", "cloth.levels: got 0");
   expect_refused("{cloth: {texture: no.png}}", "cloth.texture: got \"no.png\"");
   expect_refused("{cloth: {environment: no/such/sky}}", "cloth.environment: got \"no/such");
@@ -191,7 +191,7 @@ TEST(Resources, AreFoundBesideTheInstalledLibrary) {
   fs::create_directories(shaders);
   for (const char* folder : {".", "lib", "lib/x86_64-linux-gnu"})
     EXPECT_EQ(found_from(folder), shaders.string()) << folder;
-  // Whatever else is above a build folder is not ours.
+  // Other folders above a build folder are not ours.
   EXPECT_FALSE(found_from("src/clothsim/build/devel/lib"));
 }
 
@@ -271,7 +271,7 @@ TEST(SnapshotMaker, SharesWhatDidNotChange) {
   EXPECT_LT(maker.make(simulator, view).cloth->springs.size(), first.cloth->springs.size());
 
   LiveSpec thicker = live_values(simulator.scene());
-  thicker.thickness = 0.05;  // a rope is drawn by it
+  thicker.thickness = 0.05;  // a rope's picture depends on it
   simulator.set(thicker);
   EXPECT_EQ(maker.make(simulator, view).cloth->thickness, 0.05);
 }
@@ -302,7 +302,7 @@ int picture(const std::string& arguments) {
   return WEXITSTATUS(status);
 }
 
-/// What `picture` says on its first line when it refuses its arguments.
+/// The first line of `picture` when it refuses its arguments.
 std::string refusal(const std::string& arguments) {
   const fs::path errors = fs::path(::testing::TempDir()) / "clothsim_picture_errors";
   EXPECT_EQ(picture(arguments + " 2>" + errors.string()), 1);
@@ -386,7 +386,7 @@ TEST(Film, IsWholeWhenInterrupted) {
   const testing::TemporaryFolder folder("film");
   const std::string output = folder.path().string();
   const std::string video = output + "/out.mp4";
-  // The signal goes to all of the group, as that of a terminal does.
+  // The signal goes to the whole group, as that of a terminal does.
   std::ofstream(folder.path() / "run")
       << "set -m\n"
       << CLOTHSIM_FILM << " " << CLOTHSIM_SCENES_DIR

@@ -1,4 +1,4 @@
-// Points that the camera sees, against a look at every triangle.
+// Points that the camera sees, against a test of every triangle.
 
 #include "clothsim/render/visible_points.h"
 

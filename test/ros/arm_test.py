@@ -18,7 +18,7 @@ from cloth_client import SLOWER, Cloth, Recorder, positions, velocities
 SIDE, POINTS = 0.4, 25
 WEIGHT = 0.35 * SIDE**2 * 9.8  # [N]
 CELL = SIDE / (POINTS - 1)  # [m]
-LONGEST = 120 * SLOWER  # that the example takes at half speed [s]
+LONGEST = 120 * SLOWER  # duration of the example at half speed [s]
 
 
 class Arm(unittest.TestCase):
@@ -31,7 +31,7 @@ class Arm(unittest.TestCase):
             self.assertLess(time.monotonic(), end, "the example goes on")
             time.sleep(0.1)
 
-        # It hung free from two fingers to which nothing was attached.
+        # The towel hung free from two fingers, and no point was attached.
         self.assertGreater(max(positions(s)[:, 2].min() for s in cloth.states.all()), 0.02)
         self.assertEqual([m for m in colliders.all() if m.held], [])
         carried = next(float(found[1]) for found in (re.match(r"the arm carries (\S+) N", m.msg) for m in log.all())
@@ -47,8 +47,8 @@ class Arm(unittest.TestCase):
         fold = y.min(axis=0)
         self.assertLess(np.ptp(fold), CELL)
         self.assertLess(np.abs(y.argmin(axis=0) - POINTS // 2).max(), 4)
-        # Two layers: rows behind the fold lie on the table, rows before it upon them, as far as the far edge but for
-        # the ridge that the fingers made.
+        # Two layers: rows behind the fold lie on the table, rows before it upon them, as far as the far edge,
+        # except for the ridge that the fingers made.
         lower, upper = z[POINTS // 2 + 4:], z[4:POINTS // 2 - 3]
         self.assertLess(lower.max(), 0.002)
         self.assertGreater(upper.min(), lower.max())
@@ -56,7 +56,7 @@ class Arm(unittest.TestCase):
         self.assertLess(np.abs(y.max(axis=0) - y[-1]).max(), 2 * CELL)
         self.assertLess(z.max(), 3 * CELL)
 
-        # To hold is no mistake: green while there are points between the fingers.
+        # Holding is no fault: the status is green while there are points between the fingers.
         simulation = [s for array in diagnostics.all() for s in array.status if "points between colliders"
                       in (v.key for v in s.values)]
         holding = [s for s in simulation
@@ -64,7 +64,7 @@ class Arm(unittest.TestCase):
         self.assertGreater(len(holding), 0)
         self.assertIn(DiagnosticStatus.OK, {s.level for s in holding}, {s.message for s in holding})
 
-        # Nothing ever crossed, once a second.
+        # Nothing crossed in any of the checks, one a second.
         crossings = [v.value for array in diagnostics.all() for s in array.status
                      for v in s.values if v.key == "intersecting pairs"]
         self.assertGreater(len(crossings), 5)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Points attached to tf frames: where they go, what they weigh, when they tear, what is refused."""
+"""Points attached to tf frames: their motion, the forces on the frames, tearing, refusals."""
 
 import math
 import time
@@ -25,7 +25,7 @@ NAN = float("nan")
 
 
 class Hands:
-    """Frames, each at a place and turned about z. Latched, so that a listener who comes has them."""
+    """Frames at given places, turned about z. Latched, so that a late listener receives them."""
 
     def __init__(self):
         self.broadcaster = StaticTransformBroadcaster()
@@ -69,7 +69,7 @@ class Grasp(unittest.TestCase):
             self.assertEqual(list(answer.points), [corner])
 
     def carry(self):
-        """A frame of simulation after the hands are where they were put."""
+        """One frame of simulation after the hands' frames are set."""
         self.hands.send()
         time.sleep(0.02)
         return positions(self.cloth.step(1))
@@ -95,7 +95,7 @@ class Grasp(unittest.TestCase):
         self.assertLess(np.abs(where[[0, 1, COLUMNS]] - expected).max(), 1e-6)
 
     def test_corners_follow_at_speed(self):
-        """Half a metre a second: never farther than what the frame moves between two of ours."""
+        """Half a metre a second. A corner's distance from its frame is at most the frame's motion in one step."""
         self.take_corners()
         for i in range(60):
             x = 0.5 / 90 * i
@@ -106,7 +106,7 @@ class Grasp(unittest.TestCase):
             self.assertLess(abs(where[CORNERS["right"], 0] - 1 - x), 1e-3)
 
     def test_a_jump(self):
-        """The points travel there at ~jump_speed, and the node says so and goes on serving."""
+        """The points travel there at ~jump_speed. The node warns and goes on serving calls."""
         self.take_corners()
         self.cloth.step(30)
         log = Recorder("/rosout", Log)
@@ -121,13 +121,13 @@ class Grasp(unittest.TestCase):
         log.wait("a warning", lambda m: m.level == Log.WARN and m.msg.startswith(
             "tf frame left is 1e+03 m ahead of the points it holds: they follow at 15 m/s"))
         log.close()
-        # Back to a place beside, they arrive.
+        # Back at a place nearby, they arrive.
         self.hands.put("left", where[0] + [0, 0.3, 0])
         self.carry()
         self.assertLess(np.abs(self.carry()[0] - where[0] - [0, 0.3, 0]).max(), 1e-6)
 
     def test_what_came_before_a_step_counts(self):
-        """Without a pause between the two, a hundred times."""
+        """Without a pause between transform and step, a hundred times."""
         self.assertTrue(self.attach("right", points=[9]).success)
         tf = publisher_at_once("/tf", TFMessage)
         wait_for(lambda: tf.get_num_connections() > 0, "the node to listen")
@@ -203,8 +203,8 @@ class Grasp(unittest.TestCase):
         self.assertFalse(self.detach().success)
 
     def wrench_after(self, frame, let_go):
-        """The last force [N] on a frame that carried a point, once let_go() has let it go. Its topic
-        ends then, so that there is none for a late subscriber."""
+        """The last force [N] on a frame with one held point, after let_go() has detached it. Its topic
+        then ends, so that a late subscriber receives none."""
         answer = self.attach(frame, points=[0])
         self.assertTrue(answer.success, answer.message)
         stamp = self.cloth.step(30).header.stamp
@@ -241,7 +241,7 @@ class Grasp(unittest.TestCase):
         self.assertEqual(list(self.detach().points), sorted(CORNERS.values()))
 
     def test_frames_of_one_topic(self):
-        """One wrench to a topic: a frame whose topic another one has is refused until that lets go."""
+        """One wrench for each topic: a frame whose topic is in use is refused until the other frame lets go."""
         wrenches = Recorder("/clothsim/wrench/arm_hand", WrenchStamped)
         for frame in ("arm/hand", "arm_hand"):
             self.hands.put(frame, (0, 0, 1))
@@ -259,7 +259,7 @@ class Grasp(unittest.TestCase):
         wrenches.wait("the wrench", lambda m: m.header.frame_id == "arm_hand")
 
     def test_a_radius_about_held_points(self):
-        """What is held already is left out."""
+        """Points that are held already are left out."""
         self.assertTrue(self.attach("left", points=[0]).success)
         answer = self.attach("left", radius=0.12)
         self.assertEqual((answer.message, list(answer.points)), ("", [1, COLUMNS]))

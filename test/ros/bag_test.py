@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A lockstep run is recorded with rosbag, and its bag replayed: the same bits, or it says so."""
+"""A lockstep run is recorded with rosbag, and its bag replayed: the same bits, or a report of the difference."""
 
 import os
 import shutil
@@ -51,7 +51,7 @@ class Bag(unittest.TestCase):
         self.tf.publish([make_transform("sphere", (x, 0.5, height), stamp=rospy.Time.now())])
 
     def record(self, name, run):
-        """The bag of what is published while run() runs."""
+        """The bag of the messages that are published while run() runs."""
         path = os.path.join(self.folder, name + ".bag")
         recorder = subprocess.Popen(["rosbag", "record", "-O", path, STATES, CHANGES],
                                     stdout=subprocess.DEVNULL)
@@ -59,7 +59,7 @@ class Bag(unittest.TestCase):
             wait_for(lambda t=topic: is_connected(t, "/record"), "the recorder of " + topic)
         run()
         wait_for(lambda: os.path.exists(path + ".active"), "the bag")
-        time.sleep(1)  # what is on its way
+        time.sleep(1)  # messages that are still under way
         recorder.send_signal(signal.SIGINT)
         recorder.wait(PATIENCE)
         wait_for(lambda: os.path.exists(path), "the bag")
@@ -74,7 +74,7 @@ class Bag(unittest.TestCase):
             self.cloth.step(2)
 
     def run_with_targets(self):
-        """~step moves the sphere, from the start and on; in the end with a twist."""
+        """~step moves the sphere, from the start on; in the end with a twist."""
         self.cloth.reset()
         for i in range(3):
             self.cloth.step(15, [make_transform("sphere", (0.5, 0.5, 0.3 + 0.03 * i), 0.2 * i)])
@@ -85,14 +85,14 @@ class Bag(unittest.TestCase):
         self.tf.publish([make_transform("hand", (x, 0, height), stamp=rospy.Time.now())])
 
     def blow(self, x):
-        """Returns when the node has heard it."""
+        """Returns when the node has received it."""
         self.changes.clear()
         self.wind.publish(Vector3Stamped(vector=Vector3(x=x)))
         self.changes.wait("the wind", lambda m: m.what == "wind" and m.wind.x == x)
 
     def run_with_calls(self):
-        """Live values change, wind comes up, a hand takes the cloth at a corner, carries it and lets
-        go; another one is torn off; the sphere is turned off."""
+        """Live values change, a wind rises, a hand takes the cloth at a corner, carries it and lets go;
+        another hand is torn off; the sphere is turned off."""
         self.blow(0.0)
         self.put_sphere(0.5, 0.25)
         self.put_hand(0, 1)
@@ -129,7 +129,7 @@ class Bag(unittest.TestCase):
         with rosbag.Bag(path) as bag:
             states = [content(m) for _, m, _ in bag.read_messages(STATES)]
         start = max(i for i, state in enumerate(states[:-1]) if state[0] == 0 and states[i + 1][0] == 1)
-        return states[start:start + FRAMES + 1]  # from the last reset on, not what the node went back to
+        return states[start:start + FRAMES + 1]  # without the restored state at the end
 
     def test_bag(self):
         wait_for(lambda: self.tf.get_num_connections() == 1, "the node to listen")
@@ -137,18 +137,18 @@ class Bag(unittest.TestCase):
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
 
-        # Replayed from the frames as they now are, and recorded again: the same bytes.
+        # Replayed from the frames as they are now, and recorded again: the same bytes.
         answers = []
         again = self.record("again", lambda: answers.append(self.replay(path)))
         self.assertEqual((answers[0].returncode, answers[0].stderr), (0, ""))
         self.assertEqual(answers[0].stdout, "%d frames, the same bits\n" % FRAMES)
         self.assertEqual(self.contents(again), recorded)
 
-        # A state that came twice is one.
+        # A state that was published twice counts once.
         answer = self.replay(self.with_each_state_twice(path))
         self.assertEqual((answer.stdout, answer.stderr), ("%d frames, the same bits\n" % FRAMES, ""))
 
-        # Another scene: it is found.
+        # Another scene is detected.
         for height, code, message in (
                 (1.001, 1, r"^the bag is of another scene: cloth.origin is \[0, 0, 1\] there, \[0, 0, 1.001\] in"),
                 (1, 0, "^$")):
@@ -158,7 +158,7 @@ class Bag(unittest.TestCase):
             self.assertEqual(answer.returncode, code)
             self.assertRegex(answer.stderr, message)
 
-        # The node's name is one as ROS resolves it.
+        # The node's name is resolved as in ROS.
         answer = self.replay(path, "--node", "clothsim")
         self.assertEqual((answer.stdout, answer.stderr), ("%d frames, the same bits\n" % FRAMES, ""))
         answer = self.replay(self.of_another_node(path), "--node", "elsewhere")
@@ -174,7 +174,7 @@ class Bag(unittest.TestCase):
         path = self.record("targets", self.run_with_targets)
         recorded = self.contents(path)
         self.assertEqual([state[0] for state in recorded], list(range(FRAMES + 1)))
-        self.put_sphere(0.2, 0.3)  # it starts where the bag has it
+        self.put_sphere(0.2, 0.3)  # it starts at its place in the bag
         answers = []
         again = self.record("targets_again", lambda: answers.append(self.replay(path)))
         self.assertEqual((answers[0].stdout, answers[0].stderr), ("%d frames, the same bits\n" % FRAMES, ""))
@@ -205,7 +205,7 @@ class Bag(unittest.TestCase):
         self.live.update_configuration(LIVE)
         self.blow(0.0)
 
-        # Without one of the changes it is not the same, and said so.
+        # Without one of the changes the states differ, and the replay reports it.
         for what, frame in (("set_parameters", 11), ("wind", 16), ("attach", 22), ("detach", 37), ("tf", 22),
                             ("enable_collider", 56)):
             answer = self.replay(self.without(path, what))
@@ -213,7 +213,7 @@ class Bag(unittest.TestCase):
             self.assertRegex(answer.stderr, "^frame %d: " % frame, what)
 
     def all_of_the_node(self):
-        """Its state, whether it runs, and its live values."""
+        """The node's state, whether it runs, and its live values."""
         now = call("/clothsim/get_state", GetState)
         return (now.state.positions, now.state.velocities, now.state.step, now.paused, now.wind, now.frames,
                 [client.get_configuration(timeout=PATIENCE) for client in (self.live, self.sphere)])
@@ -244,7 +244,7 @@ class Bag(unittest.TestCase):
             self.cloth.reset()
 
     def test_another_scene_is_left_alone(self):
-        """A towel, a fabric that collides with itself, and goes on as it does."""
+        """The node keeps its scene, a towel of a fabric with self contact, and goes on with it."""
         path = self.record("run_of_another", self.run_lockstep)
         scene = rospy.get_param("/clothsim/scene")
         try:

@@ -1,4 +1,4 @@
-"""What the tests of the node's images share: subscribing, pictures as arrays, diagnostics."""
+"""Shared by the tests of the node's images: subscribing, pictures as arrays, diagnostics."""
 
 import unittest
 
@@ -47,11 +47,11 @@ class Camera:
         wait_for(lambda: all(r.connected() for r in self._recorders()), "the image topics")
 
     def stamps(self):
-        """Of the colour images, in order, each once."""
+        """Stamps of the colour images, in order, each once."""
         return sorted({m.header.stamp for m in self._images["color"].all()})
 
     def wait_for_frame_after(self, stamp):
-        """Waits until all topics have something newer."""
+        """Waits until all topics have a newer message."""
         for recorder in self._recorders():
             recorder.wait("a newer image", lambda m: m.header.stamp > stamp)
 
@@ -83,8 +83,8 @@ class CameraDiagnostics:
         self._recorder = Recorder("/diagnostics", DiagnosticArray)
 
     def next(self, condition=lambda status: True, what="of the camera"):
-        """A Status that comes from now on for which the condition holds. The first one may have
-        been on its way before the call."""
+        """A status from now on for which the condition holds. The first one may have been sent before
+        the call."""
         def statuses():
             return [Status(s) for array in self._recorder.all() for s in array.status
                     if s.name == self._name]
@@ -94,7 +94,7 @@ class CameraDiagnostics:
                         "diagnostics " + what)
 
     def drawn(self):
-        """How many pictures the node has drawn."""
+        """Number of pictures that the node has drawn."""
         self.next()
         return int(self.next().values["pictures drawn"])
 

@@ -13,19 +13,19 @@ import rostest
 from camera_client import Camera
 from cloth_client import SLOWER, Cloth
 
-# Allocators keep some of what they had; an OpenGL context alone is more [MB].
+# Allocators keep some memory; an OpenGL context alone is more [MB].
 SLACK = 8
 
 
 class Process:
-    """What the kernel knows of the node."""
+    """The node as the kernel sees it."""
 
     def __init__(self, name):
         uri = rosnode.get_api_uri(rosgraph.Master("camera_cycles_test"), name)
         self._folder = "/proc/%d/" % ServerProxy(uri).getPid("camera_cycles_test")[2]
 
     def memory(self):
-        """That is its own and in use [MB]."""
+        """Memory of its own, in use [MB]."""
         with open(self._folder + "status") as status:
             return next(int(line.split()[1]) for line in status if line.startswith("RssAnon")) / 1024
 
@@ -55,11 +55,11 @@ class CameraCycles(unittest.TestCase):
             self.cycle(cloth)
         after = (node.memory(), node.threads(), node.files())
         print("MB, threads, files before %s, after %s" % (before, after))
-        # A sanitizer keeps freed memory aside and notes of its own; its leak check at exit is the judge.
+        # A sanitizer keeps freed memory and records of its own; there its leak check at exit decides.
         if SLOWER == 1:
             self.assertLess(after[0], before[0] + SLACK)
         self.assertLessEqual(after[1], before[1])
-        # Connections may take a moment to close; one left behind a cycle would be 100 more.
+        # Connections may take a moment to close; one left open in each cycle would be 100 more.
         self.assertLess(after[2], before[2] + 20)
 
 

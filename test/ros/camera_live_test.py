@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What can be changed while the node's images come: looks, light and camera."""
+"""Live changes while the node draws images: looks, light and camera."""
 
 import os
 import tempfile
@@ -54,7 +54,7 @@ class CameraLiveTest(CameraTestCase):
         return bool(np.any(np.all(np.abs(frame.color.astype(int) - [128, 128, 255]) <= 2, axis=2)))
 
     def test_each_shader_of_the_dialog(self):
-        """And no other."""
+        """And no other shader."""
         self.subscribe()
         pictures = set()
         names = self.shader_names()
@@ -165,7 +165,7 @@ class CameraLiveTest(CameraTestCase):
         while reading.is_alive():
             self.cloth.step(1)
             frames += 1
-        # Calls of a node that reads it itself would wait: one before, and one after.
+        # If the node's own thread read the file, calls would wait: one before, and one after.
         self.assertGreater(frames, 5)
 
     def image(self, name, color, size=(1, 1)):

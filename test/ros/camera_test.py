@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The node's images: what they hold, when they come, and from where."""
+"""The node's images: their content, their times, and their view."""
 
 import numpy as np
 import rospy
@@ -53,7 +53,7 @@ def project(camera, points, eye=EYE, target=TARGET):
     return np.array([camera.project3dToPixel(p) for p in local]), local[:, 2]
 
 class CameraTest(CameraTestCase):
-    # ---- What an image holds ----
+    # ---- Content of an image ----
 
     def test_messages(self):
         self.subscribe()
@@ -78,7 +78,7 @@ class CameraTest(CameraTestCase):
             self.assertEqual(list(info.D), [0] * 5)
 
     def test_tf_knows_the_optical_frame(self):
-        """Without anybody who asks for pictures, and where it goes."""
+        """Without subscribers to images, and also after the camera has moved."""
         buffer = tf2_ros.Buffer()
         listener = tf2_ros.TransformListener(buffer)
 
@@ -95,9 +95,9 @@ class CameraTest(CameraTestCase):
         listener.unregister()
 
     def agreement(self, state, frame):
-        """Share of the state's points that depth and mask show where image_geometry puts them, or
-        behind something nearer; and share of the mask's cloth that is near one of them."""
-        # Not those on the rim, which are on the edge of a pixel as often as not.
+        """Share of the state's points that depth and mask show at their projection by image_geometry, or
+        hidden by a nearer object; and share of the mask's cloth that is near one of these points."""
+        # Without points on the rim, which lie on the edge of a pixel as often as not.
         points = positions(state).astype(float).reshape(50, 50, 3)[1:-1, 1:-1].reshape(-1, 3)
         pixels, distance = project(model(frame.infos["mask"]), points)
         columns, rows = np.rint(pixels).astype(int).T
@@ -105,7 +105,7 @@ class CameraTest(CameraTestCase):
         columns, rows, distance = columns[seen], rows[seen], distance[seen]
         self.assertGreater(len(rows), 1000)
 
-        # Cloth that is seen edge on is this much farther away half a pixel on [m].
+        # Cloth that is seen edge on is this much farther away at a distance of half a pixel [m].
         slack = 0.03
         depth, mask = frame.depth[rows, columns], frame.mask[rows, columns]
         at_place = (mask == CLOTH) & (np.abs(distance - depth) < slack)
@@ -134,7 +134,7 @@ class CameraTest(CameraTestCase):
         self.sphere_shading.update_configuration({"color_r": 0.0, "ks": 0.0})
 
     def check_shown(self, states, frames):
-        """Each frame shows its own state, and none the one before, as the cloth moves."""
+        """Each frame shows its own state and not the one before, while the cloth moves."""
         for state, frame, before in zip(states[1:], frames[1:], states):
             self.check_frame(frame)
             for share in self.agreement(state, frame):
@@ -176,7 +176,7 @@ class CameraTest(CameraTestCase):
             self.assertAlmostEqual(frame.depth[row, column], z, delta=1e-4)
 
     def seen_points(self, state, frame):
-        """Points of the cloth's grid that depth shows: their numbers, rows and columns of pixels."""
+        """Points of the cloth's grid that are visible by depth: their numbers, rows and columns of pixels."""
         pixels, distance = project(model(frame.infos["depth"]), positions(state).astype(float))
         columns, rows = np.rint(pixels).astype(int).T
         at = np.flatnonzero((columns >= 0) & (columns < WIDTH) & (rows >= 0) & (rows < HEIGHT))
@@ -186,7 +186,7 @@ class CameraTest(CameraTestCase):
         return at, rows[at], columns[at]
 
     def test_more_images(self):
-        """In form, and that they belong to the state of their stamp."""
+        """The form of each image, and that it belongs to the state of its stamp."""
         self.subscribe({**KINDS, **MORE_KINDS})
         self.cloth.step(29)
         before, frame_before = self.step(1)
@@ -203,7 +203,7 @@ class CameraTest(CameraTestCase):
         uv = np.column_stack([points % 50, points // 50]) / 49
         # Half a pixel of the cloth seen at a slant.
         self.assertLess(np.abs(frame.uv[rows, columns] - uv).max(), 0.02)
-        # The sphere stands still; the cloth comes from where image_geometry puts it before.
+        # The sphere stands still; the flow of the cloth is the difference of its projections by image_geometry.
         self.assertTrue(np.array_equal(np.isnan(frame.flow[..., 0]), frame.mask == NOTHING))
         self.assertLess(np.abs(frame.flow[frame.mask == SPHERE]).max(), 1e-3)
         camera = model(frame_before.infos["flow"])
@@ -222,7 +222,7 @@ class CameraTest(CameraTestCase):
         self.assertTrue(np.array_equal(np.isnan(frame.normals[..., 0]), frame.mask == NOTHING))
 
     def test_visible_points(self):
-        """Also for those who want no image. Depth shows the same ones, but for edges of pixels."""
+        """Also without a subscriber to images. Depth shows the same points, except at edges of pixels."""
         recorder = Recorder("/clothsim/camera/visible_points", VisiblePoints)
         wait_for(recorder.connected, "the points that are seen")
         state = self.cloth.step(40)
@@ -239,7 +239,7 @@ class CameraTest(CameraTestCase):
         by_depth = set(self.seen_points(state, frame)[0])
         self.assertLess(len(by_depth.symmetric_difference(message.points)), 0.05 * len(by_depth))
 
-    # ---- When images come ----
+    # ---- Times of images ----
 
     def test_nothing_is_drawn_without_subscribers(self):
         self.cloth.pause(False)
@@ -267,8 +267,8 @@ class CameraTest(CameraTestCase):
         self.assertGreaterEqual(int(status.values["pictures dropped"]), 0)
 
     def test_lockstep(self):
-        """The pictures of a step's last frame are published when it returns, and those that are
-        due in between: 20 a second, so each fifth of 90 frames, or fourth where that is nearer."""
+        """The pictures of a step's last frame are published when it returns, and so are those that are
+        due in between: 20 a second, thus each fifth of 90 frames, or fourth where that is nearer."""
         self.subscribe()
         for frames in (1, 1, 2, 5):
             self.step(frames)
@@ -286,15 +286,15 @@ class CameraTest(CameraTestCase):
         self.assertEqual({b - a for a, b in zip(steps[:-1], steps[1:-1])}, {4, 5})
 
     def test_fewer_pictures_than_steps(self):
-        """Those that the rate asks for, and none of them later: 30 Hz are each third of 90 frames."""
+        """The images that the rate asks for, none of them late: 30 Hz are each third of 90 frames."""
         self.viewpoint.update_configuration({"rate": 30.0, "each_step": False})
         self.subscribe()
         self.cloth.reset()
         stamps = [self.cloth.step(1).header.stamp for _ in range(30)]
         self.camera.frame(stamps[-1])
-        self.diagnostics.next()  # those that are not wanted have had time to come
+        self.diagnostics.next()  # images that are not wanted have had time to arrive
         self.assertEqual([s for s in self.camera.stamps() if s >= stamps[0]], stamps[2::3])
-        # All of them again.
+        # Now all of them.
         self.viewpoint.update_configuration({"each_step": True})
         stamps = [self.cloth.step(1).header.stamp for _ in range(4)]
         self.camera.frame(stamps[-1])
@@ -347,7 +347,7 @@ class CameraTest(CameraTestCase):
                 return np.allclose([columns.mean(), rows.mean()], pixel[0], atol=1.5)
             wait_for(sees_the_sphere, "a picture from %s" % eye)
 
-        # Nobody sends the frame: the camera stays where it was, and a warning comes.
+        # Nobody broadcasts the frame: the camera stays at its last pose, and the node warns.
         self.diagnostics.next(lambda s: s.level == DiagnosticStatus.WARN
                               and "lost tf frame hand_optical" in s.message, "of a lost frame")
         _, picture = self.step(1)

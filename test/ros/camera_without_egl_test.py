@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Where EGL is broken the node says what it tried, and does all but images."""
+"""Where EGL is broken, the node reports its attempts, and works except for images."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-"""What the tests of the node share: waiting, recording topics, reading messages as arrays."""
+"""Shared by the tests of the node: waiting, recording topics, reading messages as arrays."""
 
 import math
 import os
@@ -19,12 +19,12 @@ from tf2_msgs.msg import TFMessage
 from clothsim.msg import ClothState
 from clothsim.srv import Step
 
-# Long enough for a machine that is busy with something else; nothing waits so long where all is well.
-# scripts/sanitize says by how much its programs are slower; so do the time limits of the .test files.
+# Long enough for a machine that is busy with other work; a test that passes never waits so long.
+# scripts/sanitize sets the factor by which its programs are slower; so do the time limits of the .test files.
 SLOWER = float(os.environ.get("CLOTHSIM_SLOWER", "1"))
 PATIENCE = 30.0 * SLOWER
 
-# The share of its rate below which a node has to say in the diagnostics why.
+# Share of its rate below which a node has to report the reason in the diagnostics.
 KEPT = 0.9
 
 # For tests of a node that keeps up with the clock.
@@ -43,20 +43,20 @@ def wait_for(condition, what):
 
 
 def call(name, service_type, *args):
-    """The answer of a service, which may not be there yet."""
+    """The answer of a service, which may not be available yet."""
     rospy.wait_for_service(name, PATIENCE)
     return rospy.ServiceProxy(name, service_type)(*args)
 
 
 def publisher_at_once(topic, message_type):
-    """One whose publish() returns when the message is on its way; rospy's others send it later."""
+    """A publisher whose publish() returns once the message is sent; rospy's publishers send it later."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rospy's, that there is no queue
+        warnings.simplefilter("ignore")  # rospy's warning that there is no queue
         return rospy.Publisher(topic, message_type, queue_size=None)
 
 
 class Frames:
-    """Sends tf frames to the node, which has them when send() returns."""
+    """Sends tf frames to the node, which has received them when send() returns."""
 
     def __init__(self):
         self._tf = publisher_at_once("/tf", TFMessage)
@@ -72,7 +72,7 @@ class Frames:
 
 
 def make_transform(frame, place, angle=0.0, parent="map", stamp=None):
-    """Of a frame at a place [m], turned about z by an angle [rad]; without a stamp it has time 0."""
+    """A transform to a place [m], turned about z by an angle [rad]; without a stamp its time is 0."""
     t = TransformStamped()
     t.header.stamp = stamp or rospy.Time()
     t.header.frame_id, t.child_frame_id = parent, frame
@@ -154,20 +154,20 @@ def velocities(state):
 
 
 def rate(states):
-    """[Hz] by their stamps, for some wait for a busy test; 0 of fewer than two."""
+    """Rate [Hz] by the stamps, because some tests wait for a busy machine; 0 for fewer than two messages."""
     if len(states) < 2:
         return 0
     return (len(states) - 1) / (states[-1].header.stamp - states[0].header.stamp).to_sec()
 
 
 def complaints(diagnostics, name="/clothsim"):
-    """What a node says in recorded diagnostics that is no OK."""
+    """Statuses of a node in recorded diagnostics that are not OK."""
     return sorted({s.message for array in diagnostics for s in array.status
                    if s.name == name[1:] + ": simulation" and s.level != DiagnosticStatus.OK})
 
 
 def content(state):
-    """The bytes of a state that do not depend on when it was computed."""
+    """The bytes of a state that do not depend on the time of its computation."""
     return (state.step, state.time, positions(state).tobytes(), velocities(state).tobytes())
 
 

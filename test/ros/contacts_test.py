@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the cloth does to colliders, where they are and what is held, as messages."""
+"""Forces of the cloth on colliders, their poses and the held points, as messages."""
 
 import math
 import unittest
@@ -34,7 +34,7 @@ class ContactTopics(unittest.TestCase):
         self.cloth.reset()
 
     def after(self, frames):
-        """~contacts and the tray's wrench of the last of so many frames."""
+        """~contacts and the tray's wrench for the last of so many frames."""
         contacts = Recorder("/clothsim/contacts", Contacts)
         wrenches = Recorder("/clothsim/contact_wrench/robot_tray", WrenchStamped)
         wait_for(lambda: contacts.connected() and wrenches.connected(), "the topics")
@@ -51,7 +51,7 @@ class ContactTopics(unittest.TestCase):
         self.assertEqual([(c.name, c.frame) for c in message.colliders],
                          [("ground", ""), ("robot/tray", "tray")])
         forces = [point(c.wrench.force) for c in message.colliders]
-        # But for what the pin bears: a quarter of a cell's weight and a little tension.
+        # Except for the load of the pin: a quarter of a cell's weight and a little tension.
         np.testing.assert_allclose(sum(forces), WEIGHT, atol=0.01 * -WEIGHT[2])
         for contact, force in zip(message.colliders, forces):
             self.assertLess(force[2], -5, contact.name)
@@ -74,7 +74,7 @@ class ContactTopics(unittest.TestCase):
         self.cloth.step(180)
         wrench = recorder.wait("the wrench")
         self.assertEqual(wrench.header.frame_id, "map")
-        # Half the sides are the arms: about x -W y, about y W x.
+        # The arms are half the sides: -W y about x, W x about y.
         torque = point(recorder.all()[-1].wrench.torque)
         np.testing.assert_allclose(torque, [-24.5, 24.5, 0], atol=0.1)
         recorder.close()

@@ -14,7 +14,7 @@ DRAWN = 4.0  # [s] when the rings have come together and the cloth has followed
 
 
 def pleats(row):
-    """How often a row of points turns from front to back, by more than a centimetre."""
+    """Number of turns of a row of points from front to back, by more than a centimetre."""
     sides = [1 if y > 0 else -1 for y in row[:, 1] - row[:, 1].mean() if abs(y) > 0.01]
     return np.count_nonzero(np.diff(sides))
 

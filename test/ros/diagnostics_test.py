@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Diagnostics: what they tell, and that each limit makes a warning and an error of its value."""
+"""Diagnostics: their values, and that each limit causes a warning and an error for its value."""
 
 import copy
 import subprocess
@@ -27,7 +27,7 @@ HELD = {"cloth": {"columns": 12, "rows": 12,
 
 
 class Node:
-    """A clothsim node with parameters of its own, and what it says of itself."""
+    """A clothsim node with parameters of its own, and its log and diagnostics."""
 
     count = 0
 
@@ -104,7 +104,7 @@ class Diagnostics(unittest.TestCase):
             wait_for(lambda: len(node.statuses("simulation")) > 10, "diagnostics")
             stamps = sorted(a.header.stamp.to_sec() for a in node.diagnostics.all()
                             if a.status[0].name == node.name[1:] + ": simulation")
-            # It is read at the start: what is set later, however absurd, does nothing.
+            # Limits are read at the start: later values, however absurd, have no effect.
             rospy.set_param(node.name + "/diagnostic_period", 1e300)
             node.diagnostics.clear()
             wait_for(lambda: len(node.statuses("simulation")) > 2, "diagnostics")
@@ -118,7 +118,7 @@ class Diagnostics(unittest.TestCase):
         for limits, level in (({}, ERROR), ({"speed": {"error": False}}, WARN),
                               (OFF, OK)):
             with self.node(scene, limits, realtime_factor=1000) as node:
-                # Simulating takes all there is, unless the computer has other work.
+                # The simulation takes all the time, unless the computer has other work.
                 text = "of 1000.00: " if level else "running"
                 wait_for(lambda: "real-time factor" in node.wait(level, text), "the factor")
                 reasons = ("most of its time goes into simulating",
@@ -128,7 +128,7 @@ class Diagnostics(unittest.TestCase):
                         self.assertTrue(status.message.endswith(reasons), status.message)
 
     def test_a_method_that_cannot_keep_up(self):
-        """It is told before, and after; not blamed on other work, however busy the computer is."""
+        """The node reports it before and after, and does not blame other work, however busy the computer is."""
         log = Recorder("/rosout", Log)
         busy = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(6)]
         scene = {"cloth": {"pinned": [[0, 0]]}, "simulation": {"method": "bdf2"}}
@@ -148,7 +148,7 @@ class Diagnostics(unittest.TestCase):
             log.close()
 
     def test_says_when_calls_take_the_time(self):
-        """Eight callers that set all numbers as fast as they are answered."""
+        """Eight callers that set all live values as fast as they get answers."""
         with self.node(SMALL, {"speed": {"error": False}}) as node:
             stop = threading.Event()
 
@@ -172,12 +172,12 @@ class Diagnostics(unittest.TestCase):
                     caller.join()
             self.assertLess(float(values["real-time factor"]), 0.95)
             self.assertGreater(float(values["time for calls and live values [%]"]), 30)
-            # The storm is over: it keeps up again.
+            # The callers have stopped: the node keeps up again.
             node.diagnostics.clear()
             node.wait(OK, "running")
 
     def test_violation(self):
-        """A pin pulled away, farther than the cloth is long."""
+        """A pin is pulled away, farther than the cloth is long."""
         hand = tf2_ros.StaticTransformBroadcaster()
         for limits, level in ((OFF, ERROR), ({**OFF, "violation": {"error": 100}}, WARN)):
             hand.sendTransform(make_transform("hand", (0, 0, 0)))
@@ -191,7 +191,7 @@ class Diagnostics(unittest.TestCase):
                 self.assertGreater(float(values["violation of the strain limit [%]"]), 10)
 
     def test_crossings(self):
-        """One point drawn over the cloth, another pulled up through what follows it."""
+        """One point is moved over the cloth, another pulled up through the cloth that follows it."""
         scene = {"cloth": dict(SMALL["cloth"], self_collision=True)}
         for limits, level in (({}, WARN), ({"crossings": {"error": 0}}, ERROR),
                               ({"crossings": {"warning": 1000}}, OK)):
@@ -208,7 +208,7 @@ class Diagnostics(unittest.TestCase):
                 self.assertGreater(int(values["intersecting pairs"]), 0)
 
     def test_pinched(self):
-        """Two slabs in one place, with the cloth between their sides: as a gripper means it."""
+        """Two overlapping slabs with the cloth between their sides, as a gripper commands it."""
         slabs = [{"name": name, "shape": "box", "size": [2, 2, 0.1], "center": [0.5, 0.5, z]}
                  for name, z in (("lower", 0.951), ("upper", 1.049))]
         with self.node({**SMALL, "colliders": slabs}, OFF) as node:
@@ -237,7 +237,7 @@ class Diagnostics(unittest.TestCase):
                 self.assertGreaterEqual(float(values["tf age of %s [s]" % frame]), 1)  # rounded
 
     def test_a_frame_of_nearly_the_name(self):
-        """Ball_link for ball_link; told once in the log."""
+        """Ball_link for ball_link; reported once in the log."""
         log = Recorder("/rosout", Log)
         broadcaster = tf2_ros.TransformBroadcaster()
         scene = {**SMALL, "colliders": [
@@ -253,7 +253,7 @@ class Diagnostics(unittest.TestCase):
         log.close()
 
     def test_lost_frames_in_one_line(self):
-        """Those of a robot go together: one warning, and no other while they stay away."""
+        """The frames of a robot are lost together: one warning, and no other while they stay lost."""
         links = ["link_%d" % i for i in range(4)]
         scene = {**SMALL, "colliders": [
             {"name": link, "shape": "sphere", "center": [0, 0, -1], "frame": link} for link in links]}
@@ -273,7 +273,7 @@ class Diagnostics(unittest.TestCase):
         log.close()
 
     def test_each_frame_once(self):
-        """However many colliders and pins follow it."""
+        """For any number of colliders and pins that follow it."""
         finger = {"shape": "sphere", "center": [0, 0, -1], "frame": "shared"}
         scene = {"cloth": dict(SMALL["cloth"], pinned=[{"point": [0, 0], "frame": "shared"}]),
                  "colliders": [dict(finger, name="a"), dict(finger, name="b")]}
@@ -296,7 +296,7 @@ class Diagnostics(unittest.TestCase):
             wait_for(lambda: node.statuses("simulation")[-1].level == OK, "the frame")
 
     def test_images(self):
-        """Pictures that take longer to draw than there is time between them."""
+        """Pictures that take longer to draw than the time between them."""
         camera = {"width": 2000, "height": 1500, "rate": 90, "samples": 4}
         for limits, level in (({"images": {"warning": 1}}, WARN),
                               ({"images": {"warning": 1, "error": 1}}, ERROR)):

@@ -26,13 +26,13 @@ def turned(angle):
 
 
 def distance_from(centre, triangles):
-    """Of each triangle's nearest point; T x 3 x 3 corners."""
+    """Distance [T] of `centre` to the nearest point of each triangle; T x 3 x 3 corners."""
     nearest = np.linalg.norm(triangles - centre, axis=2).min(axis=1)
     for i in range(3):
         a, d = triangles[:, i], triangles[:, (i + 1) % 3] - triangles[:, i]
         t = np.clip(((centre - a) * d).sum(axis=1) / (d * d).sum(axis=1), 0, 1)
         nearest = np.minimum(nearest, np.linalg.norm(a + t[:, None] * d - centre, axis=1))
-    # Where the foot on its plane is in the triangle.
+    # Where the foot of the perpendicular is in the triangle.
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     n = np.cross(b - a, c - a)
     n /= np.linalg.norm(n, axis=1)[:, None]
@@ -44,7 +44,7 @@ def distance_from(centre, triangles):
 
 
 def ways_out_of_box(triangles):
-    """How far each triangle, in the box's frame, must move to be out; negative where it is."""
+    """Translation of each triangle, in the box's frame, that separates it from the box; negative if apart."""
     edges = [triangles[:, (i + 1) % 3] - triangles[:, i] for i in range(3)]
     axes = [np.broadcast_to(axis, edges[0].shape) for axis in np.eye(3)]
     axes.append(np.cross(edges[0], edges[1]))
@@ -72,7 +72,7 @@ class DrivenColliders(unittest.TestCase):
         self.frames.send(make_transform(frame, position, angle, stamp=rospy.Time.now()))
 
     def lay(self, ball, crate):
-        """The cloth, anew, on one of them."""
+        """Resets the cloth and lays it on one of them."""
         self.send("ball", ball)
         self.send("crate", crate)
         self.ball, self.crate, self.angle = ball, crate, 0.0
@@ -81,7 +81,7 @@ class DrivenColliders(unittest.TestCase):
         return self.step(SETTLE)
 
     def step(self, frames=1):
-        """Steps and looks whether any triangle is inside where the frames are."""
+        """Steps and checks that no triangle is inside the colliders at their frames."""
         state = self.cloth.step(frames)
         corners = positions(state).astype(float)[self.triangles]
         self.assertTrue(np.isfinite(corners).all())
@@ -128,7 +128,7 @@ class DrivenColliders(unittest.TestCase):
         self.step(30)
 
     def test_a_jump(self):
-        """Into the cloth, or through: it is pushed out within 0.2 s, and not flung."""
+        """Into the cloth, or through: the cloth is pushed out within 0.2 s, and not flung."""
         for way in ([0, 0, 0.2], [0, 0, 0.5], [0, 0, 1], [0.3, 0, 0], [0.2, 0.1, 0.1],
                     [-0.2, 0, -0.2]):
             self.lay(BALL, AWAY)
@@ -149,7 +149,7 @@ class DrivenColliders(unittest.TestCase):
             self.angle = np.pi / 3 * frame / 90
             self.send("crate", CRATE, self.angle)
             state = self.step()
-        # What lies on the box goes round with it.
+        # Cloth that lies on the box goes round with it.
         carried = (start[top] - CRATE) @ turned(self.angle).T
         now = positions(state)[top] - CRATE
         self.assertLess(np.linalg.norm(now - carried, axis=1).max(), 0.03)

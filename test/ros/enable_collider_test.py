@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A collider turned off and on: the cloth goes by it, and so do the markers."""
+"""A collider is turned off and on: the cloth and the markers follow."""
 
 import unittest
 

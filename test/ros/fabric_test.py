@@ -34,7 +34,7 @@ class Fabric(unittest.TestCase):
         self.cloth.reset()
 
     def blown(self):
-        """Mean y [m] after a third of a second: soon flutter multiplies what rounding makes differ."""
+        """Mean y [m] after a third of a second: soon afterwards flutter amplifies differences of rounding."""
         return positions(self.cloth.step(30))[:, 1].mean()
 
     def test_starts_from_the_file(self):

@@ -21,7 +21,7 @@ class Fingers(unittest.TestCase):
         cls.frames = Frames()
 
     def go(self, gaps, heights, frames):
-        """From the first to the last gap and height; the state then, and the fastest point yet."""
+        """Moves from the first to the last gap and height; returns the state then, and the largest speed."""
         fastest = 0
         for gap, z in zip(np.linspace(*gaps, frames), np.linspace(*heights, frames)):
             self.frames.send(*[

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The first hour of README.md, line by line as a user types it, and what the user then sees; the
-tables of docs/interface.md."""
+"""The first hour of README.md, line by line as a user types it, and its outputs; the tables of
+docs/interface.md."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def read_section(title):
 
 def read_walk():
     """Blocks of the section by the first words of the paragraph before: lists of commands, or a
-    program. What sets up a terminal has no such words: None."""
+    program. Blocks that set up a terminal have no such words: None."""
     walk, title = {}, None
     for part in re.split(r"\n\n(?=\*\*)", read_section("The first hour")):
         found = re.match(r"\*\*(.*?)\.\*\*", part.strip())
@@ -45,7 +45,7 @@ def read_walk():
 
 
 def read_interface():
-    """Types of the topics and services in the tables, by name; of a scene with a sphere."""
+    """Types of the topics and services in the tables, by name, for a scene with a sphere."""
     types = {}
     for line in read_document("docs/interface.md").splitlines():
         cells = line.split("|")
@@ -64,8 +64,8 @@ class FirstHour(unittest.TestCase):
         self.folder = tempfile.mkdtemp()
         self.going_on = []
         self.set_up = "".join(line.partition("#")[0] + ";" for line in read_walk()[None]
-                              if not line.startswith("source"))  # that was done
-        # Another python first, which knows nothing of ROS.
+                              if not line.startswith("source"))  # already sourced
+        # Another python first, which has no ROS.
         python = os.path.join(self.folder, "python3")
         with open(python, "w") as file:
             file.write("#!/bin/sh\necho no ROS here >&2\nexit 1\n")
@@ -91,7 +91,7 @@ class FirstHour(unittest.TestCase):
         return process
 
     def run_lines(self, lines):
-        """What each command prints. Those that go on are started; RViz has no display here."""
+        """The output of each command. Commands that go on are started; RViz has no display here."""
         printed = {}
         for line in lines:
             command, _, comment = (part.strip() for part in line.partition("#"))
@@ -110,7 +110,7 @@ class FirstHour(unittest.TestCase):
         return printed
 
     def wait_until_possible(self, command):
-        """A user types slower than the test: what was started before is there by then."""
+        """A user types slower than the test: earlier programs are ready by then."""
         service = re.match(r"rosservice call (\S+)", command)
         if service:
             rospy.wait_for_service(service.group(1), PATIENCE)
@@ -138,7 +138,7 @@ class FirstHour(unittest.TestCase):
                        if "/clothsim" in nodes and name.startswith("/clothsim/")})
         services = {name: rosservice.get_service_type(name) for name, nodes in provided
                     if "/clothsim" in nodes}
-        # What libraries add.
+        # Topics and services that libraries add.
         theirs = r"parameter_(updates|descriptions)$|camera_info$|logger"
         found = {name: kind for name, kind in {**topics, **services}.items()
                  if not re.search(theirs, name)}

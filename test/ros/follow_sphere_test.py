@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A sphere moved over tf lifts the cloth and carries it along, and none of it gets inside."""
+"""A sphere moved over tf lifts the cloth and carries it along, and no cloth gets inside."""
 
 import threading
 import unittest
@@ -21,10 +21,10 @@ FRAME_WAY = SPEED / 90  # at 90 frames per second [m]
 
 
 class MovingSphere:
-    """Broadcasts the frame `sphere` on its way from point to point.
+    """Broadcasts the frame `sphere` on its path from point to point.
 
-    It goes one frame's way at SPEED when the node's sphere has come to where it was before, so that
-    on a slow machine, too, no frame moves it faster.
+    It advances by one frame's distance at SPEED once the node's sphere has reached the last place, so that
+    no frame moves it faster on a slow machine either.
     """
 
     def __init__(self):
@@ -72,7 +72,7 @@ class FollowSphere(unittest.TestCase):
         cls.markers.wait("the first markers")
 
     def sphere_centres(self):
-        """Where the node had the sphere, by stamp."""
+        """Places of the node's sphere, by stamp."""
         centres = {}
         for array in self.markers.all():
             marker = marker_named(array, "colliders")
@@ -86,12 +86,12 @@ class FollowSphere(unittest.TestCase):
                                   atol=1e-9))
 
     def test_follow(self):
-        # Before the frame is there, the sphere is where the scene puts it.
+        # Before the frame is broadcast, the sphere is where the scene puts it.
         self.wait_for_sphere(START)
         sphere = MovingSphere()
         self.cloth.pause(False)
 
-        # Up through the falling cloth: it comes to lie on the sphere's top, above where it started.
+        # Up through the falling cloth, which comes to lie on the sphere's top, above its start.
         top = START + [0, 0, 0.9]
         sphere.go_to(top)
         self.wait_for_sphere(top)
@@ -124,7 +124,7 @@ class FollowSphere(unittest.TestCase):
         self.assertGreater(compared, 60)
 
     def moved_at_speed(self):
-        """So that the comparison above was one with a moving sphere."""
+        """The comparison above was with a moving sphere."""
         centres = sorted(self.sphere_centres().items())
         ways = [np.linalg.norm(b[1] - a[1]) for a, b in zip(centres, centres[1:])]
         self.assertAlmostEqual(sum(ways), 1.4, delta=1e-6)

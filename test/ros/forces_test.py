@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Forces on points by topic, and the forces within the cloth as messages."""
+"""Forces on points by topic, and the internal forces of the cloth as messages."""
 
 import math
 import time

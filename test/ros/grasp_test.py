@@ -18,8 +18,8 @@ COLUMNS = ROWS = 30
 HANDS = ("left_hand", "right_hand")
 CORNERS = [0, COLUMNS - 1]
 WEIGHT = 5 * 9.8  # [N] of the whole cloth
-GROUND, BEND = 0.0015, 0.05  # what is lower lies on the ground; what is higher hangs [m]
-SWING = 0.04  # of the weight, that it may still bob where the computer is busy
+GROUND, BEND = 0.0015, 0.05  # points below GROUND lie on the ground; points above BEND hang [m]
+SWING = 0.04  # share of the weight by which it may still bob where the computer is busy
 
 
 class Grasp(unittest.TestCase):
@@ -31,8 +31,8 @@ class Grasp(unittest.TestCase):
         wrenches = {hand: Recorder("/clothsim/wrench/" + hand, WrenchStamped) for hand in HANDS}
         log.wait("the end of the example", lambda m: m.msg == "the cloth is folded")
 
-        # The hands lifted it. At rest they carried half each of what hung between the ground and
-        # them: all above the bend at the ground, and some of the bend.
+        # The hands lifted it. At rest each carried half of the cloth between the ground and the hands: all
+        # above the bend at the ground, and a part of the bend.
         highest = max(cloth.states.all(), key=lambda s: positions(s)[CORNERS, 2].min())
         self.assertGreater(positions(highest)[CORNERS, 2].min(), 0.5)
         carried = [float(re.search(r"carries (\S+) N", m.msg)[1]) for m in log.all()
@@ -47,14 +47,14 @@ class Grasp(unittest.TestCase):
         self.assertLess(sum(carried), WEIGHT * (np.mean(height > GROUND) + SWING))
 
         self.expect_held(cloth.states.all(), transforms.all())
-        # They laid it down and did not press it.
+        # The hands laid the cloth down without pressing.
         let_go = self.state_before(cloth, log, "the cloth is folded").header.stamp
         for recorder in wrenches.values():
             last = max((m for m in recorder.all() if m.header.stamp <= let_go),
                        key=lambda m: m.header.stamp)
             self.assertLess(np.linalg.norm(point(last.wrench.force)), 0.1 * WEIGHT)
 
-        # It lies in two layers: the corners beside those of the far edge, and let go.
+        # Two layers: the corners beside those of the far edge, and released.
         end = cloth.states.all()[-1].step
         where = positions(cloth.states.wait("a second more", lambda s: s.step > end + 90))
         far = where[[(ROWS - 1) * COLUMNS, ROWS * COLUMNS - 1]]
@@ -63,7 +63,7 @@ class Grasp(unittest.TestCase):
         self.assertGreater(where[:, 2].min(), 0)
         self.assertGreater(where[:, 1].min(), 0.3)  # nothing is left of the near half
 
-        # Nothing ever crossed, once a second.
+        # Nothing crossed in any of the checks, one a second.
         crossings = [v.value for array in diagnostics.all() for s in array.status
                      for v in s.values if v.key == "intersecting pairs"]
         self.assertGreater(len(crossings), 5)
@@ -71,14 +71,14 @@ class Grasp(unittest.TestCase):
 
     @staticmethod
     def state_before(cloth, log, text):
-        """The last state before a message with that text came."""
+        """The last state before the first message with that text."""
         stamp = next(m.header.stamp for m in log.all() if text in m.msg)
         return max((s for s in cloth.states.all() if s.header.stamp <= stamp),
                    key=lambda s: s.header.stamp)
 
     def expect_held(self, states, transforms):
-        """While they move, at 0.5 m/s of simulated time, the corners are within 1 mm of where the hands
-        were shortly before: what the node had last heard of them."""
+        """While they move, at 0.5 m/s of simulated time, the corners are within 1 mm of a recent place of
+        the hands: the last transform that the node had received."""
         ways = {hand: [(t.header.stamp.to_sec(), point(t.transform.translation)) for m in transforms
                        for t in m.transforms if t.child_frame_id == hand] for hand in HANDS}
         moving = [b[0] for a, b in zip(ways[HANDS[0]], ways[HANDS[0]][1:]) if np.any(a[1] != b[1])]

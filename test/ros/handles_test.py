@@ -26,13 +26,13 @@ from clothsim.srv import LoadScene
 from cloth_client import PATIENCE, Cloth, Recorder, call, point, positions, wait_for
 
 HANDLES = "/clothsim/handles"
-BALL, PLATE = np.array([0.5, 0.5, 0.5]), np.array([0, 0, -1.0])  # where the scene puts them [m]
+BALL, PLATE = np.array([0.5, 0.5, 0.5]), np.array([0, 0, -1.0])  # their places in the scene [m]
 RADIUS = 0.2  # of the ball [m]
 FRAME = 1 / 90  # [s]
 
 
 def make_pose(place, tilt=0.0):
-    """Turned about x by `tilt`."""
+    """A pose, turned about x by `tilt`."""
     pose = Pose()
     pose.position.x, pose.position.y, pose.position.z = place
     pose.orientation.x, pose.orientation.w = math.sin(tilt / 2), math.cos(tilt / 2)
@@ -74,7 +74,7 @@ class Shown:
 
 class OtherNode:
     """Broadcasts the ball's frame as a user's program does. In a process of its own: two
-    broadcasters in one would have the same name."""
+    broadcasters in one process would have the same name."""
 
     def __enter__(self):
         code = ("import rospy, sys; from tf2_ros import TransformBroadcaster\n"
@@ -134,21 +134,21 @@ class HandlesTest(unittest.TestCase):
         self.feedback.publish(message)
 
     def drag(self, name, place, tilt=0.0):
-        """Drags, and computes the next frame when the cloth's node has heard of it."""
+        """Drags a handle, and computes the next frame once the cloth's node has received it."""
         self.tf.clear()
         self.markers.clear()
         self.send(name, make_pose(place, tilt))
         wait_for(lambda: any(same_pose(t.transform, make_pose(place, tilt))
                              for t in self.transforms(name)), "the frame of the handle")
-        time.sleep(0.01)  # the node has it about as soon as the test
+        time.sleep(0.01)  # the node receives it at about the same time as the test
         return self.cloth.step(1)
 
     def transforms(self, name):
-        """Of a frame, since the last drag or clear()."""
+        """Transforms of a frame, since the last drag or clear()."""
         return [t for m in self.tf.all() for t in m.transforms if t.child_frame_id == name]
 
     def expect_still(self, name, place):
-        """The frame goes on being broadcast, at one place."""
+        """The frame is still broadcast, at one place."""
         self.tf.clear()
         wait_for(lambda: len(self.transforms(name)) >= 3, "the frame, again and again")
         for t in self.transforms(name):
@@ -209,7 +209,7 @@ class HandlesTest(unittest.TestCase):
         self.drag("plate", PLATE)
 
     def test_4_refused(self):
-        """Poses that are none: nothing is broadcast, the handle goes back."""
+        """Invalid poses: nothing is broadcast, the handle goes back."""
         self.drag("ball", BALL)
         nan = float("nan")
         for place in ([nan, 0, 0], [0, float("inf"), 0], [0, 0, 1e9]):
@@ -241,11 +241,11 @@ class HandlesTest(unittest.TestCase):
             self.assertGreater(len(theirs), 3)
             self.assertEqual({t.transform.translation.x for t in theirs}, {3.0})
             self.assertTrue(np.allclose(self.ball_marker(self.cloth.step(2)), [3, 0, 0]))
-        # It is gone: the handle is back where that node left the frame, and takes it again.
+        # The other node has ended: the handle is back where that node left the frame, and works again.
         wait_for(lambda: self.shown.at("ball", [3, 0, 0]), "the handle to come back")
         state = self.drag("ball", BALL)
         self.assertTrue(np.allclose(self.ball_marker(state), BALL))
-        # The node goes by the handle, well after the other's last stamp.
+        # The node follows the handle, well after the other's last stamp.
         time.sleep(2)
         self.diagnostics.clear()
         array = self.diagnostics.wait("diagnostics", lambda a: "simulation" in a.status[0].name)

@@ -1,4 +1,4 @@
-// Which ways of a tf frame count as jumps, and which as motion.
+// Which displacements of a tf frame count as jumps, and which as motion.
 
 #include "clothsim/ros/jump_watch.h"
 
@@ -10,7 +10,7 @@ namespace {
 constexpr double jump_speed = 15;  // [m/s]
 constexpr double frame = 1.0 / 90;
 
-/// Jumps among transforms that come every `every` frames, each `way` farther.
+/// Jumps among transforms that come every `every` frames, each farther by `way`.
 int jumps_in(JumpWatch& watch, double way, int every, int times = 20) {
   int jumps = 0;
   for (int i = 0; i < times; ++i) {
@@ -53,7 +53,7 @@ TEST(JumpWatch, FollowsTransformsThatComeSeldom) {
   for (const int every : {3, 9, 10}) {  // of 30, 10 and 9 Hz
     JumpWatch watch(jump_speed);
     EXPECT_EQ(jumps_in(watch, 1 * every * frame, every), 0) << every;
-    // Where the motion starts, it looks like a jump.
+    // The start of the motion looks like a jump.
     EXPECT_EQ(jumps_in(watch, 10 * every * frame, every), 1) << every;
     EXPECT_EQ(jumps_in(watch, 10 * every * frame, every), 0) << every;
     stand(watch);

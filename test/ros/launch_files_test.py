@@ -21,7 +21,7 @@ PARAMETERS = {"paused": True, "realtime_factor": 0.25, "world_frame": "odom", "p
 
 class LaunchFiles(unittest.TestCase):
     def parameters(self, *command):
-        """What a command of roslaunch sets."""
+        """The parameters that a roslaunch command sets."""
         done = subprocess.run(["roslaunch", *command, "--dump-params"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         return yaml.safe_load(done.stdout)
@@ -51,20 +51,20 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(given["/clothsim/scene_file"], os.path.abspath(scene))
 
     def test_no_argument_is_required(self):
-        """roslaunch takes one whose default is empty for required."""
+        """roslaunch takes an argument with an empty default for a required one."""
         for file in sorted(os.listdir(FOLDER)):
             listed = subprocess.run(["roslaunch", "clothsim", file, "--ros-args"], capture_output=True, text=True)
             self.assertNotIn("Required", listed.stdout, file)
             self.assertIn('jump_speed (default "none")', listed.stdout, file)
 
     def test_empty_is_none(self):
-        """As of a user's own launch file that passes an empty argument on."""
+        """As from a user's own launch file that passes an empty argument on."""
         plain = self.parameters("clothsim", "sphere.launch")
         self.assertEqual(self.parameters("clothsim", "sphere.launch", "view:=", "params:=", "jump_speed:="), plain)
         self.assertFalse([name for name in plain if "jump_speed" in name or "/camera/" in name])
 
     def test_paths_of_scenes(self):
-        """They begin where roslaunch is started, or at a package."""
+        """Paths are relative to the working directory of roslaunch, or to a package."""
         for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"),
                             ("package://a/b.yaml", "package://a/b.yaml")):
             given = self.parameters("clothsim", "scene.launch", "scene:=" + scene)

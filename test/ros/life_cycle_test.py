@@ -79,7 +79,7 @@ class LifeCycle(unittest.TestCase):
         self.assertEqual(self.assert_ends_cleanly(node), "")
 
     def test_files_of_scenes_do_not_mix(self):
-        """Values given beside a file lie over it; those that a node has left do not lie over the next one."""
+        """Values beside a file override it; those that one node has left do not override the next one's."""
         scenes = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "config/scenes/")
         node, cloth = self.start_node("of_files", paused=True, scene_file=scenes + "sphere.yaml")
         given = rospy.get_param("/of_files/scene")
@@ -106,13 +106,13 @@ class LifeCycle(unittest.TestCase):
             node, cloth = self.start_node(
                 "loading", image_folders=[folder],
                 camera={"cloth": {"shader": "texture", "texture": path}})
-            PIL.Image.new("RGB", (8192, 8192), (0, 0, 255)).save(path)  # read again as it has changed
+            PIL.Image.new("RGB", (8192, 8192), (0, 0, 255)).save(path)  # read again because it has changed
             cloth.states.clear()
             answer = call("/loading/load_scene", LoadScene)
             self.assertTrue(answer.success, answer.message)
             cloth.states.wait("the new start", lambda state: state.step == 0)
             steps = [state.step for state in cloth.states.all()]
-            # Of a node that reads it itself a few come before the call does.
+            # If the node's own thread read the image, only a few states would come before the new start.
             self.assertGreater(steps.index(0), 10)
             self.assertEqual(self.assert_ends_cleanly(node), "")
 
@@ -133,7 +133,7 @@ class LifeCycle(unittest.TestCase):
         self.assertEqual(rospy.get_param("/mistaken/ks"), 5000)
 
     def test_tells_what_auto_takes(self):
-        """At the start, and when it changes; as a warning where none keeps up."""
+        """At the start, and when it changes; as a warning where no method keeps up."""
         node, _ = self.start_node("choosing", paused=True)
         call("/choosing/set_parameters", Reconfigure, encode_config({"ks": 50000.0}))
         call("/choosing/set_parameters", Reconfigure, encode_config({"gravity_x": 0.0}))  # as before
@@ -157,10 +157,10 @@ class LifeCycle(unittest.TestCase):
     def test_terminate(self):
         node, _ = self.start_node("terminated")
         self.assertEqual(self.assert_ends_cleanly(node, by=signal.SIGTERM), "")
-        self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master knows, too
+        self.assertEqual(rospy.get_published_topics("/terminated"), [])  # the master has removed them, too
 
     def test_interrupt_while_starting(self):
-        """While it builds a large cloth: it ends when that is done, before it simulates."""
+        """While it builds a large cloth: it ends after that, before it simulates."""
         for by in (signal.SIGINT, signal.SIGTERM):
             rospy.set_param("/large/scene", {"cloth": {"columns": 700, "rows": 700}})
             node = subprocess.Popen([self.program, "__name:=large"], stdout=subprocess.PIPE,
@@ -171,9 +171,9 @@ class LifeCycle(unittest.TestCase):
             self.assertEqual(self.assert_ends_cleanly(node, by), "")
 
     def test_interrupt_within_a_frame(self):
-        """One that takes minutes is broken off between two of its substeps."""
+        """A frame that takes minutes is interrupted between two of its substeps."""
         for by in (signal.SIGINT, signal.SIGTERM):
-            # Paused, so that the first state is heard, however busy the machine is.
+            # Paused, so that the first state is received, however busy the machine is.
             node, cloth = self.start_node("endless", paused=True, scene={
                 "cloth": {"columns": 300, "rows": 300},
                 "simulation": {"method": "rk4", "substeps": 10000}})
@@ -203,8 +203,8 @@ class LifeCycle(unittest.TestCase):
         self.assertEqual(len(answers), 1)
 
     def test_master_goes_away_and_comes_back(self):
-        """The node keeps its rate or says why not, also while live values change, which are told to
-        the master."""
+        """The node keeps its rate or reports the reason, also while live values change, of which the
+        master is informed."""
         node, cloth = self.start_node("orphan")
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
         diagnostics.wait("diagnostics")

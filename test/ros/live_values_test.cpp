@@ -1,4 +1,4 @@
-// What refuses a change of live values, and how the log tells of it.
+// Reasons for which a change of live values is refused, and their form in the log.
 
 #include "clothsim/ros/live_values.h"
 

@@ -28,7 +28,7 @@ START = {"cloth": {"columns": 50, "rows": 50, "pinned": [[0, 0], [49, 0]]}}
 SMALL = {"cloth": {"columns": 9, "rows": 7, "ks": 700.0},
          "colliders": [{"name": "ball", "shape": "sphere", "center": [0.5, 0.5, 0.6]}]}
 
-COLLISIONS = {  # of the links of a robot, and what is said of those that cannot be used
+COLLISIONS = {  # collisions of a robot's links, and the reason for which one is left out
     "good": ('<geometry><sphere radius="0.1"/></geometry>', None),
     "of a mesh": ('<geometry><mesh filename="package://clothsim/config/robots/finger.stl"/></geometry>', None),
     "missing": ('<geometry><mesh filename="package://clothsim/none.stl"/></geometry>', "No such file or directory"),
@@ -77,7 +77,7 @@ class Load(unittest.TestCase):
         with open(os.path.join(PACKAGE, "config/scenes/towel.yaml"), encoding="utf-8") as file:
             self.assertEqual(rospy.get_param("/clothsim/scene"), yaml.safe_load(file))
         from_file = content(self.cloth.step(10))
-        self.assertTrue(call(LOAD, LoadScene).success)  # what the parameters hold now
+        self.assertTrue(call(LOAD, LoadScene).success)  # the current parameters
         self.assertEqual(content(self.cloth.step(10)), from_file)
 
     def test_what_rosparam_would_drop_or_misread(self):
@@ -88,11 +88,11 @@ class Load(unittest.TestCase):
         self.assertEqual(rospy.get_param("/clothsim/scene/cloth"), {})
         self.assertEqual(rospy.get_param("/clothsim/scene_file"), path)
         self.assertTrue(call(LOAD, LoadScene).success)  # its mesh is still found
-        self.assertTrue(self.load(START).success)  # which is of no file
+        self.assertTrue(self.load(START).success)  # which comes from no file
         self.assertFalse(rospy.has_param("/clothsim/scene_file"))
 
     def test_examples_of_the_docs_are_the_same_in_simulate(self):
-        """Each runs in both, to the same positions where no motions move it, which the node does not play."""
+        """Each example gives the same positions in both, except with motions, which the node does not play."""
         simulate = roslib.packages.find_node("clothsim", "simulate")[0]
         count = 0
         for page in ("docs/scenes.md", "docs/fabrics.md"):
@@ -168,7 +168,7 @@ class Load(unittest.TestCase):
         self.assertEqual(rospy.get_param("/clothsim/density"), 150.0)
 
     def test_parameters_of_the_scenes_method(self):
-        """They come back with it, after another method."""
+        """The parameters are restored with the method, after another one."""
         self.load({**SMALL, "simulation": {"method": "xpbd", "method_parameters": {"iterations": 20}}})
         expected = content(self.cloth.step(10))
         client = Client("/clothsim", timeout=PATIENCE)
@@ -182,7 +182,7 @@ class Load(unittest.TestCase):
         self.assertEqual(states[1], expected)
 
     def start_values(self, part):
-        """The live values of a part of the view, of a node that goes on."""
+        """The live values of a part of the view, which the node keeps."""
         client = Client("/clothsim/" + part, timeout=PATIENCE)
         values = client.get_configuration(timeout=PATIENCE)
         client.close()
@@ -197,7 +197,7 @@ class Load(unittest.TestCase):
             client = Client("/clothsim/" + part, timeout=PATIENCE)
             self.assertEqual({k: client.update_configuration(values)[k] for k in values}, values)
             client.close()
-        # A scene that is refused leaves them.
+        # A refused scene leaves them.
         self.assertFalse(self.load({"cloth": {"ks": -5}}).success)
         self.assertEqual(self.start_values("shading/cloth")["shader"], "mirror")
         self.load(START)  # without the ball
@@ -217,7 +217,7 @@ class Load(unittest.TestCase):
         self.assertFalse(call("/clothsim/restore_state", RestoreState, "old").success)
 
     def test_robots_with_faults(self):
-        """Three in each of ten scenes: what cannot be used of them is left out, with the link and the reason."""
+        """Three faults in each of ten scenes: unusable parts are left out, with the link and the reason."""
         log, colliders = Recorder("/rosout", Log), Recorder("/clothsim/colliders", Colliders)
         rospy.set_param("/robot_description", URDF)
         for _ in range(10):

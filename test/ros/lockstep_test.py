@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pause, ~step and ~reset: which frames are computed, and that they are the same each time."""
+"""Pause, ~step and ~reset: the frames that are computed, and that they are the same each time."""
 
 import time
 import unittest
@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool
 from clothsim.srv import GetState
 from cloth_client import PATIENCE, Cloth, call, content, real_time, wait_for
 
-# The cloth is on the sphere by then, so contact and friction are part of what is compared.
+# The cloth is on the sphere by then, so contact and friction are part of the comparison.
 FRAMES = 60
 
 
@@ -26,7 +26,7 @@ class Lockstep(unittest.TestCase):
         self.cloth.pause()
         now = rospy.Time.now()
         self.cloth.reset()
-        # Past this one, no state of the test before is on its way.
+        # After this one, no state of the test before is under way.
         self.cloth.states.wait("the start", lambda s: s.header.stamp >= now)
         self.cloth.states.clear()
 
@@ -92,7 +92,7 @@ class Lockstep(unittest.TestCase):
         self.cloth.states.wait("more frames", lambda s: s.step > stopped_at + 10)
 
     def test_resume_while_it_runs_changes_nothing(self):
-        """Called far more often than frames come: they come all the same."""
+        """Calls come far more often than frames, and frames still come."""
         resume = rospy.ServiceProxy("/clothsim/pause", SetBool, persistent=True)
 
         def runs_on():

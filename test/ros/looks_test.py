@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What RViz shows first: the cloth of each scene whole and large, nothing before it, and in the panel that
-scene with its own values."""
+"""The first picture in RViz: the cloth of each scene whole and large, with nothing before it, and in the
+panel that scene with its own values."""
 
 import time
 import unittest
@@ -15,7 +15,7 @@ from clothsim.srv import LoadScene
 from cloth_client import PATIENCE, Cloth, call, wait_for
 from rviz_desktop import PACKAGE, Desktop, View, cloth_in, ready, shows_cloth
 
-# Of the panel, from the upper edge of its title [pixel].
+# Rows of the panel, from the upper edge of its title [pixel].
 SCENE_BOX = (slice(95, 118), slice(50, 190))
 FIRST_SLIDER = (160, 138)
 STEP = (122, 75)
@@ -35,7 +35,7 @@ class Looks(unittest.TestCase):
         cls.desktop.close()
 
     def load(self, name):
-        """The picture, once the scene of that name is shown and stands still."""
+        """The picture, once the scene of that name is shown and at rest."""
         with open(PACKAGE / "config/scenes" / (name + ".yaml")) as file:
             rospy.set_param("/clothsim/scene", {})
             rospy.delete_param("/clothsim/scene")
@@ -103,7 +103,7 @@ class Looks(unittest.TestCase):
             dark = picture[self.desktop.panel_top(picture):bottom, TEXT].max(axis=2) < 100
             return np.flatnonzero(dark.any(axis=1)).max()
         picture = self.load("pinned2")
-        time.sleep(2)  # the diagnostics tell that it is paused
+        time.sleep(2)  # the diagnostics report that it is paused
         without = last_line()
         self.cloth.pause(False)
         time.sleep(0.5)

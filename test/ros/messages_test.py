@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the messages hold: consistent with each other, finite, and as RViz wants them."""
+"""Contents of the messages: consistent with each other, finite, and valid for RViz."""
 
 import threading
 import unittest
@@ -35,7 +35,7 @@ class Messages(unittest.TestCase):
         cls.springs = Recorder("/clothsim/markers/springs", MarkerArray)
         cls.colliders = Recorder("/clothsim/markers/colliders", MarkerArray)
         cls.topology = Recorder("/clothsim/topology", ClothTopology).wait("the topology")
-        # Paused from the start, the simulation publishes nothing; newcomers get the state.
+        # Paused from the start, the simulation publishes nothing; new subscribers receive the state.
         cls.cloth.states.wait("the first state")
         recorders = (cls.markers, cls.springs, cls.colliders)
         for recorder in recorders:
@@ -150,7 +150,7 @@ class Messages(unittest.TestCase):
                          [m for m in self.array.markers if m.ns == "colliders"])
 
     def test_a_new_subscriber_drops_what_it_had(self):
-        """RViz keeps the markers of a node that has ended; its successor may have fewer."""
+        """RViz keeps the markers of a node that has ended; the next node may have fewer."""
         for recorder in (self.markers, self.springs, self.colliders):
             first, *others = recorder.all()
             self.assertEqual([m.action for m in first.markers[:2]], [Marker.DELETEALL, Marker.ADD])
@@ -196,7 +196,7 @@ class Messages(unittest.TestCase):
         self.assertTrue(np.allclose(point(ball.scale), 0.2))
         self.assertTrue(np.allclose(point(ball.pose.position), [0.3, 0.2, 0.5]))
 
-        # The upper face of the plate is the plane; a two-sided one lies about its plane.
+        # The upper face of the plate is the plane; a two-sided plane lies about its middle.
         normal = np.array([0, 0.6, 0.8])
         self.assertEqual(ground.type, Marker.CUBE)
         face = point(ground.pose.position) + normal * ground.scale.z / 2
@@ -243,7 +243,7 @@ class Messages(unittest.TestCase):
                           lambda a: marker_named(a, "bending").action == Marker.ADD)
 
     def test_pin_follows_its_frame(self):
-        """With the offset it has at the first transform, which may be any."""
+        """With its offset to the frame at the first transform, which may be any."""
         broadcaster = StaticTransformBroadcaster()
         hand = make_transform("hand", (5, 0, 0), parent="table")
         start = positions(self.cloth.step(1))[COLUMNS - 1].copy()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""In a namespace: RViz, started there with our configuration, asks for topics that there are."""
+"""In a namespace: RViz, started there with our configuration, subscribes to existing topics."""
 
 import os
 import unittest
@@ -13,7 +13,7 @@ import yaml
 
 from cloth_client import wait_for
 
-# What the displays of our configuration show.
+# Topics of the displays in our configuration.
 TYPES = {"clothsim/Cloth": "clothsim/ClothState",
          "rviz/MarkerArray": "visualization_msgs/MarkerArray",
          "rviz/InteractiveMarkers": "visualization_msgs/InteractiveMarkerUpdate",
@@ -33,7 +33,7 @@ class Namespace(unittest.TestCase):
                  "the topics %s" % sorted(wanted))
 
     def test_rviz_finds_its_fixed_frame(self):
-        """From the start, when nobody has driven a collider or asked for a picture yet."""
+        """From the start, before anybody has driven a collider or subscribed to an image."""
         buffer = tf2_ros.Buffer()
         listener = tf2_ros.TransformListener(buffer)
         wait_for(lambda: buffer.can_transform("map", "left_clothsim_camera_optical", rospy.Time(0)),

@@ -10,7 +10,7 @@
 
 namespace {
 
-/// Long enough for a machine that is busy with something else.
+/// Long enough for a machine that is busy with other work.
 const ros::WallDuration patience(30);
 
 bool wait_for(const std::function<bool()>& condition) {
@@ -53,7 +53,7 @@ TEST_F(Nodelet, PublishesUnderItsOwnName) {
   EXPECT_EQ(state->positions, answer.state.positions);
 }
 
-/// It is published by a node of the same name, as all nodelets of a process are.
+/// The transform comes from a node of the same name, as for all nodelets of a process.
 TEST_F(Nodelet, HearsTransformsOfItsNeighbours) {
   double x = 0;
   const ros::Subscriber subscriber = node_.subscribe<visualization_msgs::MarkerArray>(

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double frame = 0.01;  // [s]
 
-/// ROS time is what the test says.
+/// The test sets ROS time.
 class PacerTest : public testing::Test {
  protected:
   static void SetUpTestSuite() { ros::Time::init(); }
@@ -62,7 +62,7 @@ TEST_F(PacerTest, TellsAClockThatJumpsAhead) {
   set_time(3610);
   EXPECT_LE(run_due(pacer), 1);
   EXPECT_TRUE(pacer.has_jumped());
-  EXPECT_FALSE(pacer.has_jumped());  // told once
+  EXPECT_FALSE(pacer.has_jumped());  // reported once
   ros::WallDuration(0.05).sleep();
   set_time(3612);  // a fast clock, or a slow computer
   run_due(pacer);
@@ -148,7 +148,7 @@ TEST_F(PacerTest, FactorZeroIsAlwaysDue) {
 
 TEST_F(PacerTest, OwnClockGoesOnByTheFrames) {
   Pacer pacer(1, true);
-  set_time(0);  // nobody else's time counts
+  set_time(0);  // only the node's own time counts
   const ros::Time begin = pacer.now();
   EXPECT_GT(begin, ros::Time(0));
   EXPECT_EQ(pacer.advance_now(frame), begin + ros::Duration(frame));

@@ -33,7 +33,7 @@ TEST(Parameters, MapsKeepTheirKeys) {
   EXPECT_EQ(map["a_key_too_long_for_a_small_string_2"].as<int>(), 2);
 }
 
-/// Comparing a key takes an allocation: what looks through all of them for each takes the square.
+/// A comparison of keys takes an allocation: a linear search for each key makes them quadratic.
 TEST(Parameters, MapsAreReadInLinearTime) {
   const auto count = [](int keys) {
     const XmlRpc::XmlRpcValue map = make_map(keys);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""With ~publish_clock the node is the source of time: a frame's worth of it with each state."""
+"""With ~publish_clock the node is the source of time: each state advances it by one frame."""
 
 import subprocess
 import unittest
@@ -21,14 +21,14 @@ class PublishClock(unittest.TestCase):
         cloth = Cloth()
         clock = Recorder("/clock", Clock)
 
-        # It runs, and no state comes from the future.
+        # The simulation runs, and no state has a stamp in the future.
         cloth.states.wait("frame 50", lambda s: s.step >= 50)
         cloth.pause()
         stamp = cloth.step(1).header.stamp
         clock.wait("the clock of the last frame", lambda c: c.clock == stamp)
         self.assertGreater(clock.all()[0].clock.to_nsec(), 0)
 
-        # Paused: it stands, for late listeners, too; services answer.
+        # Paused: the clock stands, for late listeners, too; services answer.
         late = Recorder("/clock", Clock)
         self.assertEqual(late.wait("the clock for a late listener").clock, stamp)
 
@@ -37,7 +37,7 @@ class PublishClock(unittest.TestCase):
         self.assertLessEqual(abs((after - stamp).to_nsec() - 90 * NANOSECONDS_A_FRAME), 1)
         clock.wait("the clock of the last frame", lambda c: c.clock == after)
 
-        # A reset takes the cloth back, not the time.
+        # A reset restores the cloth, not the time.
         cloth.reset()
         self.assertGreater(cloth.step(1).header.stamp, after)
         cloth.pause(False)
@@ -54,7 +54,7 @@ class PublishClock(unittest.TestCase):
             self.assertLessEqual(abs(after - before - NANOSECONDS_A_FRAME), 1)
 
     def test_attach_to_a_frame_that_goes_by_its_clock(self):
-        """While a call waits the clock stands, and with it who sends the frame."""
+        """While a call waits the clock stands, and so does a broadcaster that follows it."""
         cloth = Cloth()
         cloth.states.wait("a state")
         cloth.pause(False)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The simulator in this process and the one in the node: the same bits, and states from one to the other."""
+"""The simulator in this process and in the node: the same bits, and states from one to the other."""
 
 import pathlib
 import unittest

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""dynamic_reconfigure: every value has the effect it should, and bad values have none."""
+"""dynamic_reconfigure: every value has its effect, and invalid values have none."""
 
 import ast
 import unittest
@@ -59,8 +59,8 @@ class Reconfigure(unittest.TestCase):
         return self.lowest(270, damping=20.0, **changes)
 
     def test_values_of_the_scene_come_back(self):
-        """~reset tells that live values stay, ~reset_values takes them back, to the same bits."""
-        call("/clothsim/reset_values", Trigger)  # what other tests have left
+        """~reset keeps live values, and its answer says so; ~reset_values restores them, to the same bits."""
+        call("/clothsim/reset_values", Trigger)  # changes by other tests
         expected = content(self.cloth.step(10))
         self.assertEqual(call("/clothsim/reset", Trigger).message, "at the scene's start")
         changes = {"ks": 700.0, "shear": False, "method": "xpbd", "strain_limit": 0.02}
@@ -125,10 +125,10 @@ class Reconfigure(unittest.TestCase):
                        for status in array.status for v in status.values)
         says = self.diagnostics.wait("17 substeps in the diagnostics", says_17)
         keys = [v.key for status in says.status for v in status.values]
-        self.assertNotIn("intersecting pairs", keys)  # without self collision nobody counts
+        self.assertNotIn("intersecting pairs", keys)  # without self collision there is no count
 
     def test_method(self):
-        # What is offered is what the message about another name says there is.
+        # The offered names are those in the refusal of another name.
         self.log.clear()
         self.client.update_configuration({"method": "magic"})
         refusal = self.log.wait("a refusal", lambda log: "/method: got" in log.msg).msg
@@ -143,7 +143,7 @@ class Reconfigure(unittest.TestCase):
         self.assertTrue(np.isfinite(states).all())
         self.assertEqual(len({state.tobytes() for state in states}), len(known) - 1)
 
-        # Taken between two frames, as the cloth goes on.
+        # A change is applied between two frames, while the cloth moves.
         self.run_with(5, method="verlet")
         self.client.update_configuration({"method": "bdf2"})
         self.assertEqual(self.cloth.step(1).step, 6)
@@ -152,7 +152,7 @@ class Reconfigure(unittest.TestCase):
             v.key == "method" and v.value == "bdf2" for s in array.status for v in s.values))
 
     def test_self_collision(self):
-        """Each kind that is offered is one, and is counted in the diagnostics; another is not."""
+        """Each offered kind is accepted, and its crossings are counted in the diagnostics; another is refused."""
         kind = next(p for p in self.client.get_parameter_descriptions(PATIENCE)
                     if p["name"] == "self_collision")
         offered = [choice["value"] for choice in ast.literal_eval(kind["edit_method"])["enum"]]
@@ -160,7 +160,7 @@ class Reconfigure(unittest.TestCase):
         self.client.update_configuration({"self_collision": "magic"})
         refusal = self.log.wait("a refusal", lambda log: "/self_collision: got" in log.msg).msg
         self.assertEqual(offered, refusal.split("expected one of ")[1].split(", "))
-        for name in ("true", "True", "false", "False"):  # as in a scene, and as dynparam has it
+        for name in ("true", "True", "false", "False"):  # as in a scene, and as dynparam sends it
             self.assertEqual(self.client.update_configuration({"self_collision": name})["self_collision"], name)
             self.assertEqual(call("/clothsim/reset_values", Trigger).success, True)
         for name in offered:
@@ -203,7 +203,7 @@ class Reconfigure(unittest.TestCase):
             self.assertEqual(expected, content(self.cloth.step(3)), bad)
 
     def test_divergence_is_caught(self):
-        """A step far too long for the stiffness: the run stops at a good state, and says so."""
+        """A step far too long for the stiffness: the run stops at a good state with a report."""
         self.client.update_configuration(
             {"ks": 1e9, "substeps": 1, "strain_limit_enabled": False, "method": "verlet"})
         self.cloth.states.clear()
@@ -217,7 +217,7 @@ class Reconfigure(unittest.TestCase):
             self.assertTrue(np.isfinite(positions(state)).all(), state.step)
             self.assertTrue(np.isfinite(velocities(state)).all(), state.step)
 
-        # Running stops again, until a reset with better values.
+        # The run stops again, until a reset with better values.
         self.log.clear()
         self.cloth.pause(False)
         self.log.wait("the pause", lambda log: "paused at the last good frame" in log.msg)

@@ -1,4 +1,4 @@
-"""RViz on a display of its own, with a mouse: what is seen, and where things of the world are seen."""
+"""RViz on a display of its own, with a mouse: its pictures, and the pixels of points of the world."""
 
 import math
 import os
@@ -17,9 +17,9 @@ PACKAGE = pathlib.Path(__file__).resolve().parent.parent.parent
 CONFIGURATION = PACKAGE / "config/rviz/clothsim.rviz"
 SCREEN = (1280, 900)
 
-# As the configuration has them.
+# As in the configuration.
 BACKGROUND = (48, 50, 56)
-DISTANCE, PITCH, YAW = 2.5, 0.5, 0.9  # of the camera from what it looks at [m, rad]
+DISTANCE, PITCH, YAW = 2.5, 0.5, 0.9  # of the camera from its focal point [m, rad]
 FOCUS = np.array([0.5, 0.5, 0.45])    # [m]
 FIELD_OF_VIEW = math.pi / 4           # upright, Ogre's default
 
@@ -63,7 +63,7 @@ class Desktop:
         return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB")).astype(int)
 
     def wait_until_still(self, view):
-        """Until what is seen has come to rest."""
+        """Waits until the picture stays the same."""
         left, top = view.corner
         right, bottom = view.corner + view.size
         pictures = [self.picture()[top:bottom, left:right]]
@@ -75,7 +75,7 @@ class Desktop:
         wait_for(same_again, "a picture that stands still")
 
     def settled(self, shows):
-        """The picture once the panels have found their places: the window is laid out again as they fill."""
+        """The picture after the layout of the panels: the window is laid out again as they fill."""
         pictures = [ready(self, shows)]
 
         def same_again():
@@ -109,13 +109,13 @@ class Desktop:
 
 
 def pixels_of(picture, color, tolerance=30):
-    """x and y of all that have about that colour, N x 2."""
+    """x and y of all pixels of about that colour, N x 2."""
     rows, columns = np.nonzero((np.abs(picture - color) <= tolerance).all(axis=2))
     return np.stack([columns, rows], axis=1)
 
 
 def cloth_in(picture):
-    """Which pixels show the red cloth, in whatever light."""
+    """Mask of the pixels of the red cloth, in any light."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return (red > 60) & (red > 2 * green) & (red > 2 * blue)
 
@@ -125,7 +125,7 @@ def shows_cloth(picture):
 
 
 class View:
-    """Of RViz's camera, as it is at the start."""
+    """The axes of RViz's camera at the start."""
 
     def __init__(self, picture):
         background = pixels_of(picture, BACKGROUND, 0)
@@ -142,7 +142,7 @@ class View:
         return np.array_equal(self.corner, other.corner) and np.array_equal(self.size, other.size)
 
     def pixel(self, point):
-        """Where a point of the world is seen, and how far ahead it is [m]."""
+        """Pixel of a point of the world, and its distance ahead [m]."""
         right, up, ahead = self.axes @ (np.asarray(point) - self.eye)
         scale = self.size[1] / 2 / math.tan(FIELD_OF_VIEW / 2)
         x, y = self.size / 2 + scale / ahead * np.array([right, -up])
@@ -150,8 +150,8 @@ class View:
 
 
 def ready(desktop, shows):
-    """The picture, once RViz is there and `shows` finds in it what it should show. One that does not is
-    kept beside the logs."""
+    """The picture, once RViz is there and `shows` accepts it. A picture that is never accepted is kept
+    beside the logs."""
     pictures = []
 
     def look():

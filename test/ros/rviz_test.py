@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The plugins of RViz: what is drawn is where it is, the mouse grabs it, the panel runs the node, and what
-is wrong is told and does no harm."""
+"""The plugins of RViz: objects are drawn at their places, the mouse grabs the cloth, the panel runs the node,
+and errors are reported and do no harm."""
 
 import math
 import time
@@ -51,7 +51,7 @@ class Rviz(unittest.TestCase):
         self.view = View(self.desktop.settled(shows_cloth))  # a fabric's panel is higher
 
     def panel(self, place):
-        """A place of the screen, from one of the panel."""
+        """A place on the screen, from a place in the panel."""
         return place[0], self.desktop.panel_top(self.desktop.picture()) + place[1]
 
     def newest(self):
@@ -68,7 +68,7 @@ class Rviz(unittest.TestCase):
             self.assertLess(distance(near.mean(axis=0) + 0.5, expected), 1.5)
 
     def test_the_cloth_follows_its_states(self):
-        """It swings down: where its edge was, the background is seen."""
+        """The cloth swings down: at the former place of its edge the background is seen."""
         def height(picture):
             return np.flatnonzero(cloth_in(picture).any(axis=1)).max()
         before = height(ready(self.desktop, shows_cloth))
@@ -76,7 +76,7 @@ class Rviz(unittest.TestCase):
         ready(self.desktop, lambda p: height(p) > before + 100)
 
     def take(self):
-        """Grabs the middle of the cloth, which has fallen a little: the state, and where the mouse is."""
+        """Grabs the middle of the cloth, which has fallen a little: the state, and the mouse's position."""
         middle = positions(self.cloth.step(60))[COLUMNS * COLUMNS // 2 + COLUMNS // 2]
         pixel = np.round(self.view.pixel(middle)[0]).astype(int)
         self.desktop.wait_until_still(self.view)
@@ -113,9 +113,9 @@ class Rviz(unittest.TestCase):
             wait_for(has_followed, "the points to follow the mouse")
             after = positions(states[-1])[held]
             self.assertAlmostEqual(self.view.pixel(after.mean(axis=0))[1], ahead, delta=0.002)
-            # As they were to each other.
+            # The points keep their places relative to each other.
             self.assertLess(np.abs((after - after[0]) - (before - before[0])).max(), 1e-4)
-            # And they are seen, in yellow.
+            # The points are shown in yellow.
             ready(self.desktop, lambda p: any(
                 distance(place, target) < 20 for place in pixels_of(p, YELLOW, 10)))
         finally:
@@ -133,7 +133,7 @@ class Rviz(unittest.TestCase):
         wait_for(lambda: self.newest().step == 0, "the start")
         self.desktop.click(self.panel(STEP))
         wait_for(lambda: self.newest().step == 1, "a frame")
-        # The panel knows from the diagnostics that the node is paused.
+        # The panel reads from the diagnostics that the node is paused.
         Recorder("/diagnostics", DiagnosticArray).wait("word that it is paused", lambda array: any(
             value.key == "paused" and value.value == "True"
             for status in array.status for value in status.values))
@@ -163,7 +163,7 @@ class Rviz(unittest.TestCase):
         client.close()
 
     def test_panel_loads_a_scene(self):
-        """Of another size; the first one of the list is that of the arm. Then back."""
+        """A scene with a cloth of another size, and back; the first one of the list is that of the arm."""
         scene = rospy.get_param("/clothsim/scene")
         try:
             self.desktop.click(self.panel(SCENES))
@@ -199,7 +199,7 @@ class Rviz(unittest.TestCase):
             publish(**changes)
         state_publisher.publish(ClothState())
         time.sleep(0.2)
-        ready(self.desktop, shows_cloth)  # what was drawn last
+        ready(self.desktop, shows_cloth)  # the last drawing
         state_publisher.unregister()
         self.cloth.step(40)
         ready(self.desktop, shows_cloth)

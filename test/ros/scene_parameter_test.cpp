@@ -17,7 +17,7 @@ XmlRpcValue parameter(const std::string& yaml) { return to_xml_rpc(YAML::Load(ya
 TEST(SceneParameter, ScalarsAreWhatTheyLookLike) {
   EXPECT_EQ(parameter("-7"), XmlRpcValue(-7));
   EXPECT_EQ(parameter("50.0"), XmlRpcValue(50.0));
-  EXPECT_EQ(parameter("3000000000"), XmlRpcValue(3e9));  // no int of XML-RPC
+  EXPECT_EQ(parameter("3000000000"), XmlRpcValue(3e9));  // an int beyond XML-RPC's
   EXPECT_EQ(parameter("true"), XmlRpcValue(true));
   EXPECT_EQ(parameter("off"), XmlRpcValue(false));
   EXPECT_EQ(parameter("y"), XmlRpcValue(std::string("y")));
@@ -51,7 +51,7 @@ TEST(SceneParameter, TheNodeReadsAllScenesThatTheListHas) {
   EXPECT_GT(count, 10);
 }
 
-/// How a file is refused.
+/// The message that refuses a file.
 std::string refusal(const std::string& file) {
   try {
     read_scene_file(file);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Under use_sim_time the simulation keeps to /clock: it waits for it, stops and goes on with it."""
+"""Under use_sim_time the simulation follows /clock: it waits for it, stops and goes on with it."""
 
 import time
 import unittest
@@ -26,13 +26,13 @@ class SimTime(unittest.TestCase):
         self.clock = rospy.Publisher("/clock", Clock, queue_size=1000)
 
     def run_clock(self, begin, end):
-        """Ticks from begin to end [s], each when the node is done with the one before."""
+        """Ticks from begin to end [s], each once the node has finished the one before."""
         self.cloth.states.clear()
         for tick in range(round(begin / TICK), round(end / TICK) + 1):
             now = tick * TICK
             self.clock.publish(Clock(rospy.Time.from_sec(now)))
             time.sleep(0.002)
-            if now > begin + 0.1:  # past the first ticks, of which some may be lost
+            if now > begin + 0.1:  # past the first ticks, some of which may be lost
                 wait_for(lambda: self.behind(now) < 2 * FRAME, "the frames up to %g s" % now)
 
     def behind(self, now):
@@ -43,7 +43,7 @@ class SimTime(unittest.TestCase):
         return self.cloth.states.all()[-1]
 
     def settled(self):
-        """The newest state, once no more come."""
+        """The newest state, once no more are published."""
         time.sleep(0.5)
         return self.newest()
 
@@ -71,31 +71,31 @@ class SimTime(unittest.TestCase):
         self.assertGreater(stopped.header.stamp.to_sec(), 102 - 2 * FRAME)
         self.assertLessEqual(stopped.header.stamp.to_sec(), 102)
 
-        # It stands still: so does the cloth. Services answer, diagnostics come.
+        # The clock stands, and so does the cloth. Services answer, diagnostics come.
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
         diagnostics.wait("diagnostics while the clock stands")
         self.assertEqual(self.settled().step, stopped.step)
         self.images_while_the_clock_stands(stopped.header.stamp)
         self.cloth.pause(False)
 
-        # It goes on.
+        # The clock goes on.
         self.run_clock(102, 103)
         self.cloth.states.wait("frames of the third second", lambda s: s.step > stopped.step + 80)
 
-        # It goes on from an earlier time, as when a bag starts again.
+        # The clock goes on from an earlier time, as when a bag starts again.
         before = self.settled().step
         self.run_clock(50, 51)
         again = self.cloth.states.wait("frames after the jump back",
                                        lambda s: s.step > before + 80)
         self.assertLess(again.header.stamp.to_sec(), 51.001)
 
-        # And from a later one: no frame for the time in between.
+        # The clock goes on from a later time: no frame for the time in between.
         before = self.settled().step
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
         wait_for(diagnostics.connected, "the diagnostics")
         self.run_clock(3600, 3601)
         frames = self.settled().step - before
-        time.sleep(1)  # the time to tell of a factor of 0.00 over the hour
+        time.sleep(1)  # time for a report of a factor of 0.00 over the hour
         told = [s.message for a in diagnostics.all() for s in a.status if s.level == DiagnosticStatus.ERROR]
         self.assertEqual([message for message in told if "real-time factor 0.0" in message], [])
         diagnostics.close()
@@ -103,7 +103,7 @@ class SimTime(unittest.TestCase):
         self.assertLess(frames, 95)
 
     def images_while_the_clock_stands(self, stamp):
-        """A new subscriber gets one, and so does another look. They show the last frame."""
+        """A new subscriber gets an image, and so does a change of look. They show the last frame."""
         images = Recorder("/clothsim/camera/color/image_raw", Image)
         before = images.wait("the image for a new subscriber")
         look = Client("/clothsim/shading/cloth", timeout=PATIENCE)
@@ -117,7 +117,7 @@ class SimTime(unittest.TestCase):
         """Paused, and no time: tf frames are followed, timers run and live values change."""
         hand = make_transform("hand", (0.5, 0, 1))
         broadcaster = StaticTransformBroadcaster()
-        broadcaster.sendTransform(hand)  # the node waits for a frame that it does not know yet
+        broadcaster.sendTransform(hand)  # the node waits for a frame that has not been broadcast yet
         answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)
         self.assertTrue(answer.success, answer.message)
         before = positions(self.cloth.step(1))[1275]

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A node under all that disturbs it keeps its rate or says why not, and its memory does not grow.
+"""A node under many disturbances keeps its rate or reports the reason, and its memory does not grow.
 
-Prints what it measures: rate, CPU time and memory in each phase of each cycle.
+Prints its measurements: rate, CPU time and memory in each phase of each cycle.
 """
 
 import math
@@ -31,14 +31,14 @@ FRAMES_PER_SECOND = 90
 STORM = 100  # calls of dynamic_reconfigure a second
 COMERS = 20  # subscribers that come and go at once
 MIDDLE = 1275  # a point in the middle of the cloth
-GROWTH = 4000  # of the memory from the end of the first cycle to that of the last [kB]
+GROWTH = 4000  # growth of memory from the end of the first cycle to that of the last [kB]
 TOPICS = (("/clothsim/state", ClothState), ("/clothsim/points", PointCloud2),
           ("/clothsim/markers", MarkerArray))
 
 
 class Subscriber:
-    """A connection to a topic of the node that is never read from. (All of rospy's subscribers to a
-    topic share one connection.)"""
+    """A connection to a topic of the node from which nothing is ever read. (All of rospy's subscribers
+    to a topic share one connection.)"""
 
     count = 0
 
@@ -114,7 +114,7 @@ class Soak(unittest.TestCase):
         self.note = "%.0f calls/s" % (calls / (end - begin))
 
     def storm_of_all(self, end):
-        """All numbers at once."""
+        """All live values at once."""
         self.storm(end, ("ks", "density", "damping", "strain_limit", "gravity_x", "gravity_y",
                          "gravity_z", "frames_per_second"))
 
@@ -130,14 +130,14 @@ class Soak(unittest.TestCase):
         self.note = "%d times %d" % (rounds, COMERS)
 
     def stalled(self, end):
-        """A subscriber of each topic that never reads."""
+        """A subscriber to each topic that never reads."""
         subscribers = [Subscriber(*topic) for topic in TOPICS]
         time.sleep(end - time.monotonic())
         for subscriber in subscribers:
             subscriber.close()
 
     def states(self, end):
-        """States are kept and brought back."""
+        """States are saved and restored."""
         count = 0
         while time.monotonic() < end:
             call("/clothsim/save_state", SaveState, "soak")
@@ -147,7 +147,7 @@ class Soak(unittest.TestCase):
         self.note = "%d times" % count
 
     def lost_frame(self, end):
-        """A frame that carries a point comes at 100 Hz, then no more: the node says so."""
+        """A frame that carries a point comes at 100 Hz, then stops: the node reports it."""
         begin = time.monotonic()
 
         def send(_event):
@@ -164,7 +164,7 @@ class Soak(unittest.TestCase):
         assert call("/clothsim/detach", Detach, "soak", []).success
 
     def run_phase(self, phase):
-        """Rate [Hz] and memory [kB] while the node is disturbed; it kept its rate, or said why not."""
+        """Rate [Hz] and memory [kB] while the node is disturbed; it kept its rate, or reported the reason."""
         self.note = ""
         self.diagnostics.clear()
         self.cloth.states.clear()
@@ -189,8 +189,8 @@ class Soak(unittest.TestCase):
             for phase in (self.storm, self.storm_of_all, self.comers, self.stalled, self.states,
                           self.lost_frame, self.quiet):
                 reached, memory, said = self.run_phase(phase)
-                # Each state brought back starts the pace anew: no factor is measured across it, so
-                # that the node cannot say why it is slow.
+                # Each restored state restarts the pacing: no factor is measured across it, so that the
+                # node cannot report why it is slow.
                 if reached < KEPT * FRAMES_PER_SECOND and phase != self.states:
                     self.assertTrue([m for m in said if m.startswith("real-time factor")],
                                     "%s at %.1f Hz, and it said %s" % (phase.__name__, reached, said))

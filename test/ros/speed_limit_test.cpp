@@ -1,4 +1,4 @@
-// How points that tf frames hold follow a jump.
+// Motion of points that tf frames hold, after a jump of a frame.
 
 #include "clothsim/ros/speed_limit.h"
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Whatever the stamps of tf and wherever the clock jumps: the node goes on, by frames of now."""
+"""For all stamps of tf and all jumps of the clock the node goes on, with transforms of the current time."""
 
 import unittest
 
@@ -15,7 +15,7 @@ from cloth_client import (Cloth, Frames, Recorder, is_connected, make_transform,
                           publisher_at_once, wait_for)
 
 LATEST = 2**32 - 1  # that a stamp can hold [s]
-AHEAD = 2  # as far as the node takes stamps for those of now [s]
+AHEAD = 2  # largest lead over the clock of a stamp that the node accepts [s]
 
 
 class Stamps(unittest.TestCase):
@@ -45,7 +45,7 @@ class Stamps(unittest.TestCase):
         return np.array([0.01 * Stamps.places, 0, -2])
 
     def colliders(self):
-        """Where the sphere and the witness are."""
+        """Places of the sphere and the witness."""
         self.markers.clear()
         self.cloth.step(1)
         array = self.markers.wait("markers")
@@ -79,7 +79,7 @@ class Stamps(unittest.TestCase):
             "most 4294967280.000, the last that tf2 can hold"))
         self.expect_followed(500)
         self.set_clock(1)
-        self.expect_lost()  # that was no stamp of now
+        self.expect_lost()  # that was no current stamp
         self.expect_followed(1)
 
     def test_2_ahead_of_now(self):
@@ -98,7 +98,7 @@ class Stamps(unittest.TestCase):
             self.expect_followed(now)
 
     def test_4_time_ends(self):
-        """No later one is to be had: frames, diagnostics and calls go on, and all goes on after it."""
+        """No later time exists: frames, diagnostics and calls go on, and earlier times work again afterwards."""
         for nanoseconds in (0, 999999999):
             self.set_clock(LATEST, nanoseconds)
             self.cloth.pause(False)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""States out of the node and in again: the same bits, or a refusal that changes nothing."""
+"""States read from the node and set again: the same bits, or a refusal that changes nothing."""
 
 import copy
 import re
@@ -167,8 +167,8 @@ class State(unittest.TestCase):
         self.assertEqual(self.get(), state)
 
     def test_states_kept_have_a_limit(self):
-        """In bytes, which the node has to tell: more than those of positions, velocities and memory."""
-        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)  # forgets those of before
+        """In bytes, which the node counts: more than positions, velocities and memory take."""
+        self.assertTrue(call("/clothsim/load_scene", LoadScene).success)  # forgets those of other tests
         state = self.get()
         numbers = len(state.positions) + len(state.velocities) + len(state.memory)
         most = 1000000 // (8 * numbers)
@@ -179,7 +179,7 @@ class State(unittest.TestCase):
                          "at most ~save_limit together, 1000000$")
         one, others = map(int, re.findall(r"\d+", answer.message)[:2])
         self.assertGreater(one + others, 1000000)
-        self.assertEqual(others // kept, one)  # names are of one length
+        self.assertEqual(others // kept, one)  # all names have the same length
         self.assertTrue(self.save("state 00").success)
         self.assertTrue(self.restore("state 01").success)
         self.assertTrue(call("/clothsim/load_scene", LoadScene).success)
@@ -195,7 +195,7 @@ class State(unittest.TestCase):
         self.assertTrue(message.endswith("expected that of a saved state"), message)
 
     def test_restore_after_other_values(self):
-        """Another spring family: its impulses are none to go on with, the state is."""
+        """Another spring family: the saved impulses are dropped, the state is restored."""
         client = Client("/clothsim", timeout=PATIENCE)
         self.cloth.step(FRAMES)
         state = self.get()
@@ -211,15 +211,15 @@ class State(unittest.TestCase):
         self.set(state)
 
     def carry(self, x, wait=0.2):
-        """Brings the frames of pin and ball to where they were at the start, and x farther in."""
+        """Moves the frames of pin and ball to their start, shifted by x."""
         self.broadcaster.sendTransform([make_transform("hand", (1 - x, 0, 1)),
                                         make_transform("ball", (0.5 + x, 0.5, 0.75))])
         time.sleep(wait)
 
     def test_with_moving_frames(self):
-        """The frames brought back to where they were, the same bits follow."""
+        """After the frames are moved back, the same bits follow."""
         carry = self.carry
-        carry(0, wait=1.0)  # until it is seen
+        carry(0, wait=1.0)  # until the node receives it
         self.cloth.step(20)
         carry(0.02)
         self.cloth.step(20)
@@ -234,7 +234,7 @@ class State(unittest.TestCase):
         self.assertEqual(content(self.cloth.step(20)), expected)
 
     def test_pins_keep_their_place_in_frames(self):
-        """Also where a reset has taken another place in the frame between."""
+        """Also after a reset, which starts at another place in the frame."""
         self.carry(0, wait=1.0)
         self.cloth.step(20)
         self.assertTrue(self.save("held").success)
@@ -247,7 +247,7 @@ class State(unittest.TestCase):
         self.assertEqual(content(self.cloth.step(20)), expected)
 
     def test_a_pin_whose_frame_jumps(self):
-        """It travels there at ~jump_speed, and goes on so from a state on its way."""
+        """The pin travels there at ~jump_speed, and goes on so from a state saved under way."""
         self.carry(0, wait=1.0)
         self.cloth.step(2)
         self.carry(-1000)
@@ -261,7 +261,7 @@ class State(unittest.TestCase):
         expected = content(self.cloth.step(5))
         self.assertTrue(self.restore("on the way").success)
         self.assertEqual(content(self.cloth.step(5)), expected)
-        # Back beside it, it arrives.
+        # Back nearby, it arrives.
         self.carry(-2.7)
         self.cloth.step(10)
         self.assertLess(np.abs(positions(self.cloth.step(1))[PIN] - [3.7, 0, 1]).max(), 1e-6)

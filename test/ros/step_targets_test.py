@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""~step with targets: equal moves, given twists, what tf hears, saved states, what is refused."""
+"""~step with targets: equal moves, given twists, broadcast transforms, saved states, refusals."""
 
 import math
 import subprocess
@@ -19,7 +19,7 @@ from clothsim.srv import GetState, RestoreState, SaveState, Step
 from cloth_client import (Cloth, Frames, Recorder, call, content, is_connected, make_transform, positions,
                           wait_for)
 
-BALL = np.array([0.5, 0.5, 0.75])  # where the scene has it [m]
+BALL = np.array([0.5, 0.5, 0.75])  # its place in the scene [m]
 HAND = np.array([0.0, 0.0, 1.0])  # the corner
 FRAME = 1 / 90  # [s]
 COLLIDERS = ["ball", "tip", "finger"]
@@ -36,7 +36,7 @@ class StepTargets(unittest.TestCase):
         wait_for(cls.cloth.states.all, "the first state")
         cls.tf = Recorder("/tf", TFMessage)
         cls.markers = Recorder("/clothsim/markers", MarkerArray)
-        # The frame of the ball is told once, so that the node is connected with the listeners.
+        # The frame of the ball is sent once, so that the node is connected with the listeners.
         cls.cloth.step(1, [make_transform("ball", BALL)])
         wait_for(lambda: is_connected("/tf", "step_targets"), "the node's transforms")
 
@@ -47,7 +47,7 @@ class StepTargets(unittest.TestCase):
         self.cloth.states.clear()
 
     def told(self, frame, state, count):
-        """What tf heard of a frame in the `count` frames up to a state: places, quaternions, stamps."""
+        """Broadcasts of a frame in the `count` frames up to a state: places, quaternions, stamps."""
         def transforms():
             found = [t for m in self.tf.all() for t in m.transforms if t.child_frame_id == frame]
             return found and found[-1].header.stamp == state.header.stamp and found[-count:]
@@ -59,7 +59,7 @@ class StepTargets(unittest.TestCase):
         return places, turns, [t.header.stamp for t in found]
 
     def collider(self, name, state):
-        """Where the markers show a collider after a state."""
+        """Place of a collider in the markers after a state."""
         stamp = state.header.stamp
         array = self.markers.wait("markers", lambda a: a.markers[0].header.stamp >= stamp)
         place = [m for m in array.markers if m.ns == "colliders"][COLLIDERS.index(name)].pose.position
@@ -82,7 +82,7 @@ class StepTargets(unittest.TestCase):
         np.testing.assert_allclose(corner, HAND + shares * [0, 0, 0.05], atol=1e-7)
 
     def test_none_is_late(self):
-        """Each call's target counts in it, called as fast as it goes."""
+        """Each call's target takes effect in that call, at the highest rate of calls."""
         step = rospy.ServiceProxy("/clothsim/step", Step, persistent=True)
         self.cloth.step(1, [make_transform("hand", HAND)])
         begin, calls = time.monotonic(), 1000
@@ -104,7 +104,7 @@ class StepTargets(unittest.TestCase):
         self.assertLess(np.abs(np.diff(velocities, axis=0)).max() / FRAME, 12)
         self.assertLess(np.abs(velocities[[0, -1]]).max(), 0.05)
         spin = np.diff(2 * np.arcsin(turns[:, 2])) / FRAME
-        # A frame before and after, of which 2 / 30 slow down to it.
+        # The mean over a frame before and after, in which it is slower by about 2 / 30.
         self.assertAlmostEqual(spin[28:30].mean(), 1, delta=0.07)
         self.assertAlmostEqual(spin[-1], 0, delta=0.06)
 
@@ -118,13 +118,13 @@ class StepTargets(unittest.TestCase):
         np.testing.assert_allclose(self.collider("tip", last), [1 - 0.3, 0.2 + 0.1, 0.4], atol=1e-9)
 
     def test_what_others_move_in_a_targets_frame(self):
-        """As joints of an arm whose base was told where it is: they are no older than they say, nor lost."""
+        """As joints of an arm whose base is a target: their age is that of their stamps, and none is lost."""
         frames, log = Frames(), Recorder("/rosout", Log)
         wait_for(lambda: frames.count() > 1, "the node to listen, beside this test")
         last = self.cloth.step(1, [make_transform("base", (0.2, -1, 0.5))])
         for x in (0.05, 0.1, 0.15):
             frames.send(make_transform("finger", (x, 0, 0), parent="base", stamp=rospy.Time.now()))
-            time.sleep(0.05)  # this test hears it, too, in a thread of its own
+            time.sleep(0.05)  # this test receives it, too, in a thread of its own
             last = self.cloth.step(1)
             np.testing.assert_allclose(self.collider("finger", last), [0.2 + x, -1, 0.5], atol=1e-9)
         diagnostics = Recorder("/diagnostics", DiagnosticArray)
@@ -132,7 +132,7 @@ class StepTargets(unittest.TestCase):
         diagnostics.wait("a while to pass", lambda d: (d.header.stamp - begin).to_sec() > 1.5)
         lost = {m.msg for m in log.all() if "Lost tf frame" in m.msg}
         self.assertLessEqual(lost, {"Lost tf frame finger: what they carry stays where it was"})
-        # Others may take it over.
+        # Other nodes may take it over.
         now = rospy.Time.now()
         frames.send(make_transform("base", (0.4, -1, 0.5), stamp=now),
                     make_transform("finger", (0, 0, 0), parent="base", stamp=now))
@@ -178,7 +178,7 @@ class StepTargets(unittest.TestCase):
             self.assertEqual(go_on(), expected)
 
     def test_says_which_frame_nothing_follows(self):
-        """Once, with a name that it is near to. A hand to be attached later is none to warn of."""
+        """Once, with a name that is similar. No warning for a hand to be attached later."""
         log = Recorder("/rosout", Log)
         wait_for(log.connected, "the node's log")
         for _ in range(2):

@@ -5,8 +5,8 @@
 #include "clothsim/ros/newest_stamps.h"
 #include "clothsim/ros/tf2_log.h"
 
-// Messages of a hundred thousand transforms: tf2 gets no more than it takes in constant time, and
-// the log no more than a line.
+// Messages of a hundred thousand transforms: tf2 gets only as many as it takes in constant time,
+// and the log only one line.
 
 namespace clothsim_ros {
 namespace {
@@ -22,7 +22,7 @@ geometry_msgs::TransformStamped make_transform(const std::string& frame, const r
   return transform;
 }
 
-/// How many of `many` transforms, `step` [s] after each other, are not late.
+/// Number of `many` transforms, `step` [s] after each other, that are not late.
 int count_taken(double step) {
   NewestStamps newest;
   int taken = 0;
@@ -37,7 +37,7 @@ int count_taken(double step) {
 
 TEST(TfFloods, OnlyTheNewestOfAFrame) {
   EXPECT_EQ(count_taken(1e-5), many);
-  EXPECT_EQ(count_taken(0), many);  // tf2 tells of these
+  EXPECT_EQ(count_taken(0), many);  // tf2 reports these
   EXPECT_EQ(count_taken(-1e-5), 1);
 }
 

@@ -35,7 +35,7 @@ struct Served : testing::Test {
   TimedCallbacks callbacks{queue, time};
 };
 
-// One that comes while callOne() waits takes the time of a call, not of waiting.
+// A callback that comes while callOne() waits counts as time of a call, not of waiting.
 TEST_F(Served, CountsACallbackThatIsWaitedFor) {
   callbacks.addCallback(boost::make_shared<Sleeper>(), 0);
   EXPECT_EQ(queue.callOne(ros::WallDuration(10)), ros::CallbackQueue::Called);

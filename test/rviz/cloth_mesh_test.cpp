@@ -39,7 +39,7 @@ clothsim::ClothState make_state(const clothsim::Points& positions) {
   return clothsim_ros::to_state_msg(state, {}, {}, 7, 0);
 }
 
-/// The message of what `call` throws.
+/// The message of the exception of `call`.
 template <class Call>
 std::string mistake(Call call) {
   try {
@@ -78,7 +78,7 @@ TEST(ClothMesh, NormalsOfPointsInOnePlace) {
 TEST(ClothMesh, StretchOfTheMostStretchedSpring) {
   const clothsim::Cloth cloth = make_cloth();
   clothsim::Points positions = cloth.rest_positions;
-  // Along x by 5 %: so much in springs along x, less in slanting ones, none along y.
+  // Along x by 5 %: the same in springs along x, less in diagonal ones, none along y.
   positions.col(0) *= 1.05;
   const clothsim::ClothTopology topology = make_topology(cloth);
   for (const float stretch : values_of(Quantity::stretch, make_state(positions), topology)) {

@@ -14,11 +14,11 @@ namespace {
 using clothsim::Vector3;
 using Box = Eigen::AlignedBox3d;
 
-// RViz's camera as config/rviz/clothsim.rviz has it, in a window a little wider than high.
+// RViz's camera as in config/rviz/clothsim.rviz, in a window a little wider than high.
 const Vector3 out(std::cos(0.9) * std::cos(0.5), std::sin(0.9) * std::cos(0.5), std::sin(0.5));
 const Lens lens{1.2 * std::tan(M_PI / 8), std::tan(M_PI / 8)};
 
-/// Where a point is seen, from -1 to 1 across the picture and up.
+/// Image coordinates of a point, from -1 to 1 across the picture and up.
 Eigen::Vector2d seen(const Vector3& point, const Vector3& focus, double distance) {
   const Vector3 across = Vector3::UnitZ().cross(out).normalized();
   const Vector3 up = out.cross(across);
@@ -27,7 +27,7 @@ Eigen::Vector2d seen(const Vector3& point, const Vector3& focus, double distance
   return {across.dot(way) / ahead / lens.across, up.dot(way) / ahead / lens.up};
 }
 
-/// What part of the picture the cloth is seen in, of the first seconds.
+/// The part of the picture in which the cloth is seen during the first seconds.
 Eigen::AlignedBox2d seen_in(clothsim::Simulator& simulator, const Vector3& focus, double distance) {
   Eigen::AlignedBox2d part;
   for (int frame = 0; frame < 200; ++frame) {

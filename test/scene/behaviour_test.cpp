@@ -1,4 +1,4 @@
-// What users see when they turn a knob, on numbers.
+// Effects of a scene's parameters on the cloth, in numbers.
 
 #include <cmath>
 #include <map>
@@ -22,11 +22,11 @@ Scene with(const std::string& name, double ks, double density = 150) {
   return scene;
 }
 
-/// Mean height of the points above the lowest pin's level, negative as they hang [m].
+/// Mean height of the points relative to the lowest pin, negative as they hang [m].
 double mean_height(const State& state) { return state.positions.col(2).mean() - 1; }
 
-/// Mean height after 5 s, when it must be at rest, but for a wrinkle of a soft cloth that snaps now
-/// and then; it must hold its limit in every frame.
+/// Mean height after 5 s. By then the cloth must be at rest, except for a wrinkle of a soft cloth
+/// that snaps now and then. It must keep its strain limit in every frame.
 double height_at_rest(const Scene& scene) {
   Simulator simulator(scene);
   double worst = 0;
@@ -43,7 +43,7 @@ double height_at_rest(const Scene& scene) {
 class Hanging : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Hanging, SofterHangsLower) {
-  // The strain limit bounds how low: at ks 500 and below nearly every spring is at it.
+  // The strain limit bounds the sag: at ks 500 and below nearly every spring is at it.
   double last = -1;
   for (const double ks : {50.0, 500.0, 5000.0, 50000.0}) {
     const double height = height_at_rest(with(GetParam(), ks));
@@ -68,8 +68,8 @@ TEST_P(Hanging, HeavierHangsLower) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Hanging, ::testing::Values("pinned2", "pinned4"));
 
 TEST_P(Hanging, SofterWrinklesMore) {
-  // Along a free edge (of pinned4 between two corners, of pinned2 the hem): the surplus of the
-  // curve's length over its chord, which sag and wrinkles make.
+  // Along a free edge (of pinned4 between two corners, of pinned2 the hem): the excess of the
+  // curve's length over its chord, by sag and wrinkles.
   const auto surplus = [](double ks) {
     const Scene scene = with(GetParam(), ks);
     Simulator simulator(scene);
@@ -90,9 +90,9 @@ TEST_P(Hanging, SofterWrinklesMore) {
   EXPECT_GT(stiff, 0);
 }
 
-/// How a cloth swung that was let go level, pinned along y = 0.
+/// Swing of a cloth that is released horizontally, pinned along y = 0.
 struct Swing {
-  double overshoot = 0;          // of its centre beyond the pins [m]
+  double overshoot = 0;          // largest distance of its centre beyond the pins [m]
   double mechanical_energy = 0;  // at the end, above the start [J]
   double kinetic_late = 0;       // mean over the last second [J]
   Points rest;
@@ -142,7 +142,7 @@ TEST(Damping, SmallSwingsLongLargeDoesNotOvershoot) {
   RecordProperty("kinetic_late_usual", std::to_string(usual.kinetic_late));
   EXPECT_GT(small.kinetic_late, 1) << "it still swings";
   EXPECT_LT(usual.kinetic_late, 1e-3);
-  // Small drag swings far past the plane it will hang in, large drag not at all.
+  // With small drag it swings far past the plane of its rest, with large drag not at all.
   RecordProperty("overshoot_mm", std::to_string(small.overshoot * 1e3) + ", " +
                                      std::to_string(usual.overshoot * 1e3) + ", " +
                                      std::to_string(large.overshoot * 1e3));
@@ -152,7 +152,7 @@ TEST(Damping, SmallSwingsLongLargeDoesNotOvershoot) {
 }
 
 TEST(Damping, RestShapeDoesNotDependOnIt) {
-  // Each as near the converged shape as HangingScene asks.
+  // Each is as near to the converged shape as HangingScene requires.
   const Points light = swing(3, 12).rest;
   const Points usual = swing(5.4, 8).rest;
   const Points heavy = swing(27, 25).rest;
@@ -176,7 +176,7 @@ TEST(Sphere, SofterDrapesLowerAndCloser) {
     EXPECT_LE(deepest, 0) << "ks " << ks;
     const Points& x = simulator.state().positions;
     const double height = mean_height(simulator.state());
-    // Mean distance of the cloth from the ball's axis: how far it stands off.
+    // Mean distance of the cloth from the ball's axis.
     const double reach =
         (x.leftCols(2).rowwise() - Eigen::RowVector2d(0.5, 0.5)).rowwise().norm().mean();
     RecordProperty("mean_height_ks_" + std::to_string(static_cast<int>(ks)),
@@ -190,7 +190,8 @@ TEST(Sphere, SofterDrapesLowerAndCloser) {
 }
 
 TEST(Wireframe, FamiliesAreWhatIsSwitchedOn) {
-  // Without shear, shear only, all: and the cloth falls and hangs with what it has.
+  // Without shear springs, with shear springs only, with all: the cloth falls and hangs in each
+  // case.
   const std::map<std::string, std::pair<std::array<bool, 3>, int>> cases = {
       {"without shear", {{true, false, true}, 4900 + 4800}},
       {"shear only", {{false, true, false}, 4802}},
@@ -211,7 +212,7 @@ TEST(Wireframe, FamiliesAreWhatIsSwitchedOn) {
 }
 
 TEST(Wireframe, ShearSpringsKeepTheCornersSquare) {
-  // Without them a cell shears freely: pinned2's middle column and row lean apart.
+  // Without them a cell shears freely: the middle column and row of pinned2 lean apart.
   const auto worst_shear = [](bool shear) {
     Scene scene = shipped_scene("pinned2");
     scene.cloth.material.springs[static_cast<std::size_t>(SpringFamily::shear)] = shear;

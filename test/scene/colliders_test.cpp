@@ -1,4 +1,4 @@
-// Cloths on colliders of all shapes: nothing gets in, and what lies comes to rest.
+// Cloths on colliders of all shapes: no cloth gets inside, and cloth that lies comes to rest.
 
 #include <cmath>
 
@@ -19,7 +19,7 @@ Pose pose_at(const Vector3& position, const Vector3& turn = Vector3::Zero()) {
   return pose;
 }
 
-const Vector3 lying_along_y(M_PI / 2, 0, 0);  // of an axis that is z
+const Vector3 lying_along_y(M_PI / 2, 0, 0);  // of an axis that is z in its own frame
 
 Scene with_colliders(std::vector<ColliderSpec> colliders, int side = 25) {
   Scene scene;
@@ -34,7 +34,7 @@ Scene hanging_with(std::vector<ColliderSpec> colliders, int side = 25) {
   return scene;
 }
 
-/// A frame, after which all is as it must be.
+/// One frame, with all checks after it.
 void step_checked(Simulator& simulator, double speed_limit) {
   const StepReport report = simulator.step();
   ASSERT_EQ(report.recoveries, 0) << simulator.state().time;
@@ -75,7 +75,7 @@ struct Stuff {
 
 class Dropped : public ::testing::TestWithParam<std::tuple<Drop, Stuff>> {};
 
-/// Steps half a second, each frame checked. Returns the root of the mean square velocity in it.
+/// Steps half a second and checks each frame. Returns the root mean square velocity in it.
 double half_a_second(Simulator& simulator) {
   double sum = 0;
   for (int frame = 0; frame < 45; ++frame) {
@@ -123,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Dropped,
                          name_of);
 
 TEST(Colliders, ABoxesDrapeRestsWithinItsLimit) {
-  // Below the box's corners springs are held that its edges stretch in the same step.
+  // Below the box's corners the limit holds springs that its edges stretch in the same step.
   for (const int side : {25, 30, 50}) {
     Simulator simulator(with_colliders(
         {{"box", Cuboid{{0.4, 0.4, 0.4}}, pose_at({0.5, 0.5, 0.4}), 0.3, ""}}, side));
@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, Driven,
 class Turning : public ::testing::TestWithParam<double> {};
 
 TEST_P(Turning, ABarSweepsTheClothAside) {
-  // It turns about its middle beside the cloth; its end comes through where the cloth hangs.
+  // The bar turns about its middle beside the cloth; its end comes through the place of the cloth.
   const double w = GetParam();  // [rad/s]
   const auto at = [](double angle) { return pose_at({0.5, -0.3, 0.6}, {M_PI / 2 + angle, 0, 0}); };
   Simulator simulator(hanging_with({{"bar", Capsule{0.8, 0.02}, at(-M_PI / 2), 0.3, ""}}));
@@ -275,10 +275,10 @@ struct Put {
 
 class PutInto : public ::testing::TestWithParam<Put> {};
 
-/// What a shape put into a taut cloth may fling a point to [m/s].
+/// Largest velocity of a point out of a shape that is put into a taut cloth [m/s].
 constexpr double max_speed_out = 8;
 
-/// Runs until the cloth is out; the time it took [s].
+/// Runs until the cloth is out of the collider; returns the time [s].
 double time_to_leave(Simulator& simulator) {
   for (int frame = 1; frame <= 90; ++frame) {
     const StepReport report = simulator.step();
@@ -307,8 +307,8 @@ TEST_P(PutInto, AHangingClothComesOutAtABoundedSpeed) {
 }
 
 TEST(RodPutInto, HardlyEverFlingsATautClothWhereverItIs) {
-  // Where the middle of the rod lies in the cloth, both sides are as near a way out. At a few
-  // depths a point is flung for a frame there.
+  // Where the middle of the rod lies in the cloth, the ways out to both sides are equal. There a
+  // point is flung for a frame at a few depths.
   const Vector3 turn(0, 1.57, 0.2);
   Simulator simulator(hanging_with({{"rod", Capsule{0.6, 0.02}, pose_at({0, 0, 5}), 0.3, ""}}));
   for (int frame = 0; frame < 270; ++frame) simulator.step();
@@ -330,7 +330,8 @@ TEST(RodPutInto, HardlyEverFlingsATautClothWhereverItIs) {
 }
 
 TEST(CapsulePutInto, DoesNotSendAStripToAndFro) {
-  // Below the row that is pinned the other lies about its middle: either side is as near.
+  // Below the pinned row the other row lies about the capsule's middle: both sides are equally
+  // near.
   Scene scene = with_colliders({{"it", Capsule{0.082, 0.061}, pose_at({0.18, 0.003, 1.0}), 0, ""}});
   scene.cloth.columns = 14;
   scene.cloth.rows = 2;

@@ -1,5 +1,5 @@
-// The same scene gives the same bits: again, after a reset, and after values were changed and set
-// back.
+// The same scene gives the same bits: again, after a reset, and after values were changed and
+// restored.
 
 #include "verification/testing.h"
 

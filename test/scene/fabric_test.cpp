@@ -50,7 +50,7 @@ TEST(FabricScene, ZeroOfAnyValueWorks) {
   runs([](Material& m) { m.drag = {0, 0}; });
 }
 
-/// A towel in a gusty wind, with contact and grips' worth of everything.
+/// A towel in a gusty wind, with contact and grips.
 Scene windy_towel(const std::string& method) {
   Scene scene = hanging_towel(40);
   scene.simulation.wind = Vector3(0, 3, 0);
@@ -125,7 +125,7 @@ TEST(FabricScene, TakesValuesWhileItRuns) {
 }
 
 TEST(FabricScene, TakesTheLimitOfOtherSprings) {
-  // A classic cloth has springs that a fabric has not: what the limit remembers of them is void.
+  // A classic cloth has springs that a fabric lacks: the limit's memory of them is void.
   Scene scene = hanging_towel();
   Material& fabric = scene.cloth.material;
   fabric.fabric->stretch_stiffness = {5, 5};
@@ -145,7 +145,7 @@ TEST(FabricScene, TakesTheLimitOfOtherSprings) {
 }
 
 TEST(FabricScene, IsCarriedByItsWeight) {
-  // Two hands that move evenly bear it once it hangs still: drag against the world there is none.
+  // Two hands that move evenly carry it once it hangs still: there is no drag against the world.
   Scene scene = hanging_towel();
   scene.cloth.pinned.clear();
   scene.cloth.material.fabric->internal_damping = {1e-4, 2e-2};
@@ -179,8 +179,8 @@ TEST(FabricScene, IsCarriedByItsWeight) {
 }
 
 TEST(FabricScene, KeepsItsShapeWhereverItIsCarried) {
-  // Galileo: what hangs from hands that move evenly moves within itself as from hands at rest,
-  // since internal damping sees the cloth alone.
+  // Galilean invariance: internal motion is the same in hands that move evenly and in hands at
+  // rest, since internal damping depends on the cloth alone.
   const Vector3 speed(0.4, -0.2, 0.1);
   Scene scene = hanging_towel();
   scene.cloth.pinned.clear();
@@ -209,7 +209,7 @@ TEST(FabricScene, KeepsItsShapeWhereverItIsCarried) {
   }
 }
 
-/// How often the free edge of a flag turns back and forth across the wind [Hz].
+/// Frequency at which the free edge of a flag turns back and forth across the wind [Hz].
 double flapping_frequency(double speed) {
   Scene scene = shipped_scene("flag");
   scene.cloth.columns = 24;
@@ -248,8 +248,8 @@ Scene sheet_over_ball(int side) {
 }
 
 TEST(FabricScene, NoTriangleIsInABallWhateverTheSpacing) {
-  // Corners stand off a ball that is large against the triangles, and edges and faces have contacts
-  // where it is not: at 15 points the longest edge is half its radius.
+  // Corners stand off a ball that is large compared with the triangles; on a smaller ball edges and
+  // faces have contacts: at 15 points the longest edge is half its radius.
   for (const int side : {15, 25, 50}) {
     const Scene scene = sheet_over_ball(side);
     Simulator simulator(scene);
@@ -262,8 +262,8 @@ TEST(FabricScene, NoTriangleIsInABallWhateverTheSpacing) {
 }
 
 TEST(FabricScene, KeepsHalfItsThicknessFromColliders) {
-  // From a plane, with points, and a box's top, with faces: a layer is as thick to them as to
-  // itself.
+  // From a plane, by points, and from a box's top, by faces: the thickness of a layer is the same
+  // as in self contact.
   for (const Shape& shape : {Shape(Plane{}), Shape(Cuboid{{2, 2, 0.2}})}) {
     Scene scene = sheet_over_ball(10);
     scene.cloth.thickness = 2e-3;
@@ -279,8 +279,9 @@ TEST(FabricScene, KeepsHalfItsThicknessFromColliders) {
 }
 
 TEST(FabricScene, ABallPressesItTaut) {
-  // Its work goes into springs that are far stiffer than the cloth is heavy: no energy of nowhere.
-  // Implicit methods would solve the springs first, and stretch it by half and more.
+  // Its work goes into springs that are far stiffer than the cloth is heavy: no energy from
+  // nowhere. Implicit methods would solve the springs first, and stretch the cloth by half and
+  // more.
   const std::vector<std::pair<double, std::string>> cases = {
       {0.05, "verlet"}, {0.2, "verlet"}, {1, "verlet"}, {0.2, "auto"}};
   for (const auto& [speed, method] : cases) {
@@ -316,7 +317,7 @@ TEST(FabricScene, ABallPressesItTaut) {
     move(0.01, speed);  // its top 4 cm above the pins
     EXPECT_GT(report.worst_stretch, 0.1);
     EXPECT_LT(report.worst_stretch, 0.3);
-    move(-0.04, 3);  // lets it go
+    move(-0.04, 3);  // releases it
     EXPECT_EQ(recoveries, 0);
   }
 }

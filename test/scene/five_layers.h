@@ -23,7 +23,7 @@ inline Scene strip_for_layers() {
   return scene;
 }
 
-/// It lies to and fro in layers that are 4 cm apart.
+/// The strip lies to and fro in layers that are 4 cm apart.
 inline State five_layers(const Simulator& simulator) {
   State state = simulator.state();
   for (int row = 0; row < simulator.cloth().rows; ++row) {
@@ -39,8 +39,8 @@ inline State five_layers(const Simulator& simulator) {
   return state;
 }
 
-/// By point, how far the nearest triangle is that is more than half a layer away along the strip
-/// [m], least first.
+/// For each point the distance to the nearest triangle that is more than half a layer away along
+/// the strip [m], in ascending order.
 inline std::vector<double> distances_of_layers(const Simulator& simulator) {
   const Points& x = simulator.state().positions;
   std::vector<double> distances;

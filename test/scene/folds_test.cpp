@@ -1,4 +1,4 @@
-// How a cloth that stands on its lower edge folds, and what its stuff has to do with it.
+// Folds of a cloth that stands on its lower edge, and the effect of its material on them.
 
 #include <cmath>
 #include <map>
@@ -22,8 +22,8 @@ Scene pile_of(double ks, double density) {
   return scene;
 }
 
-/// How folded a cloth is: turns of its columns [rad], summed over the inner points of each column
-/// and averaged over the columns. A flat cloth has none, one full fold has pi.
+/// Measure of folding: turns of the columns [rad], summed over the inner points of each column
+/// and averaged over the columns. Zero for a flat cloth, pi for one full fold.
 double folding(const Cloth& cloth, const Points& x) {
   double sum = 0;
   for (int column = 0; column < cloth.columns; ++column) {
@@ -36,8 +36,8 @@ double folding(const Cloth& cloth, const Points& x) {
   return sum / cloth.columns;
 }
 
-/// A pile after 5 s, or up to 3 s later where it stood for a while before it toppled: at rest, in
-/// layers, finite; returns its folding.
+/// Checks a pile after 5 s, or up to 3 s later if it stood for a while before it toppled: at rest,
+/// in layers, finite. Returns its folding.
 double check_pile(const Scene& scene) {
   constexpr double rest = 0.01;  // [m/s] rms
   Simulator simulator(scene);
@@ -53,7 +53,7 @@ double check_pile(const Scene& scene) {
   // Surfaces let neighbours come as near as a quarter of their distance at rest, less an edge.
   const bool surface = simulator.cloth().self_collision == SelfCollision::surface;
   const double edge = (flat.row(scene.cloth.columns + 1) - flat.row(0)).norm();
-  double closest = 1;  // of what they may
+  double closest = 1;  // share of the allowed distance
   for (int a = 0; a < flat.rows(); ++a) {
     for (int b = a + 1; b < flat.rows(); ++b) {
       const double d2 = (state.positions.row(a) - state.positions.row(b)).squaredNorm();
@@ -85,7 +85,7 @@ TEST(SelfCollision, FallsTouchesAndFoldsInThatOrder) {
   EXPECT_LT(top(), 0.25);
 }
 
-/// Folds run across the cloth, so a quarter of its width tells as much, in a fifth of the time.
+/// Folds run across the cloth, so a quarter of its width shows the same, in a fifth of the time.
 Scene narrow_pile(double ks, double density = 150) {
   Scene scene = pile_of(ks, density);
   const double cell = scene.cloth.width / (scene.cloth.columns - 1);

@@ -1,5 +1,5 @@
 // Two fingers take a ridge of a cloth on a table, lift it by friction alone and carry it: a few
-// cases of scripts/grasp_matrix, whose table stands in docs/grasping.md.
+// cases of scripts/grasp_matrix, whose table is in docs/grasping.md.
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 using namespace testing;
 
 constexpr double side = 0.24;    // of the cloth [m]
-constexpr double rod = 0.005;    // radius of what holds the ridge up [m]
+constexpr double rod = 0.005;    // radius of the rod below the ridge [m]
 constexpr double top = 0.055;    // height of its middle [m]
 constexpr double tips = 0.024;   // height of the fingers' middle when they close [m]
 constexpr double lift = 0.15;    // [m]
@@ -48,8 +48,8 @@ const Case cases[] = {
     {"too_wide", 0.003, box, 0.01, 0.01, 0.001, 0.2, false},
 };
 
-/// Along a line that runs up one side of the rod and down the other: place and height there, of a
-/// way from its top [m].
+/// Place and height [m] on a line that runs up one side of the rod and down the other, at an arc
+/// length `way` from its top [m].
 Eigen::Vector2d ridge(double way, double radius, double height) {
   const double sign = way < 0 ? -1 : 1;
   const double round = radius * M_PI / 2, wall = top - height;
@@ -66,7 +66,7 @@ Eigen::Vector2d ridge(double way, double radius, double height) {
 /// The cloth over a rod, and two fingers.
 class Hand {
  public:
-  /// The cloth `aside` [m] along x.
+  /// The cloth is shifted by `aside` [m] along x.
   explicit Hand(const Case& c, double aside = 0) : case_(c), simulator_(scene(c)) {
     const double height = case_.thickness / 2 + 2e-4;
     // So wide that chords between points clear the rod.
@@ -124,7 +124,7 @@ class Hand {
     return points;
   }
 
-  /// Closes the fingers, takes away what is under the cloth, and lifts it.
+  /// Closes the fingers, removes the support of the cloth, and lifts it.
   void lift_it() {
     go(closed(), z_, (half_ - closed()) / speed);
     go(closed(), z_, 0.2);
@@ -140,10 +140,10 @@ class Hand {
   Simulator& simulator() { return simulator_; }
   bool holds_any() const { return !held_.empty(); }
 
-  /// Fastest that any point was in the last go(), beyond what falling gives it [m/s].
+  /// Largest velocity of a point in the last go(), beyond that of free fall [m/s].
   double max_speed_beyond_fall() const { return max_speed_beyond_fall_; }
 
-  /// How far what the fingers held at first is from where they have gone with it: the median [m].
+  /// Median distance of the points first held to their places in the moved fingers [m].
   double slipped() const {
     std::vector<double> lag;
     for (const int i : held_) {
@@ -210,7 +210,7 @@ class Hand {
   double angle_ = 0;  // [rad]
   int pinched_ = 0;
   double max_speed_beyond_fall_ = 0;  // [m/s]
-  std::vector<int> held_;             // by the fingers, before they lift
+  std::vector<int> held_;             // of the fingers, before they lift
   Points before_;                     // positions then
 };
 
@@ -233,8 +233,8 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
   EXPECT_LT(hand.slipped(), 5e-3);
   EXPECT_GT(hand.pinched(), 0);
 
-  // In two or three of ten that start some nanometres apart an edge of the fold snaps free as the
-  // table goes, at 0.5 to 0.65 m/s.
+  // In two or three of ten runs that start some nanometres apart, an edge of the fold snaps free as
+  // the table goes, at 0.5 to 0.65 m/s.
   double calmest = up, max_speed = up;
   for (const double aside : {1e-9, 2e-9}) {
     Hand other(GetParam(), aside);
@@ -245,7 +245,7 @@ TEST_P(Grasp, HoldsWhatIsThickerThanTheGap) {
   EXPECT_LT(calmest, 2 * 1.5 * speed);
   EXPECT_LT(max_speed, 1) << "nothing is flung";
 
-  // To the same bits after a copy.
+  // A restored copy continues bit-identically.
   const auto saved = simulator.save();
   hand.go(closed, hand.height(), 0.05);
   const Points expected = simulator.state().positions;

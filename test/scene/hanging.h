@@ -18,8 +18,8 @@ inline Scene hanging(int side = 20) {
   return scene;
 }
 
-/// Runs and checks every frame; returns the times that a frame was taken back. Records when the
-/// cloth came to rest: from when on it moves by less than 10 mm/s rms.
+/// Runs and checks every frame; returns the number of times that a frame was taken back. Records
+/// the time from which on the cloth moves by less than 10 mm/s rms.
 inline int run_checked(Simulator& simulator, double seconds, double speed_limit) {
   int recoveries = 0;
   int moving = 0;
@@ -36,7 +36,7 @@ inline int run_checked(Simulator& simulator, double seconds, double speed_limit)
   return recoveries;
 }
 
-/// Runs until every holder has its points where they are to be.
+/// Runs until every holder has its points at their targets.
 inline void run_until_held(Simulator& simulator, double max_seconds) {
   const int frames = static_cast<int>(std::lround(max_seconds * 90));
   for (int frame = 0; frame < frames && simulator.step().lagging > 0; ++frame) {
@@ -44,10 +44,10 @@ inline void run_until_held(Simulator& simulator, double max_seconds) {
   for (const HolderReport& holder : simulator.holders()) EXPECT_EQ(holder.lag, 0) << holder.name;
 }
 
-/// Runs with nothing driven: no frame may make energy of nothing, as a cloth does that trembles or
-/// blows up.
+/// Runs without drive: no frame may gain energy from nothing, as a cloth that trembles or blows up
+/// does.
 inline StepReport run_undriven(Simulator& simulator, double seconds) {
-  constexpr double max_made = 0.01;  // of what could move; a tenth of that has been seen
+  constexpr double max_made = 0.01;  // of the energy that could move; measured: a tenth of that
   EnergyAccount account;
   account.begin(simulator);
   StepReport report;

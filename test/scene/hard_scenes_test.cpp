@@ -1,4 +1,4 @@
-// Scenes that ask much of a cloth, by `auto`: no failure at all.
+// Difficult scenes with `auto`: no failure at all.
 
 #include <cmath>
 #include <cstdlib>
@@ -34,23 +34,23 @@ TEST_P(SphereAtSpeed, GoesThroughAHangingClothWithoutATrace) {
     const double y = -1.5 + 3.0 * frame / frames;
     simulator.move_collider(0, {Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()});
     simulator.step();
-    // A push without a bounce gives no more than its own speed, here to all points together, and
+    // A push without restitution gives at most its own speed, here to all points together, and the
     // springs that it has stretched throw the cloth on. The cloth's edges whip.
     const double together = simulator.state().velocities.colwise().mean().norm();
     ASSERT_LT(together, 1.25 * GetParam() + 5) << frame;
     ASSERT_LT(max_speed(simulator.state()), 5 * GetParam() + 5) << frame;
     ASSERT_EQ(deepest_penetration(simulator), 0) << frame;
   }
-  if (GetParam() > 10) {  // it may hold cloth that has wound itself about it
+  if (GetParam() > 10) {  // it may hold cloth that is wound about it
     simulator.place_collider(0, {Vector3(0.5, 100, 0.5), Eigen::Quaterniond::Identity()});
   }
-  simulator.step();  // in which the sphere stands still
+  simulator.step();  // during which the sphere stands still
   run_until_held(simulator, 10);
   run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
-  // Without self collision the cloth may have wound through itself, and hang so ever after.
+  // Without self collision the cloth may have wound through itself, and stays so.
   const Points& after = simulator.state().positions;
-  Points mirrored = before;  // as the scene is in y: folds may hang to the other side
+  Points mirrored = before;  // the scene is symmetric in y: folds may hang to the other side
   mirrored.col(1) *= -1;
   if (count_intersections(simulator.cloth(), after) == 0) {
     EXPECT_LT(std::min(farthest(after, before), farthest(after, mirrored)), 5e-3) << "the trace";
@@ -70,7 +70,7 @@ TEST(HardScene, CornersPushedTogetherByHalf) {
 }
 
 TEST(HardScene, PinsThreeTimesAsFarApart) {
-  // Within a frame. One of them lags: the cloth between them keeps its limit and is still.
+  // Within a frame. One pin lags: the cloth between them keeps its limit and is still.
   Simulator simulator(hanging());
   simulator.move_pin(1, {3, 0, 1});
   simulator.step();
@@ -106,7 +106,7 @@ TEST(HardScene, PinchedBetweenTwoClosingSpheres) {
     run_checked(simulator, 1.0 / 90, 50);
   }
   run_checked(simulator, 2, 50);
-  // It slips out from between them, whole.
+  // The cloth slips out from between them, whole.
   EXPECT_EQ(deepest_penetration(simulator), 0);
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
 }
@@ -147,8 +147,8 @@ TEST(HardScene, TableClothPull) {
 }
 
 TEST(HardScene, HalfTurnTwistBetweenTwoRows) {
-  // The rows come closer as they turn, so that the limit can be met: corner to corner it is
-  // sqrt(0.3^2 + 1) = 1.044 m in the end.
+  // The rows approach each other as they turn, so that the limit can be met: from corner to corner
+  // it is sqrt(0.3^2 + 1) = 1.044 m in the end.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 20;
   scene.cloth.self_collision = SelfCollision::automatic;
@@ -208,7 +208,7 @@ TEST(HardScene, StiffnessJumpsAMillionfold) {
   expect_rest(simulator, 0.02);
 }
 
-/// Stiffness, density and damping change in each of these frames, by up to so many decades.
+/// Changes stiffness, density and damping in each of these frames, by up to `decades`.
 void run_changing(Simulator& simulator, double seconds, double decades, double speed_limit) {
   const Material usual = simulator.scene().cloth.material;
   std::mt19937 random(3);
@@ -227,8 +227,8 @@ void run_changing(Simulator& simulator, double seconds, double decades, double s
 }
 
 TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
-  // Then it hangs as low as one that was always so. CLOTHSIM_SOAK_SECONDS=3600 makes it an hour's
-  // soak.
+  // Afterwards it hangs as low as a cloth without changes. With CLOTHSIM_SOAK_SECONDS=3600 it is a
+  // soak of an hour.
   const char* asked = std::getenv("CLOTHSIM_SOAK_SECONDS");
   Simulator simulator(hanging());
   run_changing(simulator, asked ? std::atof(asked) : 10, 1, 50);
@@ -243,8 +243,8 @@ TEST(HardScene, StiffnessDensityAndDampingChangeEveryFrame) {
 }
 
 TEST(HardScene, HundredfoldChangesEveryFrameTearNothing) {
-  // Springs released and pulled taut within a frame part by up to their length in a substep, unless
-  // substeps follow that.
+  // Springs that are released and pulled taut within a frame separate by up to their length in a
+  // substep, unless the number of substeps follows.
   Simulator simulator(hanging());
   run_changing(simulator, 10, 2, 300);
   if (HasFatalFailure()) return;
@@ -263,7 +263,7 @@ TEST(HardScene, SubstepsFollowHowFastSpringsPart) {
 }
 
 TEST(HardScene, PinsAtTheLimitTakeNoMoreSubstepsThanTheirTension) {
-  // A pin pulls with its strength at most: steps follow that, and no more.
+  // A pin pulls with its strength at most: the number of substeps follows that.
   for (const double apart : {1.0995, 1.105, 1.15}) {
     Simulator simulator(hanging());
     simulator.move_pin(1, {apart, 0, 1});
@@ -317,8 +317,8 @@ TEST(HardScene, ASpringBeyondRepairIsReported) {
   expect_rest(simulator, 0.02);
 }
 
-/// Height of a point of hanging(side) on which both pins pull by taut springs in straight lines,
-/// along cells and across them: no cloth within its limit hangs lower.
+/// Height of a point of hanging(side) that both pins hold by taut springs in straight lines, along
+/// cells and across them: no cloth within its limit hangs lower.
 double lowest_height(int side, int column, int row) {
   const auto length = [&](int columns) {
     const int across = std::min(columns, row);
@@ -332,7 +332,8 @@ double lowest_height(int side, int column, int row) {
 class HeavyPoint : public ::testing::TestWithParam<double> {};
 
 TEST_P(HeavyPoint, Hangs) {
-  // It hangs in the middle of the hem; substeps as its weight asks for, twice a frame's passes.
+  // The heavy point is in the middle of the hem; substeps as for its weight, twice a frame's
+  // passes.
   Scene scene = hanging(8);
   Cloth cloth = make_grid(scene.cloth);
   const int heavy = 7 * 8 + 4;
@@ -344,7 +345,7 @@ TEST_P(HeavyPoint, Hangs) {
   State state = start_state(scene.cloth, cloth, 1);
   double worst = 0;
   const double dt = 1.0 / 90;
-  const double max_frequency = std::numeric_limits<double>::infinity();  // whatever it pulls
+  const double max_frequency = std::numeric_limits<double>::infinity();  // any load
   for (int frame = 0; frame < 8 * 90; ++frame) {
     const int n = substeps_at_tension(cloth, 9.8 * cloth.mass.sum(), max_frequency, dt);
     const double h = dt / n;
@@ -365,8 +366,8 @@ TEST_P(HeavyPoint, Hangs) {
   if (GetParam() <= 100) {
     EXPECT_LT(worst, 0.1041);
     EXPECT_LT(rms_velocity(state), 1e-4);
-  } else {  // as it is caught, passes and what a step carries are too few for the light points
-            // about it
+  } else {  // when springs catch it, passes and the bound of a step are too small for
+            // the light points about it
     EXPECT_LT(worst, 0.17);
     EXPECT_LT(state.velocities.row(heavy).norm(), 1);
   }

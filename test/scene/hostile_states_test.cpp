@@ -1,5 +1,5 @@
-// States that were set and ask for more than can be solved: taken back and told, after the same
-// count of work everywhere.
+// States that were set and cannot be solved: taken back and reported, after the same count of work
+// everywhere.
 
 #include <string>
 
@@ -14,7 +14,7 @@ using namespace testing;
 struct Hostile {
   const char* name;
   SelfCollision self_collision;
-  double size;  // of the box that points are strewn in, to either side [m]
+  double size;  // of the box with the random points, to either side [m]
 };
 
 /// A cloth over a sphere.
@@ -37,7 +37,7 @@ void strew(Simulator& simulator, double size) {
   simulator.set_state(state);
 }
 
-/// What step() says when it gives up, within some frames; empty where it does not.
+/// The message of step() when it gives up, within some frames; empty if it does not.
 std::string refusal(Simulator& simulator) {
   try {
     for (int frame = 0; frame < 20; ++frame) simulator.step();
@@ -57,7 +57,7 @@ TEST_P(HostileState, IsTakenBackAndToldAfterTheSameWorkWithAnyThreads) {
   const std::string told = refusal(simulator);
   EXPECT_NE(told.find("asks for more than can be solved"), std::string::npos) << told;
 
-  // The last good frame is kept, and asked again, gives the same answer.
+  // The last good frame is kept, and the next call gives the same answer.
   const State kept = simulator.state();
   EXPECT_TRUE(kept.positions.allFinite());
   EXPECT_EQ(refusal(simulator), told);
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Strewn, HostileState,
                          [](const auto& tested) { return tested.param.name; });
 
 TEST(HostileStates, CalmOnesAreFollowedThroughAShock) {
-  // A ball at 100 m/s takes several times what a state that was set may take.
+  // A ball at 100 m/s takes several times the work that is allowed after a set state.
   Scene scene = scene_of({"", SelfCollision::surface, 0});
   scene.colliders[0].pose.position.z() = -2;
   Simulator simulator(scene);

@@ -26,7 +26,7 @@ std::vector<Run> runs() {
   return all;
 }
 
-/// On a cloth of few points, which keeps it short.
+/// On a cloth of few points, which keeps the test short.
 Scene small(const Run& r, int side = 16) {
   Scene scene = shipped_scene(r.scene);
   for (Pin& pin : scene.cloth.pinned) {
@@ -60,9 +60,9 @@ TEST_P(EveryMethodOn, RunsAndKeepsItsConstraints) {
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryMethodOn, ::testing::ValuesIn(runs()));
 
 TEST(ChosenMethod, ComesToRestOnASphereWhateverTheTolerance) {
-  // Without strain limit, where faces touch and springs alone hold the cloth. Classical Runge-Kutta
-  // creeps there for ever; XPBD and BDF2 with one substep tremble. In the sixth second a wrinkle
-  // may slip yet, by millimetres.
+  // Without strain limit, where faces touch and springs alone hold the cloth. There classical
+  // Runge-Kutta creeps for ever; XPBD and BDF2 with one substep tremble. In the sixth second a
+  // wrinkle may still slip, by millimetres.
   for (const double tolerance : {0.1, 1e-2, 1e-3, 1e-8}) {
     Scene scene = small({"sphere", "auto"});
     scene.cloth.material.strain_limit.reset();
@@ -80,7 +80,7 @@ TEST(ChosenMethod, ComesToRestOnASphereWhateverTheTolerance) {
 }
 
 TEST(ChosenMethod, BringsClothFarStifferThanHeavyToRest) {
-  // It takes xpbd, whose passes would feed fast waves if they went one way alone.
+  // `auto` takes xpbd, whose passes would feed fast waves if they all went in one direction.
   for (const bool lies : {true, false}) {
     SCOPED_TRACE(lies ? "on a ball" : "hanging");
     Scene scene = small({lies ? "sphere" : "pinned2", "auto"}, 9);
@@ -93,7 +93,7 @@ TEST(ChosenMethod, BringsClothFarStifferThanHeavyToRest) {
 }
 
 TEST(ManyMethods, GiveOneRestShape) {
-  // The scheme does not show where nothing moves: with the strain limit, on which impulses work.
+  // The rest shape does not depend on the scheme: with the strain limit, which works by impulses.
   const auto rest = [](const std::string& method) {
     Simulator simulator(small({"pinned2", method}, 10));
     run(simulator, 6);

@@ -1,5 +1,5 @@
-// Cloths that are asked for more than their strain limit grants: pins give way and lag, the cloth
-// keeps its limit and is still, and it hangs as ever when let go.
+// Cloths that are pulled beyond their strain limit: pins give way and lag, the cloth keeps its
+// limit and is still, and it hangs as before once it is released.
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
@@ -61,7 +61,7 @@ TEST_P(PinsApart, LagAndTheClothIsStill) {
   expect_as_ever(simulator);
 }
 
-// To a close tolerance passes run out for nothing, too.
+// With a tight tolerance passes run out, too.
 INSTANTIATE_TEST_SUITE_P(Shares, PinsApart,
                          ::testing::Values(std::tuple{0.11, 4e-3}, std::tuple{0.2, 4e-3},
                                            std::tuple{0.5, 4e-3}, std::tuple{2.0, 4e-3},
@@ -99,8 +99,8 @@ TEST_P(BallAgainst, AHeldClothStretchesItWhichIsStill) {
   lift_to(1.25, speed);
   const StepReport report = run_on(simulator, 4);
   EXPECT_GT(report.lagging, 0);
-  // The pins of a border bear more together than steps can carry: the limit gives way, and
-  // trembles.
+  // The pins of a border carry more together than the bound of a step allows: the limit gives way,
+  // and trembles.
   const double still = border ? 0.04 : 0.02;
   EXPECT_LT(rms_velocity(simulator.state()), still);
   EXPECT_LT(max_speed(simulator.state()), 5 * still);
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, BallAgainst,
                                            std::tuple{1.0, false}, std::tuple{1.0, true},
                                            std::tuple{10.0, false}, std::tuple{10.0, true}));
 
-/// A cloth held by its four corners, with a box that is in the way.
+/// A cloth held by its four corners, with a box in the way.
 Scene held_about(const Cuboid& box, const Pose& pose) {
   Scene scene;
   scene.cloth.pinned = {{0, 0, ""}, {24, 0, ""}, {0, 24, ""}, {24, 24, ""}};
@@ -125,8 +125,8 @@ Scene held_about(const Cuboid& box, const Pose& pose) {
 }
 
 TEST(Overpulled, ABoxThatTautensAnEdgeDoesNotMakeItSwing) {
-  // Repairs bring the springs within their limit, but what pulls them grows until a point would fly
-  // from side to side in a step, had it no more inertia for it.
+  // Repairs bring the springs within their limit, but the pull on them grows until a point would
+  // fly from side to side in a step, if it had no added inertia.
   Scene scene = held_about({{0.529, 0.318, 0.399}},
                            {Vector3(0.568, 0.062, 0.893),
                             Eigen::Quaterniond(0.579, -0.215, -0.241, 0.749).normalized()});
@@ -151,8 +151,8 @@ TEST(Overpulled, AHangingClothIsNotWhateverTheStepsThatASceneNames) {
 }
 
 TEST(Overpulled, ASmallStiffClothIsStillWhereAPinIsFar) {
-  // Its steps are so short that impulses that no step bounds would throw it at 100 m/s, each time
-  // that the limit is tried again.
+  // Its steps are so short that unbounded impulses would throw it at 100 m/s, each time that the
+  // limit is tried again.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 3;
   scene.cloth.width = 0.041;
@@ -170,7 +170,7 @@ TEST(Overpulled, ASmallStiffClothIsStillWhereAPinIsFar) {
 }
 
 TEST(Overpulled, AHangingClothIsNotHoweverCloseItsTolerance) {
-  // Passes run out, step after step, though nothing is asked that cannot be.
+  // Passes run out, step after step, although the limit can be met.
   Scene scene = hanging(50);
   scene.simulation.strain_tolerance = 1e-7;
   Simulator simulator(scene);
@@ -181,7 +181,7 @@ TEST(Overpulled, AHangingClothIsNotHoweverCloseItsTolerance) {
 }
 
 TEST(Overpulled, ABoxAboutAPinDoesNotFlingTheClothAbout) {
-  // The pin is deeper in it than springs within their limit are long.
+  // The pin's depth in it is larger than the length of springs within their limit.
   Scene scene = held_about({{0.3, 0.3, 0.3}}, {Vector3(1.04, 1.04, 1.04), {1, 0, 0, 0}});
   scene.cloth.material.ks = 2370;
   scene.cloth.material.density = 15.5;
@@ -222,8 +222,8 @@ TEST_P(TiltedBox, UnderASoftHeavyClothStretchesItLittleMoreThanItsLimit) {
 INSTANTIATE_TEST_SUITE_P(Tilts, TiltedBox, ::testing::Values(0.2, 0.5, 0.9));
 
 TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
-  // Cells four times as long as at rest, by pins of any strength, of which a rod a quarter as thick
-  // comes in the middle.
+  // Cells four times as long as at rest, by pins of any strength; a rod a quarter as thick comes up
+  // in the middle of a cell.
   Scene scene = hanging(10);
   scene.cloth.pin_strength = strength_range.max;
   scene.cloth.pinned.clear();
@@ -255,7 +255,7 @@ TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
     simulator.step();
     ASSERT_LT(deepest_penetration(simulator), 2e-3) << frame;
   }
-  // It has taken the cloth along.
+  // The rod has taken the cloth along.
   EXPECT_LT(simulator.state().positions.col(2).minCoeff(), 0.7);
 }
 

@@ -1,4 +1,4 @@
-// Cloth between colliders that leave it no room: it stays calm, goes with them, and is told of.
+// Cloth between colliders that leave it no room: it stays calm, moves with them, and is reported.
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ class Gripper {
     for (int frame = 0; frame < 60; ++frame) step(0.3, z_);
   }
 
-  /// Goes to a gap [m], a height [m] and an angle about the fingers' common axis [rad].
+  /// Moves to a gap [m], a height [m] and an angle about the fingers' common axis [rad].
   void go(double gap, double z, double angle, int frames) {
     const double from_gap = gap_, from_z = z_, from_angle = angle_;
     for (int frame = 1; frame <= frames; ++frame) {
@@ -48,7 +48,7 @@ class Gripper {
 
   const Simulator& simulator() const { return simulator_; }
   Vector3 point(int i) const { return row(simulator_.state().positions, i); }
-  /// The point nearest to where fingers close.
+  /// The point nearest to the place where the fingers close.
   int between() const {
     int nearest = 0;
     const Eigen::RowVector3d here(x_, 0, z_);
@@ -130,7 +130,7 @@ TEST_P(Pinch, LiftsTheClothAndLetsItGo) {
   EXPECT_LT((gripper.point(held) - lifted).norm(), 5e-3) << "slips while it is held";
   EXPECT_LT(rms_velocity(gripper.simulator().state()), 0.05);
   EXPECT_LT(gripper.max_speed_yet(), 5) << "nothing is flung about";
-  // Springs between two held points are held as long as they are.
+  // Springs between two held points keep their length.
   EXPECT_LT(gripper.report().worst_stretch, 0.12);
 
   gripper.go(2, 0.6, 0, 60);
@@ -175,7 +175,7 @@ TEST(Pinch, SlipsOutOfFingersWithoutFriction) {
   const Vector3 before = gripper.point(held);
   gripper.go(-0.004, 0.7, 0, 120);
   gripper.wait(60);
-  // Of 0.4 m that the fingers go. With 5 to 40 substeps it is 1 to 21 mm.
+  // The fingers go 0.4 m. With 5 to 40 substeps the cloth moves 1 to 21 mm.
   EXPECT_LT((gripper.point(held) - before).norm(), 0.03);
   EXPECT_LT(gripper.max_speed_yet(), 5);
 }
@@ -194,9 +194,8 @@ TEST(Pinch, SlipsOutOfFingersThatPullItFromItsPins) {
   }
 }
 
-/// Both sides of a cloth that hangs over a bar, 10 mm thick together, taken
-/// between two fingers that leave so much room [m] and lift it by 0.15 m: how far it goes along
-/// [m].
+/// Takes both sides of a cloth that hangs over a bar, 10 mm thick together, between two fingers
+/// with this gap [m], and lifts it by 0.15 m. Returns the distance that the cloth moves along [m].
 double lift_fold(double gap) {
   Scene scene;
   scene.cloth.width = 0.5;  // several times as wide as the fingers
@@ -268,7 +267,7 @@ TEST_P(Fold, StaysCalmInFingersThatLeaveItLessThanItsThickness) {
 
 INSTANTIATE_TEST_SUITE_P(Rooms, Fold, ::testing::Values(0.008, 0.004, -0.002, -0.006));
 
-/// A thumb that presses a cloth on a table, 2 mm deep, and then moves 0.2 m.
+/// A thumb that presses a cloth onto a table, 2 mm deep, and then moves 0.2 m.
 class Thumb : public ::testing::TestWithParam<double> {};
 
 TEST_P(Thumb, DragsTheClothByTheShareOfItsFriction) {
@@ -300,7 +299,7 @@ TEST_P(Thumb, DragsTheClothByTheShareOfItsFriction) {
   go(0.5, 0.5, 0.2, -0.002, 60);
   EXPECT_NEAR(point().z(), -0.001, 2e-4) << "midway";
   const double start = point().x();
-  // While the point is under it.
+  // While the point is below it.
   go(0.5, 0.52, -0.002, -0.002, 12);
   EXPECT_NEAR(point().x() - start, 0.02 * of_thumb / (of_table + of_thumb), 1e-3);
   go(0.52, 0.7, -0.002, -0.002, 60);

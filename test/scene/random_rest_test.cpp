@@ -1,5 +1,5 @@
-// Random scenes that ask for what cannot be had: pins too far apart, colliders that stop between
-// them. Once all stands still, so does the cloth; it shook at 1 to 220 m/s for ever.
+// Random scenes with constraints that cannot be met: pins too far apart, colliders that stop
+// between them. Once nothing is driven, the cloth comes to rest.
 
 #include <cstdlib>
 #include <iostream>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-/// Plays a random scene until all that moves has stood still for ten seconds.
+/// Plays a random scene until nothing has been driven for ten seconds.
 void play(const RandomScene& random, Simulator& simulator) {
   const Points start = simulator.state().positions;
   const auto pin_at = [&](std::size_t i, double time) {
@@ -34,12 +34,12 @@ void play(const RandomScene& random, Simulator& simulator) {
   }
 }
 
-/// How many of the random scenes with pins do not rest.
+/// Numbers of random scenes with pins that do not rest.
 struct Rates {
   int scenes = 0;
   int moving = 0;   // by over 1 mm/s
   int fast = 0;     // by over 0.1 m/s
-  int refused = 0;  // frames that nothing solves
+  int refused = 0;  // no method solves a frame
 
   void add(std::uint64_t seed) {
     RandomScene random = random_scene(seed);
@@ -61,7 +61,7 @@ struct Rates {
 };
 
 TEST(RandomRest, ComesInAsManyScenesAsEver) {
-  // CLOTHSIM_RANDOM_SCENES=620 looks at 400 with pins, for the table of docs/benchmarks.md.
+  // CLOTHSIM_RANDOM_SCENES=620 runs 400 with pins, for the table of docs/benchmarks.md.
   const char* asked = std::getenv("CLOTHSIM_RANDOM_SCENES");
   const int seeds = asked ? std::atoi(asked) : 60;
   Rates rates;
@@ -88,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, RandomScenes,
                                            20486,    // a capsule pulls a taut, inextensible strip
                                            20662,    // a ball pushes a strip aside
                                            20900,    // a capsule stays in a stiff, light cloth
-                                           21049,    // and in a strip, between its pins
-                                           22192));  // and in a strip below a row of pins
+                                           21049,    // the same in a strip, between its pins
+                                           22192));  // the same in a strip below a row of pins
 
 }  // namespace
 }  // namespace clothsim

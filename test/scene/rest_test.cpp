@@ -17,7 +17,7 @@ namespace {
 
 using namespace testing;
 
-/// What a run took: passes over strain limit and contact a substep, processor time a second.
+/// Work of a run: passes over strain limit and contact a substep, processor time a second.
 struct Work {
   double sweeps = 0;
   double corrections = 0;
@@ -43,17 +43,17 @@ Work run_and_count(Simulator& simulator, double seconds) {
   return work;
 }
 
-/// Length over its limit, of the rest length, at which the independent solver stops: 0.4 um a
-/// spring, 0.02 mm if all 50 from pin to hem were over alike.
+/// Excess over the limit, as a share of the rest length, at which the independent solver stops: 0.4
+/// um a spring, 0.02 mm if all 50 from pin to hem had the same excess.
 constexpr double max_over = 2e-5;
 
-/// The shape at rest found another way, by the method of multipliers: beyond the limit a spring
+/// The shape at rest by an independent solver, the method of multipliers: beyond the limit a spring
 /// pulls with max(0, m + kp (l - l_max)), where m grows by a share of that until no length is over.
-/// Damped motion from the flat cloth finds the balance. Independent of the simulator's strain
+/// Damped motion from the flat cloth finds the equilibrium. It does not use the simulator's strain
 /// limit.
 struct Converged {
   Points positions;
-  double violation;  // largest length over its limit, of the rest length
+  double violation;  // largest excess over the limit, as a share of the rest length
   double velocity;   // rms [m/s]
   int steps;
 };
@@ -66,8 +66,8 @@ Converged converge(const Cloth& limited, double limit, double seconds) {
   State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   const double stiffness = cloth.springs.front().stiffness * (1 + penalty);
   const double h = 0.7 / std::sqrt(8 * stiffness / cloth.mass[0]);
-  // The share of kp (l - l_max) that m grows by in a step: the sum and the spring swing up where
-  // they act faster than the damping.
+  // The share of kp (l - l_max) by which m grows in a step: the sum and the spring oscillate and
+  // grow where they act faster than the damping.
   const double share = 0.8 * cloth.damping * h;
   const double decay = std::exp(-cloth.damping * h);
   Points forces;
@@ -112,7 +112,7 @@ TEST_P(HangingScene, HoldsItsLimitInEveryFrameAndRestsInTheConvergedShape) {
   EXPECT_LT(rms_velocity(rest), 1e-3);
   EXPECT_LT(worst_stretch(simulator.cloth(), rest.positions), 0.102);
 
-  // The converged shape, found another way.
+  // The converged shape, by the independent solver.
   const Converged converged = converge(simulator.cloth(), 0.1, 20);
   RecordProperty("converged_violation", std::to_string(converged.violation * 1e9) + "e-9");
   RecordProperty("converged_velocity", std::to_string(converged.velocity * 1e9) + "e-9");
@@ -123,8 +123,8 @@ TEST_P(HangingScene, HoldsItsLimitInEveryFrameAndRestsInTheConvergedShape) {
   RecordProperty("farthest_from_converged_mm", std::to_string(apart * 1e3));
   EXPECT_LT(apart, 3e-4);
 
-  // The simulator's own: its tolerance driven down to 1e-6, gently, or repairs that 600 passes
-  // cannot finish shake the cloth.
+  // The simulator's own shape: its tolerance is lowered to 1e-6 gradually, since repairs that 600
+  // passes cannot finish shake the cloth.
   SimulationSpec spec = simulator.scene().simulation;
   const auto go_on = [&](double tolerance, double seconds) {
     spec.strain_tolerance = tolerance;
@@ -200,7 +200,7 @@ TEST(Pinned4, RestsAsSymmetricAsItIs) {
 }
 
 /// A cloth that hangs by one corner slows down and then moves on for most of a minute. It comes
-/// down: what it loses of its energy is what drag takes, and nothing else gives or takes any.
+/// down: its loss of energy is the work of drag, and no other work is done on it.
 TEST(OneCorner, MovesOnForAsMuchAsItsWeightGivesToDrag) {
   Scene scene;
   scene.cloth.pinned = {{0, 0, ""}};
@@ -226,7 +226,7 @@ TEST(OneCorner, MovesOnForAsMuchAsItsWeightGivesToDrag) {
 }
 
 TEST(TautCloth, RestsBetweenFourPins) {
-  // Its tension is many times its weight. Passes in one order, with momentum, never came to an end.
+  // Its tension is many times its weight. Passes in one order, with momentum, do not converge here.
   for (const double limit : {0.01, 0.02, 0.03}) {
     Scene scene = shipped_scene("pinned4");
     scene.cloth.material.strain_limit = limit;
@@ -239,7 +239,7 @@ TEST(TautCloth, RestsBetweenFourPins) {
 }
 
 TEST(TautCloth, RestsWithLittleDrag) {
-  // Less than the rate at which violations are worked off otherwise.
+  // Less than the usual rate at which violations are removed.
   Scene scene;
   scene.cloth.columns = 25;
   scene.cloth.rows = 7;
@@ -260,7 +260,7 @@ TEST(TautCloth, RestsWithLittleDrag) {
   }
 }
 
-/// Chains that hang from their ends, whose weight every link carries, and one from one end alone.
+/// Chains that hang from both ends, where every link carries weight, and one from one end alone.
 struct Hung {
   const char* name;
   int links;
@@ -317,8 +317,8 @@ INSTANTIATE_TEST_SUITE_P(Chains, HungChain,
 
 TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   // Friction holds nearly all points to the bit. Where pulls lie on Coulomb's cone, a few slip
-  // on by micrometres, and now and then a wrinkle slips by a millimetre or two and holds again;
-  // they slid by metres while the cloth fell.
+  // on by micrometres, and now and then a wrinkle slips by a millimetre or two and holds again.
+  // While the cloth fell they slid by metres.
   Simulator simulator(shipped_scene("sphere"));
   const Eigen::RowVector3d centre(0.5, 0.5, 0.2);
   // Points stand off so far that the triangles between them do not dip in.
@@ -333,7 +333,7 @@ TEST(Sphere, NothingInsideAndNothingSlidingAway) {
   };
   for (int second = 0; second < 10; ++second) run_second();
 
-  std::vector<double> slid;  // farthest in each second
+  std::vector<double> slid;  // largest distance in each second
   int touching = 0;
   int held = 0;
   for (int second = 0; second < 9; ++second) {
@@ -371,7 +371,7 @@ TEST(Plane, LiesFlatAndStill) {
   EXPECT_LT(rms_velocity(state), 1e-4);
   EXPECT_GE(state.positions.col(2).minCoeff(), 0);
   EXPECT_LE(state.positions.col(2).maxCoeff(), surface_offset + 1e-6);
-  // Nothing pushed it sideways.
+  // No sideways force acted on it.
   const Points& rest = simulator.cloth().rest_positions;
   EXPECT_LT((state.positions.leftCols(2) - rest.leftCols(2)).cwiseAbs().maxCoeff(), 1e-4);
 }
@@ -425,7 +425,7 @@ TEST_P(SelfCollision, RestsInSeparateLayers) {
   EXPECT_GT(closest_ever, 0.9 * contact) << "while it fell";
   EXPECT_EQ(deepest_penetration(simulator), 0);
   EXPECT_LT(worst_stretch(simulator.cloth(), state.positions), 0.105);
-  // It folded: a sheet that stood 1 m high lies under 25 cm, in several layers.
+  // The cloth folded: a sheet that stood 1 m high lies under 25 cm, in several layers.
   EXPECT_LT(state.positions.col(2).maxCoeff(), 0.25);
   EXPECT_GT(state.positions.col(2).maxCoeff(), 3 * contact);
 }

@@ -1,5 +1,5 @@
-// A cloth that meets itself, in the ways that tangle other codes: no two of its triangles cross, in
-// any frame.
+// Self contact of a cloth in cases that tangle other codes: no two of its triangles cross, in any
+// frame.
 
 #include <cmath>
 #include <cstdlib>
@@ -30,7 +30,7 @@ struct Judgement {
   int frames_that_cross = 0;
 };
 
-/// Counts crossings after each frame, moving what `drive(frame)` moves before it.
+/// Counts crossings after each frame; drive(frame) moves holders and colliders before it.
 template <typename Drive>
 Judgement judge(Simulator& simulator, int frames, const Drive& drive) {
   Judgement judgement;
@@ -49,8 +49,8 @@ Judgement judge(Simulator& simulator, int frames) {
   return judge(simulator, frames, [](int) {});
 }
 
-/// Goes on until the cloth lies still, for `seconds` at most, counting crossings. Returns the root
-/// of the mean square velocity in its last half a second [m/s].
+/// Continues until the cloth lies still, for `seconds` at most, and counts crossings. Returns the
+/// root mean square velocity in its last half a second [m/s].
 double rest(Simulator& simulator, double seconds) {
   constexpr double calm = 1e-3;  // [m/s]
   double speed = 1;
@@ -103,7 +103,7 @@ TEST(SelfContact, ADropOfTwoMetres) {
 class ThinCloth : public ::testing::TestWithParam<std::tuple<int, double, std::uint64_t>> {};
 
 TEST_P(ThinCloth, TearsAtNothing) {
-  // Layers that come down at metres a second: what the guard holds back, hangs on its neighbours.
+  // Layers come down at metres a second: points that the guard holds back hang on their neighbours.
   Scene scene = shipped_scene("self_collision");
   scene.cloth.columns = scene.cloth.rows = std::get<0>(GetParam());
   scene.cloth.thickness = std::get<1>(GetParam());
@@ -153,7 +153,7 @@ TEST_P(Twist, OfAStripBetweenTwoRows) {
 INSTANTIATE_TEST_SUITE_P(Turns, Twist, ::testing::Values(0.5, 1.0));
 
 TEST(SelfContact, FiveLayersPressedByAPlane) {
-  // A strip in five layers, pressed to the height that they have when all touch.
+  // A strip in five layers, pressed to the height at which all touch.
   Scene scene = strip_for_layers();
   const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Vector3::UnitX()));
   scene.colliders.push_back({"press", Plane{}, Pose{Vector3(0, 0, 0.3), down}, 0.5, ""});
@@ -181,7 +181,7 @@ Scene pile_below_a_ball() {
 class SphereThroughPile : public ::testing::TestWithParam<std::pair<double, std::uint64_t>> {};
 
 TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
-  // It goes on into the ground, pinching what is between, until all of it is below.
+  // The sphere goes on into the ground and pinches the cloth in between, until all of it is below.
   const auto [speed, seed] = GetParam();
   Scene scene = pile_below_a_ball();
   scene.simulation.seed = seed;
@@ -190,7 +190,7 @@ TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
   const int frames = std::max(1, static_cast<int>(std::lround(90 * 1.2 / speed)));
   judge(simulator, frames,
         [&](int frame) { simulator.move_collider(1, ball_at(1 - 1.2 * frame / frames)); });
-  // What it has pressed together comes apart: nothing stays knotted.
+  // The pressed cloth separates again: no knot stays.
   EXPECT_LT(rest(simulator, 8), 1e-3);
   EXPECT_EQ(simulator.step().held_back, 0);
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.11);
@@ -212,8 +212,8 @@ INSTANTIATE_TEST_SUITE_P(DISABLED_FiftySeeds, SphereThroughPile,
                          ::testing::ValuesIn(at_100_m_s(50)));
 
 TEST(SelfContact, APileUnderASphereThatLeavesItNoRoomIsCalm) {
-  // The sphere stops 5 cm deep in the ground: there is no rest for what is between. It does not
-  // cross, and trembles no faster than this; 0.01 m/s rms were measured.
+  // The sphere stops 5 cm deep in the ground, where the cloth in between has no rest shape. It does
+  // not cross, and trembles no faster than this; 0.01 m/s rms were measured.
   Simulator simulator(pile_below_a_ball());
   run(simulator, 1);
   judge(simulator, 81,
@@ -260,7 +260,7 @@ TEST(SelfContact, PinsDraggedThroughTheClothAreHeldBackAndSaidSo) {
   judge(simulator, 45, [&](int frame) {
     simulator.move_pin(0, before - Vector3(0, 0.3 * (45 - frame) / 45.0, 0));
   });
-  judge(simulator, 45);  // it comes back, and takes hold
+  judge(simulator, 45);  // it comes back, and sticks again
   EXPECT_EQ(pin(), before) << "follows when it can";
   EXPECT_EQ(corner(), held);
 }
@@ -348,7 +348,7 @@ TEST(SelfContact, TumbledInARoomThatTurns) {
   });
 }
 
-/// Layers without springs that fall side by side at 1.5 m/s, and land in the midst of a frame.
+/// Layers without springs that fall side by side at 1.5 m/s, and land within a frame.
 class LandingLayers : public ::testing::TestWithParam<std::tuple<double, int>> {
  protected:
   static Simulator land(const ClothSpec& cloth, const Points& from) {

@@ -1,5 +1,5 @@
-// Cloths dropped on rims and edges, judged without the code that keeps them off: their triangles
-// are sampled densely, in every frame.
+// Cloths dropped on rims and edges, checked without the code of contact: their triangles are
+// sampled densely, in every frame.
 
 #include <cmath>
 
@@ -14,7 +14,7 @@ namespace {
 using namespace testing;
 
 /// Depth in the solid of the deepest of all points of the triangles on a lattice [m]; negative
-/// where they are out of it. Triangles that are farther away than their size are left out.
+/// where they are outside. Triangles farther away than their size are left out.
 double deepest_sample(const Simulator& simulator, int index) {
   constexpr int along = 8;
   const Shape& shape = simulator.scene().colliders[static_cast<std::size_t>(index)].shape;
@@ -51,7 +51,7 @@ Pose turned(const Vector3& position, double angle, const Vector3& axis) {
   return {position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized()))};
 }
 
-/// A pose of the shape within a frame that turns, as a mesh on a link has it.
+/// A pose of the shape within a frame that turns, as for a mesh on a link.
 TEST(PoseInFrame, MovesWithTheFrame) {
   Scene scene = above(Cylinder{0.3, 0.05}, {Vector3(0, 0, 2)});
   ColliderSpec& solid = scene.colliders[0];
@@ -78,7 +78,7 @@ TEST(PoseInFrame, MovesWithTheFrame) {
   expect_at({0.2, 0, 2.1}, Vector3::UnitX());
 }
 
-/// What a frame cannot reach is not looked at. (Faster ones than these tear the cloth from its
+/// Colliders out of a frame's reach are skipped. (Faster ones than these tear the cloth from its
 /// pins.)
 TEST(OutOfReach, ACollidersTouchIsNotMissedHoweverFastItComes) {
   for (const double speed : {5.0, 20.0}) {
@@ -150,7 +150,7 @@ TEST(OutOfReach, WhatNothingMovesIsLeftAlone) {
   EXPECT_LT(simulator.state().velocities.cwiseAbs().maxCoeff(), 1e-9);
 }
 
-/// What stands off by 0.1 mm may sink in by as much.
+/// A stand-off of 0.1 mm allows the same depth.
 constexpr double tolerance = surface_offset;
 
 struct Drop {

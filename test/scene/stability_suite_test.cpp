@@ -1,4 +1,4 @@
-// Where methods fail: shown to fail there, and the failure caught.
+// Cases in which methods fail: they do fail, and the failure is caught.
 
 #include <cmath>
 
@@ -79,7 +79,7 @@ TEST_P(StepLadder, FailsWhereTheorySaysAndIsCaught) {
 INSTANTIATE_TEST_SUITE_P(Methods, StepLadder, ::testing::ValuesIn(method_names()),
                          [](const auto& test) { return test.param; });
 
-// ---- Recovery: what `auto` does where the same would end in Diverged
+// ---- Recovery: `auto` where the same method would end in Diverged
 
 /// A sheet held along all its edges, with as few substeps as are stable while it is flat.
 Scene taut(const std::string& method) {
@@ -99,7 +99,7 @@ Scene taut(const std::string& method) {
   return scene;
 }
 
-/// Pulls the edges to `stretch` times their size within a frame: springs grow as stiff across as
+/// Pulls the edges to `stretch` times their size within a frame: springs become as stiff across as
 /// along, the whole half as stiff again.
 void pull(Simulator& simulator, double stretch) {
   const std::vector<Pin>& pins = simulator.scene().cloth.pinned;
@@ -135,8 +135,8 @@ TEST(Recovery, AnUnstableMethodIsTakenBackAndChanged) {
 }
 
 TEST(Recovery, ReportsWhatTheLastAttemptDid) {
-  // On a floor, so that there are passes over contacts: those of the attempt that was taken back
-  // are none of the report's.
+  // On a floor, so that there are passes over contacts: the report leaves out those of the attempt
+  // that was taken back.
   Scene scene = taut("auto");
   scene.cloth.pin_strength = strength_range.max;  // no pin slips in a frame that is repeated
   ColliderSpec floor;
@@ -182,7 +182,7 @@ TEST(Recovery, ANamedMethodEndsWithATypedError) {
 }
 
 TEST(Recovery, WhereNothingHelpsItEndsWithATypedError) {
-  // It falls farther than any cloth's numbers go, whatever the substeps and the method.
+  // The cloth falls beyond the range of its numbers, for any substeps and method.
   Scene scene;
   scene.cloth = square_spec(5, 5);
   scene.simulation.gravity = Vector3(0, 0, -1e6);

@@ -1,5 +1,5 @@
-// Cloth so stiff and light that its springs ask for many more steps than its motion does: steps go
-// on with what was near before, and nothing of that may show.
+// Cloth so stiff and light that its springs need many more steps than its motion does: steps reuse
+// the near pairs of earlier steps, which must have no effect on the result.
 
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
@@ -69,11 +69,11 @@ TEST(StiffLight, ATowelGoesOnToTheSameBitsFromItsMemoryAndWithTwoThreads) {
   EXPECT_EQ(first.state().velocities, third.state().velocities);
 }
 
-/// Shape that it falls on, whose triangles do not count.
+/// Shape for the cloth to fall on; its contacts involve points alone.
 class OnSmoothShapes : public ::testing::TestWithParam<ColliderSpec> {};
 
 TEST_P(OnSmoothShapes, ItMovesAsWithASearchInEachStep) {
-  // Points alone touch: then one pass solves them, and what a scene names has each step seek.
+  // Points alone touch: one pass solves them, and with named substeps each step searches.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 20;
   scene.cloth.width = scene.cloth.height = 0.4;
@@ -101,12 +101,12 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(ColliderSpec{"ground", Plane{}, {}, 0.5, ""},
                       ColliderSpec{"ball", Sphere{1}, {{0, 0, -1}, {1, 0, 0, 0}}, 0.3, ""}));
 
-/// Density [kg/m^2], wind [m/s], and how far away the ball is [m].
+/// Density [kg/m^2], wind [m/s], and distance of the ball [m].
 class BlownAgainstABall : public ::testing::TestWithParam<std::tuple<double, double, double>> {};
 
 TEST_P(BlownAgainstABall, ItsTrianglesStopThere) {
-  // At rest as the frame begins, and too far away to come there at that speed. The ball is small
-  // enough to pass between points.
+  // At rest as the frame begins, and too far away to reach the ball at that speed. The ball is
+  // small enough to pass between points.
   const auto& [density, wind, distance] = GetParam();
   for (const double radius : {0.001, 0.003, 0.01}) {
     Scene scene;

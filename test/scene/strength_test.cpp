@@ -1,4 +1,4 @@
-// A robot's ordinary mistakes: hands that ask for what cannot be. Holders give way, lag and come
+// A robot's ordinary mistakes: commands to hands that cannot be met. Holders give way, lag and come
 // back; nothing is flung, crosses or stays stretched.
 
 #include "clothsim/dynamics/stretch.h"
@@ -15,7 +15,7 @@ using namespace testing;
 constexpr double width = 0.4;  // [m]
 constexpr int side = 25;
 
-/// A towel or a shirt of 0.4 m that may not pass through itself, level, 0.5 m above the ground.
+/// A towel or a shirt of 0.4 m with self contact, level, 0.5 m above the ground.
 Scene fabric_scene(const std::string& fabric, const std::string& colliders) {
   const std::string size = "width: 0.4, height: 0.4, columns: 25, rows: 25, origin: [0, 0, 0.5]";
   return read_scene(YAML::Load("{cloth: {fabric: " + fabric + ", self_collision: surface, " + size +
@@ -30,7 +30,7 @@ std::vector<int> first_row() {
   return points;
 }
 
-/// A hand that moves in a straight line, with all that must hold in each frame.
+/// A hand that moves in a straight line, with the checks of each frame.
 struct Hand {
   Simulator& simulator;
   Vector3 position;
@@ -50,13 +50,13 @@ struct Hand {
   void check(int frame) const {
     ASSERT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0) << frame;
     for (const HolderReport& holder : simulator.holders()) {
-      // A holder still sticks in the substep that finds it overpowered.
+      // A holder still sticks in the substep that detects its overload.
       ASSERT_LE(holder.force, 1.01 * holder.strength) << holder.name << frame;
     }
   }
 };
 
-/// How much too low a held edge is brought to the ground [m].
+/// Depth below the ground to which a held edge is moved [m].
 class EdgeOnGround : public ::testing::TestWithParam<double> {};
 
 TEST_P(EdgeOnGround, LagsAndIsStill) {

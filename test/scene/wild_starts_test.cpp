@@ -1,4 +1,4 @@
-// Starts that no cloth can have, by `auto`: it must find back into its shape.
+// Impossible starts, with `auto`: the cloth must recover its shape.
 
 #include "hanging.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 using namespace testing;
 
-/// The hanging cloth at rest, then with its free points put where `put` says, at rest there; 8 s
+/// The hanging cloth at rest, then with its free points moved by `put`, at rest there; checked 8 s
 /// later.
 template <typename Put>
 State after_start_from(Put&& put) {
@@ -44,7 +44,7 @@ TEST(WildStart, FlattenedToALine) {
 }
 
 TEST(WildStart, AllInOnePoint) {
-  // Nothing has a direction but the springs at the pins: they pull out what they can.
+  // No spring has a direction except those at the pins, which pull out as much as they can.
   Simulator simulator(hanging());
   State start = simulator.state();
   for (int i = 0; i < start.positions.rows(); ++i) {
@@ -56,7 +56,7 @@ TEST(WildStart, AllInOnePoint) {
 }
 
 TEST(WildStart, PairsInOnePlace) {
-  // Every second point where its neighbour is.
+  // Every second point at the place of its neighbour.
   after_start_from(
       [](const State& rest, int i) { return point(rest, i % 20 == 0 ? i : i - i % 2); });
 }

@@ -105,7 +105,7 @@ class Cluster:
                          for path in sorted(self.folder.glob("*.log")) + sorted(self.folder.glob("*.out")))
 
     def kill_node(self, node):
-        """At once, with all that runs on it, as when a machine fails."""
+        """At once, with all its processes, as when a machine fails."""
         steps = subprocess.run(["pgrep", "-x", "slurmstepd"], capture_output=True, text=True,
                                check=False).stdout.split()
         daemon = self.processes.pop(node)
@@ -115,7 +115,7 @@ class Cluster:
             self.kill_tree_of_node(pid, node)
 
     def kill_tree_of_node(self, pid, node):
-        """A step of this cluster's node, and what it started."""
+        """A step of this cluster's node, and its child processes."""
         try:
             environment = pathlib.Path("/proc/%d/environ" % pid).read_bytes()
         except OSError:

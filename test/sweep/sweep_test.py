@@ -62,7 +62,7 @@ class Sweeps(unittest.TestCase):
 
 
 class Table(Sweeps):
-    """Of cases, from the axes."""
+    """Tables of cases, from the axes."""
 
     def test_lists_and_ranges_make_a_grid(self):
         cases = self.cases({"axes": {"a": [1, "x", [0, 0, 1]], "b": {"range": [0, 1], "count": 3},
@@ -310,7 +310,7 @@ class OnSlurm(Sweeps):
     CASES = 200
 
     def test_node_fails_midway(self):
-        """Slurm itself is told not to run again what a node lost: the sweep has to."""
+        """Slurm itself must not run tasks of a lost node again: the sweep has to."""
         self.write({"axes": {"cloth.ks": {"log_range": [100, 10000], "count": self.CASES // 2},
                              "cloth.damping": [1, 5]}, "seconds": 0.3})
         here = self.folder / "here"
@@ -335,7 +335,7 @@ class OnSlurm(Sweeps):
         self.assertEqual(len(list((self.out / "cases").iterdir())), self.CASES)
 
     def stops_in_a_case(self, of_node):
-        """Stops a worker amid a case, by the name of its folder: one that is killed then loses it."""
+        """Stops a worker within a case, by the name of its folder. A worker that is then killed loses the case."""
         for part in (self.out / "cases").glob(".[0-9]*.part"):
             pid = int(part.name.split(".")[-2])
             if of_node in read_environment(pid):
@@ -347,7 +347,7 @@ class OnSlurm(Sweeps):
 
     def test_mistakes(self):
         self.write({"axes": {"cloth.ks": [500]}})
-        # A cluster that nobody has started. Without a file of it Slurm's commands try for a minute each.
+        # A cluster that nobody has started. Without its configuration file Slurm's commands try for a minute each.
         alone = {**Cluster(self.folder / "cluster").environment, "PATH": "/nowhere:/usr/bin/../bin"}
         self.assertIn("sweep: sbatch: ", self.run_sweep("--on", "slurm", code=1, environment=alone).stderr)
 

@@ -1,4 +1,4 @@
-// Overlapping boxes found by the tree: exactly those that a look at all pairs finds, each once.
+// Overlapping boxes from the tree: exactly those of a check of all pairs, each once.
 
 #include "clothsim/geometry/box_tree.h"
 
@@ -40,7 +40,7 @@ TEST(BoxTree, FindsWhatAllPairsFind) {
     for (int trial = 0; trial < 20; ++trial) {
       std::vector<Box> boxes;
       for (int i = 0; i < n; ++i) {
-        // Sizes from nothing to everything.
+        // Random sizes, from nothing to the whole range.
         const double size = std::pow(unit(), 4);
         const Vector3 corner(unit(), unit(), unit());
         boxes.emplace_back(corner, corner + size * Vector3(unit(), unit(), unit()));

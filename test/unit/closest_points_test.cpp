@@ -24,8 +24,8 @@ double between_segments(const std::array<Vector3, 4>& p) {
   return ((1 - s) * p[0] + s * p[1] - (1 - t) * p[2] - t * p[3]).norm();
 }
 
-/// Least of a convex f(x, y) over the square or the triangle x + y <= 1, by golden sections within
-/// golden sections: right to 1e-7, whatever the formula.
+/// Minimum of a convex f(x, y) over the square or the triangle x + y <= 1, by nested golden-section
+/// searches: accurate to 1e-7 for any formula.
 template <typename Function>
 double minimum(bool triangle, const Function& f) {
   const auto section = [](double high, const auto& g) {

@@ -89,8 +89,8 @@ TEST(ColliderContacts, ATwoSidedPlaneHoldsEachSide) {
 }
 
 TEST(ColliderContacts, NothingTunnelsThroughASphere) {
-  // A point that flies at the ball, at offset b from its axis: b < R must stop it on the near side
-  // however far it flies in a step; b > R must not touch it.
+  // A point that flies at the ball, at offset b from its axis: for b < R it must stop on the near
+  // side for any length of its step; for b > R it must not touch the ball.
   const double radius = 0.2;
   for (const double speed : {1.0, 10.0, 100.0}) {
     for (const double b : {0.0, 0.05, 0.15, 0.19, 0.21}) {
@@ -160,8 +160,8 @@ TEST(ColliderContacts, ABarThatTurnsFarInOneStepTakesAPointAlong) {
 }
 
 TEST(ColliderContacts, AnImpulseOnAnEdgeMovesItsEndsByTheirMasses) {
-  // A sheet without springs falls on a bar at the share x of its width: what ends its approach
-  // there is one impulse P, of which its sides take (1 - x) P / m_0 and x P / m_1.
+  // A sheet without springs falls on a bar at the share x of its width: one impulse P ends the
+  // approach there, of which its sides take (1 - x) P / m_0 and x P / m_1.
   const double x = 0.3, m_0 = 1, m_1 = 0.25, radius = 0.01, speed = 1;
   ClothSpec spec;
   spec.columns = spec.rows = 2;
@@ -208,12 +208,12 @@ TEST(ColliderContacts, FrictionStaysInCoulombsCone) {
 }
 
 TEST(ColliderContacts, AFastPointSlidesOnAThinPlateAsOnAPlane) {
-  // It goes much farther in a step than the plate is thick, and might have passed through it. From
-  // speed v it comes to rest after v^2 / (2 friction g).
+  // In a step the point goes much farther than the plate is thick, so it could tunnel. From speed v
+  // it comes to rest after v^2 / (2 friction g).
   constexpr double speed = 10, friction = 0.8, thickness = 0.002;
   const Eigen::AngleAxisd turn(0.7, Vector3(1, 2, 3).normalized());
   const Eigen::Quaterniond tilt(turn);
-  for (const double fall : {0.0, 0.5}) {  // [m/s] as it comes in
+  for (const double fall : {0.0, 0.5}) {  // [m/s] at the impact
     auto colliders = one(Cuboid{{20, 20, thickness}}, friction);
     colliders[0].place({Vector3::Zero(), tilt});
     const Cloth cloth = loose(2);
@@ -267,7 +267,7 @@ TEST(ColliderContacts, PointsOutOfReachAreUntouched) {
 }
 
 TEST(ColliderContacts, LeavingOutFarPointsChangesNothing) {
-  // A point so fast that all others might touch next makes the twin that looks at every one.
+  // With one point so fast that all others might touch next, the twin checks every point.
   constexpr int count = 400;
   const Cloth cloth = loose(count), with_fast_one = loose(count + 1);
   const Shape shapes[] = {Sphere{0.3}, Plane{}, Capsule{0.8, 0.05}, Cuboid{{0.8, 0.3, 0.2}}};

@@ -11,7 +11,7 @@ using namespace testing;
 
 constexpr double h = 1e-3;                   // [s]
 constexpr double displacement_factor = 0.5;  // of a step
-constexpr double friction = 0.4;             // of all
+constexpr double friction = 0.4;             // of all contacts
 constexpr double offset = surface_offset;
 
 const Shape shapes[] = {Sphere{0.3}, Plane{}, Plane{true}, Capsule{0.8, 0.1},
@@ -24,7 +24,7 @@ Cloth loose(int count) {
   return make_grid(spec);
 }
 
-/// That moves and turns.
+/// A collider that moves and turns.
 MovingCollider moving(const Shape& shape) {
   ColliderSpec spec;
   spec.shape = shape;
@@ -37,7 +37,7 @@ MovingCollider moving(const Shape& shape) {
   return collider;
 }
 
-/// One point at a time: what ContactSlots does, by signed_distance() and ContactImpulse.
+/// ContactSlots one point at a time, by signed_distance() and ContactImpulse.
 struct Twin {
   void find(const MovingCollider& c, const Cloth& cloth, const ContactStep& step,
             const State& state) {

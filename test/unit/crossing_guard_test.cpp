@@ -21,13 +21,13 @@ TEST(CrossingGuard, LetsNothingCrossWhateverMovesThePoints) {
   spec.columns = spec.rows = 9;
   spec.thickness = thickness;
   const Cloth cloth = make_grid(spec);
-  for (const double origin : {0.0, 1e3}) {  // far away rounding hides directions of what touches
+  for (const double origin : {0.0, 1e3}) {  // far away, rounding hides the directions of contacts
     int held = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       SelfContacts contacts(cloth, SelfCollision::surface);
       State state{cloth.rest_positions.array() + origin, Points::Zero(81, 3), 0};
       for (std::uint64_t k = 0; k < 60; ++k) {
-        // All points drawn to one place, by far too much at once.
+        // All points are drawn to one place, by far too much at once.
         const Points start = state.positions;
         state.positions = 0.8 * (start.array() - origin) + origin;
         state.positions += random_points(81, 0.02, 1000 * seed + k);
@@ -81,7 +81,7 @@ TEST(CrossingGuard, LetsLayersTurnThatAreAsNearAsTheyMayCome) {
   }
   const double least = min_distance(cloth, state.positions);
   EXPECT_LT(least, 1e-4 * thickness);
-  // Corners go many times that distance across the layers.
+  // Corners move many times that distance across the layers.
   for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 2, -1)}) {
     const Eigen::Matrix3d turn(Eigen::AngleAxisd(4e-3, axis.normalized()));
     for (int i = 0; i < 100; ++i) {
@@ -119,7 +119,7 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
 }
 
 TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatItTouchesAlone) {
-  // The end of a strip, turned back upon it.
+  // The end of a strip, turned back onto the strip.
   const Cloth cloth = strip(30);
   State at_start{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   const std::vector<int> end{28, 29, 58, 59}, below{23, 24, 25, 53, 54, 55}, far{5, 35};
@@ -127,7 +127,7 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatItTouchesAlone) {
     const double x = cloth.rest_positions(25, 0) - cloth.rest_positions(i % 30 - 28, 0) + 0.031;
     at_start.positions.row(i) << x, i < 30 ? 0.02 : 0.08, 2.1 * thickness;
   }
-  // It goes through the layer below, while the strip's other end stays or goes elsewhere.
+  // The end goes through the layer below, while the strip's other end stays or goes elsewhere.
   const auto guarded = [&](double way_of_far) -> Points {
     State state = at_start;
     for (const int i : end) state.positions(i, 2) -= 5 * thickness;

@@ -1,4 +1,4 @@
-// What is valid and hardly meant, with what may have been.
+// Valid but doubtful values, with the values that may have been meant.
 
 #include "clothsim/scene/doubts.h"
 
@@ -24,7 +24,7 @@ TEST(Doubts, NoShippedSceneHasAny) {
     if (file.path().extension() != ".yaml") continue;
     const YAML::Node yaml = load_scene_file(file.path());
     YAML::Node without_robots = YAML::Clone(yaml);
-    without_robots.remove("robots");  // whose description is a parameter
+    without_robots.remove("robots");  // their URDF comes from a parameter
     EXPECT_EQ(doubts(yaml, read_scene(without_robots, {file.path().parent_path()})), Lines())
         << file.path();
     ++count;

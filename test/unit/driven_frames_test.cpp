@@ -100,7 +100,7 @@ TEST(DrivenFrames, VelocityIsContinuousFromCallToCall) {
   EXPECT_LT((motion.twist().linear - target.twist->linear).norm(), 1e-12);
   EXPECT_LT((motion.twist().angular - target.twist->angular).norm(), 1e-12);
 
-  // The next call goes on with that: its first moves are those of the last ones.
+  // The next call continues from there: its first moves equal the last ones.
   FrameTarget rest = at({0.5, 0.2, 0}, 0.4);
   rest.twist = Twist{};
   motion.set_target(rest, 2000, dt / 100);

@@ -19,7 +19,7 @@ Cloth three_masses() {
 TEST(Energy, KineticCountsFreePoints) {
   const Cloth cloth = three_masses();
   State state{cloth.rest_positions, Points::Zero(3, 3), 0};
-  state.velocities.row(0) << 100, 0, 0;  // a pin that is moved
+  state.velocities.row(0) << 100, 0, 0;  // a pin that moves
   state.velocities.row(1) << 1, 2, 2;
   state.velocities.row(2) << 0, 0, 1;
   EXPECT_NEAR(kinetic_energy(cloth, state), (9 + 1) / 2.0, 1e-12);

@@ -76,7 +76,7 @@ TEST(EnergyWatch, PinsAndCollidersPutWorkIn) {
 
 TEST(EnergyWatch, CollidersPutWorkIntoSprings) {
   // A box that moves along x presses the first column of a cloth, whose springs take 200 times as
-  // much as its mass.
+  // much energy as its mass.
   ClothSpec sheet = square_spec(10, 1e5);
   sheet.material.density = 0.1;
   const Cloth cloth = make_grid(sheet);
@@ -126,8 +126,8 @@ TEST(EnergyWatch, GrowthByLittleIsSeenInTheEnd) {
 }
 
 TEST(EnergyWatch, WhatWasStoredInSpringsMayTurnIntoMotionLater) {
-  // A cloth whose springs take far more than its mass is stretched to twice its width, by the pins
-  // of one border or as it is pushed out of a shape, and then let go.
+  // A cloth whose springs take far more energy than its mass is stretched to twice its width, by
+  // the pins of one border or as it is pushed out of a shape, and then released.
   ClothSpec spec = square_spec(10, 1e5);
   spec.material.density = 0.1;
   for (int row = 0; row < 10; ++row) spec.pinned.push_back({9, row, ""});

@@ -68,8 +68,8 @@ TEST(FabricFiles, EachShippedOneIsACompleteFabricThatHangs) {
       EXPECT_GT(material.fabric->internal_damping[i], 0);
     }
     EXPECT_GT(material.fabric->shear_stiffness, 0);
-    EXPECT_LT(material.density, 0.5) << "no fabric";  // Material's own is 150
-    EXPECT_LT(scene.cloth.thickness, 0.005);          // and half a classic cloth's 0.0095
+    EXPECT_LT(material.density, 0.5) << "no fabric";  // the default of Material is 150
+    EXPECT_LT(scene.cloth.thickness, 0.005);          // half of a classic cloth's is 0.0095
     EXPECT_FALSE(material.strain_limit);
     Simulator simulator(scene);
     EXPECT_LT(run(simulator, 1).worst_stretch, 0.3);

@@ -57,7 +57,7 @@ TEST(FabricForces, EqualThePlainLoops) {
       const Points expected = plain_forces(cloth, loads, x, v);
       Points forces;
       compute_forces(cloth, loads, x, forces, {}, &v);
-      // Sums of differences that cancel, of up to 13 terms, each 8 times the largest stiffness.
+      // Sums of up to 13 terms that cancel, each 8 times the largest stiffness.
       const double scale = expected.cwiseAbs().maxCoeff();
       EXPECT_LE(farthest(forces, expected), 1e-12 * scale)
           << columns << " x " << rows << ", families " << mask;

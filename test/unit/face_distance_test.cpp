@@ -22,7 +22,7 @@ Vector3 at(const Triangle& t, const std::array<double, 3>& w) {
   return w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
 }
 
-/// Least of a convex function on [0, 1].
+/// Minimum of a convex function on [0, 1].
 double min_of(const std::function<double(double)>& f) {
   double low = 0, high = 1;
   for (int i = 0; i < 70; ++i) {
@@ -32,7 +32,7 @@ double min_of(const std::function<double(double)>& f) {
   return f((low + high) / 2);
 }
 
-/// Least signed distance over the triangle's points: a convex function of them.
+/// Minimum signed distance over the triangle's points, a convex function of them.
 double min_over(const Shape& shape, const Triangle& t) {
   return min_of([&](double u) {
     return min_of([&](double v) {
@@ -42,7 +42,7 @@ double min_over(const Shape& shape, const Triangle& t) {
   });
 }
 
-/// Farthest that the solid reaches along a direction.
+/// Support of the solid along a direction: its farthest extent.
 double extent(const Shape& shape, const Vector3& u) {
   if (const auto* s = std::get_if<Sphere>(&shape)) return s->radius;
   if (const auto* c = std::get_if<Capsule>(&shape)) {
@@ -54,7 +54,8 @@ double extent(const Shape& shape, const Vector3& u) {
   return u.cwiseAbs().dot(std::get<Cuboid>(shape).size) / 2;
 }
 
-/// Length of the shortest way that takes the triangle out, by trying directions.
+/// Length of the shortest translation that separates the triangle from the solid, by random
+/// directions.
 double shortest_way(const Shape& shape, const Triangle& t, std::mt19937_64& engine) {
   std::normal_distribution<double> draw;
   const auto way = [&](const Vector3& u) {
@@ -106,7 +107,7 @@ TEST(FaceDistance, IsTheLeastDistanceOfTheTrianglesPoints) {
       if (least <= 1e-9) continue;
       ++apart;
       EXPECT_NEAR(found->value, least, 1e-8);
-      // There, and with this normal.
+      // At the reported place, and with the reported normal.
       const auto& w = found->weights;
       EXPECT_NEAR(w[0] + w[1] + w[2], 1, 1e-12);
       for (const double share : w) EXPECT_GE(share, 0);
@@ -133,7 +134,7 @@ TEST(FaceDistance, IsTheShortestWayOutOfTheSolid) {
       const double way = shortest_way(shape, t, engine);
       EXPECT_LT(-found->value, way + 1e-6) << shape.index() << ' ' << n;
       EXPECT_GT(-found->value, 0.97 * way - 1e-4) << shape.index() << ' ' << n;
-      // It leads out, and not before its end.
+      // The translation separates them, and a shorter one does not.
       EXPECT_NEAR(found->normal.norm(), 1, 1e-12);
       Triangle out = t, short_of_it = t;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -185,7 +186,8 @@ TEST(FaceDistance, OfDegenerateTrianglesIsFinite) {
 }
 
 TEST(FaceDistance, ALineThatATriangleLiesOnIsFoundAtTwoOfItsEdges) {
-  // Square on a capsule, however it tilts by rounding; a box's edge below a triangle the same.
+  // Square on a capsule, tilted by a rounding either way; the same for a box's edge below a
+  // triangle.
   const Triangle flat{Vector3(-0.3, 0.2, 0.2), Vector3(0.3, 0.2, 0.2), Vector3(0.1, -0.3, 0.2)};
   const Capsule rod{2, 0.1};
   const Cuboid box{{2, 0.4, 0.4}};
@@ -213,7 +215,7 @@ TEST(FaceDistance, ALineThatATriangleLiesOnIsFoundAtTwoOfItsEdges) {
         lowest = std::min(lowest, x);
         highest = std::max(highest, x);
       }
-      // Where y is 0 on the sides of the triangle.
+      // At y = 0 on the sides of the triangle.
       EXPECT_NEAR(lowest, -0.3 + 0.4 * 0.4, 1e-6);
       EXPECT_NEAR(highest, 0.3 - 0.4 * 0.2, 1e-6);
     };
@@ -233,18 +235,18 @@ TEST(FaceDistance, ACylinderHoldsATriangleOnItsRimItsSideAndItsEnds) {
   EXPECT_NEAR(found->value, 0.01, 1e-9);
   EXPECT_NEAR((found->normal - out).norm(), 0, 1e-6);
   EXPECT_NEAR((at(t, found->weights) - on_rim - 0.01 * out).norm(), 0, 1e-8);
-  // As deep in it: the same way out.
+  // The same depth inside: the same direction.
   for (Vector3& p : t) p -= 0.02 * out;
   found = face_distance(drum, t, 1);
   EXPECT_NEAR(found->value, -0.01, 1e-9);
   EXPECT_NEAR((found->normal - out).norm(), 0, 1e-6);
 
-  // It reaches through the middle of a triangle whose edges are out of it.
+  // The cylinder reaches through the middle of a triangle whose edges are outside of it.
   const Triangle around{Vector3(-3, -3, 0.19), Vector3(3, -3, 0.19), Vector3(0, 3, 0.19)};
   found = face_distance(drum, around, 1);
   EXPECT_NEAR(found->value, -0.01, 1e-12);
   EXPECT_EQ(found->normal, Vector3::UnitZ());
-  // What lies on an end is held where it crosses its diameters.
+  // A triangle on an end has contacts where it crosses the end's diameters.
   const Triangle on_end{Vector3(-3, -0.1, 0.21), Vector3(3, -0.1, 0.21), Vector3(0, 3, 0.21)};
   found = face_distance(drum, on_end, 1);
   EXPECT_NEAR(found->value, 0.01, 1e-12);

@@ -29,7 +29,7 @@ Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x) {
 void expect_equal_to_plain(const Cloth& cloth, const Points& x) {
   const Loads loads{Vector3(1, -2, 3)};
   const Points expected = plain_forces(cloth, loads, x);
-  Points forces = Points::Constant(1, 3, 7);  // whatever it held before
+  Points forces = Points::Constant(1, 3, 7);  // for any values it held before
   compute_forces(cloth, loads, x, forces);
   ASSERT_EQ(forces.rows(), cloth.num_points());
   // Sums of up to 13 terms in another order.
@@ -72,7 +72,7 @@ TEST(Forces, EqualThePlainLoopWhereFamiliesAreOff) {
 }
 
 TEST(Forces, EqualThePlainLoopForAnyListOfSprings) {
-  // No grid: runs in any order, that overlap, of any stiffness, in more directions than a grid's.
+  // No grid: runs in any order, overlapping, of any stiffness, in more directions than a grid has.
   Cloth cloth = make_grid(square_spec(12));
   std::mt19937_64 engine(1);
   const auto draw = [&](int from, int to) {
@@ -131,7 +131,7 @@ TEST(Forces, InSinglePrecisionAreOffByItsRoundings) {
                 (f.cast<double>() - expected.col(axis).segment(blocks.first(), blocks.count()))
                     .cwiseAbs()
                     .maxCoeff();
-            // Twelve springs, each by a rounding of its ends' places and of its factor.
+            // Twelve springs, each with a rounding of the places of its ends and of its factor.
             EXPECT_LT(off, 12 * 4 * 6e-8 * stiffness * extent) << split;
             EXPECT_GT(off, 0);
           }
@@ -148,7 +148,7 @@ TEST(Forces, CoincidentPointsGiveNoForceAndNoNan) {
   Points forces;
   compute_forces(cloth, Loads{}, x, forces);
   EXPECT_EQ(forces, Points(cloth.mass * Loads{}.gravity.transpose()));
-  // Some of them.
+  // Some of the points.
   x = shaken(cloth, 0.1, 5);
   x.row(1) = x.row(0);
   x.row(8) = x.row(7);

@@ -1,4 +1,4 @@
-// Points attached to frames that move: where they go, what they weigh, when they tear off.
+// Points attached to moving frames: their motion, the forces on the frames, tearing off.
 
 #include "clothsim/simulation/grips.h"
 
@@ -40,7 +40,7 @@ TEST(Grips, FreePointsNearAPlaceAreThoseThatNothingHolds) {
   };
   const double spacing = 1.0 / 9;
   EXPECT_EQ(near(1.01 * spacing), (std::vector<int>{0, 1, 10}));
-  EXPECT_EQ(near(0), std::vector<int>{0});  // the bound is within
+  EXPECT_EQ(near(0), std::vector<int>{0});  // the bound is inclusive
   simulator.attach("hand", at(0, 0, 1), {1});
   EXPECT_EQ(near(1.01 * spacing), (std::vector<int>{0, 10}));
   EXPECT_THROW(near(0.5 * spacing, Vector3(spacing, 0, 1)), InvalidValue);  // held
@@ -67,7 +67,7 @@ TEST(Grips, PointsKeepTheirOffsetsInTheFrame) {
 }
 
 TEST(Grips, PointsMoveAtTheSpeedOfTheirFrame) {
-  // Not at once at the frame's end.
+  // Not all at once at the end of the frame.
   Simulator simulator(free_cloth());
   simulator.attach("hand", at(0, 0, 1), {0});
   simulator.move_grip("hand", at(0, 0, 1.009));
@@ -77,7 +77,7 @@ TEST(Grips, PointsMoveAtTheSpeedOfTheirFrame) {
 
 class Carried : public ::testing::TestWithParam<std::string> {};
 
-/// At rest the frames bear all: the force of both together is the weight of the whole cloth, and
+/// At rest the frames carry all: the sum of their forces is the weight of the whole cloth, and
 /// each torque is that of its points about the frame's origin.
 TEST_P(Carried, WeightIsThatOfTheClothAtRest) {
   Simulator simulator(free_cloth(GetParam()));
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Carried,
                                            "xpbd"));
 
 TEST(Grips, MomentumBalancesHoweverFewStepsXpbdTakes) {
-  // The wrench of the hands that swing a cloth takes its weight, less what it gains in momentum.
+  // The wrench on the hands that swing a cloth is its weight, less the rate of its momentum.
   for (const int substeps : {1, 10}) {
     for (const bool is_fabric : {false, true}) {
       Scene scene = free_cloth("xpbd");
@@ -250,7 +250,7 @@ TEST(Grips, AreSavedAndRestored) {
 }
 
 TEST(Grips, TouchingLayersMayBeHeldTogether) {
-  // Two points of self contact in one hand have no mass between them: nothing to divide by.
+  // Two points in self contact in one hand have no mass between them: no division by zero.
   Scene scene = free_cloth();
   scene.cloth.orientation = Orientation::vertical;
   scene.cloth.thickness = 0.03;

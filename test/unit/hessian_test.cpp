@@ -57,7 +57,7 @@ TEST(SpringHessian, ClampedIsPositiveSemidefiniteAndElseTheSame) {
       EXPECT_EQ(clamped, exact);
     }
     if (least(exact) < -1e-6 * k) ++indefinite;
-    // Along the spring it is the same at any length.
+    // Along the spring it is k at any length.
     EXPECT_NEAR(d.normalized().dot(clamped * d.normalized()), k, 1e-12 * k);
   }
   EXPECT_GT(indefinite, 10);

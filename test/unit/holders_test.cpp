@@ -1,4 +1,4 @@
-// Pins and grips that are stronger than the cloth stick, weaker ones slip with a constant force and
+// Pins and grips that are stronger than the cloth stick; weaker ones slip with a constant force and
 // come back.
 
 #include "clothsim/constraints/holders.h"
@@ -28,7 +28,7 @@ Scene loose_points() {
   return scene;
 }
 
-/// A hand at the world's origin that holds all of them with a strength, of their weight.
+/// A hand at the world's origin that holds all points, with a strength in units of their weight.
 void hold_all(Simulator& simulator, double strength) {
   std::vector<int> all(9);
   std::iota(all.begin(), all.end(), 0);
@@ -63,7 +63,7 @@ TEST(Holders, SlipWithAConstantForce) {
   const HolderReport hand = simulator.holders()[0];
   EXPECT_NEAR(hand.force, 0.75 * 9 * g, 1e-9);
   EXPECT_NEAR(hand.lag, simulator.cloth().rest_positions(0, 2) - after.positions(0, 2), 1e-12);
-  // The wrench is what the cloth does to the hand: the same force, downwards.
+  // The wrench is the load of the hand: the same force, downwards.
   const Vector3 force = simulator.grips().at("hand").wrench.force;
   EXPECT_NEAR((force - Vector3(0, 0, -0.75 * 9 * g)).norm(), 0, 1e-9);
 }
@@ -111,7 +111,7 @@ TEST(Holders, FrictionKeepsWhatLagsWhereItIs) {
 }
 
 TEST(Holders, ShareTheirStrengthByLoad) {
-  // Half of the points carry nothing, so that the others may have it all.
+  // Half of the points carry nothing, so that the others may use the whole strength.
   Scene scene = loose_points();
   scene.cloth.columns = 2;
   scene.cloth.rows = 1;
@@ -145,8 +145,9 @@ TEST(Holders, GoOnToTheSameBits) {
 }
 
 TEST(Holders, HaveAStrengthThatASceneNeedNotName) {
-  // Ten weights, and what stretches the springs of a point to their limit: at a corner of the
-  // grid three structural and shear springs, and two of bending a fifth as stiff and twice as long.
+  // Ten weights, plus the force that stretches the springs of a point to their limit: at a corner
+  // of the grid three structural and shear springs, and two of bending a fifth as stiff and twice
+  // as long.
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 11;
   scene.cloth.pinned = {{0, 0, ""}};

@@ -45,7 +45,7 @@ class EachIntegrator : public ::testing::Test {};
 TYPED_TEST_SUITE(EachIntegrator, EachMethod);
 
 TYPED_TEST(EachIntegrator, PinsMoveAtTheirOwnVelocity) {
-  // Whatever pulls at them, and without drag.
+  // Under any pull, and without drag.
   ClothSpec spec = square_spec(4);
   spec.material.damping = 5;
   spec.pinned = {{0, 0, ""}, {3, 0, ""}};
@@ -91,7 +91,7 @@ TYPED_TEST(EachIntegrator, ParametersAreCheckedComparedAndUsed) {
       }
     }
 
-    // It is no ornament: the least and the most give other bits.
+    // Each parameter has an effect: its least and largest values give other bits.
     const auto end = [&](double value) {
       const Cloth cloth = make_grid(square_spec(6));
       State state{shaken(cloth, 0.1, 1), Points::Zero(36, 3), 0};

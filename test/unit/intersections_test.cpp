@@ -1,5 +1,5 @@
-// Triangles that cross: what counts, against an exact oracle in integers; and pairs in a mesh,
-// against a look at all pairs.
+// Triangles that cross: the definition, against an exact oracle in integers; and pairs in a mesh,
+// against a check of all pairs.
 
 #include "clothsim/geometry/intersections.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 // ---- One pair -----------------------------------------------------------------------------------
 
-/// The same answer whichever comes first and wherever the corners begin.
+/// The same answer for either order of the triangles and any first corners.
 bool cross_in_every_order(const Triangle& s, const Triangle& t) {
   const bool answer = triangles_cross(s, t);
   std::array<std::size_t, 3> order{0, 1, 2};
@@ -104,7 +104,7 @@ class Oracle {
   struct Interval {
     Fraction begin{0, 1};
     Fraction end{0, 1};
-    bool cut = false;  // the plane parts the triangle
+    bool cut = false;  // the plane separates the triangle's corners
   };
 
   static Integers normal(const IntegerTriangle& t) {
@@ -138,8 +138,8 @@ class Oracle {
   }
 };
 
-/// Does the edge pq go from one side of the plane to the other through the triangle? `closed`: its
-/// edges and corners belong to it.
+/// Whether the edge pq goes from one side of the plane to the other through the triangle. `closed`:
+/// its edges and corners belong to it.
 bool edge_passes(const Vector3& p, const Vector3& q, const Triangle& t, bool closed) {
   if (orientation(t[0], t[1], t[2], p) * orientation(t[0], t[1], t[2], q) >= 0) return false;
   const auto [least, most] =
@@ -160,7 +160,7 @@ bool has_area(const Triangle& t) { return (t[1] - t[0]).cross(t[2] - t[0]).norm(
 
 TEST(TrianglesCross, EqualsTheOracleOnIntegers) {
   // On a lattice this small every kind of contact comes up. Scaled by powers of two and shifted,
-  // the corners stay exact, so the answer must stay.
+  // the corners stay exact, so the answer must stay the same.
   std::mt19937_64 random(1);
   int crossing = 0, touching = 0;
   for (int trial = 0; trial < 60000; ++trial) {
@@ -187,7 +187,7 @@ TEST(TrianglesCross, EqualsTheOracleOnIntegers) {
       ASSERT_EQ(cross_in_every_order(plain[0], plain[1]), expected) << trial;
     }
 
-    // In words: an edge of one passes through the other.
+    // Equivalently: an edge of one passes through the other.
     const bool through = an_edge_passes(plain[0], plain[1], false);
     const bool through_or_along = an_edge_passes(plain[0], plain[1], true);
     if (through && has_area(plain[0]) && has_area(plain[1])) {
@@ -332,7 +332,7 @@ TEST(FindIntersections, ListsPairsThatShareNoPoint) {
       3, 1, -1, 3, 1, 1, 3.5, 1, 1,                 // through its first triangle
       2, 2, -1, 1, 3, 1, 3, 1, 1,                   // a corner through its diagonal
       3, 1, -1, 4, 1, 5,                            // through the first, but hangs on its point
-      3, 2, 1, 4, 2, 1;                             // beside it, and hangs on the point of another
+      3, 2, 1, 4, 2, 1;                             // beside it, and ends on the point of another
   ASSERT_EQ(checked_count(cloth, positions, "square"), 4);
   const auto pairs = find_intersections(cloth, positions);
   const int expected[][2] = {{0, 2}, {0, 3}, {0, 5}, {1, 3}};

@@ -63,7 +63,7 @@ TEST(LiveContact, ValuesThatChangeAtTheStartAreThoseOfAScene) {
 }
 
 TEST(LiveContact, AThickerClothPartsWithoutAJump) {
-  // In a pile: each layer must rise, and none leaps.
+  // In a pile: each layer must rise, without a leap.
   Scene scene = shipped_scene("self_collision");
   scene.cloth.columns = scene.cloth.rows = 20;
   scene.cloth.self_collision = SelfCollision::surface;

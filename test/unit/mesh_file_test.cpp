@@ -121,7 +121,7 @@ TEST(Resource, IsFoundByPackageByFileOrFromTheFolderOn) {
   EXPECT_EQ(find_resource("b.stl", "/else"), "/else/b.stl");
   EXPECT_EQ(find_resource("/a/b.stl", "/else"), "/a/b.stl");
   EXPECT_EQ(uri_of("b.stl", "/else/b.stl"), "file:///else/b.stl");
-  // Blanks and the like, as they are or escaped; others get them escaped.
+  // Blanks and other special characters, plain or escaped; the uri has them escaped.
   for (const char* each : {"my meshes/a%20.stl", "my%20meshes/a%2520.stl"}) {
     const bool is_plain = each[2] == ' ';
     const std::string path = is_plain ? "my meshes/a .stl" : "my meshes/a%20.stl";

@@ -212,7 +212,7 @@ TEST(NearPairs, OfAMeshFindTheTrianglesThatPointsTouch) {
     const std::vector<NearPair> found = finder.approaching(x, x);
     int touching = 0;
     for (int i = 0; i < n; ++i) {
-      // The nearest of those that keep their whole distance.
+      // The nearest of the pairs that keep their whole distance.
       const double most = 2 * surface.thickness;
       const auto of_point = brute_force(surface, [&](const SurfacePair& pair) {
         return pair.points[0] == i && !pair.edges() && pair.nearest == most;
@@ -240,7 +240,7 @@ TEST(NearPairs, OfTheSameGridFindTheSameAsAMesh) {
   const SurfaceMesh mesh(cloth);
   for (const Tiling::Range& stencils : {Tiling::of_surfaces, Tiling::of_points}) {
     NearPairs of_grid(cloth, stencils), of_mesh(mesh, cloth.rest_positions, 0.015, stencils);
-    // The least gap of each point: triangles side by side may have it.
+    // The least gap of each point: adjacent triangles may have it.
     const auto gaps = [&](const std::vector<NearPair>& pairs) {
       std::vector<double> least(static_cast<std::size_t>(cloth.num_points()), 1);
       for (const NearPair& near : pairs) {

@@ -64,7 +64,7 @@ TEST(MethodChoice, TakesAnotherWhereExplicitDoesNotFit) {
   EXPECT_LE(c.predicted_cost.value(), 1);
   EXPECT_EQ(c.reasons.all(), std::set{Reason::most_accurate_in_real_time});
 
-  // Verlet's substeps would not fit, whatever the tolerance.
+  // Verlet's substeps would exceed the limit at any tolerance.
   Scene scene = swinging(5e8);
   scene.simulation.method = "verlet";
   const Cloth cloth = make_grid(scene.cloth);
@@ -134,7 +134,7 @@ std::vector<Points> frames(const Scene& scene, int count = 45) {
   return result;
 }
 
-/// The scene's own run against one with eight times the substeps.
+/// The error of the scene's own run against a run with eight times the substeps.
 double measured_error(const Scene& scene, int substeps, int count) {
   Scene fine = scene;
   fine.simulation.method = "verlet";
@@ -142,7 +142,7 @@ double measured_error(const Scene& scene, int substeps, int count) {
   return error_between(frames(scene, count), frames(fine, count));
 }
 
-/// What `auto` takes for so many points a side, which must be Verlet.
+/// The choice of `auto` for so many points along a side, which must be Verlet.
 MethodChoice verlet_choice(Scene& scene, int side) {
   scene.cloth.columns = scene.cloth.rows = side;
   const MethodChoice chosen = choice(scene);
@@ -151,7 +151,7 @@ MethodChoice verlet_choice(Scene& scene, int side) {
 }
 
 TEST(MethodChoice, AFallIsExactWhateverTheStep) {
-  // Drag and all, until it lands.
+  // With drag, until it lands.
   Scene sphere = shipped_scene("sphere");
   sphere.cloth.material.strain_limit.reset();
   for (const int side : {20, 30}) {
@@ -160,7 +160,7 @@ TEST(MethodChoice, AFallIsExactWhateverTheStep) {
     EXPECT_LT(measured_error(sphere, chosen.min_substeps, 45), 1e-13) << side;
   }
 
-  // In a method of first order, too: of 4 m that weigh little and are stiff.
+  // In a method of first order, too: 4 m wide, light and stiff.
   Scene light = swinging(1e5, 0.15);
   light.cloth.pinned.clear();
   light.cloth.width = light.cloth.height = 4;
@@ -176,14 +176,14 @@ TEST(MethodChoice, AFallIsExactWhateverTheStep) {
     EXPECT_NEAR(fallen, -9.8 * 2 * 2 / 2, 1e-9) << method;
   }
 
-  // Nothing below: a fall for ever.
+  // Nothing below: free fall for ever.
   sphere.colliders.clear();
   EXPECT_EQ(choice(sphere).predicted_error.value(), 0);
 }
 
 TEST(MethodChoice, PredictsWhatStandsOnTheGround) {
-  // Its columns buckle at once, and faster than anything swings: up to where the folds touch and
-  // one run tells nothing about another.
+  // Its columns buckle at once, and faster than any swing, until the folds touch and runs become
+  // incomparable.
   Scene fold = shipped_scene("self_collision");
   fold.cloth.material.strain_limit.reset();
   for (const int side : {20, 30}) {
@@ -250,7 +250,7 @@ TEST(MethodChoice, TakesBdf2ForARibbonWhereExplicitDoesNotFit) {
   EXPECT_EQ(chosen.reasons.all(), std::set{Reason::cheapest_within_tolerance});
   EXPECT_LT(chosen.predicted_error.value(), ribbon.simulation.tolerance);
 
-  // What it damps does not grow. Verlet's substeps need shorter frames.
+  // Damped motion has no growing error. Verlet's substeps need shorter frames.
   constexpr int parts = 2;
   Scene exact = ribbon;
   exact.simulation.method = "verlet";
@@ -265,7 +265,7 @@ TEST(MethodChoice, TakesBdf2ForARibbonWhereExplicitDoesNotFit) {
 }
 
 TEST(MethodChoice, OfImpulsesRungeKuttaKnowsNothing) {
-  // Within 1e-8 it is the only one on springs alone; whatever holds the cloth shuts it out.
+  // Within 1e-8 it is the only one on springs alone; any constraint on the cloth rules it out.
   Scene scene = swinging();
   scene.simulation.tolerance = 1e-8;
   EXPECT_EQ(choice(scene).method, "rk4");
@@ -281,7 +281,7 @@ TEST(MethodChoice, OfImpulsesRungeKuttaKnowsNothing) {
 }
 
 TEST(MethodChoice, ImpulsesWantShortSteps) {
-  // 20 x 20 points, whose springs ask for three substeps of a frame of 11 ms: no more than 3 ms.
+  // 20 x 20 points, whose springs need three substeps in a frame of 11 ms: no more than 3 ms each.
   Scene scene = swinging();
   scene.cloth.columns = scene.cloth.rows = 20;
   scene.cloth.pinned = {{0, 0, ""}};
@@ -291,10 +291,10 @@ TEST(MethodChoice, ImpulsesWantShortSteps) {
   EXPECT_EQ(choice(scene).min_substeps, 4);
   scene.simulation.frames_per_second = 30;
   EXPECT_EQ(choice(scene).min_substeps, 12);
-  scene.simulation.method = "verlet";  // named, it needs them no less
+  scene.simulation.method = "verlet";  // named, it needs as many
   EXPECT_EQ(choice(scene).min_substeps, 12);
   EXPECT_EQ(Simulator(scene).step().substeps, 12);
-  scene.simulation.substeps = springs_ask;  // what the scene says is kept
+  scene.simulation.substeps = springs_ask;  // the scene's value is kept
   EXPECT_EQ(Simulator(scene).step().substeps, springs_ask);
   scene.simulation.method = "auto";
   EXPECT_EQ(choice(scene).min_substeps, springs_ask);
@@ -317,7 +317,7 @@ TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
   EXPECT_FALSE(chosen.predicted_error);
   EXPECT_TRUE(chosen.predicted_cost);
 
-  // Where none is in real time, another one: still nothing is foretold.
+  // Where no run is in real time, another method: still no prediction.
   scene.cloth.material.ks = 1e10;
   scene.cloth.columns = scene.cloth.rows = 100;
   const MethodChoice stiff = choice(scene);
@@ -327,7 +327,7 @@ TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
 }
 
 TEST(MethodChoice, ContactCosts) {
-  // A substep's cost by what the cloth may touch, the cheapest first.
+  // A substep's cost by the possible contacts, the cheapest first.
   const auto cost = [](SelfCollision self, const std::vector<ColliderSpec>& colliders) {
     Scene scene = swinging();
     scene.cloth.self_collision = self;
@@ -349,8 +349,8 @@ TEST(MethodChoice, ContactCosts) {
 }
 
 TEST(MethodChoice, WhereContactIsTheCostFewerSubstepsWin) {
-  // A tolerance that XPBD meets too, with five substeps where Verlet needs fifteen: dearer on
-  // springs alone, cheaper where each substep finds contacts.
+  // A tolerance that XPBD meets too, with five substeps where Verlet needs fifteen: more expensive
+  // on springs alone, cheaper where each substep finds contacts.
   Scene scene = shipped_scene("table");
   scene.cloth.material.ks = 3e4;
   scene.cloth.material.strain_limit.reset();

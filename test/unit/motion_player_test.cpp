@@ -25,7 +25,7 @@ Scene scene(const std::string& motions) { return read_scene(YAML::Load(base + mo
 
 std::string refused(const std::string& motions) { return refusal(base + motions); }
 
-/// What playing `frames` frames refuses.
+/// The message that refuses to play `frames` frames.
 std::string refused_when_played(const std::string& motions, int frames,
                                 const std::filesystem::path& folder = ".") {
   try {

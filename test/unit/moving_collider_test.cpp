@@ -101,7 +101,7 @@ TEST(MovingCollider, TurnsTheShortWay) {
   collider.set_target(pose(Vector3::Zero(), -3.0, Vector3::UnitZ()), 1);
   const double w = collider.velocity_at(Vector3::UnitX()).y();
   EXPECT_NEAR(w, 2 * M_PI - 6, 1e-12);
-  // The negative of a quaternion is the same orientation: no turn.
+  // The negative of a quaternion is the same orientation: no rotation.
   Pose same = pose(Vector3::Zero(), 3.0, Vector3::UnitZ());
   same.orientation.coeffs() *= -1;
   collider.place(pose(Vector3::Zero(), 3.0, Vector3::UnitZ()));

@@ -23,7 +23,7 @@ Points rolled(const Cloth& cloth, double turns) {
   return x;
 }
 
-/// Are they the same, or is there at most one triangle between them?
+/// Whether they are the same triangle, or there is at most one triangle between them.
 bool are_beside(const SurfaceMesh& mesh, int s, int t) {
   const auto touch = [&](int p, int q) {
     const auto &a = mesh.triangles[static_cast<std::size_t>(p)],
@@ -37,8 +37,8 @@ bool are_beside(const SurfaceMesh& mesh, int s, int t) {
   });
 }
 
-/// Of each point and triangle that are closer than a share of what they may come, that triangle was
-/// found or one close by that is nearly as near.
+/// For each point and triangle closer than `share` of their contact distance, that triangle was
+/// found or an adjacent one that is nearly as near.
 void expect_all_that_touches(const Surface& surface, const std::vector<NearPair>& found,
                              const Points& x, double share) {
   const SurfaceMesh& mesh = surface.mesh;
@@ -68,7 +68,7 @@ void expect_all_that_touches(const Surface& surface, const std::vector<NearPair>
   });
 }
 
-/// All that come as near as the floor on the way are found.
+/// All pairs that come as near as `floor` on the way are found.
 void expect_all_that_meet(const Surface& surface, NearPairs& finder, const Points& here,
                           const Points& ends, double floor) {
   const auto found = sorted_features(finder.swept_query(here, ends, floor));
@@ -165,8 +165,8 @@ TEST(NearPairs, ListEdgesThatCrossWhereNoPointSeesIt) {
   EXPECT_TRUE(std::includes(found.begin(), found.end(), must.begin(), must.end()));
 }
 
-/// All points that are no neighbours at rest and come within some distance [m]: as they lie, or
-/// along the line between them on the way to `ahead`.
+/// All pairs of points that are no neighbours at rest and come within some distance [m]: as they
+/// lie, or along the line between them on the way to `ahead`.
 std::vector<std::array<int, 2>> near_points(const Cloth& cloth, const Points& x,
                                             const Points& ahead, double within) {
   std::vector<std::array<int, 2>> found;

@@ -1,4 +1,4 @@
-// The implicit solver, and the parts it stands on.
+// The implicit solver and its parts.
 
 #include "clothsim/dynamics/newton_solver.h"
 
@@ -52,7 +52,7 @@ TEST(IncrementalPotential, GradientIsItsDerivative) {
   }
 }
 
-/// The whole matrix of a system of springs with blocks of 3, put together entry by entry.
+/// The whole matrix of a system of springs with 3 x 3 blocks, assembled entry by entry.
 Eigen::MatrixXd dense_matrix(const Cloth& cloth, const Points& x, double weight) {
   Eigen::MatrixXd matrix = weight * Eigen::MatrixXd::Identity(3 * x.rows(), 3 * x.rows());
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
@@ -119,7 +119,7 @@ TEST(NewtonSolver, LeavesNoForce) {
   NewtonSolver solver(parameters);
   for (const double omega_h : {0.1, 1.0, 10.0, 100.0}) {
     for (const double size : {0.01, 0.3}) {
-      if (omega_h * size > 10) continue;  // crumpled at a step where inertia hardly holds: too slow
+      if (omega_h * size > 10) continue;  // crumpled, at a step with little inertia: too slow
       const Scalars weights = weights_of(cloth, omega_h / omega);
       const Points y = shaken(cloth, size, 1);
       Points d;
@@ -127,7 +127,7 @@ TEST(NewtonSolver, LeavesNoForce) {
       EXPECT_FALSE(solver.unconverged());
       EXPECT_LT(iterations, 500) << "omega h " << omega_h << ", size " << size;
 
-      // What is left is the last step's share of the stiffest spring.
+      // The residual is the last step's share of the stiffest spring.
       Points gradient(y.rows(), 3);
       potential_gradient(cloth, weights, y + d, d, gradient);
       Points before(y.rows(), 3);

@@ -19,7 +19,7 @@ class Npz : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
 
-  /// Runs a line of Python with NumPy in the folder; its output.
+  /// Runs a line of Python with NumPy in the folder; returns its output.
   std::string python(const std::string& line) const {
     const std::string command = "cd " + folder_.path().string() +
                                 " && /usr/bin/python3 -c \"import numpy as np; " + line +
@@ -93,7 +93,7 @@ TEST_F(Npz, RefusesWhatIsNone) {
   EXPECT_NE(refusal("turned.npz").find("t: got no simple array in C order"), std::string::npos);
   EXPECT_NE(refusal("object.npz").find("o: got"), std::string::npos);
 
-  // Headers that lie.
+  // Headers with false sizes.
   const std::string good = to_npy(NumberArray{{3}, {1, 2, 3}});
   std::string longer = good, huge = good, cut = good.substr(0, 40);
   longer.replace(longer.find("(3, )"), 5, "(4, )");

@@ -1,4 +1,4 @@
-// The sign of a determinant, exact: against integers, known planes and its own symmetries.
+// The exact sign of a determinant: against integers, known planes and its own symmetries.
 
 #include "clothsim/geometry/orientation.h"
 
@@ -16,7 +16,7 @@ using Points4 = std::array<Vector3, 4>;
 
 int orientation(const Points4& p) { return clothsim::orientation(p[0], p[1], p[2], p[3]); }
 
-/// Every order of the four points has the sign that the parity of the order says.
+/// Every order of the four points has the sign of the order's parity.
 void expect_alternating(const Points4& points, int sign) {
   std::array<std::size_t, 4> order{0, 1, 2, 3};
   do {
@@ -53,8 +53,8 @@ int exact_sign(const std::array<std::array<Wide, 3>, 4>& p) {
 }
 
 TEST(Orientation, EqualsTheDeterminantOfIntegers) {
-  // d = (one way or another nearly) a combination of a, b, c, so that the sign hangs on the last
-  // bits of numbers of 40 bits; products of three fit into 128.
+  // d is nearly a combination of a, b, c, so that the sign depends on the last bits of numbers of
+  // 40 bits; products of three fit into 128.
   std::mt19937_64 random(1);
   const auto integer = [&random](int bits) {
     return static_cast<std::int64_t>(random() >> (64 - bits)) - (std::int64_t{1} << (bits - 1));
@@ -76,11 +76,11 @@ TEST(Orientation, EqualsTheDeterminantOfIntegers) {
     ++seen[static_cast<std::size_t>(sign + 1)];
     ASSERT_EQ(orientation(points), sign) << trial;
   }
-  for (const int count : seen) EXPECT_GT(count, 1000);  // each sign was put to the test
+  for (const int count : seen) EXPECT_GT(count, 1000);  // each sign came up
 }
 
 TEST(Orientation, StaysInItsBoundsBeyondItsRange) {
-  // A cloth that diverges is still counted: the sign is lost with the products, nothing else is.
+  // A cloth that diverges is still counted: only the sign is lost when the products overflow.
   std::mt19937_64 random(3);
   for (const double size : {1e150, 1e307, 1e-150, 1e-307}) {
     for (int trial = 0; trial < 1000; ++trial) {
@@ -96,7 +96,7 @@ TEST(Orientation, StaysInItsBoundsBeyondItsRange) {
 
 TEST(Orientation, KnowsAPlaneToTheLastBitAtEveryMagnitude) {
   // Points of the plane z = x, of magnitudes so mixed that their differences are rounded; then one
-  // is moved off it by the least step there is.
+  // of them is moved off the plane by one unit in the last place.
   std::mt19937_64 random(2);
   const auto number = [&random](double least, double most) {
     std::uniform_real_distribution<double> exponent(std::log(least), std::log(most));
@@ -115,8 +115,9 @@ TEST(Orientation, KnowsAPlaneToTheLastBitAtEveryMagnitude) {
       const Vector3 normal = (points[1] - points[0]).cross(points[2] - points[0]);
       if (!(normal.norm() > 0)) continue;
 
-      // Above z = x lies the side of (-1, 0, 1); is it that of a, b, c counter-clockwise? Seen
-      // along y and x, so by the sign of an area, exact in the plane z = x turned into z = 0.
+      // Above z = x lies the side of (-1, 0, 1); is it that of a, b, c counter-clockwise? By the
+      // sign of an area in a projection along y or x, exact once the plane z = x is turned into z =
+      // 0.
       Points4 flat = points;
       for (Vector3& p : flat) p.z() = 0;
       flat[3].z() = 1;

@@ -1,4 +1,4 @@
-// What changing many values of a scene costs, counted in allocations, which every step of it takes.
+// Cost of a change of many values of a scene, counted in allocations, which each step of it takes.
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ long long cost(int pins, int options) {
 TEST(OverrideCost, GrowsWithTheSceneAndTheOptionsNotWithTheirProduct) {
   const long long small = cost(500, 100), many = cost(500, 400);
   const long long large = cost(2000, 100), both = cost(2000, 400);
-  const long long sum = many + large - small;  // where each adds its own
+  const long long sum = many + large - small;  // if the costs add up
   EXPECT_LT(both, sum + sum / 10);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-/// At no time on straight ways has a point on one patch come nearer to one on another by more than
+/// At no time on straight paths has the distance between points on two patches shrunk by more than
 /// the bound, which is `most` at most.
 void expect_bound(const std::vector<Patch>& patches, const Points& from, const Points& to,
                   double most) {
@@ -57,7 +57,7 @@ TEST(PatchMotions, BoundHowMuchNearerPointsComeAtAnyTime) {
   const std::vector<Patch> patches = Surface(cloth).patches;
   ASSERT_EQ(patches.size(), 9u);
   const Points from = shaken(cloth, 0.02, 1);
-  // What all do alike brings nothing nearer.
+  // A common motion brings nothing nearer.
   const Points moved = from.rowwise() + Eigen::RowVector3d(1, -2, 3);
   for (const double tremble : {0.0, 0.001, 0.5}) {
     SCOPED_TRACE(tremble);

@@ -11,7 +11,7 @@ using namespace testing;
 
 constexpr double h = 0.01;  // [s]
 
-/// That goes at `velocity`.
+/// A collider that moves at `velocity`.
 MovingCollider moving(const Vector3& velocity) {
   ColliderSpec spec;
   spec.shape = Sphere{0.1};
@@ -24,7 +24,7 @@ MovingCollider moving(const Vector3& velocity) {
 const Vector3 up(0, 0, 1), down(0, 0, -1), still(0, 0, 0);
 constexpr double thickness = 0.002;  // of a layer [m]
 
-/// A cloth in a row, whose layers are that thick and rub on each other.
+/// A cloth in a row with layers of that thickness, which rub on each other.
 Cloth row_of(int points, double friction = 0.5) {
   ClothSpec spec = chain_spec(points, 1, 0);
   spec.thickness = thickness / 2;
@@ -40,7 +40,7 @@ MovingCollider rough(const Vector3& velocity, double friction) {
   return collider;
 }
 
-/// Of a collider that faces `normal`, so far away, with so many layers between.
+/// The distance of a collider that faces `normal`, with so many layers in between.
 Pinches::ColliderDistance side(const MovingCollider& collider, const Vector3& normal,
                                double distance, int layers = 0) {
   return {&collider, normal, distance, thickness / 2 + layers * thickness, layers == 0};
@@ -73,7 +73,7 @@ TEST(Pinches, SurfacesThatDoNotFaceEachOtherPushSideways) {
   }
 }
 
-/// Velocity of a point that had (10, 20, 30) m/s.
+/// Velocity of a pinched point that had (10, 20, 30) m/s.
 Vector3 pinched(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b,
                 double friction_of_cloth = 0.5) {
   const Cloth cloth = row_of(2, friction_of_cloth);
@@ -126,7 +126,7 @@ TEST(Pinches, APointTurnsWithBothAsOneBody) {
 }
 
 TEST(Pinches, LayersShareWhatSurfacesRubInARow) {
-  // Each surface yields by 1 / friction: jaw, layer, layer, jaw.
+  // Each surface in the row slides in proportion to 1 / friction: jaw, layer, layer, jaw.
   const double of_jaws = 0.4, of_cloth = 0.2;
   const MovingCollider a = rough(still, of_jaws), b = rough({1, 0, 0}, of_jaws);
   const double all = 2 / of_jaws + 1 / of_cloth;
@@ -157,7 +157,7 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
   for (const auto& [first, second] : {std::pair{0.3, 0.3}, {0.1, 0.5}, {0.0, 0.2}, {2.0, 2.0}}) {
     const double most = std::atan(first) + std::atan(second);
     for (const double wedge : {most - 0.01, most + 0.01}) {
-      if (wedge > M_PI / 3) continue;  // wider ones are left to impulses
+      if (wedge > M_PI / 3) continue;  // impulses handle wider ones
       const MovingCollider a = rough(still, first), b = rough(still, second);
       Pinches pinches;
       pinches.start_over(h);
@@ -171,7 +171,7 @@ TEST(Pinches, ItSticksInAWedgeBelowBothAnglesOfFriction) {
 }
 
 TEST(Pinches, WithoutFrictionNothingSticksWhateverTheRoundings) {
-  // Normals whose product is beyond 1 by a rounding.
+  // Normals whose product exceeds 1 by a rounding.
   const Cloth cloth = row_of(2);
   const MovingCollider a = moving(still), b = moving(still);
   const Points directions = random_points(200, 1, 1);
@@ -198,8 +198,8 @@ TEST(Pinches, WhatTheLimitPullsWithMoreThanItsShareOfThreeWeightsOfTheClothSlips
   EXPECT_NEAR(pinches.weight(cloth) * cloth.inv_mass[1], all / 3, 1e-12 * all);
   pinches.add(1, still, side(finger, up, 0), side(thumb, down, 0), cloth);
   pinches.add(2, still, side(thumb, down, 0), side(finger, up, 0), cloth);
-  pinches.add(3, still, side(finger, up, 0), side(other, down, 0), cloth);  // shares with none
-  // What it gave before they were found, and a pass.
+  pinches.add(3, still, side(finger, up, 0), side(other, down, 0), cloth);  // on a pair of its own
+  // The limit's pull from before they were found, and from one pass.
   Points velocities = Points::Zero(4, 3);
   Points pull = Points::Zero(4, 3);
   pull.row(1) << 0.49 * grip, 0, 1e3;
@@ -218,7 +218,7 @@ TEST(Pinches, WhatTheLimitPullsWithMoreThanItsShareOfThreeWeightsOfTheClothSlips
   EXPECT_EQ(pinches.slipping(), 1);
   EXPECT_LT(pinches.solve_pass(velocities), 1e-9 * grip) << "slips as fast in the next pass";
 
-  // It is moved along as far as it slips, and never across.
+  // A point is moved along by its slip, and never across.
   Points positions = Points::Constant(4, 3, 5);
   pinches.project_positions(Points::Zero(4, 3), positions);
   EXPECT_EQ(row(positions, 1), Vector3(0, 0, 0));

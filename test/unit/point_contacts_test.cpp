@@ -21,7 +21,7 @@ Cloth apart(int points, double friction = 0) {
   return make_grid(spec);
 }
 
-/// One step of contact after points have moved: begin, sweep till it holds, move along.
+/// One step of contact after points have moved: begin, solve passes to convergence, move along.
 void resolve(SelfContacts& contacts, const Cloth& cloth, State& state, int passes = 500) {
   const Points before = state.velocities;
   contacts.prepare(cloth, {h, displacement_factor, state.positions, state.velocities, alone},
@@ -73,7 +73,7 @@ TEST(PointContacts, NoTouchingPairComesCloser) {
   for (int a = 0; a < 40; ++a) {
     for (int b = a + 1; b < 40; ++b) {
       const Eigen::RowVector3d d = normals_at.row(b) - normals_at.row(a);
-      if (d.norm() > 2 * thickness - 2 * h) continue;  // surely over, whatever it moved in h / 2
+      if (d.norm() > 2 * thickness - 2 * h) continue;  // surely overlapping, for any move in h / 2
       ++touching;
       EXPECT_GT(d.normalized().dot(state.velocities.row(b) - state.velocities.row(a)), -1e-6);
     }
@@ -82,8 +82,8 @@ TEST(PointContacts, NoTouchingPairComesCloser) {
 }
 
 TEST(PointContacts, FrictionStaysInCoulombsCone) {
-  // A point that comes down at v on a much heavier pair's member and slides at u: the normal
-  // impulse is the mass times v, friction takes at most mu times that from the sliding.
+  // A point that comes down at v on a fixed one and slides at u: the normal impulse is the mass
+  // times v, friction takes at most mu times that from the sliding.
   const double mu = 0.4;
   for (const double slide : {0.1, 5.0}) {
     ClothSpec spec = chain_spec(2, 1, 0);
@@ -104,7 +104,7 @@ TEST(PointContacts, FrictionStaysInCoulombsCone) {
 }
 
 /// Two points that overlap by half of the contact distance, after some seconds of contact alone:
-/// they come apart at no more than a hundredth a step, and drift on a little.
+/// they separate by no more than a hundredth a step, and drift on a little.
 Points after_an_overlap(const Cloth& cloth) {
   State state{Points::Zero(2, 3), Points::Zero(2, 3), 0};
   state.positions(1, 0) = thickness;

@@ -1,4 +1,4 @@
-// Robots in scenes: colliders of URDF links, and what is wrong with URDFs.
+// Robots in scenes: colliders of URDF links, and faults of URDFs.
 
 #include <gtest/gtest.h>
 
@@ -121,7 +121,7 @@ TEST_F(Robots, DescriptionsAreAskedFor) {
   EXPECT_NE(read_by("{}", true).find("robots.0.description: got nothing"), std::string::npos);
   EXPECT_NE(read_by("{description: /robot_description, file: arm.urdf}", true).find("a file, too"),
             std::string::npos);
-  // Two of a name would be one in messages.
+  // Two links with one name would be the same in messages.
   EXPECT_NE(read_by("{description: /robot_description}, {description: /robot_description}", true)
                 .find("robots.1.name: got \"arm/base\" again, expected another name or prefix"),
             std::string::npos);
@@ -131,7 +131,7 @@ TEST_F(Robots, DescriptionsAreAskedFor) {
             "accepted");
 }
 
-/// The arm with a link more, of this collision.
+/// The arm with one more link, of this collision.
 std::string with_collision(const std::string& inside) {
   std::string urdf = arm;
   urdf.insert(urdf.find("<link name=\"tip\">"),

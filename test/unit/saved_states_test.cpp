@@ -1,4 +1,4 @@
-// Copies of all that moves, to come back to.
+// Copies of the whole state of motion, which can be restored.
 
 #include <functional>
 #include <vector>
@@ -38,7 +38,7 @@ TEST(SavedStates, BringBackCollidersAndPinsToo) {
 
 TEST(SavedStates, KeepThatAColliderPushesTheClothOut) {
   Scene scene = busy("verlet");
-  scene.cloth.material.strain_limit = 0.1;  // tension sets the substeps, but not meanwhile
+  scene.cloth.material.strain_limit = 0.1;  // tension sets the substeps, but not during the push
   Simulator simulator(scene);
   run(simulator, once);
   const Vector3 inside = simulator.state().positions.row(55).transpose();
@@ -162,7 +162,7 @@ TEST(SavedStates, OfAnotherSceneAreRefused) {
 }
 
 TEST(SavedStates, OfAnotherThicknessOrFrictionGoOnByThoseOfTheSimulator) {
-  // In a simulator of a scene with such values as after they have changed in this one.
+  // In a simulator whose scene has these values, and in one where they were changed live.
   const std::vector<std::function<void(Scene&)>> changes = {
       [](Scene& scene) { scene.cloth.thickness *= 1.5; },
       [](Scene& scene) { scene.cloth.friction = 0.9; },
@@ -196,7 +196,7 @@ TEST(SavedStates, OfThinnerClothWhosePointsTouchGoOnWhereItIsThick) {
   run(simulator, 1.5);
   const auto saved = simulator.save();
   LiveSpec live = live_values(scene);
-  live.thickness *= 1.6;  // what touched are neighbours now
+  live.thickness *= 1.6;  // former contacts are neighbours now
   simulator.set(live);
   simulator.restore(*saved);
   EXPECT_EQ(simulator.cloth().thickness, live.thickness);

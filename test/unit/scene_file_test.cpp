@@ -49,7 +49,7 @@ TEST(SceneFile, AsksForARegularFile) {
   }
 }
 
-// It has no size, and reading it waits for the next line of the kernel.
+// The file has no size, and reading it waits for the next line of the kernel.
 TEST(SceneFile, AFileWithoutSizeIsEmpty) {
   if (access("/proc/kmsg", R_OK) != 0) GTEST_SKIP() << "no /proc/kmsg that can be read";
   EXPECT_THROW(read_scene(load_scene_file("/proc/kmsg")), InvalidValue);

@@ -1,4 +1,4 @@
-// What the reader of scenes refuses: each class of mistake, with the whole message.
+// Scenes that the reader refuses: each class of mistake, with the whole message.
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@ namespace clothsim {
 namespace {
 
 struct Mistake {
-  const char* assignment;  // made to the good scene
-  const char* message;     // in full
+  const char* assignment;  // the change to the good scene
+  const char* message;     // the whole message
 };
 
 std::ostream& operator<<(std::ostream& out, const Mistake& m) { return out << m.assignment; }

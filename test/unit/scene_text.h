@@ -57,7 +57,7 @@ inline Scene read_changed(const std::vector<std::string>& assignments) {
   return read_scene(root);
 }
 
-/// All of a scene in one text, to compare scenes by.
+/// A whole scene as one text, to compare scenes.
 inline std::string print(const Scene& scene) {
   std::ostringstream out;
   out.precision(12);

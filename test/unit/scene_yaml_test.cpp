@@ -9,7 +9,7 @@
 namespace clothsim {
 namespace {
 
-// ---- What is read
+// ---- Reading
 
 TEST(SceneYaml, ReadsEveryKey) {
   const Scene scene = read_changed({});
@@ -46,11 +46,11 @@ TEST(SceneYaml, ReadsHowAClothIsKeptOffItself) {
   EXPECT_EQ(read("true"), SelfCollision::automatic);
   EXPECT_EQ(read("points"), SelfCollision::points);
   EXPECT_EQ(read("surface"), SelfCollision::surface);
-  EXPECT_EQ(read("automatic"), SelfCollision::automatic);  // as live values have it
+  EXPECT_EQ(read("automatic"), SelfCollision::automatic);  // as among live values
 }
 
 TEST(SceneYaml, ReadsTheParametersOfTheMethod) {
-  // In either order of the keys; what is left out keeps its default.
+  // In either order of the keys; a missing key keeps its default.
   for (const char* text :
        {"{cloth: {}, simulation: {method: bdf2, method_parameters: {max_iterations: 3}}}",
         "{cloth: {}, simulation: {method_parameters: {max_iterations: 3}, method: bdf2}}"}) {
@@ -59,7 +59,7 @@ TEST(SceneYaml, ReadsTheParametersOfTheMethod) {
     EXPECT_EQ(parameters.max_iterations, 3);
     EXPECT_EQ(parameters.tolerance, Bdf2::Parameters().tolerance);
   }
-  // None to name is as good as not named.
+  // An empty name is the same as none.
   for (const std::string& method : method_names()) {
     EXPECT_NO_THROW(
         read_changed({"simulation.method=" + method, "simulation.method_parameters={}"}));
@@ -120,7 +120,7 @@ TEST(SceneYaml, AcceptsWhatPhysicsAllows) {
   EXPECT_EQ(read_changed({"cloth.columns=1000", "cloth.rows=1000"}).cloth.rows, 1000);
 }
 
-// The parameter server knows 50.0 and 50 as two types, and hands on the first as 50.
+// The parameter server has 50.0 and 50 as two types, and hands on the first as 50.
 TEST(SceneYaml, AWholeNumberMayBeWrittenAsAnyNumber) {
   EXPECT_EQ(read_changed({"cloth.columns=50.0"}).cloth.columns, 50);
   EXPECT_EQ(read_changed({"cloth.columns=5.0e+1"}).cloth.columns, 50);
@@ -240,7 +240,7 @@ TEST(OverrideValues, RefusesMalformedText) {
 
 // ---- Random scenes: read or refused, nothing else
 
-/// Makes wrong scenes out of right ones.
+/// Makes invalid scenes from valid ones.
 class Mutator {
  public:
   explicit Mutator(unsigned seed) : random_(seed) {}
@@ -345,12 +345,12 @@ TEST(SceneYaml, RandomScenesAreReadOrRefused) {
       FAIL() << "seed " << seed << ": " << error.what();
     }
   }
-  // Both ways are taken.
+  // Both outcomes occur.
   EXPECT_GT(read, runs / 100);
   EXPECT_LT(read, runs * 99 / 100);
 }
 
-// ---- What may change while a cloth moves
+// ---- Values that may change while a cloth moves
 
 void change(Scene& scene, const std::string& values) {
   LiveSpec live = live_values(scene);
@@ -390,7 +390,7 @@ TEST(LiveValues, LeftOutKeepTheirValue) {
   change(scene, "{method: xpbd}");
   EXPECT_EQ(std::get<Xpbd::Parameters>(scene.simulation.method_parameters).iterations, 9);
 
-  // The parameters of another method are none of its.
+  // The choice does not have the parameters of another method.
   change(scene, "{method: bdf2}");
   EXPECT_TRUE(std::holds_alternative<std::monostate>(scene.simulation.method_parameters));
 }

@@ -94,7 +94,7 @@ const std::vector<Map> fixed_maps = {
     {{"motions: set"}, "{cloth: {}, motions: [{set: {}, ", "}]}"},
 };
 
-/// Those, and one for each method that has parameters.
+/// The fixed maps, and one for each method that has parameters.
 std::vector<Map> all_maps() {
   std::vector<Map> all = fixed_maps;
   for (const std::string& method : method_names()) {
@@ -183,7 +183,7 @@ TEST(ScenesDoc, HasTheRangesAndUnits) {
     EXPECT_EQ(refusal(scene(min)), "accepted");
     EXPECT_EQ(refusal(scene(max)), "accepted");
 
-    // One below, and ten times above, by text, since a double does not hold the largest seed.
+    // One below, and ten times above, as text, since a double does not hold the largest seed.
     const std::string below = std::to_string(std::stod(min) - 1);
     const std::string low =
         row.type == "number" || is_vector ? below : below.substr(0, below.find('.'));

@@ -158,7 +158,7 @@ TEST(Shape, NormalIsFiniteWhereItIsNotUnique) {
       const Distance d = signed_distance(shape, p, p);
       EXPECT_TRUE(std::isfinite(d.value));
       EXPECT_NEAR(d.normal.norm(), 1, 1e-15) << p.transpose();
-      // It leads out: a step along it gains as much.
+      // The normal leads outwards: a step along it gains its length.
       const Vector3 out = p + 1e-3 * d.normal;
       EXPECT_NEAR(signed_distance(shape, out, out).value - d.value, 1e-3, 1e-12) << p.transpose();
     }
@@ -206,7 +206,7 @@ TEST(Shape, EntryPointIsWhereFineStepsAlongThePathComeWithinTheOffset) {
         nearest = std::min(nearest, d);
         if (d <= offset) first = std::min(first, t);
       }
-      if (std::abs(nearest - offset) < 0.01) continue;  // it grazes, or meets an edge grown square
+      if (std::abs(nearest - offset) < 0.01) continue;  // it grazes, or meets a grown box's edge
       ASSERT_EQ(entry.has_value(), nearest < offset) << shape.index() << ' ' << n;
       ++(entry ? hits : misses);
       if (!entry) continue;

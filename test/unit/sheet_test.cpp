@@ -1,4 +1,4 @@
-// Surfaces that enclose nothing as colliders with a thickness: both of their sides hold cloth.
+// Open surfaces as colliders with a thickness: cloth rests on both of their sides.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ Triangle triangle_of(const TriangleSoup& soup, std::size_t t) {
   return {at(soup.triangles[t][0]), at(soup.triangles[t][1]), at(soup.triangles[t][2])};
 }
 
-/// Three squares that meet at an edge, of which one is turned round; a cap; a bowl of two.
+/// Three squares that meet at an edge, one of them turned round; a cap; a bowl of two.
 const TriangleSoup soups[] = {
     square_soup(0.2),
     together({above_z(globe_soup(0.1, 4), 0.02),
@@ -141,7 +141,7 @@ TEST(Sheet, IsAMeshOfASceneWithAThickness) {
   }
 }
 
-/// Where a cloth rests that falls on a square from one of its sides [m].
+/// Rest height of a cloth that falls on a square from one of its sides [m].
 double rest_on(double side) {
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 12;

@@ -132,7 +132,7 @@ TEST_F(Simulate, GoesOnFromAStateToTheSameBits) {
             "");
   EXPECT_EQ(read(folder_ / "second/final.csv"), read(folder_ / "whole/final.csv"));
 
-  // The frames hold the same states; of another cloth it goes on without a memory.
+  // The frames hold the same states; with another cloth the run continues without a memory.
   const auto frames = clothsim::read_npz(folder_ / "whole" / "frames.npz");
   EXPECT_EQ(frames.at("positions").shape, (std::vector<std::size_t>{3, 30, 3}));
   EXPECT_EQ(frames.at("triangles").shape, (std::vector<std::size_t>{40, 3}));
@@ -168,7 +168,7 @@ TEST_F(Simulate, PlaysMotions) {
   EXPECT_EQ(clothsim::read_npz(folder_ / "final.npz").at("positions").values[2], 1.25);
   EXPECT_NE(run(scene_).err.find("--seconds: got nothing"), std::string::npos);
 
-  // Pins that were moved stay where the state has them.
+  // Pins that were moved stay at their places in the state.
   const Result on =
       run(scene + " --seconds 0.05 --set motions=[] --from " + (folder_ / "final.npz").string() +
           " --output " + (folder_ / "on").string());
@@ -407,7 +407,7 @@ TEST_F(Simulate, ShowsAProgressBarOnATerminal) {
           CLOTHSIM_SIMULATE, scene_.c_str(), nullptr);
     _exit(127);
   }
-  // A terminal whose other end has been closed may lose what was written last: `line` stays open.
+  // A terminal whose other end has been closed may lose the last output: `line` stays open.
   std::string shown;
   std::array<char, 4096> buffer;
   while (shown.find("is-over") == std::string::npos) {

@@ -1,4 +1,4 @@
-// States out of a simulator and in again: the same bits, or a refusal that changes nothing.
+// States read from a simulator and set again: the same bits, or a refusal that changes nothing.
 
 #include <cmath>
 #include <limits>
@@ -36,7 +36,7 @@ TEST_P(States, GoOnToTheSameBits) {
   run(other, more);
   expect_same(other.state(), expected);
 
-  // Which the positions and velocities alone do not give.
+  // The positions and velocities alone do not give it.
   other.set_state(state);
   run(other, more);
   EXPECT_NE(other.state().positions, expected.positions);
@@ -110,7 +110,7 @@ TEST(Memories, KeepWhatARecoveryChanged) {
   EXPECT_EQ(simulator.step().substeps, substeps);
 }
 
-/// Goes on from `simulator` and from its memory, given to itself and to another one.
+/// Continues from `simulator` and from its memory, set in itself and in another one.
 void expect_going_on(Simulator& simulator, Simulator& other) {
   const State state = simulator.state();
   const std::vector<double> memory = simulator.memory();
@@ -124,7 +124,7 @@ void expect_going_on(Simulator& simulator, Simulator& other) {
 }
 
 TEST(Memories, GoOnAfterAChangeOfMaterial) {
-  // A method with history drops it then.
+  // A method with history drops its history then.
   const auto change = [](Simulator& simulator) {
     Material material = simulator.scene().cloth.material;
     material.damping += 1;
@@ -139,7 +139,7 @@ TEST(Memories, GoOnAfterAChangeOfMaterial) {
 }
 
 TEST(Memories, GoOnWithAttachedPointsWhateverTheMethodWasChosenFor) {
-  // A free fall is exact at any step, so that few substeps do; hung up they would not.
+  // Free fall is exact at any step, so few substeps suffice; hung up they would not.
   Scene scene = busy("auto");
   scene.cloth.pinned.clear();
   scene.cloth.self_collision = SelfCollision::off;
@@ -175,7 +175,7 @@ TEST(Memories, HoldEnergiesOfAnySize) {
 }
 
 TEST(Memories, KeepWhatTheWatchdogHasCounted) {
-  // A little above the limit of a cloth under load energy comes from nowhere, little by little.
+  // Slightly above the limit of a cloth under load, energy grows slowly from nothing.
   Scene scene = busy("verlet");
   scene.colliders.clear();
   scene.cloth.self_collision = SelfCollision::off;
@@ -272,8 +272,8 @@ TEST_F(Refused, MemoriesOfSomethingElse) {
 }
 
 TEST(Memories, GoOnSoonOrNotAtAll) {
-  // A history of numbers far off, where nothing has touched the cloth: points thrown far would take
-  // contact minutes to follow.
+  // A history of large numbers, where nothing has touched the cloth: contact would take minutes to
+  // follow points thrown far.
   Scene scene = shipped_scene("self_collision");
   scene.cloth.columns = scene.cloth.rows = 12;
   scene.cloth.self_collision = SelfCollision::surface;
@@ -301,7 +301,7 @@ TEST(Memories, GoOnSoonOrNotAtAll) {
 }
 
 TEST_F(Refused, GarbageInAMemory) {
-  // Whatever a number is replaced by, it is refused or simulated: nothing reads out of bounds.
+  // For any replacement of a number, the memory is refused or simulated: no read out of bounds.
   int refused = 0;
   for (std::size_t i = 0; i < memory_.size(); i += 1 + i / 20) {
     for (const double value : {-1.0, 0.5, 1e9, 1e300, std::nan("")}) {

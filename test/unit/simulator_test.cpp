@@ -69,7 +69,7 @@ TEST(Simulator, TakesAsManySubstepsAsAreAllowed) {
 }
 
 TEST(Simulator, ADivergingFrameRollsBackCollidersToo) {
-  // Contact searches in every substep, so it must not be handed what is no longer a number.
+  // Contact searches in every substep, so it must not receive NaN or infinity.
   Scene scene = with_ball();
   scene.cloth.self_collision = SelfCollision::automatic;
   scene.cloth.material.ks = 1e12;
@@ -120,7 +120,7 @@ TEST(Simulator, ResetGoesBackToTheStart) {
   EXPECT_EQ(simulator.state().positions, simulator.cloth().rest_positions);
   EXPECT_EQ(simulator.state().velocities.norm(), 0);
   EXPECT_EQ(simulator.collider_pose(0).position, Vector3(0.5, 0.5, 0.7));
-  // Also where the pins were going.
+  // Also the targets of the pins.
   simulator.step();
   EXPECT_EQ(simulator.state().positions.row(0), simulator.cloth().rest_positions.row(0));
 }
@@ -284,7 +284,7 @@ TEST(Simulator, AColliderThatIsOffIsNotThere) {
   run(without, 0.5);
   EXPECT_EQ(off.state().positions, without.state().positions);
 
-  // Turned off, the cloth lets go of it, and falls as from there with nothing below.
+  // Once it is off, the cloth leaves it, and falls as from there with nothing below.
   on.enable_collider(0, false);
   EXPECT_EQ(on.step().contacts, 0);
   without.set_state(on.state());
@@ -390,7 +390,7 @@ TEST(Simulator, IsBrokenOffBetweenSubsteps) {
   EXPECT_EQ(simulator.state().velocities, twin.state().velocities);
   EXPECT_EQ(simulator.state().time, twin.state().time);
 
-  // It goes on as from a state without a memory, and asks still after a scene is loaded.
+  // It goes on as from a state without a memory. The interrupt is kept when a scene is loaded.
   twin.set_state(twin.state());
   simulator.step();
   twin.step();

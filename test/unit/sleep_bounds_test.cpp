@@ -11,8 +11,8 @@ namespace {
 using namespace testing;
 
 TEST(SleepBounds, NoBlockSleepsThatHasAPointInReach) {
-  // Random ways of points and of shapes that turn, a block of each point: those that SleepBounds
-  // leaves out are farther than the reach, and most of those far are left out.
+  // Random paths of points and of shapes that turn, a block for each point: points that SleepBounds
+  // leaves out are farther away than the reach, and most far points are left out.
   constexpr int count = 60;
   constexpr double reach = 0.05;
   for (const Shape& shape : {Shape(Sphere{0.2}), Shape(Plane{}), Shape(Capsule{0.6, 0.1}),

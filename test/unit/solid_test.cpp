@@ -21,7 +21,7 @@ Triangle triangle_of(const TriangleSoup& soup, std::size_t t) {
   return {at(soup.triangles[t][0]), at(soup.triangles[t][1]), at(soup.triangles[t][2])};
 }
 
-/// Does the surface go around the point? By the sum of the solid angles of its triangles (van
+/// Whether the surface encloses the point, by the sum of the solid angles of its triangles (van
 /// Oosterom & Strackee 1983).
 bool is_within(const TriangleSoup& soup, const Vector3& p) {
   double sum = 0;
@@ -35,7 +35,7 @@ bool is_within(const TriangleSoup& soup, const Vector3& p) {
   return std::abs(sum) > 2 * M_PI;
 }
 
-/// Signed distance by looking at all triangles.
+/// Signed distance by a check of all triangles.
 double by_all(const TriangleSoup& soup, const Vector3& p) {
   double least = 1e9;
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
@@ -191,7 +191,7 @@ TEST(Solid, TellsHowThickItIs) {
 }
 
 TEST(Solid, ASmoothOneTellsHowDeepAFlatTriangleDips) {
-  // Of a fine ball as of a ball. A ridge has a dip of its own.
+  // A fine ball has the dip of a sphere. A ridge has a dip of its own.
   const double edge = 0.06, of_ball = edge * edge / 6 / 0.2;
   EXPECT_NEAR(Solid(ball_soup(0.2, 200, 100)).dip(edge), of_ball, 0.04 * of_ball);
   EXPECT_NEAR(Solid(globe_soup(0.2, 30)).dip(edge), of_ball, 0.04 * of_ball);
@@ -241,7 +241,7 @@ Triangle random_triangle(Random& random, const TriangleSoup& soup, const Solid& 
           middle + size * random.vector()};
 }
 
-/// Do the triangles share a point? And how far are they apart [m]?
+/// Whether the triangles share a point, and their distance [m].
 std::pair<bool, double> apart(const Triangle& s, const Triangle& t) {
   bool cross = triangles_cross(s, t);
   double least = 1e9;
@@ -321,14 +321,14 @@ TEST(Solid, ABoxOfTrianglesIsABox) {
       EXPECT_NEAR(of_mesh, of_box, 1e-12);
     } else {
       EXPECT_LT(of_mesh, 0);
-      // Where it cuts off no more than an edge the way out is the same.
+      // Where it cuts off at most an edge, the way out is the same.
       cut += std::abs(of_mesh - of_box) < 1e-9;
     }
   }
   EXPECT_GT(cut, 100);
 }
 
-/// A fine prism about the axis lies in the cylinder, by no more than its chords dip.
+/// A fine prism about the axis lies in the cylinder, within the sagitta of its chords.
 TEST(Solid, ACylinderIsAsFarAwayAsItsTriangles) {
   constexpr double length = 0.3, radius = 0.1;
   constexpr int around = 720;
@@ -384,7 +384,7 @@ TEST(Solid, EntryIsWhereAPathFirstComesWithinTheOffsetAlsoPastAHollow) {
       ++(entry ? hits : misses);
       if (!entry) continue;
       const double value = signed_distance(shape, *entry, *entry).value;
-      // Past what it grazes on its way it goes in steps of half the offset.
+      // Past an edge that it grazes it goes in steps of half the offset.
       EXPECT_GT(value, 0.4 * offset);
       EXPECT_LT(value, 1.06 * offset);
       EXPECT_LT((*entry - from).norm(), (first + 1e-3) * (to - from).norm() + offset / 2);

@@ -15,7 +15,7 @@ using namespace testing;
 constexpr double h = 0.001;          // [s]
 constexpr double thickness = 0.002;  // of a layer [m]
 
-/// Points that nothing joins, of a cloth so thick.
+/// Points without springs, of a cloth of this thickness.
 Cloth points_of_cloth(int count) {
   ClothSpec spec = chain_spec(std::max(count, 2), 1, 0);
   spec.thickness = thickness / 2;
@@ -45,7 +45,7 @@ SelfTouches all(const std::vector<SelfTouch>& list) {
   return [&list](const auto& visit) { std::for_each(list.begin(), list.end(), visit); };
 }
 
-/// Points one above the other, evenly between two slabs: how many are pinched.
+/// Points one above the other, evenly between two slabs: the number that is pinched.
 int pinched_of(int layers, double gap, bool touch_each_other = true) {
   const Cloth cloth = points_of_cloth(layers);
   const MovingCollider lower = slab(0, false), upper = slab(gap, true);
@@ -88,7 +88,7 @@ TEST(Stacks, NothingIsHeldBetweenSurfacesThatDoNotFaceEachOther) {
 }
 
 TEST(Stacks, TriangleBetweenItsCornersIsHeldByAllThree) {
-  // Fingers thinner than a cell touch it with none of its corners.
+  // Fingers thinner than a cell touch it at none of its corners.
   ClothSpec spec;
   spec.columns = spec.rows = 2;
   Cloth cloth = make_grid(spec);
@@ -115,7 +115,7 @@ TEST(Stacks, TriangleBetweenItsCornersIsHeldByAllThree) {
   EXPECT_TRUE(pinches.holds_any({corners[0], corners[0], corners[0]}));
 }
 
-/// Layers below a point, by all ways down.
+/// Layers below a point, over all paths down.
 int layers_below(int point, const std::vector<std::vector<int>>& lies_on) {
   int most = 0;
   for (const int below : lies_on[static_cast<std::size_t>(point)]) {
@@ -125,8 +125,8 @@ int layers_below(int point, const std::vector<std::vector<int>>& lies_on) {
 }
 
 TEST(Stacks, NeedTheLongestChainThatBruteForceFinds) {
-  // Random heaps: each point lies upon some that are lower, or on the slab, and under the other
-  // slab, if nothing lies upon it.
+  // Random heaps: each point lies on some lower ones, or on the slab, and below the other slab if
+  // nothing lies on it.
   std::mt19937 random(5);
   constexpr int points = 12;
   int some = 0, others = 0;

@@ -9,7 +9,7 @@ namespace clothsim::testing {
 inline constexpr double once = 0.35;  // [s] by then there is contact and the strain limit works
 inline constexpr double more = 0.3;
 
-/// A small cloth that meets all: pins, a ball, the ground, itself.
+/// A small cloth with pins, a ball, the ground and self contact.
 inline Scene busy(const std::string& method) {
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 10;
@@ -32,7 +32,7 @@ inline void expect_same(const State& a, const State& b) {
   EXPECT_EQ(a.time, b.time);
 }
 
-/// Springs and a pin alone: nothing takes a point's history.
+/// Springs and a pin alone: no point loses its history.
 inline Scene swinging() {
   Scene scene = busy("bdf2");
   scene.colliders.clear();

@@ -20,7 +20,7 @@ ClothSpec limited(ClothSpec spec) {
   return spec;
 }
 
-/// Largest rate [1/s] at which a spring longer than its limit still lengthens, of its rest length.
+/// Largest rate [1/s] at which a spring over its limit still lengthens, of its rest length.
 double worst_rate(const Cloth& cloth, const State& state) {
   double worst = -1e300;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
@@ -43,7 +43,7 @@ TEST(StrainLimit, TakesTheElongationOutOfTheVelocities) {
 
   StrainLimit strain_limit(cloth);
   strain_limit.warm_start(h, 0, state);
-  strain_limit.prepare(cloth, 0, state);  // along the springs as they are
+  strain_limit.prepare(cloth, 0, state);  // along the current directions of the springs
   double residual = 1;
   int passes = 0;
   while (residual > 1e-12 && passes < 50000) {
@@ -70,8 +70,8 @@ TEST(StrainLimit, LeavesSlackClothAlone) {
 }
 
 TEST(StrainLimit, LooksAtSlackSpringsAgainBeforeTheyReachIt) {
-  // Points that fly apart: a limit that is told how fast others may move them acts from the same
-  // step on, to the last bit, as one that looks at all springs in each.
+  // Points that fly apart: a limit that knows the largest velocity changes by others acts from the
+  // same step on, to the last bit, as one that checks all springs in each step.
   const Cloth cloth = make_grid(limited(square_spec(6)));
   const auto end_of = [&](bool is_told) {
     StrainLimit strain_limit(cloth);
@@ -108,7 +108,7 @@ TEST(StrainLimit, AKickThatContactIsYetToAnswerIsNoTurn) {
     for (int i = 0; i < 5; ++i) strain_limit.solve_pass(state.velocities);
     return state.velocities(1, 1) - state.velocities(0, 1);
   };
-  const double of_excess = -0.1;  // [m/s] its 1e-4 m over the limit, worked off slowly
+  const double of_excess = -0.1;  // [m/s] for its 1e-4 m over the limit
   Points before = Points::Zero(2, 3);
   EXPECT_LE(rate_after(before), 0);
   EXPECT_GT(rate_after(before), of_excess);
@@ -130,9 +130,9 @@ TEST(StrainLimit, ImpulsesOnlyPull) {
 }
 
 TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
-  // A mass on a string at its limit: after some steps the kept impulse m g h alone holds it, so a
-  // sweep changes nothing. Over a step, gravity h g from its middle and the impulse against it
-  // leave velocity and position as they were.
+  // A mass on a string at its limit: after some steps the warm-started impulse m g h alone holds
+  // it, so a sweep changes nothing. Over a step, gravity h g from its middle and the impulse
+  // against it leave velocity and position unchanged.
   ClothSpec spec = limited(chain_spec(2, 1, 0, Orientation::vertical));
   spec.pinned = {{0, 1, ""}};
   const Cloth cloth = make_grid(spec);
@@ -154,7 +154,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
   EXPECT_NEAR(state.velocities(0, 2), 0, 1e-6 * 9.8 * h);
   EXPECT_NEAR(state.positions(0, 2), -0.1, 1e-6);
 
-  // Forgotten, nothing holds.
+  // Without the warm start nothing holds.
   strain_limit.reset();
   method.step(cloth, Loads{}, h, state);
   strain_limit.warm_start(h, displacement_factor, state);
@@ -162,7 +162,7 @@ TEST(StrainLimit, KeptImpulsesCarryAHangingWeight) {
 }
 
 TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
-  // It finds what plain passes do; the points move by what velocities change.
+  // solve() gives the result of plain passes; the points move by the changes of velocities.
   ClothSpec spec = limited(square_spec(8));
   spec.pinned = {{0, 0, ""}, {7, 0, ""}};
   const Cloth cloth = make_grid(spec);
@@ -190,7 +190,7 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
     while (by_passes.solve_pass(b.velocities) > enough && plain < 20000) ++plain;
     ASSERT_LT(h * (a.velocities - b.velocities).cwiseAbs().maxCoeff(), 1000 * enough) << step;
 
-    // What it knows of its own moves spares no repair.
+    // The record of its own moves lets it skip no repair that is needed.
     b.positions = a.positions;
     const int needed = by_passes.project_positions(cloth, 1e-3, 100, b.positions);
     EXPECT_EQ(alone.project_positions(cloth, 1e-3, 100, a.positions), needed) << step;
@@ -201,8 +201,8 @@ TEST(StrainLimit, SolvingAloneIsSweepingAndMoving) {
 }
 
 TEST(StrainLimit, PassesAreAsManyAsAChainIsLong) {
-  // What pulls at the end of a chain is known at the other end after as many plain passes as the
-  // square of its springs; with momentum as their number.
+  // A pull at the end of a chain reaches the other end after as many plain passes as the square of
+  // its springs; with momentum after as many as their number.
   const auto passes = [](int springs, bool plain) {
     ClothSpec spec = limited(chain_spec(springs + 1, 1, 0, Orientation::vertical));
     spec.pinned = {{0, springs, ""}};
@@ -227,9 +227,9 @@ TEST(StrainLimit, PassesAreAsManyAsAChainIsLong) {
 }
 
 TEST(StrainLimit, MomentumGoesOnFromStepToStep) {
-  // The same step over and over, in few passes each, until the chain stands still. Of n springs
-  // that takes 2.0 n^2 passes where six have momentum of their own alone, and 2.9 n^2 of single
-  // ones, which have none.
+  // The same step over and over, with few passes each, until the chain stands still. For n springs
+  // that takes 2.0 n^2 passes with momentum within each step's six passes alone, and 2.9 n^2 with
+  // one pass a step, which has none.
   const auto passes = [](int springs, int a_step) {
     ClothSpec spec = limited(chain_spec(springs + 1, 1, 0, Orientation::vertical));
     spec.pinned = {{0, springs, ""}};
@@ -281,7 +281,7 @@ TEST(StrainLimit, CorrectStopsAtItsSweepsAndSaysSo) {
 }
 
 TEST(StrainLimit, DegenerateSpringsGiveNoNan) {
-  // Points in one place have no direction; a spring between two pins cannot be shortened.
+  // Coincident points have no direction; a spring between two pins cannot be shortened.
   ClothSpec spec = limited(square_spec(4));
   spec.pinned = {{0, 0, ""}, {1, 0, ""}};
   const Cloth cloth = make_grid(spec);
@@ -314,7 +314,7 @@ TEST(StrainLimit, ZeroLimitIsInextensible) {
 
 TEST(StrainLimit, RepairsLeaveNoSpringOverItsLimitWhereverTheyLead) {
   // A few points far off, in a cloth of many patches: repairs spread from there, and each spring
-  // that they lengthen must be seen.
+  // that they lengthen must be found.
   ClothSpec spec;
   spec.columns = 90;
   spec.rows = 40;

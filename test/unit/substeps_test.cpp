@@ -35,7 +35,8 @@ TEST(CountSubsteps, AsTheWholeWeightOnOnePointAsks) {
   ClothSpec spec = square_spec(50, 0);
   spec.material.strain_limit = 0.1;
   const Cloth cloth = make_grid(spec);
-  // All on one spring: omega^2 = M g / (m l) = 2500 * 9.8 * 49, of which h omega <= 4.4 is asked.
+  // All on one spring: omega^2 = M g / (m l) = 2500 * 9.8 * 49, for which h omega <= 4.4 is
+  // required.
   const double steps = std::sqrt(2500 * 9.8 * 49) / 90 / 4.4;
   const auto count = [&](int least) {
     return count_substeps(cloth, Vector3(0, 0, -9.8), cloth.rest_positions, 2, 1.0 / 90, least);

@@ -16,8 +16,8 @@ const Workers alone;
 constexpr double h = 1e-3;
 constexpr double thickness = strip_thickness;
 
-/// Contact answers a step of `dt` [s] from `start` until it holds, and nothing crosses. Returns how
-/// many points the guard held back.
+/// Contact solves a step of `dt` [s] from `start` to convergence, and nothing crosses. Returns the
+/// number of points that the guard held back.
 int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, double dt, State& state,
            double left = 0) {
   const Points before = state.velocities;
@@ -29,7 +29,7 @@ int answer(SelfContacts& contacts, const Cloth& cloth, const Points& start, doub
   return contacts.guard(cloth, contact_step, Points(state.positions), state);
 }
 
-/// One step: points move, and contact answers.
+/// One step: points move, and contact corrects their velocities.
 void step(SelfContacts& contacts, const Cloth& cloth, State& state) {
   const Points start = state.positions;
   state.positions += h * state.velocities;
@@ -49,7 +49,7 @@ Eigen::RowVector3d angular_momentum(const Cloth& cloth, const State& state) {
 }
 
 TEST(SurfaceContacts, LayersStopWhereTheyTouchAndKeepTheirMomentum) {
-  // Points land inside triangles: those of points against points would pass.
+  // Points land inside triangles: contact of points with points alone would let them pass.
   const Cloth cloth = strip(8);
   State state = folded(cloth, 0.05, Eigen::RowVector3d(0.031, 0.007, 0));
   for (const int i : {6, 7, 14, 15}) state.velocities(i, 2) = -1;
@@ -75,7 +75,7 @@ State lying_double(Cloth& cloth) {
 }
 
 TEST(SurfaceContacts, FourPointsOfALightClothCarryTheHundredNewtonsOfAFinger) {
-  // In steps as its springs ask for. The cloth weighs 0.14 N: nothing hangs on that.
+  // In the steps that its springs need. The cloth weighs 0.14 N, which does not matter here.
   constexpr double dt = 1e-4;
   constexpr double force = 100.0 / 4;  // on each [N]
   Cloth cloth = strip(8, 0.3);
@@ -119,7 +119,7 @@ TEST(SurfaceContacts, EdgesThatCrossInMidAirStop) {
 }
 
 TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
-  // Impulses act in the middle of the step, so there the angular momentum is counted.
+  // Impulses act in the middle of the step, so the angular momentum is taken there.
   const Cloth cloth = strip(8, 0.4);
   State state = folded(cloth, 2.05 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
   state.velocities = random_points(cloth.num_points(), 0.3, 3);
@@ -137,14 +137,14 @@ TEST(SurfaceContacts, AStepOfImpulsesKeepsBothMomenta) {
   ASSERT_GT(contacts.count(), 2);
   middle.velocities = state.velocities;
   EXPECT_LT((momentum(cloth, middle) - linear).norm(), 1e-13);
-  // Friction at a distance, 2 * thickness apart, has a moment: that of points has it too.
+  // Friction at a distance, 2 * thickness apart, has a moment; that of points has it too.
   EXPECT_LT((angular_momentum(cloth, middle) - angular).norm(), 0.05 * angular.norm());
   EXPECT_LT(middle.velocities.squaredNorm(), energy);
 }
 
 TEST(SurfaceContacts, FrictionTurnsByItsImpulseTimesTheDistanceOfTheLayersAndNoMore) {
-  // Layers touch where they are 2 * thickness apart, and +-J act there: a moment d x J, which a
-  // cloth's spin through its thickness would take up; points have none. Nothing else turns it.
+  // Layers touch where they are 2 * thickness apart, and +-J act there: a moment d x J, which would
+  // be the spin of a cloth through its thickness; points have none. Nothing else turns it.
   const Cloth cloth = strip(8, 0.4);
   State state = folded(cloth, 0.4, Eigen::RowVector3d(0, 0, 0));
   state.positions.row(7) << 0.075, 0.05, 2.02 * thickness;  // a corner alone comes down
@@ -180,7 +180,7 @@ TEST(SurfaceContacts, FrictionStopsALayerAsLongAsCoulombSays) {
     return c;
   }();
   State state = folded(cloth, 2 * thickness, Eigen::RowVector3d(0.031, 0.007, 0));
-  for (const int i : {2, 10}) state.positions(i, 2) = 0;  // nothing but the layers touches
+  for (const int i : {2, 10}) state.positions(i, 2) = 0;  // only the layers touch
   for (const int i : {5, 13}) state.positions(i, 2) = 1;
   for (const int i : {6, 7, 14, 15}) state.velocities(i, 1) = 0.1;
   SelfContacts contacts(cloth, SelfCollision::surface);
@@ -216,8 +216,8 @@ TEST(SurfaceContacts, WhatPassesLeaveOutIsWithinThePrecision) {
   while (contacts.solve_pass(precision, state.velocities) > precision) ++passes;
   EXPECT_GT(contacts.count(), 50);
   EXPECT_GT(passes, 10);
-  // A pass more changes what the last one did, and what was left out: an eightieth of the precision
-  // at each of four points, of which one may be due and one have come since.
+  // One more pass changes as much as the last one, plus the changes left out: an eightieth of
+  // the precision at each of four points, of which one may be due and one have come since.
   EXPECT_LT(contacts.solve_pass(none_left_out, state.velocities), (1 + 4 * 2 / 80.0) * precision);
 }
 
@@ -242,7 +242,7 @@ TEST(SurfaceContacts, TheWayOfSeveralStepsIsJudgedAtTheFramesEnd) {
 }
 
 TEST(SurfaceContacts, WhatTouchesUntilTheFramesEndIsSeenAhead) {
-  // By 0.2 mm in a frame, of which the layers may come nearer by half: as where each step looks.
+  // By 0.2 mm in a frame, of which the layers may approach by half: as with a search in each step.
   const Cloth cloth = strip(8);
   const auto after_a_frame = [&](bool looks_once) {
     State state = folded(cloth, 2 * thickness + 1e-4, Eigen::RowVector3d(0.031, 0.007, 0));
@@ -297,7 +297,7 @@ struct Pressed {
     state.velocities.setZero();
   }
 
-  /// Plates without a way between them hold these points.
+  /// Plates without room between them hold these points.
   Pinches held(const std::vector<int>& points) const {
     const MovingCollider plate{ColliderSpec{}};
     Pinches pinches;
@@ -325,7 +325,7 @@ TEST(SurfaceContacts, WhatCollidersHoldGetsNothingOfTheLastImpulses) {
 
 TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayBe) {
   Pressed p;
-  p.cloth.mass *= 1e-3;  // so that its weight is little beside that impulse
+  p.cloth.mass *= 1e-3;  // so that its weight is small beside that impulse
   p.contacts.prepare(p.cloth, p.contact_step, p.state);
   const double given = p.state.velocities.norm();
   p.contacts.release_pinched(p.held({Pressed::layer.begin(), Pressed::layer.end()}),

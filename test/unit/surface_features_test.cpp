@@ -25,7 +25,7 @@ void expect_all_once(const Surface& surface) {
 }
 
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
-  // Of edges inside the cloth: up to a share of it.
+  // Edges inside the cloth: up to a share of them.
   for (const double thickness : {0.004, 0.02, 0.1, 1000.0}) {
     ClothSpec spec;
     spec.columns = 8;

@@ -64,8 +64,8 @@ TEST(SurfacePair, FeaturesThatSwapSidesHaveNoGapAllAlong) {
 }
 
 TEST(SurfacePair, WhatTurnsAsARigidBodyKeepsItsGap) {
-  // Whatever the axis: chords of a turn by a small angle shrink all by its square at most, and the
-  // parabola is off by its cube, times how far points are to the side.
+  // For any axis: a turn by a small angle shrinks all chords by its square at most, and the
+  // parabola is off by its cube, times the distance of the points to the side.
   const Eigen::Matrix3d tilt(Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()));
   constexpr double gap = 1e-4;
   Points point(4, 3), edges(4, 3);

@@ -29,7 +29,7 @@ inline Cloth strip(int columns, double friction = 0) {
   return make_grid(spec);
 }
 
-/// Its last cell, narrower, turned back over the first at height z and moved by `shift`.
+/// The strip's last cell, narrower, turned back over the first at height z and moved by `shift`.
 inline State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shift) {
   State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   for (int row = 0; row < 2; ++row) {
@@ -44,7 +44,7 @@ inline State folded(const Cloth& cloth, double z, const Eigen::RowVector3d& shif
   return state;
 }
 
-/// Of layers: pairs that must keep the whole contact distance.
+/// Pairs of different layers, which must keep the whole contact distance.
 inline double min_distance(const Cloth& cloth, const Points& positions) {
   double least = 1;
   NearPairs finder(cloth);
@@ -83,7 +83,7 @@ struct Surface {
 
   int num_points() const { return static_cast<int>(rest.rows()); }
 
-  /// How near a pair may come [m], by the tiles that have it.
+  /// Contact distance of a pair [m], from the tiles that have it.
   double nearest_of(const SurfacePair& pair) const {
     const auto& [a, b, c, d] = pair.points;
     if (!pair.edges()) return nearest.of_tracked(a, pair.triangle);
@@ -113,7 +113,7 @@ struct Surface {
   NearestDistances nearest;
 };
 
-/// Every point and triangle, edge and edge that share no point and lie so that `chosen` holds.
+/// Every point and triangle, edge and edge that share no point and for which `chosen` holds.
 template <typename Chosen>
 std::vector<SurfacePair> brute_force(const Surface& surface, const Chosen& chosen) {
   const SurfaceMesh& mesh = surface.mesh;
@@ -149,7 +149,7 @@ std::vector<SurfacePair> brute_force(const Surface& surface, const Chosen& chose
 
 using Features = std::pair<int, std::array<int, 4>>;
 
-/// In the order of their points: tiles may have any.
+/// Sorted by their points: the order of tiles is arbitrary.
 inline Features features(const SurfacePair& pair) {
   auto [a, b, c, d] = pair.points;
   if (!pair.edges()) {

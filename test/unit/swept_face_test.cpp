@@ -51,7 +51,7 @@ TEST(SweptFace, FindsEveryContactThatFineStepsFind) {
       if (nearest < offset - 1e-9) {
         EXPECT_TRUE(found) << shape.index() << ' ' << n;
       }
-      // Between the steps it may come nearer by their length, 2 mm and what the turn adds.
+      // Between samples it may come nearer by their distance, 2 mm and the effect of the turn.
       if (nearest > offset + 0.01) {
         EXPECT_FALSE(found) << shape.index() << ' ' << n;
       }

@@ -19,7 +19,7 @@ ClothSpec limited(ClothSpec spec) {
   return spec;
 }
 
-/// A step of a cloth that its limit holds, as the simulator does it.
+/// One step of a cloth at its strain limit, as in the simulator.
 struct Stepper {
   explicit Stepper(const Cloth& of) : cloth(of), cloth_with_tension_mass(of), limit(of) {}
 
@@ -64,8 +64,8 @@ TEST(TensionInertia, IsThatOfTheWeightOnAString) {
   }
 }
 
-/// Fastest of a heavy string that hangs from its upper end, plucked, after many steps of h omega
-/// for its upper springs.
+/// Largest velocity of a heavy string that hangs from its upper end, plucked, after many steps of h
+/// omega for its upper springs.
 double speed_of_string(double h_omega, bool adds_mass) {
   constexpr int n = 40;
   ClothSpec spec = limited(chain_spec(n, 1, 0, Orientation::vertical));
@@ -121,7 +121,7 @@ TEST(TensionInertia, LeavesMomentumAndAngularMomentumOfAFreeClothAlone) {
 }
 
 TEST(TensionInertia, AFreeClothFallsAsEver) {
-  // Tense from a stretch in the fall: its centre of mass falls by g t^2 / 2.
+  // Taut from a stretch in the fall: its centre of mass falls by g t^2 / 2.
   ClothSpec spec = limited(square_spec(10, 5));
   spec.material.damping = 0;
   const Cloth cloth = make_grid(spec);

@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-/// Tiles of patches as they are at some positions.
+/// Tiles of patches at given positions.
 struct Shapes {
   Shapes(const Surface& surface, const Points& x)
       : patches(surface.patches),

@@ -1,4 +1,4 @@
-// Where a cloth lies on colliders.
+// Contacts of a cloth with colliders.
 
 #include "clothsim/run/touches.h"
 
@@ -18,7 +18,7 @@ ColliderSpec collider(const char* name, const Shape& shape, const Vector3& posit
   return spec;
 }
 
-/// A cloth of 1 m, at 0.5 mm over z = 0, that comes to rest on what is there.
+/// A cloth of 1 m, at 0.5 mm over z = 0, that comes to rest on the colliders.
 Scene lying(const std::vector<ColliderSpec>& colliders) {
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 11;
@@ -45,7 +45,7 @@ TEST(Touches, AClothThatLiesFlatTouchesWithAllOfItsPoints) {
 }
 
 TEST(Touches, AreWhereTheColliderIs) {
-  // The cloth is half a reach over where contact would hold it, and over the box with six columns.
+  // The cloth is half a reach above its contact height, and over the box with six columns.
   const double height = 5e-4 - 1.5 * surface_offset;
   Simulator simulator(lying({collider("box", Cuboid{{2, 1, 0.2}}, {0, 0, 5})}));
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(M_PI / 2, Vector3::UnitZ()));

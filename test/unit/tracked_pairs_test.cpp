@@ -13,8 +13,8 @@
 namespace clothsim {
 namespace {
 
-/// A point of a cloth that is thicker than its cells, and two triangles with an edge in common, of
-/// which `near` is the nearer neighbour on the cloth, so that the point may come nearer to it.
+/// A point of a cloth that is thicker than its cells, and two triangles with an edge in common.
+/// `near` is the nearer neighbour on the cloth, so that the point may come nearer to it.
 class SurfaceSlotsOfNeighbours : public ::testing::Test {
  protected:
   SurfaceSlotsOfNeighbours() {
@@ -57,9 +57,9 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
     });
   }
 
-  /// The point at the origin, the edge `apart` [m] above it, where the far triangle is nearest, and
-  /// the near one going on from there to where it is `to_near` from the point; as long as that is
-  /// no nearer, rising. All else is out of the way.
+  /// The point is at the origin, the edge `apart` [m] above it. The edge is the nearest place of
+  /// the far triangle. From there the near triangle goes on to a place at `to_near` from the point,
+  /// or rises where `to_near` is not smaller. All else is far away.
   Points place(double apart, double to_near) const {
     Points x = Points::Constant(cloth_.num_points(), 3, 9);
     x.row(point) << 0, 0, 0;
@@ -74,7 +74,7 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
     return x;
   }
 
-  /// Where a slot of the far triangle is, once the cloth has moved to such a place.
+  /// Place of a slot of the far triangle, after the cloth has moved to that state.
   int track(double apart, double to_near) const {
     TrackedPairs slots(mesh_, nearest_);
     const double at_first = 1.2 * nearest_->of_tracked(point, far_);
@@ -95,7 +95,7 @@ class SurfaceSlotsOfNeighbours : public ::testing::Test {
 };
 
 TEST_F(SurfaceSlotsOfNeighbours, StayWhereTheyTouch) {
-  // At the other triangle the gap is smaller, but that would let the point come nearer to this.
+  // At the other triangle the gap is smaller, but that would let the point come nearer to this one.
   const double may_far = nearest_->of_tracked(point, far_),
                may_near = nearest_->of_tracked(point, near_);
   EXPECT_EQ(track(0.999 * may_far, 0.99 * may_near), far_);

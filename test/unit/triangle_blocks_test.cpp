@@ -57,7 +57,7 @@ TEST(TriangleBlocks, HoldEachTriangleOnceInABoxOfItsPoints) {
 }
 
 TEST(TriangleBlocks, LeaveOutNoTriangleThatTouchesWithMoreThanACorner) {
-  // Against the distance of each triangle; a good part must be left out, or the boxes are idle.
+  // Against the distance of each triangle; many must be left out, or the boxes have no effect.
   int touching = 0, left_out = 0, blocks_seen = 0;
   const Cloth cloth = crumpled(40, 40, 2);
   TriangleBlocks blocks;

@@ -1,4 +1,4 @@
-// A cloth that crosses itself when its state is set: told, and taken apart where that is asked for.
+// A cloth that crosses itself when its state is set: reported, and untangled on request.
 
 #include "clothsim/constraints/untangle.h"
 
@@ -78,7 +78,7 @@ TEST(Untangle, TakesAFoldApartThatCrossesItself) {
   EXPECT_EQ(count_intersections(simulator.cloth(), positions), 0);
   EXPECT_LT(longest_way(before, positions), 0.02);  // about as deep as it was
   EXPECT_GE(positions.col(2).minCoeff(), -1e-12);   // not into the ground
-  // The wave's low part is above the other half again, not the rest below.
+  // The wave's low part is above the other half again, and the rest is not below.
   const int high = 5 * 25 + 24, low = 18 * 25 + 24;  // of the free edge
   EXPECT_GT(positions(high, 2), 0.02);
   EXPECT_GT(positions(low, 2), positions(low - 24, 2));
@@ -93,7 +93,7 @@ TEST(Untangle, MovesNothingWhereNothingCrosses) {
   EXPECT_EQ(positions, before);
 }
 
-/// Folds whose upper half waves, bulges or dips through the lower one, and noise as a camera has.
+/// Folds whose upper half waves, bulges or dips through the lower one, and noise of a camera.
 TEST(Untangle, TakesRandomCrossingsApart) {
   const Scene scene = towel();
   const Simulator simulator(scene);
@@ -129,7 +129,7 @@ TEST(Untangle, TakesRandomCrossingsApart) {
 
 TEST(Untangle, LeavesPinsWhereTheyAre) {
   Scene scene = towel();
-  scene.cloth.pinned = {{24, 18, ""}, {0, 18, ""}};  // both in what crosses
+  scene.cloth.pinned = {{24, 18, ""}, {0, 18, ""}};  // both in the crossing part
   const Simulator simulator(scene);
   Points positions = crossed(simulator);
   const Points before = positions;
@@ -173,7 +173,7 @@ TEST(GivenCrossings, AreNoneOfAClothThatMayCrossItself) {
   set(crossed(simulator), simulator);
   EXPECT_EQ(simulator.given_crossings(), 0);
 
-  // From the change on it is kept off itself.
+  // From the change on, self contact is kept.
   LiveSpec live = live_values(simulator.scene());
   live.self_collision = SelfCollision::surface;
   simulator.set(live);

@@ -67,7 +67,7 @@ TEST(Workers, ShareBandsShorterThanALineOfTheCaches) {
 }
 
 TEST(Workers, EndWhateverTheirThreadsDo) {
-  // The pool ends while threads come awake, look for work, take it or have just missed it.
+  // The pool ends while threads wake up, look for work, take it or have just missed it.
   std::atomic<int> bands{0};
   constexpr int rounds = 30000;
   for (int k = 0; k < rounds; ++k) {
@@ -93,8 +93,8 @@ TEST(Workers, ManyLoopsInARowAndAfterASleep) {
   EXPECT_EQ(sums, std::vector<double>(3000, 3000));
 }
 
-/// Threads of this process: `expected`, or those there are a second later. The kernel still counts
-/// one for a moment that has been joined.
+/// Number of threads of this process: `expected`, or the number a second later. For a moment the
+/// kernel still counts a thread that has been joined.
 int threads_or(int expected) {
   for (int wait = 0; wait < 1000 && threads_now() != expected; ++wait) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -141,7 +141,7 @@ void expect_same_bits(Scene scene, int frames) {
   }
 }
 
-/// Every method, with all that a scene may have, takes the same steps with any number of threads.
+/// Every method, in a scene with all features, takes the same steps with any number of threads.
 class MethodThreadBits : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(MethodThreadBits, AreTheSame) {
@@ -158,7 +158,7 @@ TEST_P(MethodThreadBits, AreTheSame) {
   }
 }
 
-/// Verlet's other precision, likewise; and it keeps pins, the strain limit and contact.
+/// The same for Verlet's other precision, with pins, strain limit and contact.
 TEST(ThreadBits, AreTheSameInSinglePrecision) {
   using Parameters = VelocityVerlet::Parameters;
   for (const char* name : {"pinned2", "sphere", "self_collision"}) {
@@ -178,7 +178,8 @@ TEST(ThreadBits, AreTheSameInSinglePrecision) {
     const double off =
         (one.positions - run_with(Parameters::double_precision, 1).positions).cwiseAbs().maxCoeff();
     EXPECT_GT(off, 0) << name;
-    // Rounding decides on a pass more or less, each within the limit's tolerance: 0.08 mm a spring.
+    // Rounding decides on one pass more or less, each within the limit's tolerance: 0.08 mm a
+    // spring.
     EXPECT_LT(off, 5e-4) << name;
   }
 }
@@ -221,7 +222,7 @@ TEST(ThreadBits, AreTheSameFromSurfaceContact) {
   expect_same_bits(scene, 80);
 }
 
-/// Passes over contacts enough for either side of a cloth that lies folded in two.
+/// Enough passes over contacts for either side of a cloth that lies folded in two.
 TEST(ThreadBits, AreTheSameFromBothSidesOfAFold) {
   ClothSpec spec;
   spec.columns = spec.rows = 31;

@@ -1,4 +1,4 @@
-// Each method on a linear oscillator is a linear map: its exact factor a step.
+// Each method on a linear oscillator is a linear map with an exact factor a step.
 //
 // y'' = -omega^2 (y - 1) in the variable z = omega (y - 1) - i v reads z' = i omega z.
 
@@ -35,8 +35,8 @@ struct Oscillator {
 };
 
 TEST(Amplification, ImplicitEulerLosesItsShareEachStep) {
-  // z' = z / (1 - i omega h): amplitude (1 + h^2 omega^2)^(-n / 2). XPBD, with one spring to
-  // satisfy, is the same method.
+  // z' = z / (1 - i omega h): amplitude (1 + h^2 omega^2)^(-n / 2). XPBD with a single spring is
+  // the same method.
   const auto check = [](auto method, double omega_h) {
     const double h = omega_h / omega;
     Oscillator oscillator;
@@ -108,9 +108,9 @@ TEST(Amplification, SymplecticEulerStaysOnItsEllipse) {
 }
 
 TEST(Amplification, Bdf2DoesNotGiveAHitAgain) {
-  // Stopped by its caller once, a mass is on its new path at once: v = a h after the next step, and
-  // on with a t, a = -omega^2 y. With the history of before, a third of the lost speed would come
-  // back as a bounce. The swing's curve is off by (omega t)^2 / 2 of that; the force, of h / 2.
+  // A caller stops the mass once. It follows its new path at once: v = a h after the next step,
+  // then a t, with a = -omega^2 y. With the old history a third of the lost speed would come back
+  // as a bounce. The swing's curve is off by (omega t)^2 / 2 of that; the force, by h / 2.
   Oscillator oscillator;
   Bdf2 method;
   const double h = 1e-3;

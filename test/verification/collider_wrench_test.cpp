@@ -1,4 +1,4 @@
-// What a cloth does to colliders: weights, balances of momentum, moments of weights on arms.
+// Wrenches of a cloth on colliders: weights, balances of momentum, moments of weights on arms.
 
 #include <cmath>
 #include <functional>
@@ -32,7 +32,7 @@ Scene over(const std::vector<ColliderSpec>& colliders, int side = 15) {
   return scene;
 }
 
-/// Steps for `seconds` without a look, then weighs the last frame.
+/// Steps for `seconds`, then measures the wrench of one more frame.
 Wrench measure_wrench(Simulator& simulator, double seconds, std::size_t index = 0) {
   run(simulator, seconds);
   simulator.measure_wrenches(true);
@@ -77,7 +77,7 @@ TEST(ColliderWrench, TheWeightIsThatOfEveryMethodWithAndWithoutDrag) {
 }
 
 TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
-  // They leave its upper edge no room, and have half each, as their friction is the same.
+  // They leave its upper edge no room, and carry half each, as their friction is the same.
   Scene scene = over({collider("left", Cuboid{{0.3, 0.02, 0.06}}, {0.1, -0.0095, 0.2}, 1),
                       collider("right", Cuboid{{0.3, 0.02, 0.06}}, {0.1, 0.0095, 0.2}, 1)},
                      10);
@@ -176,8 +176,8 @@ TEST(ColliderWrench, TorqueIsThatOfAWeightOverAnEdge) {
   EXPECT_LT((wrench.torque - expected).norm(), 1e-3 * 5 * g * 0.5);
 }
 
-/// No drag: what the cloth's momentum changes by in each frame is m g dt less what colliders got,
-/// to rounding. Returns what the last one did.
+/// Without drag: in each frame the change of the cloth's momentum is m g dt less the impulses on
+/// the colliders, to rounding. Returns the report of the last frame.
 StepReport expect_balance(const Scene& scene, const std::function<void(Simulator&, int)>& move) {
   Simulator simulator(scene);
   simulator.measure_wrenches(true);

@@ -16,7 +16,7 @@ using namespace testing;
 TEST(Verlet, EnergyStaysBoundedAndItsErrorGoesWithTheSquareOfTheStep) {
   // A symplectic method keeps a nearby energy: the error swings, by C h^2, and does not drift. The
   // cloth swings between four corners: its motion stays regular. From two it crumples, and then the
-  // last bit decides by how much a spring that passes through no length changes the energy.
+  // last bit decides how much energy changes by a spring that passes through zero length.
   ClothSpec spec = square_spec(5, 2000);
   spec.pinned = {{0, 0, ""}, {4, 0, ""}, {0, 4, ""}, {4, 4, ""}};
   const Cloth cloth = make_grid(spec);
@@ -52,7 +52,7 @@ TEST(Verlet, EnergyStaysBoundedAndItsErrorGoesWithTheSquareOfTheStep) {
 
 TEST(Verlet, EnergyDoesNotDriftOverALongTime) {
   // 200,000 steps at a tenth of the stability limit: the error stays within (omega_max h)^2 / 8 of
-  // the energy that swings, at most the weight times 1 m, and its mean goes nowhere.
+  // the energy that swings, at most the weight times 1 m, and its mean does not drift.
   ClothSpec spec = square_spec(4, 2000);
   spec.material.density = 15;
   spec.pinned = {{0, 0, ""}, {3, 0, ""}};
@@ -82,13 +82,13 @@ TEST(Verlet, EnergyDoesNotDriftOverALongTime) {
   EXPECT_LT(std::abs(last - first), 0.1 * bound);
 }
 
-/// Shape that a cloth falls on, points along its side and method.
+/// Shape below the falling cloth, points along its side and method.
 using Fall = std::tuple<const char*, int, const char*>;
 
 class StiffLightFall : public ::testing::TestWithParam<Fall> {};
 
 TEST_P(StiffLightFall, GainsNoEnergyWhereItLands) {
-  // 0.3 m deep, without drag: what it has at the start it may lose and never exceed.
+  // 0.3 m deep, without drag: it may lose energy and never exceed that of the start.
   const auto& [name, side, method] = GetParam();
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = side;

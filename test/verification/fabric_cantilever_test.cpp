@@ -1,4 +1,5 @@
-// Peirce's cantilever: a fabric's strip that hangs over an edge, cut along warp, weft and the bias.
+// Peirce's cantilever: a strip of fabric that hangs over an edge, cut along warp, weft and the
+// bias.
 
 #include <cmath>
 
@@ -75,8 +76,8 @@ EndOfStrip end_of(const ClothSpec& spec, const Points& x, bool along_weft) {
   return {-x(end, 2), x(end, along) - spacing / 2};
 }
 
-/// Where points come to rest, by steps of implicit Euler that are long against all swings but
-/// converge each.
+/// Rest places of the points, by steps of implicit Euler that are long compared with all swings and
+/// that all converge.
 Points at_rest(const Cloth& cloth) {
   State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   ImplicitEuler::Parameters parameters;
@@ -111,7 +112,8 @@ TEST(Fabric, HangsFromATableAsPeircesStrip) {
 
 TEST(Fabric, HangsFromATableWhereItsBendIsHardlyResolved) {
   // The least radius is about the length over gamma's cubic root, 0.1 of it at 1000: one cell of 10
-  // points. There the end's place tells and not the ratio, whose denominator is 5 % of the length.
+  // points. There the test is on the end's place and not on the ratio, whose denominator is 5 % of
+  // the length.
   for (const auto& [gamma, points, share] :
        {std::tuple(300.0, 10, 0.05), std::tuple(1000.0, 10, 0.05), std::tuple(300.0, 40, 0.002),
         std::tuple(1000.0, 40, 0.002)}) {
@@ -125,8 +127,9 @@ TEST(Fabric, HangsFromATableWhereItsBendIsHardlyResolved) {
 
 // ---- Along the bias
 
-/// What diagonals add to the moment of a bend along the bias, over its curvature's cube [N m^2],
-/// of lines `spacing` [m] apart: they are chords over two lines, shorter by spacing^3 k^2 / 4.
+/// Contribution of diagonals to the moment of a bend along the bias, over its curvature's cube
+/// [N m^2], for lines `spacing` [m] apart: they are chords over two lines, shorter by
+/// spacing^3 k^2 / 4.
 double diagonals_stiffening(const Fabric& fabric, double spacing) {
   return fabric.shear_stiffness * std::pow(spacing, 4) / 16;
 }
@@ -151,7 +154,7 @@ class BiasStrip {
 
   const Cloth& cloth() const { return cloth_; }
 
-  /// That of elastica().
+  /// The free end of elastica().
   double stiffening() const {
     const double cubic = diagonals_stiffening(*spec().material.fabric, spacing_);
     return cubic / (bending_ * strip_length * strip_length);
@@ -190,7 +193,7 @@ class BiasStrip {
     return spec;
   }
 
-  /// Leaves what joins points of the strip, half of what lies on its edges.
+  /// Keeps the springs that join points of the strip, and half of those on its edges.
   void cut(std::vector<SpringRun>& springs) const {
     std::vector<SpringRun> kept;
     for_each_spring(cloth_, [&](const SpringRun& run, int a, int b) {
@@ -234,7 +237,7 @@ TEST(Fabric, HangsFromATableAlongTheBias) {
 }
 
 TEST(Fabric, DiagonalsStiffenBendsAlongTheBias) {
-  // The energy per area of that moment is stiffening k^4 / 4: threads are not stretched by it.
+  // The energy per area of that moment is stiffening k^4 / 4: it does not stretch threads.
   ClothSpec spec = fabric_spec(9, 9, 0.02, 0.02);
   spec.material.springs = {true, true, false};
   const Cloth cloth = make_grid(spec);
@@ -273,7 +276,7 @@ class FabricMethod : public ::testing::Test {};
 TYPED_TEST_SUITE(FabricMethod, EachMethod);
 
 TYPED_TEST(FabricMethod, HangsTheSame) {
-  // With drag to come to rest; methods that iterate are let converge.
+  // With drag to come to rest; iterative methods are converged.
   ClothSpec spec = strip(10, 10, false);
   spec.material.fabric->stretch_stiffness = {2000, 2000};
   spec.material.damping = 25;

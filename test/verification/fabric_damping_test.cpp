@@ -1,4 +1,4 @@
-// What methods make of a fabric: internal damping, stable steps, Newton's matrix.
+// Fabrics in each method: internal damping, stable steps, Newton's matrix.
 
 #include <cmath>
 

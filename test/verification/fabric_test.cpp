@@ -1,4 +1,4 @@
-// A fabric against the continuum that it stands for.
+// A fabric against its continuum.
 
 #include <cmath>
 
@@ -79,7 +79,7 @@ TEST(Fabric, MassesAreThoseOfTheAreaThatPointsOwn) {
 
 // ---- Bending
 
-/// Energy per area over its square of curvature of a sheet bent to a cylinder of which the axis is
+/// Energy per area over the square of the curvature, of a sheet bent to a cylinder whose axis is at
 /// `angle` from the weft: twice that is the bending stiffness there.
 double bending_stiffness_at(double angle, double du, double dv) {
   ClothSpec spec = fabric_spec(41, 41, du, dv);

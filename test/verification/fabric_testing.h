@@ -29,7 +29,7 @@ inline ClothSpec fabric_spec(int columns, int rows, double du, double dv) {
 
 inline constexpr double strip_length = 0.1;  // [m]
 
-/// Bending stiffness of a strip of gamma = density g L^3 / B [N m].
+/// Bending stiffness of a strip with gamma = density g L^3 / B [N m].
 inline double strip_bending(double gamma) {
   return fabric_density * 9.8 * std::pow(strip_length, 3) / gamma;
 }

@@ -1,4 +1,4 @@
-// Motion without springs at work: free fall, drag, and what a free cloth conserves.
+// Motion without spring forces: free fall, drag, and the conserved quantities of a free cloth.
 
 #include <cmath>
 
@@ -145,7 +145,7 @@ TYPED_TEST(FreeMotion, DragAloneIsExactWhateverTheStep) {
 }
 
 TEST(FreeMotionVerlet, DragAloneMovesPointsExactly) {
-  // x = x0 + v0 (1 - exp(-c t)) / c, whatever the step.
+  // x = x0 + v0 (1 - exp(-c t)) / c, for any step.
   const double c = 5.4;
   const ClothSpec spec = drag_alone(c);
   const Cloth cloth = make_grid(spec);
@@ -162,7 +162,7 @@ TEST(FreeMotionVerlet, DragAloneMovesPointsExactly) {
 
 TEST(FreeMotionVerlet, FallWithDragIsExactWhateverTheStep) {
   // z = -(g / c)(t - (1 - exp(-c t)) / c), v = -(g / c)(1 - exp(-c t)); c h on both sides of 0.01,
-  // where the way is had otherwise, and so small that it all but drops out.
+  // where the formula of the displacement changes, and so small that it all but drops out.
   const double t = 1;
   for (const double c : {5.4, 1.0, 1e-3, 1e-9}) {
     ClothSpec spec = square_spec(4);
@@ -208,9 +208,9 @@ TEST(FreeMotionVerlet, AngularMomentumOfAFreeClothStays) {
   EXPECT_LT((angular_momentum(cloth, state) - before).norm(), 1e-12 * before.norm());
 }
 
-/// A spinning cloth held together by its strain limit alone; what it keeps after one turn or so.
+/// A spinning cloth held together by its strain limit alone; its invariants after one turn or so.
 struct Kept {
-  double momentum;          // change, of mass times rim speed
+  double momentum;          // change, in mass times rim speed
   double angular_momentum;  // relative change
   int corrections = 0;
 };
@@ -261,7 +261,7 @@ TEST(StrainLimitSpin, MomentumAndAngularMomentumStay) {
 }
 
 TEST(StrainLimitSpin, ASceneWithoutGravityKeepsMomentaAndGainsNoEnergy) {
-  // What `auto` takes, with tension's inertia, repairs and all.
+  // Substeps and method of `auto`, with tension's inertia and repairs.
   for (const double density : {0.2, 1.0, 150.0}) {
     for (const bool limited : {false, true}) {
       Scene scene;
@@ -295,7 +295,7 @@ TEST(StrainLimitSpin, RepairedLengthsKeepTheMomentum) {
   EXPECT_LT(kept.momentum, 1e-11);
 }
 
-/// A way to fold, and what of its angular momentum may be lost, of sum of m r v.
+/// A way to fold, and the loss of angular momentum that is allowed, in sum of m r v.
 struct Fold {
   const char* name;
   SelfCollision contact;
@@ -349,9 +349,9 @@ TEST_P(FreeFold, KeepsItsMomentum) {
   EXPECT_LT(lost, fold.lost);
 }
 
-// Impulses of surfaces act along the normal where they act: rounding is left. Repairs of the strain
-// limit cost some, as above; friction costs what would turn layers through their thickness; points
-// push along the line on which they end the step, and what overlaps is moved apart.
+// Impulses of surfaces act along the normal at their contact: rounding is left. Repairs of the
+// strain limit cost some, as above; friction costs the moment that would turn layers through their
+// thickness; points push along the line on which they end the step, and overlaps are projected out.
 INSTANTIATE_TEST_SUITE_P(
     Ways, FreeFold,
     ::testing::Values(Fold{"surface", SelfCollision::surface, false, 0, 1e-12},

@@ -30,7 +30,7 @@ Scene lying(double friction) {
   return scene;
 }
 
-/// Gravity as a plane tilted by `angle` about y feels it.
+/// Gravity in the frame of a plane tilted by `angle` about y.
 Vector3 tilted_gravity(double angle) { return g * Vector3(std::sin(angle), 0, -std::cos(angle)); }
 
 class Incline : public ::testing::TestWithParam<double> {};
@@ -122,7 +122,7 @@ TEST(Belt, CarriesTheClothUpToItsOwnSpeed) {
 
 TEST(Belt, TurntableCarriesTheClothRound) {
   // On a plane that turns with w, friction holds a point at radius r while w^2 r < mu g. A light
-  // cloth is stiff against friction and turns as one: until it catches up it slips by the angle
+  // cloth is stiff against friction and turns as one: until it reaches w it slips by the angle
   // w^2 / (2 alpha), where alpha = mu g sum r / sum r^2.
   const double w = 1;
   const double mu = 0.5;
@@ -150,7 +150,7 @@ TEST(Belt, TurntableCarriesTheClothRound) {
 
 TEST(Belt, ASphereThatTurnsCarriesTheClothThatHangsOverItAlong) {
   // Wrapped round the top of a sphere that turns about z, the cloth goes round with it. Drag holds
-  // it back, far less than friction can give.
+  // it back, far less than friction can.
   const double w = 0.5;
   Scene scene;
   scene.cloth.columns = scene.cloth.rows = 21;

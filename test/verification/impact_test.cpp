@@ -1,4 +1,4 @@
-// Fast colliders: nothing tunnels, whatever the step.
+// Fast colliders: nothing tunnels, for any step.
 
 #include <cmath>
 
@@ -85,7 +85,7 @@ TEST_P(FastPlane, TakesTheWholeSheetAlong) {
     simulator.step();
     ASSERT_GE(simulator.state().positions.col(2).minCoeff(), pose.position.z()) << frame;
   }
-  // 1 % of the way is what drag takes from a sheet that is pushed by steps.
+  // 1 % of the way is the loss by drag of a sheet that is pushed by steps.
   EXPECT_LE(simulator.state().positions.col(2).maxCoeff(),
             pose.position.z() + surface_offset + 0.01 * frame_path);
   EXPECT_NEAR(simulator.state().velocities.col(2).mean(), speed, 0.01 * speed);
@@ -171,8 +171,8 @@ TEST(Impact, AColliderGoesNoFartherThanItsTargetWhereTheFrameHasGotLonger) {
 class RowOfPoints : public ::testing::TestWithParam<double> {};
 
 TEST_P(RowOfPoints, GoOnTogetherWithoutSprings) {
-  // Ten points in a row, the first of which runs into the next but one, and that into its next:
-  // next neighbours do not touch. They go on together, as closely as passes solve for.
+  // Ten points in a row. The first runs into the third, and that into its next: adjacent points do
+  // not touch. They go on together, as closely as the passes converge.
   const double width = GetParam();
   Scene scene;
   scene.cloth.columns = 10;

@@ -70,8 +70,8 @@ TEST(Verlet, OscillatesAtItsExactDiscreteFrequency) {
 
 TYPED_TEST(EveryMethod, StabilityLimitFromBothSides) {
   // Stable for h omega < stability_limit: at 0.98 of it the swing stays within a bound, at 1.02 it
-  // grows beyond all. A symplectic method moves on an ellipse; Verlet's has the start at its end,
-  // symplectic Euler's leans, and is 1 / sqrt(1 - (h omega / 2)^2) longer.
+  // grows without bound. A symplectic method moves on an ellipse. Verlet's has the start at its
+  // end; symplectic Euler's leans, and is 1 / sqrt(1 - (h omega / 2)^2) longer.
   const double limit = TypeParam::stability_limit;
   if (!std::isfinite(limit)) GTEST_SKIP() << TypeParam::name << " has no limit";
   const double omega = 7;

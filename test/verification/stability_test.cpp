@@ -1,4 +1,4 @@
-// Where the method must fail, and that failing is caught.
+// Cases in which the method must fail, and the failure is caught.
 
 #include <cmath>
 
@@ -55,7 +55,7 @@ TEST(StabilityLimit, StableJustBelow) {
     farthest_off = std::max(
         farthest_off, farthest(simulator.state().positions, simulator.cloth().rest_positions));
   }
-  // It started up to 1 mm off.
+  // The start is up to 1 mm off.
   EXPECT_LT(farthest_off, 5e-3);
 }
 
@@ -75,13 +75,13 @@ TEST(StabilityLimit, BlowsUpJustAboveAndKeepsTheLastGoodFrame) {
     }
   }
   ASSERT_TRUE(diverged);
-  // Before it shows: it started 1 mm uneven, which stretches springs by a hundredth of that.
+  // Before it shows: the start is uneven by 1 mm, which stretches springs by a hundredth of that.
   EXPECT_LT(worst_stretch(simulator.cloth(), last.positions), 0.02);
   EXPECT_EQ(simulator.state().positions, last.positions);
   EXPECT_EQ(simulator.state().velocities, last.velocities);
   EXPECT_EQ(simulator.state().time, last.time);
 
-  // It is refused again, and a reset with a smaller step runs.
+  // The step is refused again, and a reset with a smaller step runs.
   EXPECT_THROW(simulator.step(), Diverged);
   simulator.reset();
   SimulationSpec simulation = simulator.scene().simulation;
@@ -132,7 +132,7 @@ TEST(Stability, SurvivesDegenerateStarts) {
       ASSERT_TRUE(simulator.state().positions.allFinite()) << scale;
       ASSERT_LT(max_speed(simulator.state()), 1e3) << scale;
     }
-    // Back to where they fit, it rests within its limit.
+    // Moved back to rest lengths that fit, it rests within its limit.
     simulator.move_pin(1, Vector3(1, 0, 1));
     run(simulator, 5);
     EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105) << scale;

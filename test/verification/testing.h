@@ -26,7 +26,7 @@ struct TypesOf<std::variant<Methods...>> {
 };
 using EachMethod = TypesOf<Integrator>::List;
 
-/// A method that iterates until rounding, or at least 100 times, so that only its scheme is left.
+/// A method that iterates to rounding, or at least 100 times, so that only its scheme is left.
 template <typename Method>
 Method converged() {
   struct Tighten {
@@ -85,7 +85,7 @@ inline ClothSpec square_spec(int side, double ks = 5000) {
   return spec;
 }
 
-/// Runs a simulator for `seconds`; returns what the last frame did.
+/// Runs a simulator for `seconds`; returns the report of the last frame.
 inline StepReport run(Simulator& simulator, double seconds) {
   StepReport report;
   const int frames = static_cast<int>(seconds / simulator.frame_duration() + 0.5);
@@ -100,7 +100,7 @@ void run(Method& method, const Cloth& cloth, const Loads& loads, double h, int s
   for (int i = 0; i < steps; ++i) method.step(cloth, loads, h, state);
 }
 
-/// N x 3 numbers drawn evenly from (-size, size).
+/// N x 3 numbers, uniform in (-size, size).
 inline Points random_points(int count, double size, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> draw(-size, size);

@@ -1,5 +1,5 @@
-// All methods go one way: the trajectory of pinned2 without strain limit to t = 0.5 s, each at its
-// order. A cloth of 10 x 10 points keeps it short.
+// All methods follow one path: the trajectory of pinned2 without strain limit to t = 0.5 s, each at
+// its order. A cloth of 10 x 10 points keeps it short.
 
 #include <cmath>
 #include <limits>
@@ -45,7 +45,7 @@ const State& reference() {
 }
 
 TEST(Reference, IsThatOfRungeKuttaToo) {
-  // Two methods without a line in common but the forces.
+  // Two methods that share no code but the forces.
   const State other = end(RungeKutta4(), 4000);
   EXPECT_LT(farthest(other.positions, reference().positions), 1e-10);
   EXPECT_LT(farthest(other.velocities, reference().velocities), 1e-8);
@@ -56,8 +56,8 @@ class Trajectory : public ::testing::Test {};
 TYPED_TEST_SUITE(Trajectory, EachMethod);
 
 TYPED_TEST(Trajectory, ConvergesToTheReferenceAtItsOrder) {
-  // omega_max is 163 rad/s. Order 1 wants the finest steps to show; the fourth order soon meets the
-  // reference's own error.
+  // omega_max is 163 rad/s. Order 1 shows only at the finest steps; the fourth order soon reaches
+  // the reference's own error.
   const int steps = TypeParam::order == 1 ? 1000 : TypeParam::order == 2 ? 500 : 200;
   const State coarse = end(converged<TypeParam>(), steps);
   const State fine = end(converged<TypeParam>(), 2 * steps);
@@ -70,7 +70,7 @@ TYPED_TEST(Trajectory, ConvergesToTheReferenceAtItsOrder) {
   this->RecordProperty("order_velocity", std::to_string(order_v));
   EXPECT_NEAR(order_x, TypeParam::order, 0.15);
   // Started at rest, symplectic Euler's path is Verlet's half a step late, its velocities are those
-  // of half a step ago: they come out right to second order.
+  // of half a step ago: they have second order here.
   const bool late = std::is_same_v<TypeParam, SymplecticEuler>;
   EXPECT_NEAR(order_v, late ? 2 : TypeParam::order, 0.15);
 }
@@ -89,12 +89,12 @@ TYPED_TEST(Trajectory, SameBitsTwice) {
 }
 
 TYPED_TEST(Trajectory, AMaterialChangedEachStepIsThatOfAFreshMethod) {
-  // No factor, colour or history outlives what it was made for: the same bits.
+  // No factor, colour or history outlives its step: the same bits.
   ClothSpec spec = pinned2();
   State state = start_state(spec, make_grid(spec), 1);
   TypeParam method;
   for (int n = 0; n < 12; ++n) {
-    // One thing a step, then back, then the step itself.
+    // One change a step, then back, then the step itself.
     spec.material.ks = n % 2 == 0 ? 5000 : 700;
     spec.material.density = n % 3 == 0 ? 150 : 90;
     spec.material.damping = n % 5 == 0 ? 5.4 : 0;
@@ -111,7 +111,7 @@ TYPED_TEST(Trajectory, AMaterialChangedEachStepIsThatOfAFreshMethod) {
   }
 }
 
-/// Starts that no cloth has: in a point, on a line, scrambled, at springs without length.
+/// Impossible starts: in a point, on a line, scrambled, at springs without length.
 struct Degenerate {
   const char* name;
   ClothSpec spec;
@@ -158,7 +158,7 @@ TYPED_TEST(Trajectory, DegenerateStartsStayFinite) {
 }
 
 TYPED_TEST(Trajectory, ExtremesDivergeWhereTheoryHasItAndElsewhereFallAndHang) {
-  // Steps, stiffness and lightness far outside what is reasonable, through the simulator.
+  // Unreasonable steps, stiffnesses and light weights, through the simulator.
   struct Extreme {
     double ks;
     double density;
@@ -193,7 +193,8 @@ TYPED_TEST(Trajectory, ExtremesDivergeWhereTheoryHasItAndElsewhereFallAndHang) {
       EXPECT_NE(std::string(error.what()).find(TypeParam::name), std::string::npos);
       EXPECT_TRUE(simulator.state().positions.allFinite());
     }
-    // Where what is rounded off a spring's pull is heavier than a point, no method knows better.
+    // Where the rounding error of a spring's pull exceeds the weight of a point, no method is
+    // exact.
     const double rounded = e.ks * 0.2 * std::numeric_limits<double>::epsilon();
     if (rounded > simulator.cloth().mass[0] * 9.8) continue;
     EXPECT_EQ(has_diverged, is_unstable);

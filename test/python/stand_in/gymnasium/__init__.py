@@ -1,4 +1,4 @@
-"""The part of Gymnasium 1.1 that environments use, with the checks of its env_checker that can be made
+"""The part of Gymnasium 1.1 that environments use, with those checks of its env_checker that can be made
 here: Debian has no package of it."""
 
 from gymnasium import spaces, vector  # noqa: F401
