@@ -224,7 +224,7 @@ void ContactList::read(MemoryReader& memory) {
           c.key << key_bits | static_cast<std::uint64_t>(memory.index(std::size_t{1} << key_bits));
     }
     if (!contacts_.empty() && c.key <= contacts_.back().key) {
-      throw InvalidValue({"memory"}, "contacts in another order", "what this cloth wrote");
+      throw InvalidValue({"memory"}, "contacts in another order", "the memory of this cloth");
     }
     c.impulse.read(memory);
     contacts_.push_back(c);

@@ -7,8 +7,8 @@ namespace clothsim_python {
 void bind_batch(py::module_& module) {
   py::class_<Batch>(
       module, "Batch",
-      "Many simulators of as many points each, stepped side by side by threads of its own. What "
-      "each computes does not depend on the others or on the number of threads.")
+      "Many simulators of as many points each, stepped side by side by threads of its own. The "
+      "result of each does not depend on the others or on the number of threads.")
       .def(
           py::init<const py::sequence&, std::optional<int>>(), py::arg("simulators"),
           py::arg("threads") = py::none(),

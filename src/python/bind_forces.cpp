@@ -41,12 +41,12 @@ void bind_forces(SimulationClass& simulator) {
           "forces", &forces, &set_forces,
           "[N, 3] [N], or None: forces from outside on the points, such as a push or a fan, "
           "besides gravity, from the next frame on until they are set anew. reset() ends them. "
-          "What "
-          "holds a point feels them. Read, it is a copy.")
+          "The "
+          "holder of a point feels them. Read, it is a copy.")
       .def_property_readonly(
           "tensions", &tensions,
           "[S] [N], of each of topology['springs'], negative where it pushes: by Hooke's law with "
-          "internal damping, and what the strain limit has it pull beyond that.")
+          "internal damping, plus the tension of the strain limit.")
       .def_property_readonly(
           "stress", &stress,
           "[T, 3] [N/m], of each of topology['triangles'] in its own plane, a force per width at "

@@ -145,24 +145,26 @@ void bind_frames(SimulationClass& simulator) {
       .def("place_frame", &place_frame, py::arg("frame"), py::arg("pose"),
            "Puts a frame at `pose` [x, y, z, qx, qy, qz, qw] or [x, y, z] [m] at once, with the "
            "colliders that follow it; makes a new one known. Raises InvalidValue.")
-      .def("attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
-           py::arg("points") = py::none(), py::arg("radius") = py::none(),
-           py::arg("tear_force") = py::none(), py::arg("strength") = py::none(),
-           "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
-           "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
-           "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
-           "lag behind their places; None: ten weights of the cloth and what stretches the "
-           "points' springs to their limit. Returns the points. Raises InvalidValue and changes "
-           "nothing.")
+      .def(
+          "attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
+          py::arg("points") = py::none(), py::arg("radius") = py::none(),
+          py::arg("tear_force") = py::none(), py::arg("strength") = py::none(),
+          "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
+          "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
+          "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
+          "lag behind their places; None: ten weights of the cloth plus the force that stretches "
+          "the points' springs to their limit. Returns the points. Raises InvalidValue and changes "
+          "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),
            "Lets go the points of a frame, or `points`; all that are attached where neither is "
-           "given. Raises InvalidValue for what is not attached.")
+           "given. Raises InvalidValue for points that are not attached.")
       .def_property_readonly(
           "grips", &grips,
-          "What is attached, by frame: {'pose': [7], 'points': list, 'force': "
+          "Attached points, by frame: {'pose': [7], 'points': list, 'force': "
           "[3] [N], 'torque': [3] [N m] about the frame's origin, 'lag': [m] of the point that is "
-          "farthest behind its place}, in the world: what the cloth did to the frame in the last "
-          "frame of simulation.")
+          "farthest behind its place}, in the world: the mean load of the cloth on the frame in "
+          "the "
+          "last frame of simulation.")
       .def_property_readonly(
           "holders", &holders,
           "All that hold points, pins and then grips: a list of {'name': of the frame or 'pin "

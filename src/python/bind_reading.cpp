@@ -93,7 +93,7 @@ py::object render(const py::object& self, const py::object& view, const py::obje
 void bind_render(SimulationClass& simulator) {
   simulator.def(
       "render", &render, py::arg("view") = py::none(), py::arg("images") = py::none(),
-      "A picture as it is now, without a display. `view`: a View, or what View() takes. Returns "
+      "A picture of the present state, without a display. `view`: a View, or its source. Returns "
       "colour [H, W, 3] uint8 sRGB; depth [H, W] float32 [m] along the optical axis, inf where "
       "nothing is; mask [H, W] uint8: 0 nothing, 1 cloth, 2 the first collider and so on. With "
       "`images`, a list of names or 'all', a dict of these: 'color', 'depth', 'mask'; 'uv' [H, W, "
@@ -115,7 +115,8 @@ void bind_reading(SimulationClass& simulator) {
           "Simulated time of a frame [s].")
       .def_property_readonly(
           "topology", &topology,
-          "What the cloth is, a dict: 'columns', 'rows'; 'triangles' [T, 3], counter-clockwise "
+          "The structure of the cloth, a dict: 'columns', 'rows'; 'triangles' [T, 3], "
+          "counter-clockwise "
           "seen from the front; 'uv' [N, 2] in [0, 1]; 'rest_positions' [N, 3] [m]; 'mass' [N] "
           "[kg]; "
           "'pinned', indices; 'springs' [S, 2], points that each joins, with 'families' [S] (0 "
@@ -125,7 +126,8 @@ void bind_reading(SimulationClass& simulator) {
           "Where the cloth lies on each collider, by name: {'count': points, and triangles that "
           "touch with none of their corners; 'middle': mean of these places [3] [m], or None; "
           "'force' [3] [N] of the cloth on the collider and 'torque' [3] [N m] about the origin of "
-          "its frame, in the world, the mean of the last frame: a cloth at rest presses with its "
+          "its frame, in the world, the mean of the last frame: the force of a cloth at rest is "
+          "its "
           "weight. None unless weighs_colliders is set, zero before the first frame then}.")
       .def_property(
           "weighs_colliders",
@@ -135,7 +137,8 @@ void bind_reading(SimulationClass& simulator) {
           [](Simulation& self, bool asks) {
             self.with([&](Run& run) { run.simulator.measure_wrenches(asks); });
           },
-          "Whether frames sum up what the cloth does to colliders, for `contacts`. Off at first. "
+          "Whether frames sum up the forces of the cloth on colliders, for `contacts`. Off at "
+          "first. "
           "It costs up to 7 % where all points lie on one; no motion depends on it.")
       .def("intersections", &intersections,
            "Pairs of triangles of the cloth that cross, [K, 2] indices into 'triangles', which "

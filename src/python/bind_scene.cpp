@@ -51,7 +51,7 @@ void bind_scene(py::module_& module) {
                   "From YAML text. Raises InvalidValue.")
       .def(
           "to_dict", [](const SceneObject& self) { return to_python(self.yaml); },
-          "What was given, with the overrides, as a dict; what was left out is not in it.")
+          "The scene as it was given, with the overrides, as a dict; keys left out are not in it.")
       .def_property_readonly(
           "columns", [](const SceneObject& self) { return self.scene.cloth.columns; },
           "Points of the cloth along x.")

@@ -65,7 +65,7 @@ void bind_saved_state(py::module_& module) {
       .def_property_readonly(
           "nbytes",
           [](const SavedState& self) { return clothsim::Simulator::bytes_of(*self.saved); },
-          "What it takes of memory, but for a few hundred bytes.")
+          "Memory that it takes [bytes], without a few hundred.")
       .def(py::pickle(
           [](const SavedState& self) { return to_pickle(*self.scene, py::bytes(bytes_of(self))); },
           [](const py::tuple& kept) {
@@ -87,7 +87,7 @@ void bind_state(SimulationClass& simulator) {
           [](Simulation& self, const py::object& given) {
             set_state(self, py::none(), given, {}, py::none());
           },
-          "[N, 3] [m/s], likewise.")
+          "[N, 3] [m/s], a view like `positions`.")
       .def_property_readonly(
           "time",
           [](Simulation& self) {
@@ -96,7 +96,7 @@ void bind_state(SimulationClass& simulator) {
           "Simulated time since the scene's start [s].")
       .def_property_readonly(
           "memory", &memory,
-          "What the next frames depend on beside positions, velocities and time: "
+          "All else that the next frames depend on, beside positions, velocities and time: "
           "an array of numbers to hand back to set_state().")
       .def("set_state", &set_state, py::arg("positions") = py::none(),
            py::arg("velocities") = py::none(), py::arg("time") = py::none(),
@@ -118,8 +118,8 @@ void bind_state(SimulationClass& simulator) {
           "values are not in it.")
       .def(
           "restore", &go_back, py::arg("state"),
-          "Back to what save() gave, here or in a simulator of an equal scene; goes on to the same "
-          "bits. Raises InvalidValue for another scene.");
+          "Puts back a state of save(), of this simulator or one of an equal scene; goes on to the "
+          "same bits. Raises InvalidValue for another scene.");
 }
 
 }  // namespace clothsim_python

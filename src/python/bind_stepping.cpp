@@ -63,7 +63,7 @@ py::object report(Simulation& simulation) {
 void bind_stepping(SimulationClass& simulator) {
   simulator
       .def(py::init(&start), py::arg("scene"),
-           "At the scene's start. Takes what Scene() takes, too.")
+           "A simulator at the start of `scene`: a Scene, or its source.")
       .def(py::pickle(
           [](Simulation& self) {
             return self.with(
@@ -81,17 +81,18 @@ void bind_stepping(SimulationClass& simulator) {
            "quaternion], or [x, y, z] of a frame that is not turned; or two poses, (start, end): "
            "then the frame is put at the start first. They move evenly, and with them colliders, "
            "pins and points that follow them. The scene's motions are played. Raises InvalidValue "
-           "and steps not at all, but where a motion asks for what is not there; Diverged, at the "
-           "last good frame.")
+           "before the first frame, or in a later one where a motion names a missing frame; "
+           "Diverged, "
+           "at the last good frame.")
       .def("load", &load, py::arg("scene"),
            "Starts anew with another scene. Arrays that were taken before keep the old state. "
            "Raises InvalidValue and goes on as before.")
       .def(
           "reset", &reset,
           "Back to the scene's start at time 0, with the present live values: reset_values() takes "
-          "these back. What was attached is let go, motions begin anew.")
+          "these back. Attached points are let go, motions begin anew.")
       .def("reset_values", &reset_values,
-           "Live values as the scene came with them, whatever set() and motions have changed; "
+           "Puts live values back to those of the scene, after changes by set() and motions; "
            "nothing moves.")
       .def(
           "set", &set,
@@ -103,7 +104,7 @@ void bind_stepping(SimulationClass& simulator) {
           "nothing.")
       .def_property_readonly(
           "report", &report,
-          "What the run did so far, a dict with the keys of report.yaml. "
+          "A report of the run so far, a dict with the keys of report.yaml. "
           "cpu_seconds is of the calling threads. Takes about as long as a frame.");
 }
 

@@ -39,8 +39,8 @@ void translate(std::exception_ptr pointer) {
 
 void bind_errors(py::module_& module) {
   invalid_value = make_exception(module, "InvalidValue", PyExc_ValueError,
-                                 "A value that cannot be used. The text says which, what it was "
-                                 "and what is expected; `key` is "
+                                 "A value that cannot be used. The text says its key, the value "
+                                 "and the values that are expected; `key` is "
                                  "the dotted path to it, such as 'cloth.ks'. Nothing has changed.");
   diverged = make_exception(module, "Diverged", PyExc_RuntimeError,
                             "A frame left the finite numbers or gained energy. The simulator still "

@@ -200,7 +200,7 @@ PYBIND11_MODULE(_render, module) {
            "InvalidValue.")
       .def(
           "to_dict", [](const ViewObject& self) { return to_python(self.yaml); },
-          "What was given, with the overrides, as a dict.")
+          "The view as it was given, with the overrides, as a dict.")
       .def(py::pickle([](const ViewObject& self) { return to_pickle(to_text(self.yaml)); },
                       [](const py::tuple& kept) {
                         return from_pickle<std::string>(kept, [](const std::string& text) {

@@ -100,9 +100,10 @@ void bind_robots(py::module_& module) {
           "its "
           "limits, None for a continuous one}. At the scene's start all are at 0.")
       .def("set_joints", &Robot::set_joints, py::arg("positions"),
-           "Puts the robot at once where these `positions` [rad or m], a dict by joint, have it: "
-           "the "
-           "frames of all its links, with what follows them. Joints that are not named stay, those "
+           "Puts the robot at once to these `positions` [rad or m], a dict by joint: the frames of "
+           "all "
+           "its links, with the colliders and points that follow them. Joints that are not named "
+           "stay, those "
            "that mimic follow. Raises InvalidValue and changes nothing, also beyond limits.")
       .def("targets", &Robot::targets, py::arg("positions"),
            "Where the frames of its links are for such `positions`, to go there: "

@@ -73,8 +73,8 @@ ClothDisplay::ClothDisplay() : color_map_(color_map()), images_(clothsim::textur
 }
 
 void ClothDisplay::make_surface_properties() {
-  coloring_ = new rviz::EnumProperty("Coloring", "Color", "What colours the surface.", this,
-                                     SLOT(restyle()));
+  coloring_ = new rviz::EnumProperty("Coloring", "Color", "Quantity that colours the surface.",
+                                     this, SLOT(restyle()));
   coloring_->addOption("Color", color);
   coloring_->addOption("Texture", texture);
   coloring_->addOption("Stretch", stretch);

@@ -64,8 +64,9 @@ std::vector<std::int32_t> free_points(const ClothDisplay::Shown& cloth, const Hi
 
 GrabTool::GrabTool() {
   shortcut_key_ = 'g';
-  radius_ = new rviz::FloatProperty("Radius", 0.03f, "Of what is taken hold of [m].",
-                                    getPropertyContainer());
+  radius_ =
+      new rviz::FloatProperty("Radius", 0.03f, "Points within this distance are taken hold of [m].",
+                              getPropertyContainer());
   radius_->setMin(0);
   tear_force_ = new rviz::FloatProperty("Tear Force", 0,
                                         "Pull beyond which the cloth slips away [N]; 0: never.",
@@ -131,7 +132,7 @@ void GrabTool::grab(const rviz::ViewportMouseEvent& event) {
   }
   const std::vector<std::int32_t> points = free_points(*cloth, *first, radius_->getFloat());
   if (points.empty()) {
-    setStatus("What is there is held already");
+    setStatus("The points there are held already");
     return;
   }
   hold_ = Hold{cloth->node, cloth->world_frame, cloth->in_fixed, first->place,

@@ -287,7 +287,7 @@ void NearPairs::read(MemoryReader& memory) {
         patch_pairs_.empty() ||
         std::pair(patch_pairs_.back().p, patch_pairs_.back().q) < std::pair(pair.p, pair.q);
     if (pair.p > pair.q || !ascends) {
-      throw InvalidValue({"memory"}, "patches in another order", "what this cloth wrote");
+      throw InvalidValue({"memory"}, "patches in another order", "the memory of this cloth");
     }
     for (double* number : {&pair.step, &pair.to_touch, &pair.to_meet}) *number = memory.number();
     for (std::size_t listed = memory.count(); listed > 0; --listed) {
@@ -295,7 +295,7 @@ void NearPairs::read(MemoryReader& memory) {
       const int number = memory.index(Tiling::count);
       const bool of_points = number == static_cast<int>(Tiling::own_points);
       if (of_points != of_points_ || nearest_->of(a, b, static_cast<std::size_t>(number)) < 0) {
-        throw InvalidValue({"memory"}, "features that the cloth lacks", "what this cloth wrote");
+        throw InvalidValue({"memory"}, "features that the cloth lacks", "the memory of this cloth");
       }
       pair.listed.push_back({a, b, number, memory.number()});
     }

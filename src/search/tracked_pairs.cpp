@@ -155,7 +155,7 @@ void TrackedPairs::read(MemoryReader& memory) {
     for (std::size_t left = memory.count(); left > 0; --left) {
       const int number = memory.index(mesh_->triangles.size());
       if (!tracked.empty() && tracked.back().number >= number) {
-        throw InvalidValue({"memory"}, "slots in another order", "what this cloth wrote");
+        throw InvalidValue({"memory"}, "pairs in another order", "the memory of this cloth");
       }
       tracked.push_back({pair(point, memory.index(mesh_->triangles.size())), number, 0});
     }
