@@ -84,8 +84,8 @@ void Node::serve_live_values() {
 
 void Node::warn_of_ignored(const ParameterTexts& given) const {
   KnownParameters known{parameter_names(), reconfigure_->names()};
-  for (const clothsim::NamedView& camera : parameters_.cameras) {
-    known.read.push_back(camera.name);  // image_transport keeps its parameters below that name
+  for (std::size_t i = 1; i < parameters_.cameras.size(); ++i) {
+    known.read.push_back(parameters_.cameras[i].name);  // image_transport keeps parameters below
   }
   const std::vector<std::string>& of_view = view_reconfigure_->names();
   known.live.insert(known.live.end(), of_view.begin(), of_view.end());

@@ -56,8 +56,8 @@ class Grasp(unittest.TestCase):
         self.hands.send()
         time.sleep(0.1)
 
-    def attach(self, frame, points=(), radius=0.0, tear_force=0.0):
-        return call("/clothsim/attach", Attach, frame, points, radius, tear_force)
+    def attach(self, frame, points=(), radius=0.0, tear_force=0.0, strength=0.0):
+        return call("/clothsim/attach", Attach, frame, points, radius, tear_force, strength)
 
     def detach(self, frame="", points=()):
         return call("/clothsim/detach", Detach, frame, points)

@@ -176,12 +176,23 @@ class Diagnostics(unittest.TestCase):
             node.diagnostics.clear()
             node.wait(OK, "running")
 
-    def test_violation(self):
+    def test_a_pin_that_lags(self):
         """A pin is pulled away, farther than the cloth is long."""
+        hand = tf2_ros.StaticTransformBroadcaster()
+        hand.sendTransform(make_transform("hand", (0, 0, 0)))
+        with self.node(HELD, OFF) as node:
+            wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000", "the frame")
+            hand.sendTransform(make_transform("hand", (0.5, 0, 0)))
+            values = node.wait(WARN, "mm: it pulls with all its")
+            self.assertGreater(int(values["holders that lag"]), 0)
+
+    def test_violation(self):
+        """A pin that is stronger than the cloth is pulled away, farther than the cloth is long."""
+        strong = {"cloth": dict(HELD["cloth"], pin_strength=1e12)}
         hand = tf2_ros.StaticTransformBroadcaster()
         for limits, level in ((OFF, ERROR), ({**OFF, "violation": {"error": 100}}, WARN)):
             hand.sendTransform(make_transform("hand", (0, 0, 0)))
-            with self.node(HELD, limits) as node:
+            with self.node(strong, limits) as node:
                 wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000",
                          "the frame")
                 seen = node.cloth.states.all()[-1].step

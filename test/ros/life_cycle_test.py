@@ -120,7 +120,7 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
-        unknown = ("got an unknown parameter, expected one of scene, scene_file, scene_folder, camera, image_folders, "
+        unknown = ("got an unknown parameter, expected one of scene, scene_file, scene_folder, camera, cameras, image_folders, "
                    "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
                    "save_limit, paused, publish_clock")
         holds = "before the start, expected it in ~scene or ~camera, whose %s holds"

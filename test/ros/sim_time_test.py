@@ -118,7 +118,7 @@ class SimTime(unittest.TestCase):
         hand = make_transform("hand", (0.5, 0, 1))
         broadcaster = StaticTransformBroadcaster()
         broadcaster.sendTransform(hand)  # the node waits for a frame that has not been broadcast yet
-        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0, 0.0)
         self.assertTrue(answer.success, answer.message)
         before = positions(self.cloth.step(1))[1275]
         hand.transform.translation.z += 0.01

@@ -154,7 +154,7 @@ class Soak(unittest.TestCase):
             place = (0, 0, 1 + 1e-3 * math.sin(time.monotonic()))
             self.broadcaster.sendTransform(make_transform("soak", place, stamp=rospy.Time.now()))
         timer = rospy.Timer(rospy.Duration(0.01), send)
-        answer = call("/clothsim/attach", Attach, "soak", [MIDDLE], 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "soak", [MIDDLE], 0.0, 0.0, 0.0)
         assert answer.success, answer.message
         time.sleep(max(0, (begin + end) / 2 - time.monotonic()))
         timer.shutdown()
