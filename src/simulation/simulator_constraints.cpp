@@ -246,6 +246,7 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
       runs_detection || is_limited || collider_contacts.has_faces() ? min_passes : 1;
   Pinches& pinches = collider_contacts.pinches();
   const int limit_passes = max_limit_passes();
+  // Largest changes of the last passes over springs and over contacts, as displacements [m].
   double stretching = 0, touched = std::numeric_limits<double>::infinity();
   int passes = 0;
   while (passes < max_passes) {

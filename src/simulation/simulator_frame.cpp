@@ -68,6 +68,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
 
 void Simulator::Impl::begin_frame() {
   if (!holders.empty()) holders.begin_frame(hold_targets(), frame_context.dt, state);
+  // Something moves again: colliders push cloth out at full speed.
   if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
   if (strain_limit) strain_limit->begin_frame(speed_given());
   if (measures_wrenches) collider_impulses.assign(colliders.size(), {});
@@ -123,7 +124,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     truncated = report.held_back;
     if (needed > steps) {
       frame_context.motion_step = h = frame_context.left / (steps = needed);
-      frame_context.steps_left = 0;
+      frame_context.steps_left = 0;  // so that the next substep runs detection
     }
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
@@ -267,6 +268,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
 
   if (has_air()) apply_wind(h);
+  // A cloth that nothing holds or can touch falls exactly.
   const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
   const Cloth& inert = add_tension_mass(h);
   if (&inert == &cloth_with_tension_mass) {
