@@ -268,7 +268,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
 
   if (has_air()) apply_wind(h);
-  // A cloth that nothing holds or can touch falls exactly.
+  // A cloth without pins, grips and colliders in reach falls exactly.
   const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
   const Cloth& inert = add_tension_mass(h);
   if (&inert == &cloth_with_tension_mass) {
