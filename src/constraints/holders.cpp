@@ -12,8 +12,8 @@ namespace clothsim {
 namespace {
 
 /// Weights of the cloth that a holder bears by default. A cloth that falls from level into its pins
-/// loads each with up to 1.4; a frame that turns one by a right angle in a third of a second, with
-/// 5.
+/// loads each with up to 1.4; a cloth that a tf frame turns by a right angle in a third of a second
+/// loads the tf frame with 5.
 constexpr double borne_weights = 10;
 
 /// Stretch up to which a holder pulls a cloth without strain limit.
@@ -22,15 +22,16 @@ constexpr double usual_stretch = 0.1;
 /// Share f of the strength that acts as friction where a point slips.
 constexpr double slip_friction = 0.1;
 
-/// Time [s] in which a point that has slipped comes back, where that takes less than
-/// recovery_speed.
+/// A point that has slipped returns at a speed of distance / return_time [s], at recovery_speed at
+/// most.
 constexpr double return_time = 0.1;
 
-/// Distance from its target at which a point sticks again, of the shortest spring.
+/// A point that slips sticks again at this distance from its target, as a share of the shortest
+/// spring.
 constexpr double stick_share = 1e-3;
 
-/// Speed from which a held point presses on a collider [m/s]: lower ones are rounding in a frame
-/// that carries both.
+/// A held point presses on a collider if it approaches faster than this [m/s]: lower speeds are
+/// rounding, as where one tf frame carries both.
 constexpr double min_approach = 1e-6;
 
 Vector3 clamped(const Vector3& v, double max_norm) {
@@ -259,8 +260,9 @@ double Holders::solve_pass(Points& velocities) {
   for (Point& p : points_) {
     if (!p.slips) continue;
     const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
+    // The impulse that would stop the point relative to its holder. If it pulls towards the target
+    // with at least the returning strength, the point moves away.
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
-    // `rest` leaves the point at rest on its holder: does it pull towards the target?
     const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
     const Vector3 impulse =
         leaves ? clamped(rest, strongest) : clamped(rest + p.mass * p.want, returning);

@@ -13,26 +13,27 @@
 namespace clothsim {
 namespace {
 
-/// Passes over the constraints in a substep. The minimum is usual: warm-started impulses are almost
-/// right, and a pass costs little compared to the rest, but after a single one slow waves of
-/// tension oscillate for seconds.
+/// Smallest number of passes over the constraints in a substep. Most substeps take no more, as
+/// warm-started impulses are almost right. A pass costs little compared to the rest of a substep,
+/// and with a single one slow waves of tension oscillate for seconds.
 constexpr int min_passes = 4;
 constexpr int min_passes_alone = 6;
 
 /// Largest number of passes of the projection after those.
 constexpr int max_projection_passes = 600;
 
-/// Precision where only the limit acts.
+/// Where only the strain limit acts, passes end at a change of strain_tolerance * shortest spring /
+/// precision_alone.
 constexpr double precision_alone = 14;
 
-/// While a cloth in contact deforms, constraints are solved to this many strain tolerances of its
-/// relative speed: 1 % with the usual tolerance. Errors are then those of the steps, for half to
-/// two thirds of the passes. At 4 % a sphere shot through a pile leaves knots, and fingers lose
-/// their grip.
+/// While a cloth in contact deforms, passes may end at a change of motion_precision *
+/// strain_tolerance (1 % with the usual tolerance) of its rms speed relative to its mean. The error
+/// is then no larger than that of the substep, and half to two thirds of the passes are enough. At
+/// 4 % a sphere shot through a pile leaves knots, and fingers lose their grip.
 constexpr double motion_precision = 2.5;
 
-/// Factor on that for self contact. The overlap then is that left by the curvature within a step:
-/// at 0.1 % it is as large, for seven to nine times the passes.
+/// Factor on that change for self contact. The overlap is then as large as the curvature within a
+/// substep leaves: at 0.1 % it is no smaller, and takes seven to nine times the passes.
 constexpr double folding_precision = 4;
 
 /// Mean square deviation of `count` numbers from their mean.
@@ -66,7 +67,8 @@ double speed_within(const Points& velocities) {
   return std::sqrt(sum);
 }
 
-/// Moves points by the changes of their velocities, of `count` numbers, since the last call.
+/// Moves points by the changes of their velocities since the last call: x += way (v - followed).
+/// `count`: numbers in each array.
 CLOTHSIM_TARGET_CLONES
 void follow(Eigen::Index count, double way, const double* velocities, double* followed,
             double* positions) {
@@ -107,8 +109,8 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (runs_detection) plan_detection(h);
   const ContactStep step = contact_step(h, displacement_factor, touches_of_itself);
 
-  // The impulses of the last step, first of all contacts: the strain limit then sees the velocities
-  // with all of them.
+  // First all impulses of the last substep act. Then the strain limit finds the springs at their
+  // limit at the positions that result.
   runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
   follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
@@ -226,7 +228,8 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
   const double at_rest = std::min(length / precision, rest_speed * h);
   Precision result;
-  // Residuals of the limit keep piles from coming to rest.
+  // With self contact springs are solved to the strict bound even in motion: their residuals would
+  // keep piles from coming to rest.
   result.stretch = std::max(length / precision, self_contacts ? 0 : moving);
   result.touch = std::max(at_rest, moving);
   result.fold = std::max(at_rest, folding_precision * moving);
@@ -236,19 +239,21 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
 
 void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   const Precision& small = frame_context.closeness;
-  // One pass solves points on colliders, which are independent, where warm-started impulses fit the
-  // rest.
+  // One pass is enough if detection is skipped, no spring is at its limit and no face in contact:
+  // contacts of points share no point, and warm-started impulses fit the rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
   const int required_passes =
       runs_detection || is_limited || collider_contacts.has_faces() ? min_passes : 1;
   Pinches& pinches = collider_contacts.pinches();
   const int limit_passes = max_limit_passes();
+  // Largest changes of the last passes over springs and over contacts, as displacements [m].
   double stretching = 0, touched = std::numeric_limits<double>::infinity();
   int passes = 0;
   while (passes < max_passes) {
     double folding = 0;
     if (strain_limit && passes < limit_passes) {
-      // Springs alone while they change more than contacts did: passes over contacts take longer.
+      // Passes over springs alone repeat while springs change more than contacts did in their last
+      // pass, as a pass over contacts takes longer.
       const StrainLimit::Passes springs = strain_limit->solve_passes(
           std::max(small.stretch, touched), limit_passes - passes, state.velocities, workers);
       stretching = springs.change;
@@ -265,7 +270,7 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
         std::max(collider_contacts.solve_pass(state.velocities),
                  holders.any_slips() ? frame_context.h * holders.solve_pass(state.velocities) : 0);
     if (!colliders.empty()) spend(1);
-    // Pinched points and self contact do not wait for springs.
+    // With self contact or pinched points `touched` stays infinite: one pass over springs a round.
     if (!self_contacts && pinches.count() == 0) touched = touching;
     const bool limited = stretching <= small.stretch || passes >= limit_passes;
     const bool solved = limited && touching <= small.touch && folding <= small.fold;

@@ -68,6 +68,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
 
 void Simulator::Impl::begin_frame() {
   if (!holders.empty()) holders.begin_frame(hold_targets(), frame_context.dt, state);
+  // Something moves again: colliders push cloth out at full speed.
   if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
   if (strain_limit) strain_limit->begin_frame(speed_given());
   if (measures_wrenches) collider_impulses.assign(colliders.size(), {});
@@ -111,7 +112,8 @@ int Simulator::Impl::first_substeps() {
 bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& report) {
   int truncated = 0;
   for (double h = frame_context.dt / steps; steps > 0; --steps, ++report.substeps) {
-    // More substeps where tension has risen, or layers have outrun their contacts.
+    // Shorten the remaining substeps if tension has risen, or if the guard truncated points and
+    // layers move farther than their thickness in one.
     frame_context.left = h * steps;
     const bool looks_again =
         report.substeps > 0 && follows_tension() && !collider_contacts.recovers();
@@ -122,7 +124,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     truncated = report.held_back;
     if (needed > steps) {
       frame_context.motion_step = h = frame_context.left / (steps = needed);
-      frame_context.steps_left = 0;
+      frame_context.steps_left = 0;  // so that the next substep runs detection
     }
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
@@ -151,8 +153,8 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
 }
 
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
-  // A limit that yields pulls with more than a step can carry, which is no failure of the method,
-  // except at speeds that no pull explains.
+  // Where the strain limit yields, energy may grow without a failure of the method. Then a frame
+  // fails only at speeds from max_given_speed on.
   const bool may_be_pulled = frame_context.gives_way &&
                              !report.reasons.has(Reason::beyond_stability) &&
                              longest_row(state.velocities) < max_given_speed;
@@ -179,7 +181,8 @@ bool Simulator::Impl::follows_tension() const {
 
 int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
   const Vector3& gravity = scene.simulation.gravity;
-  // The forces of recovery are no tension: as many steps as the tension of the whole weight needs.
+  // While colliders push cloth out, the impulses of the limit do not measure tension: take the
+  // substeps for a tension of the whole weight.
   if (collider_contacts.recovers()) {
     return std::max(min_steps, substeps_at_weight(cloth, gravity, dt));
   }
@@ -205,7 +208,8 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 bool Simulator::Impl::is_out_of_reach() {
   const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                                 state.positions.colwise().maxCoeff().transpose());
-  // Pins and springs hardly ever move points farther than their own motion does, plus an edge.
+  // Longest way that we expect of a point in this frame: twice the way by its speed and outside
+  // forces, plus an edge for pins and springs. A frame beyond it is repeated with contact.
   const double edge = shortest_rest_length(cloth);
   const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
   const double own = longest_row(state.velocities) + pull * frame_context.dt;
@@ -236,8 +240,8 @@ double Simulator::Impl::contact_speed() const {
 }
 
 const Cloth& Simulator::Impl::add_tension_mass(double h) {
-  // Implicit methods are stable under tension. Where contact transmits impacts, steps follow
-  // tension instead: with added inertia, piles that are hit keep knots.
+  // Not for implicit methods, which are stable under tension. Not in contact either, where
+  // substeps get shorter instead: with added inertia, piles that are hit keep knots.
   if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
   strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
   return cloth_with_tension_mass;
@@ -264,6 +268,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
 
   if (has_air()) apply_wind(h);
+  // A cloth without pins, grips and colliders in reach falls exactly.
   const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
   const Cloth& inert = add_tension_mass(h);
   if (&inert == &cloth_with_tension_mass) {
@@ -278,7 +283,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   spend(1);
 
   if (touches() && frame_context.steps_left == 0 && !is_good(state)) {
-    return false;  // detection cannot sort such numbers
+    return false;  // detection sorts positions, which must be finite for that
   }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!holders.empty()) judge_holders(h);

@@ -85,7 +85,7 @@ struct FrameContext {
   double motion_step = 0;  // longest step, without the bound of springs [s]
   // For substeps that skip detection, see simulator_search.cpp.
   int planned_steps = 0;      // substeps for which this one detects, including it
-  int steps_left = 0;         // substeps left of those
+  int steps_left = 0;         // next substeps that may still skip detection
   double since = 0;           // time since the detection, with the current substep [s]
   double gone = 0;            // displacement of a point and a collider since then, at most [m]
   double may_go = 0;          // the same until the next detection [m]
@@ -239,8 +239,8 @@ struct Simulator::Impl {
   bool take_substeps(int steps, const State& before, StepReport&);
   /// Largest force on a point of the cloth [N]: its weight, or the strength of a holder that slips.
   double strongest_pull() const;
-  /// After a step of h [s] in which points were truncated, without pinched ones: do layers move
-  /// farther than their thickness?
+  /// After a substep of h [s] in which the guard truncated points, without pinched ones: do layers
+  /// move farther than their thickness in it?
   bool outruns_contacts(double h, const StepReport&) const;
   /// Adds the reasons that show at the frame's end.
   void tell_reasons(StepReport&) const;
@@ -340,7 +340,7 @@ struct Simulator::Impl {
   bool is_out_of_reach();
   /// The cloth with the added inertia in a step of h [s].
   const Cloth& add_tension_mass(double h);
-  /// Do neither colliders nor pins nor grips move in this frame?
+  /// Does neither a collider nor a pin nor a grip move in this frame?
   bool is_still() const;
   /// Largest change of a point's speed by gravity, colliders and air in this frame [m/s].
   double speed_given() const;

@@ -84,11 +84,12 @@ class ColliderContacts {
   /// Was any part of the cloth in a collider when the step began?
   bool recovers() const { return recovers_; }
 
-  /// Was any part in a collider in recent steps?
+  /// Have colliders pushed out cloth in recent substeps?
   bool is_leaving() const { return leaving_ > 0; }
   /// Factor on the recovery speed, see ContactStep.
   double recovery_factor() const { return recovery_factor_after(leaving_); }
-  /// Resets the recovery factor to 1, as the cause of the penetration has moved.
+  /// Resets the recovery factor to 1, so that cloth is pushed out at full speed again: to be called
+  /// when something has moved.
   void try_anew() { leaving_ = 0; }
 
   /// Forgets the impulses.

@@ -13,13 +13,14 @@
 
 namespace clothsim {
 
-/// A point that a holder, a pin or a grip, brings to its target.
+/// A point of the cloth that a holder, a pin or a grip, brings to its target.
 struct Hold {
-  int point;
-  int holder;  // number of the holder, which points may share
+  int point;   // index in the cloth
+  int holder;  // number of the holder, which may hold several points
 };
 
-/// The holders of a cloth's points, pins or grips, each with a strength S [N].
+/// The holders of a cloth, pins and grips, each with a strength S [N], and the points they hold. A
+/// parameter `hold` is a number in the list of hold(), `point` an index in the cloth.
 ///
 /// A point sticks while its load is below its share of the strength: it is kinematic, of infinite
 /// mass. Above that it slips: it has its own mass, and the holder pulls it towards its target with
@@ -45,7 +46,7 @@ class Holders {
   bool empty() const { return points_.empty(); }
   bool holds(int point) const;
 
-  /// Makes the mass of points that stick infinite, and gives others their own.
+  /// Sets the inverse masses of held points: 0 for those that stick, 1 / mass for those that slip.
   void apply(Cloth&) const;
 
   /// Begins a frame of dt [s] in which the points move to `targets` [m], in the order of hold().
@@ -65,16 +66,16 @@ class Holders {
   /// One pass over slipping points. Returns the largest change of a velocity [m/s].
   double solve_pass(Points& velocities);
 
-  /// After a substep of h [s]. `impulses`: of the cloth on each point that sticks [N s], N x 3.
-  /// `scale`: factor from the impulses of solve_pass() to those of the same forces through the
-  /// substep. Lets points slip, or stick again. Returns whether the set of points that stick has
-  /// changed.
+  /// After a substep of h [s]: decides which points slip, and which stick again. Returns whether
+  /// any did. `impulses`: of the cloth on each point that sticks [N s], N x 3. `scale`: h / (h
+  /// shortened by drag). A force through the whole substep loses a part to drag, an impulse of
+  /// solve_pass() acts after it: for the same effect the impulse of the force is larger by this.
   bool judge(const Cloth&, double h, double scale, const Vector3& gravity, const Points& impulses,
              State&);
 
   /// Adds impulses [N s] of springs and bends of h [s] to points that stick.
   void add_spring_impulses(const Cloth&, double h, const State&, Points& impulses) const;
-  /// Zeroes the rows of points that stick.
+  /// Zeroes the rows of all held points.
   void clear_rows(Points& impulses) const;
 
   bool any_sticks() const { return slipping_ < points_.size(); }
@@ -90,7 +91,7 @@ class Holders {
   /// Impulse [N s] of the cloth on the holder through this point in the frame, without that of the
   /// point's own acceleration.
   const Vector3& frame_impulse(std::size_t hold) const { return points_[hold].frame_impulse; }
-  /// Sum of the magnitudes of a holder's forces [N] on its points in a step of dt [s].
+  /// Sum over a holder's points of the magnitude of its mean force [N] in the frame of dt [s].
   double force(int holder, double dt) const;
   /// Distance of the point from its target [m], after end_frame().
   double lag(std::size_t hold, const Points& positions) const {
@@ -108,8 +109,8 @@ class Holders {
  private:
   struct Point {
     Hold hold;
-    Vector3 start;   // target as the frame began [m]
-    Vector3 target;  // target as it ends [m]
+    Vector3 start;   // place as the frame begins, or as the point sticks again [m]
+    Vector3 target;  // place as the frame ends [m]
     bool slips = false;
     bool is_pressed = false;   // against a collider
     double max_force = 0;      // largest force of the holder on it [N]
@@ -146,7 +147,7 @@ class Holders {
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]
   double h_ = 0;               // of the last substep with slipping points [s]
-  double time_ = 0;            // effective time of a force in a step, shortened by drag [s]
+  double time_ = 0;            // h shortened by drag [s]: impulse at a substep's end / force
   double dt_ = 1;              // of the frame [s]
   double elapsed_ = 0;         // of the frame, with the current substep [s]
 };

@@ -44,7 +44,7 @@ double longest_edge_within_limit(const Cloth&, double stretch);
 /// Speed at which cloth leaves a collider that was put upon it, at most [m/s].
 inline constexpr double recovery_speed = 2;
 
-/// Time [s] in which it leaves where that takes less than this speed.
+/// Cloth in a collider leaves at the speed of depth / recovery_time [s], at recovery_speed at most.
 inline constexpr double recovery_time = 0.05;
 
 /// Time [s] that recovery takes where only the cloth's weight opposes it. Where pins hold the cloth

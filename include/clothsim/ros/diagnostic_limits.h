@@ -17,7 +17,7 @@ struct DiagnosticLimits {
   Limit speed{0.95, 0.5};      // least real-time factor, as a share of the requested one
   Limit violation{0.02, 0.1};  // most stretch beyond the strain limit, of the rest length
   Limit crossings{0, {}};      // most pairs of crossing triangles
-  Limit tf_age{1, {}};         // oldest transform of a frame [s]
+  Limit tf_age{1, {}};         // of a tf frame's latest transform [s]
   Limit images{0.5, {}};       // least share of the due pictures that is drawn
 };
 

@@ -18,7 +18,7 @@
 
 namespace clothsim {
 
-/// Results of one frame.
+/// Results of one call of step(): of one frame, with its substeps.
 struct StepReport {
   std::string method;
   int substeps = 0;
@@ -29,22 +29,23 @@ struct StepReport {
   int corrections = 0;       // passes that projected springs still over the limit, in the same sum
   double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
   int contacts = 0;          // points on colliders plus self contacts, last substep
-  double added_mass = 0;     // inertia added for tension, over the cloth's mass, most in a substep
+  double added_mass = 0;     // largest inertia added for tension in a substep, over cloth's mass
   int ran_out = 0;           // substeps whose method stopped iterating before its tolerance
   int held_back = 0;         // points truncated by the guard, summed over the substeps
-  int pinched = 0;           // points that two colliders leave no room, most in a substep
+  int pinched = 0;           // largest number in a substep of points without room between two
+                             // colliders
   int pinched_point = -1;    // one of them
-  int slipping = 0;   // pinched points that slip although friction could hold them, last substep
-  int crossings = 0;  // pairs of triangles, see Simulator::given_crossings()
-  int lagging = 0;    // points behind the places of the pins and grips that hold them
+  int slipping = 0;          // pinched points that the strain limit pulls loose, last substep
+  int crossings = 0;         // pairs of triangles, see Simulator::given_crossings()
+  int lagging = 0;           // points that slip behind the pin or grip that holds them
 };
 
-/// State of a pin or a grip over the last step.
+/// State of a pin or a grip over the last frame.
 struct HolderReport {
   std::string name;  // of the grip's frame, or "pin [column, row]"
   int first_point;   // of its points
   double strength;   // largest pull [N]
-  double force;      // pull, mean over the step [N]
+  double force;      // pull, mean over the frame [N]
   double lag;        // largest distance of a point from its place [m]; 0 where it sticks
 };
 
@@ -57,12 +58,12 @@ class Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  /// Advances one frame, 1 / frames_per_second. A failed frame, with numbers that are not finite or
-  /// more energy than was put in, is taken back. With method `auto` it is then repeated with
-  /// implicit Euler, which stays until the next reset() or set(). Otherwise, and where that fails
-  /// too, throws Diverged and keeps the last good frame. The same happens beyond a budget of work,
-  /// which is counted, not timed: after set_state() that of about a second at 50 x 50 points, until
-  /// a frame has succeeded; then that of all passes of all possible substeps.
+  /// Advances one frame of 1 / frames_per_second. A frame that leaves the finite numbers or gains
+  /// unexplained energy is taken back. With method `auto` it is repeated with implicit Euler, which
+  /// stays until reset() or set(). If that fails, too, or with another method, throws Diverged and
+  /// keeps the last good frame. A frame that exceeds its budget of operations also throws Diverged.
+  /// The budget is one visit to each point in each pass of each possible substep; for the first
+  /// frame after set_state() it is about a second's work at 50 x 50 points.
   StepReport step();
 
   /// step() calls `is_interrupted` between substeps, in its own thread. If it returns true, step()
@@ -76,8 +77,8 @@ class Simulator {
   /// Sets the live values of the scene as loaded; nothing moves. Throws as set() does.
   void reset_values();
 
-  /// Starts another scene, as a new simulator would, except that topology_seq() counts on. Throws
-  /// InvalidValue and changes nothing where the scene is refused.
+  /// Replaces the scene, as a new simulator would; topology_seq() alone continues from its value.
+  /// Throws InvalidValue and changes nothing where the scene is refused.
   void load(const Scene&);
 
   /// The data on which the next frames depend besides state(): warm-start impulses, a method's
@@ -91,20 +92,21 @@ class Simulator {
   /// of another cloth or method.
   void set_state(const State& state, const std::vector<double>& memory = {});
 
-  /// Pairs of triangles that have crossed since a state was set, or since self collision of
-  /// surfaces was switched on, as of the last frame. That method keeps apart only surfaces that do
-  /// not cross. Where the scene sets ClothSpec::untangle, crossings are resolved then, and these
-  /// are left.
+  /// Number of pairs of triangles that still cross after the last frame, with self collision
+  /// `surface`; 0 with any other. The guard prevents new crossings: these come from a state that
+  /// was set, or from before `surface` was switched on. With ClothSpec::untangle, only those that
+  /// could not be resolved.
   int given_crossings() const;
 
   /// Resolves crossings of the cloth with itself, see clothsim::untangle(); velocities stay. If
   /// anything has moved, continues as after set_state() without a memory.
   Untangled untangle();
 
-  /// A copy of everything that moves, also of colliders, pins and attached points, from which a run
-  /// continues to the same bits. Live values stay as they are; where springs, the method or the
-  /// kind of self collision have changed since, it continues as after a reset. Throws InvalidValue
-  /// and changes nothing for a copy of another cloth or of other colliders.
+  /// A copy of everything that moves, also of colliders, pins and attached points. After restore()
+  /// a run continues to the same bits. Live values stay as they are; where springs, the method or
+  /// the kind of self collision have changed since save(), positions and velocities are restored,
+  /// but not the impulses and the history of the method. Throws InvalidValue and changes nothing
+  /// for a copy of another cloth or of other colliders.
   struct Saved;
   std::shared_ptr<const Saved> save() const;
   void restore(const Saved&);
@@ -123,16 +125,17 @@ class Simulator {
   /// Sets the mean wind [m/s] alone. Throws InvalidValue with keys {"wind", "0"} and so on.
   void set_wind(const Vector3& wind);
 
-  /// Sets `forces` [N], N x 3, on the points in addition to gravity, from the next frame on until
-  /// another call or reset(). No rows: none. The force on a held point acts on its holder. Throws
+  /// Sets `forces` [N], N x 3, a row for each point, in addition to gravity, from the next frame on
+  /// until another call or reset(). No rows: no forces. The force on a held point does not move the
+  /// point: it loads the pin or grip. Throws
   /// InvalidValue with the key {"forces", "3", "0"} and changes nothing: for another number of
   /// points, and for numbers that are not finite or beyond 1e6 N.
   void set_forces(const Points& forces);
   const Points& forces() const;  // no rows: none
 
   /// Tension [N] of each spring, in the order of cloth().springs, negative under compression:
-  /// Hooke's law with internal damping at the present positions, plus the impulses of the strain
-  /// limit in the last substep as forces.
+  /// k (l - L) with internal damping in the present state, plus the pull of the strain limit in the
+  /// last substep.
   std::vector<double> tensions() const;
 
   // Poses and points to move to: throw InvalidValue and change nothing beyond 1e12 m, for numbers
@@ -143,11 +146,12 @@ class Simulator {
   /// line with constant angular velocity. Without a call it stays.
   void move_collider(int index, const Pose& target);
 
-  /// Puts collider `index` at `pose` at once, without a velocity from the change.
+  /// Puts collider `index` at `pose` at once, without a velocity from the change. Cloth inside it
+  /// is then pushed out gently.
   void place_collider(int index, const Pose& pose);
 
   /// Enables or disables collider `index`, until reset(). A disabled collider moves but has no
-  /// contact. Cloth inside a collider that is enabled is pushed out as after place_collider().
+  /// contact. Cloth inside a collider as it is enabled is pushed out as after place_collider().
   void enable_collider(int index, bool enabled);
 
   /// Moves pin `index` (of scene().cloth.pinned) to `target` [m] during the next frame.
@@ -156,10 +160,11 @@ class Simulator {
   /// Puts pin `index` at `position` [m] at once, at rest.
   void place_pin(int index, const Vector3& position);
 
-  /// From the next frame on, `points` follow a frame of that name, now at `pose`, with their
-  /// present offsets in it, as long as their load is below the grip's strength: see Holders. Beyond
-  /// the tear force on the frame, the mean of one step(), the grip lets all its points go; of
-  /// several calls for one frame the forces of the last hold. Until reset(). Throws InvalidValue
+  /// From the next frame of simulation on, and until reset(), `points` follow a tf frame of that
+  /// name, now at `pose`, with their present offsets in it, as long as their load is below the
+  /// grip's strength: see Holders. If the mean force on the tf frame in one step() exceeds the tear
+  /// force, all its points are released. If attach() is called again for a tf frame, `forces` of
+  /// the last call apply to all its points. Throws InvalidValue
   /// with the keys {"points", "3"}, {"tear_force"} or {"strength"} and changes nothing: without
   /// points, for points that do not exist, given twice, pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
@@ -173,14 +178,15 @@ class Simulator {
   /// attached.
   void detach(const std::vector<int>& points);
 
-  /// Moves the frame to `target` during the next frame of simulation, each of its points in a
+  /// Moves the tf frame to `target` during the next frame of simulation, each of its points in a
   /// straight line.
   void move_grip(const std::string& frame, const Pose& target);
 
-  /// All holders: pins as in the scene, then grips by frame. Zero forces before the first step().
+  /// All holders: pins as in the scene, then grips by tf frame. Zero forces before the first
+  /// step().
   std::vector<HolderReport> holders() const;
 
-  /// By frame, with the wrench of the cloth in the last step().
+  /// By tf frame, with the wrench of the cloth in the last step().
   const std::map<std::string, Grip>& grips() const;
 
   /// Whether step() sums the wrenches of the cloth on the colliders, from the next frame on. Off by
@@ -188,11 +194,11 @@ class Simulator {
   void measure_wrenches(bool asks);
   bool measures_wrenches() const;
 
-  /// By collider of scene().colliders, in the world: mean force [N] of the cloth on it in the last
-  /// step(), and torque [N m] about the origin of its frame, as placed in that step. A cloth at
-  /// rest presses with its weight. Impulses on velocities count, normal and friction, of points,
-  /// edges and faces. Displacements of positions do not, and pinched points do not show how hard
-  /// both colliders press. Zero unless measured, and after reset().
+  /// By collider of scene().colliders, in the axes of the world: mean force [N] of the cloth on it
+  /// in the last step(), and mean torque [N m] about its own origin, which moves with it. A cloth
+  /// at rest presses with its weight. Included are the impulses on velocities, normal and friction,
+  /// of points, edges and faces. Not included are projections of positions and, at pinched points,
+  /// the pressure of both colliders on each other. Zero unless measured, and after reset().
   const std::vector<Wrench>& collider_wrenches() const;
 
   const Scene& scene() const;  // with the present material and simulation values
