@@ -115,6 +115,12 @@ bool Holders::holds(int point) const {
                      [&](const Point& p) { return p.hold.point == point; });
 }
 
+std::vector<int> Holders::holder_of_points(const Cloth& cloth) const {
+  std::vector<int> holders(static_cast<std::size_t>(cloth.num_points()), -1);
+  for (const Point& p : points_) holders[static_cast<std::size_t>(p.hold.point)] = p.hold.holder;
+  return holders;
+}
+
 void Holders::list_springs(const Cloth& cloth) {
   springs_.clear();
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -260,12 +266,14 @@ double Holders::solve_pass(Points& velocities) {
   for (Point& p : points_) {
     if (!p.slips) continue;
     const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
-    // The impulse that would stop the point relative to its holder. If it pulls towards the target
-    // with at least the returning strength, the point moves away.
+    // The impulses that would stop the point relative to its holder, and bring it back.
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
-    const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
-    const Vector3 impulse =
-        leaves ? clamped(rest, strongest) : clamped(rest + p.mass * p.want, returning);
+    const Vector3 back = rest + p.mass * p.want;
+    Vector3 impulse = back;
+    if (back.norm() > returning) {  // the pull towards the target, and friction towards rest
+      const Vector3 pull = returning * p.want.stableNormalized();
+      impulse = pull + clamped(rest - pull, strongest - returning);
+    }
     const Vector3 change = (impulse - p.impulse) / p.mass;
     p.impulse = impulse;
     velocities.row(p.hold.point) += change.transpose();

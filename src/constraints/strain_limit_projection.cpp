@@ -64,7 +64,7 @@ bool StrainLimit::is_beyond_repair(double stretch) const {
 /// Lists a spring if it needs projection. Returns whether it does.
 bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const Points& positions) {
   const Constraint c = constraint(id);
-  if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0) return false;
+  if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0 || !is_limited(id)) return false;
   const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
   const double longest = (longest_ + tolerance) * c.rest_length;
   const double farthest = max_projected_ratio * longest_ * c.rest_length;
@@ -152,8 +152,9 @@ void StrainLimit::flag_longer_than(double stretch, const Points& positions,
       const Piece& piece = pieces_[index(i)];
       const double longest = stretch * piece.rest_length;
       flags_[index(i)] =
-          longer_bits(&positions(piece.first, 0), &positions(piece.first, 1),
-                      &positions(piece.first, 2), piece.offset, piece.count, longest * longest);
+          limited_[index(i)] & longer_bits(&positions(piece.first, 0), &positions(piece.first, 1),
+                                           &positions(piece.first, 2), piece.offset, piece.count,
+                                           longest * longest);
     }
   };
   workers.parallel_for(static_cast<int>(order_.size()), look, near_at_once / Piece::length);

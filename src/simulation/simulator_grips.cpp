@@ -39,6 +39,7 @@ void Simulator::Impl::hold_points() {
   });
   for (const auto& [frame, grip] : grips.all()) strengths.push_back(grip.strength);
   holders.hold(holds, strengths, cloth, scene.simulation.gravity.norm(), state.positions);
+  if (strain_limit) strain_limit->leave_to_holders(holders.holder_of_points(cloth));
   follow_holders();
   if (self_contacts) self_contacts->restart_detection();
   disturbed = true;

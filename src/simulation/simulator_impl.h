@@ -174,6 +174,7 @@ struct Simulator::Impl {
     strain_limit.reset();
     if (!cloth.strain_limit || cloth.springs.empty()) return;
     strain_limit.emplace(cloth, &budget);
+    strain_limit->leave_to_holders(holders.holder_of_points(cloth));
     cloth_with_tension_mass = cloth;
   }
 

@@ -144,6 +144,31 @@ TEST(Holders, GoOnToTheSameBits) {
   EXPECT_TRUE(one.state().positions == there);
 }
 
+TEST(Holders, BringBackAPatchThatWasTakenStretched) {
+  // Its springs are a little over their limit, and the frame jumps.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 50;
+  scene.cloth.pinned = {{0, 0, ""}, {49, 0, ""}};
+  Simulator simulator(scene);
+  for (int frame = 0; frame < 60; ++frame) simulator.step();
+  const Vector3 start = simulator.state().positions.row(1275).transpose();
+  for (const Vector3& way : {Vector3(0.15, 0, 0.2), Vector3(0.2, 0, 0.3)}) {
+    Simulator copy(scene);
+    copy.restore(simulator.save());
+    const auto pose = [&](double share) {
+      return Pose{start + share * way, Eigen::Quaterniond::Identity()};
+    };
+    copy.attach("hand", pose(0), copy.free_points_near(start, 0.03));
+    for (const double share : {0.5, 1.0}) {
+      copy.move_grip("hand", pose(share));
+      copy.step();
+    }
+    EXPECT_GT(copy.holders().back().lag, 0.01);
+    for (int frame = 0; frame < 270; ++frame) copy.step();
+    EXPECT_EQ(copy.holders().back().lag, 0);
+  }
+}
+
 TEST(Holders, HaveAStrengthThatASceneNeedNotName) {
   // Ten weights, plus the force that stretches the springs of a point to their limit: at a corner
   // of the grid three structural and shear springs, and two of bending a fifth as stiff and twice

@@ -45,6 +45,8 @@ class Holders {
 
   bool empty() const { return points_.empty(); }
   bool holds(int point) const;
+  /// The holder of each point of the cloth, -1 for a free one.
+  std::vector<int> holder_of_points(const Cloth&) const;
 
   /// Sets the inverse masses of held points: 0 for those that stick, 1 / mass for those that slip.
   void apply(Cloth&) const;

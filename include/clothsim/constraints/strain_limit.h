@@ -121,6 +121,10 @@ class StrainLimit {
   /// cloth.
   void add_strengths(double scale, std::vector<double>& sum) const;
 
+  /// Leaves springs to a holder that has both ends, which keeps their length whether these stick or
+  /// slip. `holder_of_point`: a number for each point, -1 for a free one.
+  void leave_to_holders(const std::vector<int>& holder_of_point);
+
   /// Continues with the impulses of `last`, a limit on the same springs.
   void take_over(StrainLimit&& last);
 
@@ -160,6 +164,9 @@ class StrainLimit {
     const int place = id % Piece::length, a = piece.first + place;
     const auto colour = static_cast<int>(piece.second >> place & 1);
     return {a, a + piece.offset, piece.rest_length, 2 * piece.direction + colour};
+  }
+  bool is_limited(int id) const {
+    return (limited_[index(id / Piece::length)] >> id % Piece::length & 1) != 0;
   }
   void flag(int id) { flags_[index(id / Piece::length)] |= std::uint64_t{1} << id % Piece::length; }
   void flag_longer_than(double stretch, const Points& positions, const Workers&);
@@ -236,8 +243,9 @@ class StrainLimit {
   std::vector<int> local_;          // places in touched_ by point; -1: none
 
   // Scratch.
-  std::vector<double> tensions_;      // sum of T h / l of the last impulses, as touched_ [N s/m]
-  std::vector<std::uint64_t> flags_;  // a bit for each constraint
+  std::vector<double> tensions_;        // sum of T h / l of the last impulses, as touched_ [N s/m]
+  std::vector<std::uint64_t> limited_;  // springs that no holder has
+  std::vector<std::uint64_t> flags_;    // a bit for each constraint
   std::vector<std::uint64_t> last_flags_;  // of the springs in active_; empty: of fewer
   std::vector<PassChange> changes_;        // by segment
   std::vector<int> last_ids_;
