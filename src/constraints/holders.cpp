@@ -266,14 +266,12 @@ double Holders::solve_pass(Points& velocities) {
   for (Point& p : points_) {
     if (!p.slips) continue;
     const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
-    // The impulses that would stop the point relative to its holder, and bring it back.
+    // The impulse that would stop the point relative to its holder. If it pulls towards the target
+    // with at least the returning strength, the point moves away.
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
-    const Vector3 back = rest + p.mass * p.want;
-    Vector3 impulse = back;
-    if (back.norm() > returning) {  // the pull towards the target, and friction towards rest
-      const Vector3 pull = returning * p.want.stableNormalized();
-      impulse = pull + clamped(rest - pull, strongest - returning);
-    }
+    const bool leaves = rest.dot(p.want) >= 0 && rest.norm() >= returning;
+    const Vector3 impulse =
+        leaves ? clamped(rest, strongest) : clamped(rest + p.mass * p.want, returning);
     const Vector3 change = (impulse - p.impulse) / p.mass;
     p.impulse = impulse;
     velocities.row(p.hold.point) += change.transpose();

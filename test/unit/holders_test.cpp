@@ -154,7 +154,7 @@ TEST(Holders, BringBackAPatchThatWasTakenStretched) {
   const Vector3 start = simulator.state().positions.row(1275).transpose();
   for (const Vector3& way : {Vector3(0.15, 0, 0.2), Vector3(0.2, 0, 0.3)}) {
     Simulator copy(scene);
-    copy.restore(simulator.save());
+    copy.restore(*simulator.save());
     const auto pose = [&](double share) {
       return Pose{start + share * way, Eigen::Quaterniond::Identity()};
     };
