@@ -126,24 +126,6 @@ void StrainLimit::bound_impulses(double scale) {
   }
 }
 
-void StrainLimit::leave_to_holders(const std::vector<int>& holder_of_point) {
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const Piece& piece = pieces_[i];
-    limited_[i] = 0;
-    for (int k = 0; k < piece.count; ++k) {
-      const int a = holder_of_point[index(piece.first + k)];
-      const int b = holder_of_point[index(piece.first + k + piece.offset)];
-      limited_[i] |= std::uint64_t{a < 0 || a != b} << k;
-    }
-  }
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0 && !is_limited(ids_[i])) {
-      active_[i / FourSprings::count].velocity_impulse[i % FourSprings::count] = 0;
-    }
-  }
-  wake();
-}
-
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(pieces_.size() == last.pieces_.size());
   const double longest = longest_;

@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Speeds, SphereAtSpeed, ::testing::Values(1.0, 9.0, 60.0
 TEST(HardScene, CornersPushedTogetherByHalf) {
   Simulator simulator(hanging());
   simulator.move_pin(1, {0.5, 0, 1});  // at 45 m/s, in one frame
-  run_checked(simulator, 9, 100);  // it swings for seven seconds
+  run_checked(simulator, 9, 100);      // it swings for seven seconds
   expect_rest(simulator, 0.001);
 }
 
