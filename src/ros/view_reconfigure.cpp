@@ -118,7 +118,7 @@ struct ViewReconfigure::Impl {
         visit_viewpoint(config, view, direction);
       });
     }
-    add(shading, "shading/cloth", looks, 0, [(ShadingConfig& config, View& view, auto direction) {
+    add(shading, "shading/cloth", looks, 0, [](ShadingConfig& config, View& view, auto direction) {
       visit_look(config, view.cloth, direction);
     });
 
