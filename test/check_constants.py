@@ -14,8 +14,8 @@ FLOORS = ("geometry", "dynamics", "shapes", "search", "constraints", "scene", "s
 HEAD = """# Constants
 
 Every named number of the floors {floors}: {count} in {files} files. The words
-are the code's own. They say what a number trades, or where it comes from. "Likewise" refers to the row above. Where no
-unit stands, it is a share or a count.
+are the code's own. They say what a number trades, or where it comes from. Where no unit stands, it is a
+share or a count.
 Numbers of a formula that was fitted stand in that formula alone (`method_choice.cpp`). What mathematics or a format
 sets, and nobody could tune, as the order of a method, is an enumerator: {structure} of these stand at the end.
 [method.md](method.md) says where the numbers act. This page is written by `test/check_constants.py --write`;
@@ -77,8 +77,7 @@ def constants_of(path):
         above = above if follows else new
         last = number
         behind = found["behind"] or ""
-        shared = "likewise" if follows and above else above
-        words = "; ".join(filter(None, [behind, shared])) or words_around(lines, number)
+        words = "; ".join(filter(None, [behind, above])) or words_around(lines, number)
         units = UNIT.findall(behind or above)
         rows.append((found["name"], found["value"] or found["list"],
                      units[0] if len(set(units)) == 1 and found["name"] not in PURE else "", words))

@@ -190,15 +190,10 @@ int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
   if (touches()) {
     const bool is_smooth =
         !self_contacts && !holders.any_slips() && !collider_contacts.has_edges(colliders, cloth);
-    return substeps_at_tension(cloth, strongest_pull(), inertia.frequency(cloth), dt, min_steps,
-                               is_smooth);
+    return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, min_steps, is_smooth,
+                               holders.any_slips() ? holders.strongest() : 0);
   }
   return substeps_at_mass_ratio(cloth, gravity, inertia.mass_ratio(dt), dt, min_steps);
-}
-
-double Simulator::Impl::strongest_pull() const {
-  const double weight = cloth.mass.sum() * scene.simulation.gravity.norm();
-  return holders.any_slips() ? std::max(weight, holders.strongest()) : weight;
 }
 
 int Simulator::Impl::substeps_for_parting(double dt) const {

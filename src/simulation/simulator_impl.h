@@ -238,8 +238,6 @@ struct Simulator::Impl {
   int first_substeps();
   /// False where the state is no longer finite, or the budget is spent.
   bool take_substeps(int steps, const State& before, StepReport&);
-  /// Largest force on a point of the cloth [N]: its weight, or the strength of a holder that slips.
-  double strongest_pull() const;
   /// After a substep of h [s] in which the guard truncated points, without pinched ones: do layers
   /// move farther than their thickness in it?
   bool outruns_contacts(double h, const StepReport&) const;

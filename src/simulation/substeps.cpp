@@ -76,11 +76,13 @@ int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
   return whole_steps(dt * weight_frequency(cloth, gravity));
 }
 
-int substeps_at_tension(const Cloth& cloth, double pull, double frequency, double dt, int min_steps,
-                        bool is_smooth) {
+int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt,
+                        int min_steps, bool is_smooth, double strength) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
-  if (dt * frequency <= limit * min_steps) return min_steps;  // by far the cheaper check
-  const double max_frequency = pull_frequency(cloth, pull);
+  if (dt * frequency <= limit * min_steps)
+    return min_steps;  // the weight takes a look at all points
+  const double max_frequency =
+      std::max(weight_frequency(cloth, gravity), pull_frequency(cloth, strength));
   return std::max(min_steps, whole_steps(dt * (std::min(frequency, max_frequency) / limit)));
 }
 

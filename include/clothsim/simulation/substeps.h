@@ -37,11 +37,12 @@ int substeps_at_parting(const Cloth&, const Points& velocities, double dt, int m
 int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
 
 /// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
-/// makes points oscillate at `frequency` [rad/s], but not more than for a force of `pull` [N] on
-/// the springs of one point; at least `min_steps`. Half as many where all contacts are `is_smooth`:
-/// edges, fingers and other layers do not hold a point across its springs. At most max_substeps.
-int substeps_at_tension(const Cloth&, double pull, double frequency, double dt, int min_steps = 1,
-                        bool is_smooth = false);
+/// makes points oscillate at `frequency` [rad/s], but not more than for the whole weight, or a
+/// holder's `strength` [N], on the springs of one point; at least `min_steps`. Half as many where
+/// all contacts are `is_smooth`: edges, fingers and other layers do not hold a point across its
+/// springs. At most max_substeps.
+int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt,
+                        int min_steps = 1, bool is_smooth = false, double strength = 0);
 
 /// Substeps in which the inertia added for tension is 1.5 % of the cloth's mass at most;
 /// `mass_ratio`: that of a single step as long as the frame of `dt` [s]. It grows with the square
