@@ -7,7 +7,6 @@
 #include <chrono>
 #include <limits>
 
-#include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/verlet.h"
 #include "clothsim/model/grid.h"

@@ -1,11 +1,8 @@
 #include "clothsim/dynamics/newton_solver.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "clothsim/dynamics/bends.h"
-#include "clothsim/dynamics/energy.h"
-#include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/hessian.h"
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/spring_system.h"

@@ -1,4 +1,3 @@
-#include "clothsim/render/gl_error.h"
 #include "clothsim/render/shading_uniforms.h"
 #include "renderer_impl.h"
 

@@ -1,6 +1,5 @@
 #include <limits>
 
-#include "clothsim/render/gl_error.h"
 #include "clothsim/render/mesh.h"
 #include "renderer_impl.h"
 

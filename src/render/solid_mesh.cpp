@@ -1,7 +1,5 @@
 #include "clothsim/render/solid_mesh.h"
 
-#include <cmath>
-
 namespace clothsim {
 namespace {
 

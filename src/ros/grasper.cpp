@@ -6,7 +6,6 @@
 #include <ros/time.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "clothsim/model/checks.h"

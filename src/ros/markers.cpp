@@ -1,6 +1,5 @@
 #include "clothsim/ros/markers.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/errors.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"

@@ -11,7 +11,6 @@
 #include "clothsim/dynamics/air.h"
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/spectrum.h"
-#include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/work_budget.h"

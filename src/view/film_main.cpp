@@ -1,8 +1,6 @@
-#include <cmath>
 #include <optional>
 
 #include "../run/run_options.h"
-#include "clothsim/model/checks.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/view/picture_maker.h"
 #include "clothsim/view/video.h"

@@ -9,7 +9,6 @@
 #include <ctime>
 #include <iostream>
 #include <string>
-#include <vector>
 
 namespace clothsim::testing {
 namespace {

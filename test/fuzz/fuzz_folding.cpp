@@ -6,7 +6,6 @@
 #include <iostream>
 
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/run/report.h"
 #include "fuzz/draw.h"
 #include "fuzz/fuzz.h"
 #include "verification/testing.h"

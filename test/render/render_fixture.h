@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "clothsim/model/cloth.h"
 #include "clothsim/render/renderer.h"
 #include "clothsim/render/shape_drawing.h"

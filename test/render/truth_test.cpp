@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "clothsim/model/grid.h"
 #include "meshes.h"
 #include "moving.h"
 

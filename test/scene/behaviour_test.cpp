@@ -6,7 +6,6 @@
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
-#include "clothsim/geometry/intersections.h"
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 

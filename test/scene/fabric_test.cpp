@@ -2,8 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <cmath>
-
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/run/report.h"
 #include "clothsim/scene/scene_yaml.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "clothsim/dynamics/energy.h"
 #include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "clothsim/run/driven_frames.h"
-#include "clothsim/run/report.h"
 #include "meshes.h"
 #include "verification/testing.h"
 

@@ -1,7 +1,5 @@
 #include "clothsim/geometry/closest_points.h"
 
-#include <cmath>
-
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -1,7 +1,5 @@
 #include "clothsim/constraints/contact_slots.h"
 
-#include <cmath>
-
 #include "verification/testing.h"
 
 namespace clothsim {

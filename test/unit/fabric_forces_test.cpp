@@ -1,7 +1,5 @@
 // The forces of a fabric against plain loops over its springs and stencils.
 
-#include <cmath>
-
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/forces.h"

@@ -1,7 +1,5 @@
 #include "clothsim/dynamics/forces.h"
 
-#include <cmath>
-
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"

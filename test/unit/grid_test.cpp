@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <tuple>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/errors.h"

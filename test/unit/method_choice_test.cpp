@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "clothsim/dynamics/spectrum.h"
 #include "clothsim/simulation/substeps.h"
 #include "verification/testing.h"
 

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "clothsim/constraints/self_contacts.h"
 #include "verification/testing.h"

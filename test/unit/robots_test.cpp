@@ -4,7 +4,6 @@
 
 #include <fstream>
 
-#include "clothsim/scene/urdf.h"
 #include "clothsim/shapes/mesh_file.h"
 #include "clothsim/simulation/simulator.h"
 #include "meshes.h"

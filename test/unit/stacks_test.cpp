@@ -1,7 +1,6 @@
 #include "clothsim/constraints/stacks.h"
 
 #include <algorithm>
-#include <functional>
 #include <random>
 #include <vector>
 

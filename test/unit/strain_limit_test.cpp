@@ -1,7 +1,5 @@
 #include "clothsim/constraints/strain_limit.h"
 
-#include <cmath>
-
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
 #include "verification/testing.h"

@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "clothsim/constraints/self_contacts.h"

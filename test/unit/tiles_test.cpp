@@ -1,7 +1,5 @@
 #include "clothsim/search/tiles.h"
 
-#include <cmath>
-
 #include "surface_testing.h"
 
 namespace clothsim {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "clothsim/search/patches.h"
-#include "clothsim/search/tiles.h"
 #include "verification/testing.h"
 
 namespace clothsim {

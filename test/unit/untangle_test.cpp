@@ -9,7 +9,6 @@
 #include <random>
 
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/model/grid.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 
-#include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "clothsim/dynamics/stretch.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -1,8 +1,5 @@
 // Methods of implicit Euler's family on cloths: energy, and one solution for all its solvers.
 
-#include <cmath>
-
-#include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
 namespace clothsim {

@@ -1,7 +1,6 @@
 // One spring and its mass: period, exact frequency, order, stability; the pendulum.
 
 #include <cmath>
-#include <limits>
 
 #include "verification/testing.h"
 

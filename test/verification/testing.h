@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/integrator.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "clothsim/constraints/contact_list.h"
 #include "clothsim/constraints/contact_step.h"

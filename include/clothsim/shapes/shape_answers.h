@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 
 #include "clothsim/geometry/box_tree.h"
 #include "clothsim/geometry/intersections.h"
