@@ -1,6 +1,6 @@
 #include "clothsim/ros/tf_subscribers.h"
 
-#include <string>
+#include <ros/console.h>
 
 namespace clothsim_ros {
 namespace {
@@ -19,6 +19,14 @@ void TfSubscribers::listen(ros::NodeHandle& node, const Hear& hear) {
   };
   moving_ = subscribe("/tf", false);
   static_ = subscribe("/tf_static", true);
+}
+
+Tf2Log::Tf2Log() { console_bridge::useOutputHandler(this); }
+
+Tf2Log::~Tf2Log() { console_bridge::restorePreviousOutputHandler(); }
+
+void Tf2Log::log(const std::string& text, console_bridge::LogLevel, const char*, int) {
+  if (warnings_.passes()) ROS_WARN("%s", text.c_str());
 }
 
 }  // namespace clothsim_ros

@@ -3,6 +3,8 @@
 #include <time.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
+#include <utility>
 
 namespace clothsim_ros {
 namespace {
@@ -12,6 +14,23 @@ double seconds(clockid_t clock) {
   clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+
+class TimedCallback : public ros::CallbackInterface {
+ public:
+  TimedCallback(ros::CallbackInterfacePtr callback, TimeShares& time)
+      : callback_(std::move(callback)), time_(time) {}
+
+  CallResult call() override {
+    const TimeShares::Scope scope(time_, TimeShares::Use::serving);
+    return callback_->call();
+  }
+
+  bool ready() override { return callback_->ready(); }
+
+ private:
+  ros::CallbackInterfacePtr callback_;
+  TimeShares& time_;
+};
 
 }  // namespace
 
@@ -50,6 +69,10 @@ TimeShares::Shares TimeShares::take() {
   spent_ = {};
   start_ = charged_.wall;
   return shares;
+}
+
+void TimedCallbacks::addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner) {
+  queue_.addCallback(boost::make_shared<TimedCallback>(callback, time_), owner);
 }
 
 }  // namespace clothsim_ros

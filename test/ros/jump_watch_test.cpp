@@ -1,8 +1,8 @@
 // Which displacements of a tf frame count as jumps, and which as motion.
 
-#include "clothsim/ros/jump_watch.h"
-
 #include <gtest/gtest.h>
+
+#include "clothsim/ros/jumps.h"
 
 namespace clothsim_ros {
 namespace {

@@ -1,10 +1,10 @@
 // Motion of points that tf frames hold, after a jump of a frame.
 
-#include "clothsim/ros/speed_limit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "clothsim/ros/jumps.h"
 
 namespace clothsim_ros {
 namespace {

@@ -2,8 +2,8 @@
 #include <ros/console.h>
 #include <tf2/buffer_core.h>
 
-#include "clothsim/ros/newest_stamps.h"
-#include "clothsim/ros/tf2_log.h"
+#include "clothsim/ros/stamps.h"
+#include "clothsim/ros/tf_subscribers.h"
 
 // Messages of a hundred thousand transforms: tf2 gets only as many as it takes in constant time,
 // and the log only one line.

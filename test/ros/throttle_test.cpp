@@ -1,6 +1,6 @@
-#include "clothsim/ros/throttle.h"
-
 #include <gtest/gtest.h>
+
+#include "clothsim/ros/rates.h"
 
 namespace clothsim_ros {
 namespace {

@@ -1,11 +1,11 @@
-#include "clothsim/ros/timed_callbacks.h"
-
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <thread>
+
+#include "clothsim/ros/time_shares.h"
 
 namespace clothsim_ros {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/jumps.h"
 #include "clothsim/ros/pacer.h"
-#include "clothsim/ros/speed_limit.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 

@@ -32,7 +32,6 @@
 #include "clothsim/ros/step_targets.h"
 #include "clothsim/ros/stress_topic.h"
 #include "clothsim/ros/time_shares.h"
-#include "clothsim/ros/timed_callbacks.h"
 #include "clothsim/ros/view_reconfigure.h"
 #include "clothsim/ros/wind_listener.h"
 #include "clothsim/simulation/simulator.h"

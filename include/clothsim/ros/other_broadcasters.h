@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 
-#include "clothsim/ros/tf2_log.h"
 #include "clothsim/ros/tf_subscribers.h"
 #include "clothsim/shapes/collider.h"
 

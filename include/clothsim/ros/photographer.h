@@ -12,7 +12,7 @@
 
 #include "clothsim/render/render_thread.h"
 #include "clothsim/ros/camera_topics.h"
-#include "clothsim/ros/rate_meter.h"
+#include "clothsim/ros/rates.h"
 #include "clothsim/ros/tf_frame.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/view/snapshot_maker.h"

@@ -9,10 +9,9 @@
 #include <set>
 #include <string>
 
-#include "clothsim/ros/newest_stamps.h"
-#include "clothsim/ros/tf2_log.h"
+#include "clothsim/ros/rates.h"
+#include "clothsim/ros/stamps.h"
 #include "clothsim/ros/tf_subscribers.h"
-#include "clothsim/ros/throttle.h"
 #include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/rates.h"
 #include "clothsim/ros/tf_frame.h"
-#include "clothsim/ros/throttle.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {

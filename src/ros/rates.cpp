@@ -1,4 +1,4 @@
-#include "clothsim/ros/rate_meter.h"
+#include "clothsim/ros/rates.h"
 
 namespace clothsim_ros {
 namespace {
@@ -7,6 +7,13 @@ namespace {
 constexpr double shortest_measured = 0.5;
 
 }  // namespace
+
+bool Throttle::passes() {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (now < next_) return false;
+  next_ = now + period_;
+  return true;
+}
 
 void RateMeter::restart(double now) {
   start_ = now;
