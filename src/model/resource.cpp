@@ -85,8 +85,8 @@ std::optional<fs::path> find_below(const fs::path& folder, const std::string& na
   return {};
 }
 
-}  // namespace
-
+/// The folder of a ROS package: in ROS_PACKAGE_PATH, or where Debian installs packages. Throws
+/// InvalidValue, without a key, for an unknown package.
 fs::path find_package(const std::string& name) {
   const char* path = std::getenv("ROS_PACKAGE_PATH");
   std::istringstream folders(path ? path : "");
@@ -100,6 +100,8 @@ fs::path find_package(const std::string& name) {
   throw InvalidValue({}, "the package " + shortened(name, 100) + ", which is not there",
                      "a package in ROS_PACKAGE_PATH");
 }
+
+}  // namespace
 
 fs::path find_resource(const std::string& name, const fs::path& folder) {
   if (starts_with(name, package_scheme)) {

@@ -38,11 +38,11 @@ std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<Lin
   return lines;
 }
 
-}  // namespace
-
 bool needs_tangents(const Shading& shading) {
   return std::holds_alternative<Bump>(shading) || std::holds_alternative<Displacement>(shading);
 }
+
+}  // namespace
 
 void ClothObject::update(const Snapshot& snapshot, bool keep_last) {
   const Cloth& cloth = *snapshot.cloth;

@@ -16,6 +16,27 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 5> fabric_keys = {
     "fabric", "stretch_stiffness", "shear_stiffness", "bending_stiffness", "internal_damping"};
 
+/// The file of a fabric: a path that ends in .yaml, relative to `folder`, or a name in
+/// config/fabrics of the package. Throws InvalidValue, which lists the names.
+std::string fabric_file(const std::string& name, const fs::path& folder) {
+  const std::string ending = ".yaml";
+  if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending) {
+    const fs::path path = find_resource(name, folder);
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path.string();
+    throw InvalidValue({}, '"' + path.string() + "\", which is not there",
+                       "the name or the file of a fabric");
+  }
+  std::vector<std::string> known;
+  for (const auto& entry : fs::directory_iterator(package_folder("config/fabrics"))) {
+    if (entry.path().extension() != ending) continue;
+    if (entry.path().stem() == name) return entry.path().string();
+    known.push_back(entry.path().stem().string());
+  }
+  std::sort(known.begin(), known.end());
+  throw InvalidValue({}, '"' + name + '"', "one of " + join(known) + ", or a path of a .yaml file");
+}
+
 /// Reads the values of a fabric's file.
 void read_fabric_file(const std::string& path, ClothSpec& cloth) {
   std::string source, date;
@@ -79,25 +100,6 @@ void start_fabric(const YAML::Node& map, const fs::path& folder, ClothSpec& clot
   cloth.material.strain_limit.reset();
   if (!map["fabric"]) return;
   inside("fabric", [&] { read_fabric_file(fabric_file(read_text(map["fabric"]), folder), cloth); });
-}
-
-std::string fabric_file(const std::string& name, const fs::path& folder) {
-  const std::string ending = ".yaml";
-  if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending) {
-    const fs::path path = find_resource(name, folder);
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) return path.string();
-    throw InvalidValue({}, '"' + path.string() + "\", which is not there",
-                       "the name or the file of a fabric");
-  }
-  std::vector<std::string> known;
-  for (const auto& entry : fs::directory_iterator(package_folder("config/fabrics"))) {
-    if (entry.path().extension() != ending) continue;
-    if (entry.path().stem() == name) return entry.path().string();
-    known.push_back(entry.path().stem().string());
-  }
-  std::sort(known.begin(), known.end());
-  throw InvalidValue({}, '"' + name + '"', "one of " + join(known) + ", or a path of a .yaml file");
 }
 
 }  // namespace clothsim

@@ -71,6 +71,21 @@ std::string describe_scalar(const YAML::Node& node) {
   throw InvalidValue({}, describe(node), expected);
 }
 
+std::int64_t read_integer(const YAML::Node& node, std::int64_t min, std::int64_t max,
+                          const std::string& expected = "a whole number") {
+  std::int64_t value = 0;
+  const Parsed parsed = is_plain(node) ? parse_whole(node.Scalar(), value) : Parsed::no_number;
+  if (parsed == Parsed::no_number) refuse(node, expected);
+
+  const bool negative = node.Scalar()[0] == '-';
+  const bool too_large = parsed == Parsed::too_large;
+  if (value < min || (too_large && negative)) {
+    refuse(node, expected + " of at least " + std::to_string(min));
+  }
+  if (value > max || too_large) refuse(node, expected + " of at most " + std::to_string(max));
+  return value;
+}
+
 }  // namespace
 
 std::string describe(const YAML::Node& node) {
@@ -92,21 +107,6 @@ std::string describe(const YAML::Node& node) {
 double read_number(const YAML::Node& node, const std::string& expected) {
   double value = 0;
   if (!is_plain(node) || parse(node.Scalar(), value) != Parsed::number) refuse(node, expected);
-  return value;
-}
-
-std::int64_t read_integer(const YAML::Node& node, std::int64_t min, std::int64_t max,
-                          const std::string& expected) {
-  std::int64_t value = 0;
-  const Parsed parsed = is_plain(node) ? parse_whole(node.Scalar(), value) : Parsed::no_number;
-  if (parsed == Parsed::no_number) refuse(node, expected);
-
-  const bool negative = node.Scalar()[0] == '-';
-  const bool too_large = parsed == Parsed::too_large;
-  if (value < min || (too_large && negative)) {
-    refuse(node, expected + " of at least " + std::to_string(min));
-  }
-  if (value > max || too_large) refuse(node, expected + " of at most " + std::to_string(max));
   return value;
 }
 

@@ -5,10 +5,6 @@
 
 namespace clothsim {
 
-/// The folder of a ROS package: in ROS_PACKAGE_PATH, or where Debian installs packages. Throws
-/// InvalidValue, without a key, for an unknown package.
-std::filesystem::path find_package(const std::string& name);
-
 /// The file that a name refers to: package://PACKAGE/path, file:///path, an absolute path or one
 /// relative to `folder`. Special characters in the first two may be escaped or not, as %20 for a
 /// blank. The file need not exist. Throws InvalidValue, without a key, for an unknown package or

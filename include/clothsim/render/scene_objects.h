@@ -63,7 +63,4 @@ class ColliderObject {
   std::optional<Placement> placement_, before_;  // now, and at the last snapshot if drawn then
 };
 
-/// Whether the shading needs tangents.
-bool needs_tangents(const Shading&);
-
 }  // namespace clothsim

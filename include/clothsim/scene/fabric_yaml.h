@@ -29,8 +29,4 @@ bool names_fabric(const YAML::Node& cloth);
 /// has `ks`, too, and for errors in the file.
 void start_fabric(const YAML::Node& map, const std::filesystem::path& folder, ClothSpec& cloth);
 
-/// The file of a fabric: a path that ends in .yaml, relative to `folder`, or a name in
-/// config/fabrics of the package. Throws InvalidValue, which lists the names.
-std::string fabric_file(const std::string& name, const std::filesystem::path& folder);
-
 }  // namespace clothsim

@@ -19,8 +19,6 @@ namespace clothsim {
 
 /// `expected`: for the message, where other values are allowed, too.
 double read_number(const YAML::Node&, const std::string& expected = "a finite number");
-std::int64_t read_integer(const YAML::Node&, std::int64_t min, std::int64_t max,
-                          const std::string& expected = "a whole number");
 int read_int(const YAML::Node&, const std::string& expected = "a whole number");
 bool read_switch(const YAML::Node&, const std::string& expected = "true or false");
 std::string read_text(const YAML::Node&);  // not empty
