@@ -131,9 +131,8 @@ void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
     archive(pose, target, enabled);
     if (!Archive::is_loading::value) continue;
     collider.place(pose);
-    const bool is_there = target.position == pose.position &&
-                          target.orientation.coeffs() == pose.orientation.coeffs();
-    if (!is_there) collider.set_target(target, saved.frame_duration);  // after a frame that failed
+    // After a frame that failed, the target is still ahead.
+    if (!same(target, pose)) collider.set_target(target, saved.frame_duration);
     collider.enable(enabled);
   }
 }

@@ -25,10 +25,6 @@ bool is_usable(const clothsim::Pose& pose) {
          (pose.position.array().abs() <= largest_coordinate).all();  // false for NaN
 }
 
-bool same(const clothsim::Pose& a, const clothsim::Pose& b) {
-  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-}
-
 TfListener::TfListener(std::string world_frame, std::optional<double> lost_after)
     : world_frame_(std::move(world_frame)), lost_after_(lost_after) {
   ros::NodeHandle node;

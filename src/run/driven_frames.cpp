@@ -60,9 +60,7 @@ void DrivenFrames::put(const Driven& driven, const Pose& pose, Simulator& simula
     const Pose& now = simulator.collider_pose(follower.index);
     const auto index = static_cast<std::size_t>(follower.index);
     const Pose wanted = pose * simulator.scene().colliders[index].offset;
-    const bool is_there =
-        now.position == wanted.position && now.orientation.coeffs() == wanted.orientation.coeffs();
-    if (!is_there) simulator.place_collider(follower.index, pose);
+    if (!same(now, wanted)) simulator.place_collider(follower.index, pose);
   }
 }
 

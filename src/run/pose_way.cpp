@@ -17,12 +17,6 @@ Vector3 rotation_vector(const Eigen::Quaterniond& from, const Eigen::Quaterniond
   return turn.angle() * turn.axis();
 }
 
-Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return orientation;
-  return (Eigen::AngleAxisd(angle, turn / angle) * orientation).normalized();
-}
-
 // The angular velocity of a frame whose rotation vector is r is J(r) r', with SO(3)'s left
 // Jacobian. Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2, 10.86.
 

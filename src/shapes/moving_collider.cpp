@@ -5,16 +5,6 @@
 #include <limits>
 
 namespace clothsim {
-namespace {
-
-/// An orientation after a rotation by a vector of axis times angle [rad].
-Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return orientation;
-  return (Eigen::AngleAxisd(angle, turn / angle) * orientation).normalized();
-}
-
-}  // namespace
 
 MovingCollider::MovingCollider(const ColliderSpec& spec)
     : shape_(spec.shape), friction_(spec.friction), enabled_(spec.enabled) {

@@ -22,9 +22,6 @@ inline constexpr double largest_coordinate = 1e6;
 /// Whether a pose is finite and within this limit.
 bool is_usable(const clothsim::Pose&);
 
-/// Whether two poses are equal to the last bit.
-bool same(const clothsim::Pose&, const clothsim::Pose&);
-
 /// The transforms to the world that tf knows of. Received in the thread that asks: in lockstep,
 /// transforms that came before a call count in the call. Transforms that are stamped ahead of now
 /// are refused, since tf2 would take them for the latest until then.

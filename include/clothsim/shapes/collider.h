@@ -13,6 +13,18 @@ struct Pose {
   Eigen::Quaterniond orientation{1, 0, 0, 0};
 };
 
+/// Whether two poses are equal to the last bit.
+inline bool same(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+/// An orientation after a rotation by a vector of axis times angle [rad].
+inline Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return orientation;
+  return (Eigen::AngleAxisd(angle, turn / angle) * orientation).normalized();
+}
+
 /// A point of the world in the frame at `pose`.
 inline Vector3 to_local(const Pose& pose, const Vector3& point) {
   return pose.orientation.conjugate() * (point - pose.position);
