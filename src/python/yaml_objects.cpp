@@ -1,11 +1,11 @@
 #include "yaml_objects.h"
 
 #include <charconv>
-#include <cmath>
 #include <optional>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/scene/scene_yaml.h"
+#include "clothsim/scene/yaml_values.h"
 #include "errors.h"
 
 namespace clothsim_python {
@@ -25,12 +25,6 @@ py::object plain(py::handle object) {
   if (py::hasattr(object, "tolist")) return object.attr("tolist")();
   if (py::hasattr(object, "__fspath__")) return object.attr("__fspath__")();
   return py::reinterpret_borrow<py::object>(object);
-}
-
-YAML::Node text_node(const std::string& text) {
-  YAML::Node node(text);
-  node.SetTag("!");
-  return node;
 }
 
 YAML::Node map_node(py::handle object, int depth) {
@@ -59,11 +53,8 @@ YAML::Node to_yaml(py::handle object, int depth) {
   if (object.is_none()) return YAML::Node();
   if (py::isinstance<py::bool_>(object)) return YAML::Node(py::cast<bool>(object));
   if (py::isinstance<py::int_>(object)) return YAML::Node(py::cast<std::string>(py::str(object)));
-  if (py::isinstance<py::float_>(object)) {
-    const auto number = py::cast<double>(object);
-    return std::isfinite(number) ? YAML::Node(clothsim::to_text(number)) : YAML::Node(number);
-  }
-  if (py::isinstance<py::str>(object)) return text_node(py::cast<std::string>(object));
+  if (py::isinstance<py::float_>(object)) return clothsim::number_node(py::cast<double>(object));
+  if (py::isinstance<py::str>(object)) return clothsim::text_node(py::cast<std::string>(object));
   if (py::isinstance<py::dict>(object)) return map_node(object, depth);
   if (py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object)) {
     return list_node(object, depth);

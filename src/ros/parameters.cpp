@@ -5,8 +5,6 @@
 #include <ros/param.h>
 #include <ros/this_node.h>
 
-#include <cmath>
-
 #include "clothsim/model/checks.h"
 #include "clothsim/render/egl_context.h"
 #include "clothsim/ros/scene_parameter.h"
@@ -24,11 +22,6 @@ constexpr double max_factor = 1000;
 
 constexpr clothsim::Range jump_speed_range{0, 1e9, "m/s"};
 constexpr clothsim::Range diagnostic_period_range{0.1, 3600, "s"};
-
-/// With the fewest digits that restore it, for messages.
-YAML::Node to_yaml_number(double value) {
-  return std::isfinite(value) ? YAML::Node(clothsim::to_text(value)) : YAML::Node(value);
-}
 
 YAML::Node to_yaml_list(XmlRpc::XmlRpcValue& value) {
   YAML::Node list(YAML::NodeType::Sequence);
@@ -194,12 +187,9 @@ YAML::Node to_yaml(XmlRpc::XmlRpcValue value) {
     case XmlRpc::XmlRpcValue::TypeInt:
       return YAML::Node(static_cast<int>(value));
     case XmlRpc::XmlRpcValue::TypeDouble:
-      return to_yaml_number(value);
-    case XmlRpc::XmlRpcValue::TypeString: {
-      YAML::Node text(static_cast<std::string>(value));
-      text.SetTag("!");
-      return text;
-    }
+      return clothsim::number_node(value);
+    case XmlRpc::XmlRpcValue::TypeString:
+      return clothsim::text_node(value);
     case XmlRpc::XmlRpcValue::TypeArray:
       return to_yaml_list(value);
     case XmlRpc::XmlRpcValue::TypeStruct:

@@ -104,6 +104,16 @@ std::string describe(const YAML::Node& node) {
   return '[' + items + ']';
 }
 
+YAML::Node number_node(double value) {
+  return std::isfinite(value) ? YAML::Node(to_text(value)) : YAML::Node(value);
+}
+
+YAML::Node text_node(const std::string& text) {
+  YAML::Node node(text);
+  node.SetTag("!");
+  return node;
+}
+
 double read_number(const YAML::Node& node, const std::string& expected) {
   double value = 0;
   if (!is_plain(node) || parse(node.Scalar(), value) != Parsed::number) refuse(node, expected);

@@ -33,6 +33,10 @@ bool is_word(const YAML::Node&, const std::string& word);
 /// The node in a few words for a message: `-5`, `"5" (text)`, `[1, 2]`, `a map`.
 std::string describe(const YAML::Node&);
 
+/// Nodes made by a program: a number with the fewest digits that restore it, and a quoted text.
+YAML::Node number_node(double value);
+YAML::Node text_node(const std::string& text);
+
 using ReadValue = std::function<void(const YAML::Node&)>;
 
 /// A key that a map may have, and the reader of its value.
