@@ -213,33 +213,30 @@ class Driven : public ::testing::TestWithParam<std::tuple<double, double>> {
     scene.cloth.material.density = std::get<1>(GetParam());
     return scene;
   }
+
+  /// Lets the cloth hang, then moves the collider 1.5 m along y from y = `from`.
+  void drive(Simulator simulator, double from, const Vector3& turn) const {
+    for (int frame = 0; frame < 270; ++frame) step_checked(simulator, 20);
+    if (HasFatalFailure()) return;
+    const int frames = static_cast<int>(std::ceil(1.5 * 90 / speed));
+    for (int frame = 1; frame <= frames; ++frame) {
+      simulator.move_collider(0, pose_at({0.5, from + 1.5 * frame / frames, 0.5}, turn));
+      step_checked(simulator, 10 * speed + 20);
+      if (HasFatalFailure()) return;
+    }
+  }
 };
 
 TEST_P(Driven, AThinRodStaysOutOfTheTriangles) {
   // Thinner than the cloth's spacing of 42 mm: it could pass between the points.
-  Simulator simulator(hanging({{"rod", Capsule{0.6, 0.005}, pose_at({0.5, -0.3, 0.8}), 0.3, ""}}));
-  for (int frame = 0; frame < 270; ++frame) step_checked(simulator, 20);
-  if (HasFatalFailure()) return;
-  const int frames = static_cast<int>(std::ceil(1.5 * 90 / speed));
-  for (int frame = 1; frame <= frames; ++frame) {
-    simulator.move_collider(0, pose_at({0.5, -0.3 + 1.5 * frame / frames, 0.5}, lying_along_y));
-    step_checked(simulator, 10 * speed + 20);
-    if (HasFatalFailure()) return;
-  }
+  const ColliderSpec rod{"rod", Capsule{0.6, 0.005}, pose_at({0.5, -0.3, 0.8}), 0.3, ""};
+  drive(Simulator(hanging({rod})), -0.3, lying_along_y);
 }
 
 TEST_P(Driven, ABoxCornerStaysOutOfTheTriangles) {
   const Vector3 turn(0.6, 0.5, 0.3);
-  Simulator simulator(
-      hanging({{"box", Cuboid{{0.3, 0.3, 0.3}}, pose_at({0.5, -0.5, 0.5}, turn), 0.3, ""}}));
-  for (int frame = 0; frame < 270; ++frame) step_checked(simulator, 20);
-  if (HasFatalFailure()) return;
-  const int frames = static_cast<int>(std::ceil(1.5 * 90 / speed));
-  for (int frame = 1; frame <= frames; ++frame) {
-    simulator.move_collider(0, pose_at({0.5, -0.5 + 1.5 * frame / frames, 0.5}, turn));
-    step_checked(simulator, 10 * speed + 20);
-    if (HasFatalFailure()) return;
-  }
+  const ColliderSpec box{"box", Cuboid{{0.3, 0.3, 0.3}}, pose_at({0.5, -0.5, 0.5}, turn), 0.3, ""};
+  drive(Simulator(hanging({box})), -0.5, turn);
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, Driven,

@@ -32,51 +32,34 @@ TEST(Validate, AcceptsTheDefaults) {
   EXPECT_EQ(refused_key(Scene()), "");
 }
 
+/// The same for the defaults after `change`.
+template <class Spec>
+std::string key_after(void (*change)(Spec&, double), double value = 0) {
+  Spec spec;
+  change(spec, value);
+  return refused_key(spec);
+}
+
 TEST(Validate, MaterialKeysStandAlone) {
+  using M = Material;
   for (const double bad : {nan, infinity, -1.0, 1e300}) {
-    Material material;
-    material.ks = bad;
-    EXPECT_EQ(refused_key(material), "ks") << bad;
-    material = Material();
-    material.density = bad;
-    EXPECT_EQ(refused_key(material), "density") << bad;
-    material = Material();
-    material.damping = bad;
-    EXPECT_EQ(refused_key(material), "damping") << bad;
-    material = Material();
-    material.strain_limit = bad;
-    EXPECT_EQ(refused_key(material), "strain_limit") << bad;
+    EXPECT_EQ(key_after<M>([](M& m, double x) { m.ks = x; }, bad), "ks") << bad;
+    EXPECT_EQ(key_after<M>([](M& m, double x) { m.density = x; }, bad), "density") << bad;
+    EXPECT_EQ(key_after<M>([](M& m, double x) { m.damping = x; }, bad), "damping") << bad;
+    EXPECT_EQ(key_after<M>([](M& m, double x) { m.strain_limit = x; }, bad), "strain_limit") << bad;
   }
 }
 
 TEST(Validate, SimulationKeysStandAlone) {
-  SimulationSpec simulation;
-  simulation.gravity.y() = nan;
-  EXPECT_EQ(refused_key(simulation), "gravity.1");
-
-  simulation = SimulationSpec();
-  simulation.frames_per_second = infinity;
-  EXPECT_EQ(refused_key(simulation), "frames_per_second");
-
-  simulation = SimulationSpec();
-  simulation.substeps = 0;
-  EXPECT_EQ(refused_key(simulation), "substeps");
-
-  simulation = SimulationSpec();
-  simulation.tolerance = 0;
-  EXPECT_EQ(refused_key(simulation), "tolerance");
-
-  simulation = SimulationSpec();
-  simulation.strain_tolerance = 0;
-  EXPECT_EQ(refused_key(simulation), "strain_tolerance");
-
-  simulation = SimulationSpec();
-  simulation.threads = 0;
-  EXPECT_EQ(refused_key(simulation), "threads");
-
-  simulation = SimulationSpec();
-  simulation.method = "";
-  EXPECT_EQ(refused_key(simulation), "method");
+  using S = SimulationSpec;
+  EXPECT_EQ(key_after<S>([](S& s, double x) { s.gravity.y() = x; }, nan), "gravity.1");
+  EXPECT_EQ(key_after<S>([](S& s, double x) { s.frames_per_second = x; }, infinity),
+            "frames_per_second");
+  EXPECT_EQ(key_after<S>([](S& s, double) { s.substeps = 0; }), "substeps");
+  EXPECT_EQ(key_after<S>([](S& s, double x) { s.tolerance = x; }), "tolerance");
+  EXPECT_EQ(key_after<S>([](S& s, double x) { s.strain_tolerance = x; }), "strain_tolerance");
+  EXPECT_EQ(key_after<S>([](S& s, double) { s.threads = 0; }), "threads");
+  EXPECT_EQ(key_after<S>([](S& s, double) { s.method = ""; }), "method");
 }
 
 TEST(Validate, ASceneNamesTheWholePath) {

@@ -79,27 +79,38 @@ TEST(Shape, CapsuleDistanceIsThatOfTheNearestBallAlongItsAxis) {
   }
 }
 
-TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
-  const std::vector<Vector3> surface = surface_of(std::get<Cuboid>(crate), 120);
-  std::mt19937_64 engine(4);
-  std::uniform_real_distribution<double> draw(-1, 1);
+/// Compares distances at random points with those of the nearest of many points of the surface, the
+/// farther by up to `tolerance` [m].
+template <class Draw, class IsWithin>
+void expect_nearest(const Shape& shape, const std::vector<Vector3>& surface, Draw draw,
+                    IsWithin is_within, double tolerance) {
   int inside = 0;
   for (int n = 0; n < 200; ++n) {
-    const Vector3 p(draw(engine), draw(engine), 0.5 * draw(engine));
+    const Vector3 p = draw();
     double nearest = 10;
     for (const Vector3& q : surface) nearest = std::min(nearest, (p - q).norm());
-    const bool within = (p.cwiseAbs().array() < Eigen::Array3d(0.6, 0.4, 0.2)).all();
+    const bool within = is_within(p);
     inside += within;
-    const double value = signed_distance(crate, p, p).value;
+    const double value = signed_distance(shape, p, p).value;
     EXPECT_EQ(value < 0, within);
     EXPECT_LE(std::abs(value), nearest + 1e-12);
-    EXPECT_GT(std::abs(value), nearest - 0.0075) << "the points are 0.01 m apart";
+    EXPECT_GT(std::abs(value), nearest - tolerance);
   }
   EXPECT_GT(inside, 10);
 }
 
+TEST(Shape, BoxDistanceIsThatOfTheNearestPointOfItsSurface) {
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  expect_nearest(
+      crate, surface_of(std::get<Cuboid>(crate), 120),
+      [&] { return Vector3(draw(engine), draw(engine), 0.5 * draw(engine)); },
+      [](const Vector3& p) { return (p.cwiseAbs().array() < Eigen::Array3d(0.6, 0.4, 0.2)).all(); },
+      0.0075);  // the points are 0.01 m apart
+}
+
 TEST(Shape, CylinderDistanceIsThatOfTheNearestPointOfItsSurface) {
-  const auto& [length, radius] = std::get<Cylinder>(drum);
+  const double length = std::get<Cylinder>(drum).length, radius = std::get<Cylinder>(drum).radius;
   std::vector<Vector3> surface;
   for (int i = 0; i < 400; ++i) {
     const double angle = 2 * M_PI * i / 400;
@@ -113,19 +124,10 @@ TEST(Shape, CylinderDistanceIsThatOfTheNearestPointOfItsSurface) {
   }
   std::mt19937_64 engine(6);
   std::uniform_real_distribution<double> draw(-0.7, 0.7);
-  int inside = 0;
-  for (int n = 0; n < 200; ++n) {
-    const Vector3 p(draw(engine), draw(engine), draw(engine));
-    double nearest = 10;
-    for (const Vector3& q : surface) nearest = std::min(nearest, (p - q).norm());
-    const bool within = p.head<2>().norm() < radius && std::abs(p.z()) < length / 2;
-    inside += within;
-    const double value = signed_distance(drum, p, p).value;
-    EXPECT_EQ(value < 0, within);
-    EXPECT_LE(std::abs(value), nearest + 1e-12);
-    EXPECT_GT(std::abs(value), nearest - 0.006) << "the points are 6 mm apart";
-  }
-  EXPECT_GT(inside, 10);
+  expect_nearest(
+      drum, surface, [&] { return Vector3(draw(engine), draw(engine), draw(engine)); },
+      [&](const Vector3& p) { return p.head<2>().norm() < radius && std::abs(p.z()) < length / 2; },
+      0.006);  // the points are 6 mm apart
 }
 
 TEST(Shape, DistancesOfManyPointsAreThoseOfEach) {
