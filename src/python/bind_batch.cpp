@@ -18,8 +18,7 @@ void bind_batch(py::module_& module) {
            "Advances each by `frames` frames and returns `positions`. `actions` is a list with the "
            "targets of each simulator, as Simulator.step() takes them, or a dict {frame: array [E, "
            "7], [E, 3], [E, 2, 7] or [E, 2, 3]}. Raises InvalidValue and steps none. Raises "
-           "Diverged "
-           "after all have stepped: its `environments` stay at their last good frame.")
+           "Diverged after all have stepped: its `environments` stay at their last good frame.")
       .def("read", &Batch::read,
            "Reads the states anew, after a simulator was changed by itself, as by restore().")
       .def_property_readonly("positions", &Batch::positions,

@@ -40,8 +40,7 @@ void bind_forces(SimulationClass& simulator) {
       .def_property(
           "forces", &forces, &set_forces,
           "[N, 3] [N], or None: forces from outside on the points, such as a push or a fan, "
-          "besides gravity, from the next frame on until they are set anew. reset() ends them. "
-          "The "
+          "besides gravity, from the next frame on until they are set anew. reset() ends them. The "
           "holder of a point feels them. Read, it is a copy.")
       .def_property_readonly(
           "tensions", &tensions,

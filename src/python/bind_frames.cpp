@@ -160,11 +160,10 @@ void bind_frames(SimulationClass& simulator) {
            "given. Raises InvalidValue for points that are not attached.")
       .def_property_readonly(
           "grips", &grips,
-          "Attached points, by frame: {'pose': [7], 'points': list, 'force': "
-          "[3] [N], 'torque': [3] [N m] about the frame's origin, 'lag': [m] of the point that is "
-          "farthest behind its place}, in the world: the mean load of the cloth on the frame in "
-          "the "
-          "last frame of simulation.")
+          "Attached points, by frame: {'pose': [7], 'points': list, 'force': [3] [N], 'torque': "
+          "[3] [N m] about the frame's origin, 'lag': [m] of the point that is farthest behind its "
+          "place}, in the world: the mean load of the cloth on the frame in the last frame of "
+          "simulation.")
       .def_property_readonly(
           "holders", &holders,
           "All that hold points, pins and then grips: a list of {'name': of the frame or 'pin "

@@ -116,19 +116,17 @@ void bind_reading(SimulationClass& simulator) {
       .def_property_readonly(
           "topology", &topology,
           "The structure of the cloth, a dict: 'columns', 'rows'; 'triangles' [T, 3], "
-          "counter-clockwise "
-          "seen from the front; 'uv' [N, 2] in [0, 1]; 'rest_positions' [N, 3] [m]; 'mass' [N] "
-          "[kg]; "
-          "'pinned', indices; 'springs' [S, 2], points that each joins, with 'families' [S] (0 "
-          "structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' [S] [N/m]. Copies.")
+          "counter-clockwise seen from the front; 'uv' [N, 2] in [0, 1]; 'rest_positions' [N, 3] "
+          "[m]; 'mass' [N] [kg]; 'pinned', indices; 'springs' [S, 2], points that each joins, with "
+          "'families' [S] (0 structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' "
+          "[S] [N/m]. Copies.")
       .def_property_readonly(
           "contacts", &contacts,
           "Where the cloth lies on each collider, by name: {'count': points, and triangles that "
           "touch with none of their corners; 'middle': mean of these places [3] [m], or None; "
           "'force' [3] [N] of the cloth on the collider and 'torque' [3] [N m] about the origin of "
           "its frame, in the world, the mean of the last frame: the force of a cloth at rest is "
-          "its "
-          "weight. None unless weighs_colliders is set, zero before the first frame then}.")
+          "its weight. None unless weighs_colliders is set, zero before the first frame then}.")
       .def_property(
           "weighs_colliders",
           [](Simulation& self) {
@@ -138,8 +136,7 @@ void bind_reading(SimulationClass& simulator) {
             self.with([&](Run& run) { run.simulator.measure_wrenches(asks); });
           },
           "Whether frames sum up the forces of the cloth on colliders, for `contacts`. Off at "
-          "first. "
-          "It costs up to 7 % where all points lie on one; no motion depends on it.")
+          "first. It costs up to 7 % where all points lie on one; no motion depends on it.")
       .def("intersections", &intersections,
            "Pairs of triangles of the cloth that cross, [K, 2] indices into 'triangles', which "
            "should be none.");

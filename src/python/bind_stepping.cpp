@@ -82,8 +82,7 @@ void bind_stepping(SimulationClass& simulator) {
            "then the frame is put at the start first. They move evenly, and with them colliders, "
            "pins and points that follow them. The scene's motions are played. Raises InvalidValue "
            "before the first frame, or in a later one where a motion names a missing frame; "
-           "Diverged, "
-           "at the last good frame.")
+           "Diverged, at the last good frame.")
       .def("load", &load, py::arg("scene"),
            "Starts anew with another scene. Arrays that were taken before keep the old state. "
            "Raises InvalidValue and goes on as before.")
@@ -97,11 +96,9 @@ void bind_stepping(SimulationClass& simulator) {
       .def(
           "set", &set,
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "
-          "springs (a dict), thickness, self_collision, friction, "
-          "collider_friction (a dict by name), gravity, frames_per_second, substeps, "
-          "strain_tolerance, tolerance, "
-          "method, method_parameters, threads, as in a scene. Raises InvalidValue and changes "
-          "nothing.")
+          "springs (a dict), thickness, self_collision, friction, collider_friction (a dict by "
+          "name), gravity, frames_per_second, substeps, strain_tolerance, tolerance, method, "
+          "method_parameters, threads, as in a scene. Raises InvalidValue and changes nothing.")
       .def_property_readonly(
           "report", &report,
           "A report of the run so far, a dict with the keys of report.yaml. "

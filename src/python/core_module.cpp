@@ -11,9 +11,8 @@ void bind_simulator(py::module_& module) {
   SimulationClass simulator(
       module, "Simulator",
       "A scene that moves, frame by frame. SI units, z up. Point (column, row) of the cloth has "
-      "the "
-      "index row * columns + column. Any thread may call; calls of one simulator take turns, and "
-      "those that compute let other threads run. It pickles, and goes on to the same bits.");
+      "the index row * columns + column. Any thread may call; calls of one simulator take turns, "
+      "and those that compute let other threads run. It pickles, and goes on to the same bits.");
   bind_stepping(simulator);
   bind_state(simulator);
   bind_frames(simulator);

@@ -97,14 +97,12 @@ void bind_robots(py::module_& module) {
       .def_property_readonly(
           "joints", &Robot::joints,
           "Those that can be set, by name: {'position': last told [rad or m], 'lower', 'upper': "
-          "its "
-          "limits, None for a continuous one}. At the scene's start all are at 0.")
+          "its limits, None for a continuous one}. At the scene's start all are at 0.")
       .def("set_joints", &Robot::set_joints, py::arg("positions"),
            "Puts the robot at once to these `positions` [rad or m], a dict by joint: the frames of "
-           "all "
-           "its links, with the colliders and points that follow them. Joints that are not named "
-           "stay, those "
-           "that mimic follow. Raises InvalidValue and changes nothing, also beyond limits.")
+           "all its links, with the colliders and points that follow them. Joints that are not "
+           "named stay, those that mimic follow. Raises InvalidValue and changes nothing, also "
+           "beyond limits.")
       .def("targets", &Robot::targets, py::arg("positions"),
            "Where the frames of its links are for such `positions`, to go there: "
            "step(frames, robot.targets(positions)). Each link goes straight there, so give small "

@@ -19,8 +19,7 @@ void warn_if_slow(const clothsim::MethodChoice& choice) {
   if (choice.is_feasible) return;
   ROS_WARN(
       "Method %s is going to be slower than real time: some %.2g CPU seconds a simulated second, "
-      "and "
-      "more in contact. Method auto chooses one that keeps up where there is one",
+      "and more in contact. Method auto chooses one that keeps up where there is one",
       choice.method.c_str(), *choice.predicted_cost);
 }
 

@@ -129,8 +129,7 @@ TEST(Shading, BumpHardlyChangesWithTheMeshDisplacementDoes) {
     const double displacement = difference(picture(Displacement{}, 16, height_scaling),
                                            picture(Displacement{}, 128, height_scaling));
     std::printf(
-        "16 x 16 against 128 x 128, heights %.2f m, rms of 255: bump %.1f, displacement "
-        "%.1f\n",
+        "16 x 16 against 128 x 128, heights %.2f m, rms of 255: bump %.1f, displacement %.1f\n",
         height_scaling, bump, displacement);
     EXPECT_LT(bump, 6);
     if (height_scaling == 0.1) {

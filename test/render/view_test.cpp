@@ -390,8 +390,7 @@ TEST(Film, IsWholeWhenInterrupted) {
   std::ofstream(folder.path() / "run")
       << "set -m\n"
       << CLOTHSIM_FILM << " " << CLOTHSIM_SCENES_DIR
-      << "/pinned2.yaml --seconds 10000 --every 1 --look width=40 "
-         "--look height=30 --output "
+      << "/pinned2.yaml --seconds 10000 --every 1 --look width=40 --look height=30 --output "
       << output << " --video " << video << " > " << output << "/told 2>&1 &\nuntil [[ -e " << output
       << "/frames/000090_mask.png ]]; do sleep 0.05; done\n"
       << "kill -INT -- -$!\nwait $!\n";

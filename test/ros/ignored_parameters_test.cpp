@@ -20,8 +20,7 @@ TEST(IgnoredParameters, NoneOfThoseThatCount) {
 
 TEST(IgnoredParameters, UnknownOnesWithTheNearestThatIsKnown) {
   const std::string all =
-      "got an unknown parameter, expected one of scene, camera, paused, "
-      "realtime_factor";
+      "got an unknown parameter, expected one of scene, camera, paused, realtime_factor";
   const auto told = [](const std::string& name) { return ignored({{name, "1"}}, {{name, "1"}}); };
   using Messages = std::vector<std::string>;
   EXPECT_EQ(told("realtime_facto"),

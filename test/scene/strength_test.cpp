@@ -130,11 +130,10 @@ TEST(Strength, AHandThatPullsAHangingClothStretchesItNoFurtherThanItsLimit) {
 
 TEST(Strength, FingersThatCloseOnHeldPointsFlingNothing) {
   Scene scene = fabric_scene("cotton_towel",
-                             "{name: ground, shape: plane, friction: 0.5}, "
-                             "{name: l, shape: box, center: [0, 0, 0], size: [0.02, 0.01, 0.04], "
-                             "frame: l, friction: 0.6}, "
-                             "{name: r, shape: box, center: [0, 0, 0], size: [0.02, 0.01, 0.04], "
-                             "frame: r, friction: 0.6}");
+                             "{name: ground, shape: plane, friction: 0.5}, {name: l, shape: box, "
+                             "center: [0, 0, 0], size: [0.02, 0.01, 0.04], frame: l, friction: "
+                             "0.6}, {name: r, shape: box, center: [0, 0, 0], size: [0.02, 0.01, "
+                             "0.04], frame: r, friction: 0.6}");
   scene.cloth.origin = {-width / 2, -width / 2, 0.002};
   Simulator simulator(scene);
   const Vector3 corner(width / 2, width / 2, 0.002), up = corner + Vector3(0, 0, 0.1);

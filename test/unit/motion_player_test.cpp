@@ -43,10 +43,9 @@ std::string refused_when_played(const std::string& motions, int frames,
 
 TEST(MotionPlayer, MovesFramesAsTargetsDo) {
   Simulator played(
-      scene("[{time: 0.1, frame: ball, position: [0.5, 0.5, 0.75]},"
-            " {time: 0.3, frame: ball, position: [0.6, 0.5, 0.8], rpy: [0, 0, 1]},"
-            " {time: 0.15, frame: hand, position: [0, 0, 1]},"
-            " {time: 0.25, frame: hand, position: [0, 0, 1.1], linear: [0, 0, 0.5]}]"));
+      scene("[{time: 0.1, frame: ball, position: [0.5, 0.5, 0.75]}, {time: 0.3, frame: ball, "
+            "position: [0.6, 0.5, 0.8], rpy: [0, 0, 1]}, {time: 0.15, frame: hand, position: [0, "
+            "0, 1]}, {time: 0.25, frame: hand, position: [0, 0, 1.1], linear: [0, 0, 0.5]}]"));
   Simulator by_hand(scene("[]"));
   MotionPlayer player(played, ".");
   EXPECT_EQ(player.duration(), 0.3);
@@ -87,12 +86,10 @@ TEST(MotionPlayer, AKeyFrameAtTheStartPutsTheFrameThere) {
 
 TEST(MotionPlayer, EventsComeInTheirFrames) {
   Simulator simulator(
-      scene("[{time: 0.05, attach: ball, points: [63]}, {time: 0.1, detach: ball},"
-            " {time: 0.02, disable: ball}, {time: 0.04, enable: ball},"
-            " {time: 0.03, set: {ks: 700, gravity: [0, 0, -1], strain_limit: off,"
-            "   springs: {shear: false}}},"
-            " {time: 0.2, frame: hand, position: [0, 0, 1]},"
-            " {time: 0.12, attach: hand, radius: 0.2}]"));
+      scene("[{time: 0.05, attach: ball, points: [63]}, {time: 0.1, detach: ball}, {time: 0.02, "
+            "disable: ball}, {time: 0.04, enable: ball}, {time: 0.03, set: {ks: 700, gravity: [0, "
+            "0, -1], strain_limit: off,   springs: {shear: false}}}, {time: 0.2, frame: hand, "
+            "position: [0, 0, 1]}, {time: 0.12, attach: hand, radius: 0.2}]"));
   MotionPlayer player(simulator, ".");
   for (int k = 0; k < 14; ++k) {
     player.play(simulator);

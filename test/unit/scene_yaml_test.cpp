@@ -14,12 +14,9 @@ namespace {
 TEST(SceneYaml, ReadsEveryKey) {
   const Scene scene = read_changed({});
   EXPECT_EQ(print(scene),
-            "1 2 5 4 0 0.0095 off 0.3 [0 0 1] pin 0 0  pin 4 3 hand "
-            "5000 150 5.4 0.1 110"
-            " collider ball 0.3 ball [0.5 0.5 0.2] [0 0 1] "
-            "0.2"
-            " collider ground 0.5  [0 0 0] [0 0 1] 0 "
-            "[0 0 -9.8] 90 0 0.004 0.001 auto 1 2");
+            "1 2 5 4 0 0.0095 off 0.3 [0 0 1] pin 0 0  pin 4 3 hand 5000 150 5.4 0.1 110 collider "
+            "ball 0.3 ball [0.5 0.5 0.2] [0 0 1] 0.2 collider ground 0.5  [0 0 0] [0 0 1] 0 [0 0 "
+            "-9.8] 90 0 0.004 0.001 auto 1 2");
 
   const Scene other = read_changed(
       {"cloth.width=3", "cloth.height=4", "cloth.columns=7", "cloth.rows=8",
@@ -33,8 +30,7 @@ TEST(SceneYaml, ReadsEveryKey) {
        "tolerance: 0.25, method: verlet, seed: 9223372036854775807, threads: 3}"});
   EXPECT_EQ(print(other),
             "3 4 7 8 1 4 automatic 0.7 [1 2 3] pin 6 7  1 2 3 -1 011 collider wall 6 arm [1 2 3] "
-            "[1 0 0] 1 "
-            "[1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807 3");
+            "[1 0 0] 1 [1 2 3] 60 7 0.5 0.25 verlet 9223372036854775807 3");
   EXPECT_FALSE(other.colliders[0].enabled);
 }
 

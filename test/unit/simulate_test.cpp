@@ -377,9 +377,8 @@ TEST_F(Simulate, TellsThatFramesStayStill) {
 TEST_F(Simulate, DivergedEndsWithTwoAndTheLastGoodFrame) {
   // One substep of Verlet at a thousand times its stiffness limit.
   const Result result = run(scene_ +
-                            " --seconds 5 --set cloth.ks=1e9 --set simulation.substeps=1"
-                            " --set simulation.method=verlet"
-                            " --set cloth.strain_limit=off --output " +
+                            " --seconds 5 --set cloth.ks=1e9 --set simulation.substeps=1 --set "
+                            "simulation.method=verlet --set cloth.strain_limit=off --output " +
                             folder_.string());
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("diverged in frame"), std::string::npos) << result.err;
