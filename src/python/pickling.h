@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "clothsim/model/errors.h"
@@ -18,11 +19,6 @@ py::tuple to_pickle(Parts&&... parts) {
   return py::make_tuple(CLOTHSIM_VERSION, std::forward<Parts>(parts)...);
 }
 
-template <class... Parts, class Make, std::size_t... i>
-auto call_with_parts(const py::tuple& kept, const Make& make, std::index_sequence<i...>) {
-  return make(py::cast<Parts>(kept[i + 1])...);
-}
-
 /// Calls make(parts...) with the parts from to_pickle(). Throws InvalidValue for other data, or
 /// another version.
 template <class... Parts, class Make>
@@ -32,7 +28,8 @@ auto from_pickle(const py::tuple& kept, const Make& make) {
   if (version != CLOTHSIM_VERSION) {
     throw clothsim::InvalidValue({"pickle"}, "version " + version, CLOTHSIM_VERSION);
   }
-  return call_with_parts<Parts...>(kept, make, std::index_sequence_for<Parts...>());
+  std::size_t i = 0;
+  return std::apply(make, std::tuple<Parts...>{py::cast<Parts>(kept[++i])...});
 }
 
 }  // namespace clothsim_python
