@@ -88,10 +88,10 @@ def test_the_program_takes_what_simulate_has_kept(tmp_path):
 
 
 def test_what_cannot_be_exported_is_told(recording, tmp_path):
-    with pytest.raises(clothsim.InvalidValue, match="expected an ending of .obj, .ply, .usda"):
+    with pytest.raises(clothsim.InvalidValue, match=r"\.obj, \.ply, \.usda"):
         recording.save(tmp_path / "cloth.abc")
     (tmp_path / "other.npz").write_text("no frames")
-    for path, message in [(tmp_path / "none.npz", "No such file"), (tmp_path / "other.npz", "expected a frames.npz")]:
+    for path, message in [(tmp_path / "none.npz", "No such file"), (tmp_path / "other.npz", "frames.npz")]:
         result = run_export(path, tmp_path / "cloth.obj")
         assert result.returncode == 1 and message in result.stderr
     rope = Recording.of(clothsim.Simulator({"cloth": {"columns": 5, "rows": 1}}))

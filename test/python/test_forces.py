@@ -108,9 +108,9 @@ def test_reset_ends_them_and_states_keep_them():
 
 
 @pytest.mark.parametrize("forces, message", [
-    ([[0, 0, 1]], r"forces: got an array of shape \[1, 3\], expected an array of shape \[9, 3\]"),
+    ([[0, 0, 1]], r"^forces: got .*\[1, 3\].*\[9, 3\]"),
     (np.full((9, 3), np.nan), r"forces.0.0: got nan"),
-    (np.full((9, 3), 2e6), r"forces.0.0: got 2e\+06, expected a number of at most 1e\+06 \[N\]"),
+    (np.full((9, 3), 2e6), r"^forces.0.0: got 2e\+06.* 1e\+06 \[N\]"),
     ("much", "forces"),
 ])
 def test_what_is_no_force_is_refused(forces, message):

@@ -152,8 +152,8 @@ def test_flow_is_of_each_simulator_alone():
 
 
 @pytest.mark.parametrize("images, message", [
-    ("depht", "expected \"all\" or a list"), (["depht"], "got \"depht\", expected some of color, depth"),
-    (7, "got a value of type int")])
+    ("depht", "all.*list"), (["depht"], "got \"depht\".*color, depth"),
+    (7, "got .*int")])
 def test_images_that_there_are_not_are_refused(images, message):
     with pytest.raises(clothsim.InvalidValue, match=message) as caught:
         Simulator(free()).render(ABOVE, images)

@@ -136,7 +136,7 @@ def test_the_arm_reaches_down_to_the_towel():
 
 
 @pytest.mark.parametrize("joints, key, message", [
-    ({"lift": 0.6}, "joints.lift", "got 0.6, expected a number of at most 0.5 \\[rad\\]"),
+    ({"lift": 0.6}, "joints.lift", "got 0.6.*most 0.5 \\[rad\\]"),
     ({"grip": -0.01}, "joints.grip", "at least 0 \\[m\\]"),
     ({"turn": float("nan")}, "joints.turn", "finite"),
     ({"elbow": 1}, "joints.elbow", "one of grip, lift, turn"),

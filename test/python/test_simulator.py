@@ -3,6 +3,7 @@
 import copy
 import math
 import pathlib
+import re
 import warnings
 
 import numpy as np
@@ -47,9 +48,9 @@ def test_numbers_keep_their_bits():
 
 
 @pytest.mark.parametrize("source, key, text", [
-    ({"cloth": {"kss": 1}}, "cloth.kss", "an unknown key"),
-    ({"cloth": {"ks": -1}}, "cloth.ks", "got -1, expected a number of at least 0"),
-    ({"cloth": {"ks": "5"}}, "cloth.ks", 'got "5" (text)'),
+    ({"cloth": {"kss": 1}}, "cloth.kss", "unknown"),
+    ({"cloth": {"ks": -1}}, "cloth.ks", "got -1.*least 0"),
+    ({"cloth": {"ks": "5"}}, "cloth.ks", 'got "5".*finite'),
     ({"cloth": {"ks": math.nan}}, "cloth.ks", "nan"),
     ({"cloth": {"ks": None}}, "cloth.ks", "got nothing"),
     ({"cloth": {"origin": [0, 0, {}]}}, "cloth.origin.2", "a map"),
@@ -63,8 +64,17 @@ def test_mistakes_in_a_scene_are_refused_by_key(source, key, text):
         with pytest.raises(clothsim.InvalidValue) as caught:
             make(source)
         assert caught.value.key == key
-        assert text in str(caught.value)
+        assert re.search(text, str(caught.value))
         assert isinstance(caught.value, ValueError)
+
+
+def test_whole_messages_read_like_these():
+    for source, message in [
+            ({"cloth": {"ks": -1}}, "cloth.ks: got -1, expected a number of at least 0 [N/m]"),
+            ({"cloth": {"ks": "5"}}, 'cloth.ks: got "5" (text), expected a finite number')]:
+        with pytest.raises(clothsim.InvalidValue) as caught:
+            Scene(source)
+        assert str(caught.value) == message
 
 
 def test_mistakes_in_files_texts_and_overrides_are_refused(tmp_path):
@@ -310,7 +320,7 @@ def test_a_state_with_its_memory_goes_on_to_the_same_bits():
 
 
 def test_what_is_hardly_meant_is_warned_of():
-    with pytest.warns(UserWarning, match=r"cloth.width: got 40 \[m\], cells of 1.6 m; did you mean 0.4, 40 cm"):
+    with pytest.warns(UserWarning, match=r"cloth.width: got 40 \[m\].* 1.6 m.* 0.4.* cm"):
         simulator = Simulator({"cloth": {"width": 40, "columns": 26}})
     with pytest.warns(UserWarning, match="points of the cloth start in collider ball"):
         simulator.load({"cloth": {}, "colliders": [{"shape": "sphere", "name": "ball", "center": [0.5, 0.5, 1]}]})

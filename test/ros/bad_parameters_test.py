@@ -10,22 +10,22 @@ import rosparam
 import rospy
 import rostest
 
-from cloth_client import PATIENCE
+from cloth_client import PATIENCE, says
 
-# One for each class of mistake: the parameters as YAML, the message's parameter and its text.
+# One for each class of mistake: the parameters as YAML, the message's parameter, and value and reason.
 BAD = {
-    "no scene": ("{}", "scene", "got nothing, expected a scene"),
-    "scene of the wrong type": ("scene: 7", "scene", "got 7, expected a map"),
+    "no scene": ("{}", "scene", "got nothing ... scene"),
+    "scene of the wrong type": ("scene: 7", "scene", "got 7 ... map"),
     "no cloth": ("scene: {simulation: {seed: 2}}", "scene/cloth", "got nothing"),
-    "unknown key": ("scene: {cloth: {colour: 3}}", "scene/cloth/colour", "got an unknown key"),
+    "unknown key": ("scene: {cloth: {colour: 3}}", "scene/cloth/colour", "got ... unknown"),
     "wrong type": ("scene: {cloth: {ks: [1]}}", "scene/cloth/ks", "got [1]"),
-    "number in quotes": ("scene: {cloth: {ks: '50'}}", "scene/cloth/ks", 'got "50" (text)'),
+    "number in quotes": ("scene: {cloth: {ks: '50'}}", "scene/cloth/ks", 'got "50" ... text'),
     "fraction of a point": ("scene: {cloth: {columns: 9.5}}", "scene/cloth/columns", "got 9.5"),
     "not finite": ("scene: {cloth: {ks: .inf}}", "scene/cloth/ks", "got .inf"),
     "not a number": ("scene: {cloth: {width: .nan}}", "scene/cloth/width", "got .nan"),
-    "out of range": ("scene: {cloth: {ks: -5}}", "scene/cloth/ks", "got -5, expected"),
+    "out of range": ("scene: {cloth: {ks: -5}}", "scene/cloth/ks", "got -5 ... least 0 [N/m]"),
     "absurd size": ("scene: {cloth: {columns: 100000, rows: 100000}}", "scene/cloth/columns",
-                    "got 100000 columns"),
+                    "got 100000 ... 1000000 points"),
     "pin off the grid": ("scene: {cloth: {pinned: [[0, 0], [50, 0]]}}", "scene/cloth/pinned/1",
                          "got [50, 0]"),
     "unknown shape": ("scene: {cloth: {width: 1}, colliders: [{shape: cone}]}",
@@ -35,66 +35,66 @@ BAD = {
         "{name: b, shape: sphere, radius: -1}]}", "scene/colliders/1/radius", "got -1"),
     "two of a name": (
         "scene: {cloth: {width: 1}, colliders: [{name: a, shape: plane}, "
-        "{name: a, shape: sphere}]}", "scene/colliders/1/name", 'got "a" again'),
+        "{name: a, shape: sphere}]}", "scene/colliders/1/name", 'got "a" ... again'),
     "unknown method": ("scene: {cloth: {width: 1}, simulation: {method: magic}}",
                        "scene/simulation/method", 'got "magic"'),
     "no step small enough": ("scene: {cloth: {ks: 1.0e+12, density: 1.0e-6}, "
                              "simulation: {method: verlet}}", "scene/cloth/ks",
-                             "got a cloth that needs"),
+                             "got ... needs"),
     "vector too short": ("scene: {cloth: {origin: [0, 1]}}", "scene/cloth/origin", "got [0, 1]"),
     "jump speed": ("{jump_speed: -1, scene: {cloth: {width: 1}}}", "jump_speed",
-                   "got -1, expected a number of at least 0 [m/s]"),
+                   "got -1 ... least 0 [m/s]"),
     "diagnostic period": ("{diagnostic_period: 0, scene: {cloth: {width: 1}}}", "diagnostic_period",
-                          "got 0, expected a number of at least 0.1 [s]"),
+                          "got 0 ... least 0.1 [s]"),
     "real-time factor": ("{realtime_factor: -1, scene: {cloth: {width: 1}}}", "realtime_factor",
-                         "got -1, expected 0 or a number"),
+                         "got -1 ... 0 or"),
     "paused as a number": ("{paused: 1, scene: {cloth: {width: 1}}}", "paused", "got 1"),
     "world frame with a slash": ("{world_frame: /map, scene: {cloth: {width: 1}}}", "world_frame",
                                  'got "/map"'),
     "limit of the wrong type": ("{diagnostics: {tf_age: {warning: soon}}, scene: {cloth: {width: 1}}}",
                                 "diagnostics/tf_age/warning",
-                                'got "soon" (text), expected a finite number or off'),
+                                'got "soon" ... number ... off'),
     "limit of nothing": ("{diagnostics: {mood: {warning: 1}}, scene: {cloth: {width: 1}}}",
-                         "diagnostics/mood", "got an unknown key"),
+                         "diagnostics/mood", "got ... unknown"),
     "limit below zero": ("{diagnostics: {violation: {error: -1}}, scene: {cloth: {width: 1}}}",
                          "diagnostics/violation/error", "got -1"),
     "error before the warning": ("{diagnostics: {speed: {warning: 0.2}}, scene: {cloth: {width: 1}}}",
                                  "diagnostics/speed/error",
-                                 "got 0.5, expected at most the limit of the warning, 0.2"),
+                                 "got 0.5 ... most ... warning ... 0.2"),
     "warning after the error": (
         "{diagnostics: {tf_age: {warning: 2, error: 1}}, scene: {cloth: {width: 1}}}",
-        "diagnostics/tf_age/error", "got 1, expected at least the limit of the warning, 2"),
+        "diagnostics/tf_age/error", "got 1 ... least ... warning ... 2"),
     "camera of the wrong type": ("{camera: 3, scene: {cloth: {width: 1}}}", "camera", "got 3"),
     "unknown key of the camera": ("{camera: {widht: 3}, scene: {cloth: {width: 1}}}",
-                                  "camera/widht", "got an unknown key"),
+                                  "camera/widht", "got ... unknown"),
     "look outside of cloth": ("{camera: {color: [1, 0, 0]}, scene: {cloth: {width: 1}}}",
-                              "camera/color", "got an unknown key"),
+                              "camera/color", "got ... unknown"),
     "key beside image_transport's": ("{camera: {depth: {image_raw: {compressed: {format: png}}, "
                                      "near: 1}}, scene: {cloth: {width: 1}}}",
-                                     "camera/depth", "got an unknown key"),
+                                     "camera/depth", "got ... unknown"),
     "key after image_transport's": ("{camera: {mask: {image_raw: {compressed: {format: png}}}, "
                                     "near: -1}, scene: {cloth: {width: 1}}}",
                                     "camera/near", "got -1"),
     "unknown shader": ("{camera: {cloth: {shader: shiny}}, scene: {cloth: {width: 1}}}",
-                       "camera/cloth/shader", 'got "shiny" (text), expected one of'),
+                       "camera/cloth/shader", 'got "shiny" ... texture'),
     "missing texture": ("{camera: {cloth: {texture: no.png}}, scene: {cloth: {width: 1}}}",
-                        "camera/cloth/texture", 'got "no.png", expected an image in one of'),
+                        "camera/cloth/texture", 'got "no.png" ... image in'),
     "texture outside the folders": (
         "{camera: {cloth: {texture: /etc/hostname}}, image_folders: [/usr], "
         "scene: {cloth: {width: 1}}}",
-        "camera/cloth/texture", 'got "/etc/hostname", expected an image in one of'),
+        "camera/cloth/texture", 'got "/etc/hostname" ... image in'),
     "image folder of the wrong type": ("{image_folders: /usr, scene: {cloth: {width: 1}}}",
-                                       "image_folders", 'got "/usr" (text), expected a list'),
+                                       "image_folders", 'got "/usr" ... list'),
     "value of another shader": ("{camera: {cloth: {alpha: 2}}, scene: {cloth: {width: 1}}}",
                                 "camera/cloth/alpha", "got 2"),
     "camera on its own target": ("{camera: {eye: [1, 1, 1], target: [1, 1, 1]}, "
                                  "scene: {cloth: {width: 1}}}", "camera/target", "got"),
     "look of no collider": ("{camera: {colliders: {ball: {levels: 3}}}, scene: {cloth: {width: 1}}}",
-                            "camera/colliders/ball", "got a collider that the scene does not have"),
+                            "camera/colliders/ball", "got ... collider"),
     "no such EGL device": ("{camera: {egl_device: 99}, scene: {cloth: {width: 1}}}",
-                           "camera/egl_device", "got 99, expected an index from 0 to"),
+                           "camera/egl_device", "got 99 ... index ... 0 to"),
     "clock without simulated time": ("{publish_clock: true, scene: {cloth: {width: 1}}}",
-                                     "publish_clock", "got true, expected /use_sim_time to be true too"),
+                                     "publish_clock", "got true ... /use_sim_time"),
 }
 
 
@@ -113,7 +113,7 @@ class BadParameters(unittest.TestCase):
     def check(self, number, parameters, key, message):
         name = "bad_%d" % number
         node = self.run_node(name, parameters)
-        self.assertIn("/%s/%s: %s" % (name, key, message), node.stderr)
+        self.assertRegex(node.stderr, says("/%s/%s: %s" % (name, key, message)))
         self.assertGreater(node.returncode, 0)
 
 

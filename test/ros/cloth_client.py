@@ -2,6 +2,8 @@
 
 import math
 import os
+import pathlib
+import sys
 import threading
 import time
 import unittest
@@ -18,6 +20,9 @@ from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import ClothState
 from clothsim.srv import Step
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from says import says  # noqa: E402, F401
 
 # Long enough for a machine that is busy with other work; a test that passes never waits so long.
 # scripts/sanitize sets the factor by which its programs are slower; so do the time limits of the .test files.

@@ -16,7 +16,7 @@ import roslib.packages
 import rosunit
 import yaml
 
-from cloth_client import KEPT, PATIENCE, Cloth, Recorder, call, complaints, rate, wait_for
+from cloth_client import KEPT, PATIENCE, Cloth, Recorder, call, complaints, rate, says, wait_for
 
 FRAMES_PER_SECOND = 90
 
@@ -97,7 +97,7 @@ class LifeCycle(unittest.TestCase):
         _, errors = first.communicate(timeout=PATIENCE)
         self.assertIn("new node registered with same name", errors)
         errors = self.assert_ends_cleanly(second)
-        self.assertRegex(errors, "The node /namesake at http.* ends now, .* did you mean __name:=another")
+        self.assertRegex(errors, "/namesake at http.* __name:=another")
 
     def test_frames_go_on_while_a_scene_reads_a_large_image(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -120,15 +120,12 @@ class LifeCycle(unittest.TestCase):
         node, _ = self.start_node("mistaken", kss=5000, ks=123.0, density=150, paused=True,
                                   light={"intensity": 10.5, "colour": 1})
         errors = self.assert_ends_cleanly(node)
-        unknown = ("got an unknown parameter, expected one of scene, scene_file, scene_folder, camera, cameras, image_folders, "
-                   "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, "
-                   "save_limit, paused, publish_clock")
-        holds = "before the start, expected it in ~scene or ~camera, whose %s holds"
-        for message in ("/mistaken/kss: %s; did you mean ks?" % unknown,
-                        "/mistaken/ks: got 123 " + holds % 5000,
-                        "/mistaken/light/colour: " + unknown,
-                        "/mistaken/light/intensity: got 10.5 " + holds % 10):
-            self.assertIn(message, errors)
+        unknown = ("got ... unknown ... scene, scene_file, scene_folder, camera, cameras, image_folders, "
+                   "diagnostics, diagnostic_period, world_frame, realtime_factor, jump_speed, save_limit, paused, publish_clock")
+        holds = " ... ~scene or ~camera ... %s holds"
+        for message in ("/mistaken/kss: %s ... ks?" % unknown, "/mistaken/ks: got 123" + holds % 5000,
+                        "/mistaken/light/colour: " + unknown, "/mistaken/light/intensity: got 10.5" + holds % 10):
+            self.assertRegex(errors, says(message))
         self.assertEqual(errors.count("/mistaken"), 4, errors)
         self.assertEqual(rospy.get_param("/mistaken/ks"), 5000)
 

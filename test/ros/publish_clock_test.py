@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from tf2_ros import TransformBroadcaster
 
 from clothsim.srv import Attach, Detach
-from cloth_client import PATIENCE, Cloth, Recorder, call, make_transform
+from cloth_client import PATIENCE, Cloth, Recorder, call, make_transform, says
 
 NANOSECONDS_A_FRAME = 1e9 / 90
 
@@ -74,8 +74,7 @@ class PublishClock(unittest.TestCase):
         program = roslib.packages.find_node("clothsim", "clothsim_node")[0]
         second = subprocess.run([program, "__name:=second"], capture_output=True, text=True,
                                 timeout=PATIENCE)
-        self.assertIn("/second/publish_clock: got true, expected no other source of time, but "
-                      "/clothsim publishes /clock", second.stderr)
+        self.assertRegex(second.stderr, says("/second/publish_clock: got true ... /clothsim publishes /clock"))
         self.assertGreater(second.returncode, 0)
 
 

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from tf2_ros import StaticTransformBroadcaster
 
 from clothsim.srv import GetState, LoadScene, RestoreState, SaveState, SetState
-from cloth_client import PATIENCE, Cloth, call, content, make_transform, positions, wait_for
+from cloth_client import PATIENCE, Cloth, call, content, make_transform, positions, says, wait_for
 
 # By then the cloth touches the ball.
 FRAMES = 40
@@ -108,21 +108,20 @@ class State(unittest.TestCase):
         late.time = float("inf")
         nan = float("nan")
         for bad, message in (
-                (cut("positions", -3), "state/positions: got 143 points, expected 144"),
-                (cut("positions", -1), "state/positions: got 431 numbers, expected three for each"),
-                (cut("velocities", 0), "state/velocities: got 0 points, expected 144"),
+                (cut("positions", -3), "state/positions: got 143 ... 144"),
+                (cut("positions", -1), "state/positions: got 431 ... three"),
+                (cut("velocities", 0), "state/velocities: got 0 ... 144"),
                 (changed("positions", 31, nan), "state/positions/10: got ["),
                 (changed("velocities", 5, float("inf")), "state/velocities/1: got ["),
-                (changed("velocities", 5, -1000), "expected finite numbers below 1000 [m/s]"),
-                (changed("positions", 2, 1.1), "state/positions/0: got [0, 0, 1.1], expected "
-                                               "[0, 0, 1], where the point is held"),
+                (changed("velocities", 5, -1000), "state/velocities/1: got [ ... 1000 [m/s]"),
+                (changed("positions", 2, 1.1), "state/positions/0: got [0, 0, 1.1] ... [0, 0, 1]"),
                 (late, "state/time: got inf"),
-                (cut("memory", 5), "state/memory: got that of another cloth"),
+                (cut("memory", 5), "state/memory: got ... another cloth"),
                 (cut("memory", -1), "state/memory: got"),
                 (changed("memory", 9, nan), "state/memory: got nan")):
             answer = call("/clothsim/set_state", SetState, bad)
             self.assertFalse(answer.success, message)
-            self.assertIn(message, answer.message)
+            self.assertRegex(answer.message, says(message))
             self.assertEqual(self.get(), good, message)
 
     def test_a_state_that_crosses_itself(self):
@@ -175,8 +174,7 @@ class State(unittest.TestCase):
         kept = next(i for i in range(most + 1) if not self.save("state %02d" % i).success)
         self.assertGreater(kept, most // 4)
         answer = self.save("one more")
-        self.assertRegex(answer.message, r"^state: got (\d+) bytes beside (\d+) that are kept, expected "
-                         "at most ~save_limit together, 1000000$")
+        self.assertRegex(answer.message, r"^state: got (\d+) bytes .*\b(\d+)\b.* ~save_limit.* 1000000$")
         one, others = map(int, re.findall(r"\d+", answer.message)[:2])
         self.assertGreater(one + others, 1000000)
         self.assertEqual(others // kept, one)  # all names have the same length
@@ -188,11 +186,10 @@ class State(unittest.TestCase):
     def test_long_names(self):
         self.assertTrue(self.save("n" * 255).success)
         self.assertTrue(self.restore("n" * 255).success)
-        self.assertEqual(self.save("n" * 1000000).message,
-                         "name: got one of 1000000 bytes, expected at most 255")
+        self.assertRegex(self.save("n" * 1000000).message, says("name: got ... 1000000 bytes ... most 255"))
         message = self.restore("n" * 1000000).message
         self.assertLess(len(message), 2000)
-        self.assertTrue(message.endswith("expected that of a saved state"), message)
+        self.assertRegex(message, "saved state$")
 
     def test_restore_after_other_values(self):
         """Another spring family: the saved impulses are dropped, the state is restored."""
@@ -206,7 +203,7 @@ class State(unittest.TestCase):
         restored = self.get()
         self.assertEqual(restored.positions, state.positions)
         answer = call("/clothsim/set_state", SetState, state)
-        self.assertIn("state/memory: got that of another cloth", answer.message)
+        self.assertRegex(answer.message, says("state/memory: got ... another cloth"))
         client.update_configuration({"shear": True})
         self.set(state)
 
