@@ -6,6 +6,7 @@
 
 #include "clothsim/ros/parameters.h"
 #include "clothsim/scene/scene_yaml.h"
+#include "says.h"
 
 namespace clothsim_ros {
 namespace {
@@ -62,15 +63,13 @@ std::string refusal(const std::string& file) {
 }
 
 TEST(SceneParameter, FilesThatAreNoScenesAreTold) {
-  EXPECT_EQ(
-      refusal("/no/such.yaml"),
-      "/clothsim/scene_file: got \"/no/such.yaml\", which is not there, expected a scene's file");
-  EXPECT_EQ(
-      refusal("package://no_such/a.yaml").find("/clothsim/scene_file: got the package no_such"),
-      0u);
+  using clothsim::says;
+  EXPECT_TRUE(
+      says(refusal("/no/such.yaml"), "/clothsim/scene_file: got \"/no/such.yaml\" ... not there"));
+  EXPECT_TRUE(
+      says(refusal("package://no_such/a.yaml"), "/clothsim/scene_file: got the package no_such"));
   for (const char* name : {"my.yaml", "/etc/passwd", "/tmp", "http://a/b.yaml"}) {
-    EXPECT_EQ(refusal(name).find("/clothsim/scene_file: got \"" + std::string(name) + '"'), 0u)
-        << refusal(name);
+    EXPECT_TRUE(says(refusal(name), "/clothsim/scene_file: got \"" + std::string(name) + '"'));
   }
 }
 

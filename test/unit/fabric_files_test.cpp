@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "clothsim/model/package.h"
+#include "says.h"
 #include "scene_text.h"
 #include "temporary_folder.h"
 #include "verification/testing.h"
@@ -98,25 +99,22 @@ TEST(FabricFiles, MistakesAreToldByFileAndKey) {
     YAML::Node fabric = YAML::Load(good_fabric);
     for (const auto& entry : YAML::Load(more)) fabric[entry.first.as<std::string>()] = entry.second;
     const FabricFile file(YAML::Dump(fabric));
-    EXPECT_EQ(refusal(file.scene()), "cloth.fabric." + file.path() + '.' + message);
+    EXPECT_TRUE(says(refusal(file.scene()), "cloth.fabric." + file.path() + '.' + message));
   };
-  told("{source: ''}", "source: got \"\" (text), expected a text that is not empty");
-  told("{date: [1]}", "date: got [1], expected a text that is not empty");
-  told("{density: 0}", "density: got 0, expected a number of at least 1e-06 [kg/m^2]");
-  told("{shear_stiffness: -1}", "shear_stiffness: got -1, expected a number of at least 0 [N/m]");
-  told("{bending_stiffness: [1, .nan]}", "bending_stiffness.1: got .nan, expected a finite number");
-  told("{drag: -1}", "drag: got -1, expected a number of at least 0");
-  EXPECT_NE(refusal("cloth: {fabric: tweed}").find("cloth.fabric: got \"tweed\", expected one of"),
-            std::string::npos);
-  EXPECT_EQ(refusal("cloth: {fabric: nowhere.yaml}"),
-            "cloth.fabric: got \"nowhere.yaml\", which is not there, expected the "
-            "name or the file of a fabric");
+  told("{source: ''}", "source: got \"\" ... empty");
+  told("{date: [1]}", "date: got [1] ... text");
+  told("{density: 0}", "density: got 0 ... least 1e-06 [kg/m^2]");
+  told("{shear_stiffness: -1}", "shear_stiffness: got -1 ... least 0 [N/m]");
+  told("{bending_stiffness: [1, .nan]}", "bending_stiffness.1: got .nan ... finite");
+  told("{drag: -1}", "drag: got -1 ... least 0");
+  EXPECT_TRUE(says(refusal("cloth: {fabric: tweed}"), "cloth.fabric: got \"tweed\" ... denim"));
+  EXPECT_TRUE(says(refusal("cloth: {fabric: nowhere.yaml}"),
+                   "cloth.fabric: got \"nowhere.yaml\" ... not there ... fabric"));
   const FabricFile file(good_fabric);
   const FabricFile without("{density: 0.2, source: none}");
-  EXPECT_EQ(refusal(without.scene()), "cloth.fabric." + without.path() +
-                                          ".date: got nothing, expected where its values are from");
-  EXPECT_EQ(refusal(file.scene(", ks: 5")),
-            "cloth.ks: got 5, expected none beside a fabric: its stiffness is stretch_stiffness");
+  EXPECT_TRUE(says(refusal(without.scene()),
+                   "cloth.fabric." + without.path() + ".date: got nothing ... values"));
+  EXPECT_TRUE(says(refusal(file.scene(", ks: 5")), "cloth.ks: got 5 ... stretch_stiffness"));
 }
 
 TEST(FabricFiles, PathsBeginAtTheFolderOfTheScene) {

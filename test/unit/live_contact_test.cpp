@@ -5,6 +5,7 @@
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
 #include "clothsim/run/motion_player.h"
+#include "says.h"
 #include "verification/testing.h"
 
 namespace clothsim {
@@ -111,13 +112,13 @@ TEST(LiveContact, MistakesAreRefusedAndNothingChanges) {
     }
     return "";
   };
-  EXPECT_EQ(message("{thickness: 0}").find("thickness: got 0"), 0u);
-  EXPECT_EQ(message("{friction: -1}").find("friction: got -1"), 0u);
-  EXPECT_EQ(message("{self_collision: 2}").find("self_collision: got 2"), 0u);
-  EXPECT_EQ(message("{ks: 1, collider_friction: {slope: -1}}").find("collider_friction.slope: got"),
-            0u);
-  EXPECT_EQ(message("{collider_friction: {ball: 1}}"),
-            "collider_friction.ball: got an unknown key, expected one of slope");
+  EXPECT_TRUE(says(message("{thickness: 0}"), "thickness: got 0"));
+  EXPECT_TRUE(says(message("{friction: -1}"), "friction: got -1"));
+  EXPECT_TRUE(says(message("{self_collision: 2}"), "self_collision: got 2"));
+  EXPECT_TRUE(
+      says(message("{ks: 1, collider_friction: {slope: -1}}"), "collider_friction.slope: got -1"));
+  EXPECT_TRUE(says(message("{collider_friction: {ball: 1}}"),
+                   "collider_friction.ball: got ... unknown ... slope"));
   EXPECT_EQ(simulator.cloth().thickness, 0.0095);
   EXPECT_EQ(simulator.scene().cloth.material.ks, 5000);
 }
@@ -142,13 +143,13 @@ TEST(LiveContact, MotionsChangeAllLiveValuesButTheRateOfFrames) {
   EXPECT_EQ(simulator.choice().method, "rk4");
   for (const auto& [values, why] :
        {std::pair("{frames_per_second: 60}", "motions.0.set.frames_per_second: got 60"),
-        {"{collider_friction: {ball: 1}}", "motions.0.set.collider_friction.ball: got"},
-        {"{stretch_stiffness: 5}", "motions.0.set.stretch_stiffness: got an unknown key"}}) {
+        {"{collider_friction: {ball: 1}}", "motions.0.set.collider_friction.ball: got ... unknown"},
+        {"{stretch_stiffness: 5}", "motions.0.set.stretch_stiffness: got ... unknown"}}) {
     try {
       with(values);
       ADD_FAILURE() << values;
     } catch (const InvalidValue& error) {
-      EXPECT_EQ(std::string(error.what()).find(why), 0u) << error.what();
+      EXPECT_TRUE(says(error.what(), why));
     }
   }
 }

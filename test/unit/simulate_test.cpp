@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "clothsim/model/npz.h"
+#include "says.h"
 #include "temporary_folder.h"
 
 namespace {
@@ -310,35 +311,35 @@ TEST_F(Simulate, RefusesBadInputWithExitOneAndAMessage) {
   const std::string blocked = write("file", "");
   const struct {
     std::string arguments;
-    std::string message;  // part of standard error
+    std::string message;  // part of standard error, as says() takes it
   } cases[] = {
       {"", "required"},
-      {scene_, "--seconds: got nothing, expected a time [s], as the scene has no motions"},
+      {scene_, "--seconds: got nothing ... time [s] ... motions"},
       {"--seconds 1", "scene is required"},
       {good + " --fast", "--fast"},
-      {"no_such.yaml --seconds 1", "no_such.yaml: got No such file or directory, expected"},
-      {folder_.string() + " --seconds 1", "got Is a directory, expected a regular file"},
-      {broken + " --seconds 1", "expected YAML"},
-      {typo + " --seconds 1", "cloth.kss: got an unknown key, expected one of width"},
-      {scene_ + " --seconds 0", "--seconds: got 0, expected a number of at least"},
-      {scene_ + " --seconds -1", "--seconds: got -1, expected"},
-      {scene_ + " --seconds nan", "--seconds: got nan, expected a finite number"},
-      {scene_ + " --seconds inf", "--seconds: got inf, expected a finite number"},
-      {scene_ + " --seconds 1e99", "--seconds: got 1e+99, expected a number of at most"},
+      {"no_such.yaml --seconds 1", "no_such.yaml: got No such file or directory"},
+      {folder_.string() + " --seconds 1", "got Is a directory ... regular file"},
+      {broken + " --seconds 1", "YAML"},
+      {typo + " --seconds 1", "cloth.kss: got ... unknown ... width"},
+      {scene_ + " --seconds 0", "--seconds: got 0 ... least"},
+      {scene_ + " --seconds -1", "--seconds: got -1"},
+      {scene_ + " --seconds nan", "--seconds: got nan ... finite"},
+      {scene_ + " --seconds inf", "--seconds: got inf ... finite"},
+      {scene_ + " --seconds 1e99", "--seconds: got 1e+99 ... most"},
       {scene_ + " --seconds soon", "--seconds"},
-      {good + " --set cloth.ks=-5", "cloth.ks: got -5, expected a number of at least 0 [N/m]"},
-      {good + " --set 'cloth.ks=5\n---\n6'", "cloth.ks: got more after the first document"},
-      {good + " --set cloth.ks", "got \"cloth.ks\", expected path.to.key=value"},
-      {good + " --set cloth.bend=1", "cloth.bend: got an unknown key"},
+      {good + " --set cloth.ks=-5", "cloth.ks: got -5 ... least 0 [N/m]"},
+      {good + " --set 'cloth.ks=5\n---\n6'", "cloth.ks: got more ... document"},
+      {good + " --set cloth.ks", "got \"cloth.ks\" ... path.to.key=value"},
+      {good + " --set cloth.bend=1", "cloth.bend: got ... unknown"},
       {good + " --every 0.1", "--output"},
-      {good + " --every 0 --output " + folder_.string(), "--every: got 0, expected"},
+      {good + " --every 0 --output " + folder_.string(), "--every: got 0"},
       {good + " --output " + blocked + "/deeper", blocked},
       {good + " --output " + blocked, blocked},
   };
   for (const auto& c : cases) {
     const Result result = run(c.arguments);
     EXPECT_EQ(result.exit_code, 1) << c.arguments;
-    EXPECT_NE(result.err.find(c.message), std::string::npos) << c.arguments << "\n" << result.err;
+    EXPECT_TRUE(says(result.err, "... " + c.message)) << c.arguments;
   }
 }
 

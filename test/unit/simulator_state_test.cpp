@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/model/errors.h"
+#include "says.h"
 #include "state_testing.h"
 #include "verification/testing.h"
 
@@ -221,7 +222,7 @@ class Refused : public ::testing::Test {
       simulator_.set_state(state, memory);
       ADD_FAILURE() << "accepted";
     } catch (const InvalidValue& error) {
-      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+      EXPECT_TRUE(says(error.what(), message));
     }
     expect_same(simulator_.state(), state_);
     EXPECT_EQ(simulator_.memory(), memory_);
@@ -235,10 +236,10 @@ class Refused : public ::testing::Test {
 TEST_F(Refused, StatesThatCannotBe) {
   State bad = state_;
   bad.positions.conservativeResize(99, 3);
-  expect_refused(bad, {}, "positions: got 99 points, expected 100");
+  expect_refused(bad, {}, "positions: got 99 ... 100");
   bad = state_;
   bad.velocities.resize(0, 3);
-  expect_refused(bad, {}, "velocities: got 0 points, expected 100");
+  expect_refused(bad, {}, "velocities: got 0 ... 100");
   bad = state_;
   bad.positions(7, 1) = std::numeric_limits<double>::quiet_NaN();
   expect_refused(bad, memory_, "positions.7: got [");
@@ -247,17 +248,16 @@ TEST_F(Refused, StatesThatCannotBe) {
   expect_refused(bad, memory_, "velocities.99: got [");
   bad = state_;
   bad.velocities(3, 0) = 1000;
-  expect_refused(bad, memory_, "velocities.3: got [1000, ");
-  expect_refused(bad, memory_, "], expected finite numbers below 1000 [m/s]");
+  expect_refused(bad, memory_, "velocities.3: got [1000, ... 1000 [m/s]");
   bad = state_;
   bad.positions(3, 0) = -1e12;
-  expect_refused(bad, memory_, "expected finite numbers below 1e+12 [m]");
+  expect_refused(bad, memory_, "positions.3: got [-1e+12, ... 1e+12 [m]");
   bad = state_;
   bad.time = -1;
   expect_refused(bad, memory_, "time: got -1");
   bad = state_;
   bad.positions(0, 2) += 0.01;
-  expect_refused(bad, memory_, "positions.0: got [0, 0, 1.01], expected [0, 0, 1], where");
+  expect_refused(bad, memory_, "positions.0: got [0, 0, 1.01] ... [0, 0, 1]");
 }
 
 TEST_F(Refused, MemoriesOfSomethingElse) {
@@ -267,8 +267,8 @@ TEST_F(Refused, MemoriesOfSomethingElse) {
   bad = memory_;
   bad.push_back(0);
   expect_refused(state_, bad, "memory: got");
-  expect_refused(state_, {1}, "memory: got that of another cloth, scene or method");
-  expect_refused(state_, Simulator(busy("xpbd")).memory(), "another cloth, scene or method");
+  expect_refused(state_, {1}, "memory: got ... another cloth");
+  expect_refused(state_, Simulator(busy("xpbd")).memory(), "memory: got ... another cloth");
 }
 
 TEST(Memories, GoOnSoonOrNotAtAll) {
