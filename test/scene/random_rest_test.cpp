@@ -1,8 +1,8 @@
 // Random scenes with constraints that cannot be met: pins too far apart, colliders that stop
 // between them. Once nothing is driven, the cloth comes to rest.
 
-#include <cstdlib>
 #include <iostream>
+#include <optional>
 
 #include "clothsim/model/errors.h"
 #include "fuzz/random_scene.h"
@@ -41,10 +41,12 @@ struct Rates {
   int fast = 0;     // by over 0.1 m/s
   int refused = 0;  // no method solves a frame
 
-  void add(std::uint64_t seed) {
-    RandomScene random = random_scene(seed);
+  /// Adds the scene of a seed, with a cloth of at most `most` points along a side and, if given,
+  /// another damping [1/s].
+  void add(std::uint64_t seed, int most, std::optional<double> damping) {
+    RandomScene random = random_scene(seed, most);
     if (random.scene.cloth.pinned.empty()) return;
-    random.scene.cloth.material.damping = 3;
+    if (damping) random.scene.cloth.material.damping = *damping;
     ++scenes;
     Simulator simulator(random.scene);
     try {
@@ -58,38 +60,37 @@ struct Rates {
     fast += speed > 0.1;
     if (speed > 1e-3) std::cout << "seed " << seed << ": " << speed << " m/s" << std::endl;
   }
+
+  /// At most a tenth moves, at most a fiftieth fast.
+  void expect_rest() const {
+    for (const auto& [name, count] : {std::pair("scenes", scenes), std::pair("moving", moving),
+                                      std::pair("fast", fast), std::pair("refused", refused)}) {
+      ::testing::Test::RecordProperty(name, count);
+    }
+    EXPECT_LE(moving, scenes / 10);
+    EXPECT_LE(fast, scenes / 50);
+    EXPECT_EQ(refused, 0);
+  }
 };
 
-TEST(RandomRest, ComesInAsManyScenesAsEver) {
-  // CLOTHSIM_RANDOM_SCENES=620 runs 400 with pins, for the table of docs/benchmarks.md.
-  const char* asked = std::getenv("CLOTHSIM_RANDOM_SCENES");
-  const int seeds = asked ? std::atoi(asked) : 60;
+/// Plays the scenes of `seeds` seeds.
+Rates play(int seeds, int most, std::optional<double> damping) {
   Rates rates;
-  for (int seed = 0; seed < seeds; ++seed) rates.add(30000 + static_cast<std::uint64_t>(seed));
-  std::cout << rates.scenes << " scenes: " << rates.moving << " over 1 mm/s, " << rates.fast
-            << " over 0.1 m/s, " << rates.refused << " refused" << std::endl;
-  EXPECT_LE(rates.moving, rates.scenes / 10);
-  EXPECT_LE(rates.fast, rates.scenes / 50);
+  for (int seed = 0; seed < seeds; ++seed) {
+    rates.add(30000 + static_cast<std::uint64_t>(seed), most, damping);
+  }
+  return rates;
+}
+
+TEST(RandomRest, ComesInMostScenes) { play(60, 25, 3).expect_rest(); }
+
+TEST(DISABLED_Survey, RandomScenesComeToRest) { play(620, 25, 3).expect_rest(); }
+
+TEST(RandomRest, ComesInMostScenesWithTheirOwnDamping) {
+  const Rates rates = play(60, 12, {});
+  EXPECT_LE(rates.fast, rates.scenes / 10);
   EXPECT_EQ(rates.refused, 0);
 }
-
-class RandomScenes : public ::testing::TestWithParam<int> {};
-
-TEST_P(RandomScenes, ComeToRest) {
-  const RandomScene random = random_scene(static_cast<std::uint64_t>(GetParam()));
-  SCOPED_TRACE(random.text());
-  Simulator simulator(random.scene);
-  play(random, simulator);
-  EXPECT_LT(rms_velocity(simulator.state()), 0.05);
-}
-
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomScenes,
-                         ::testing::Values(20452,    // a pin is moved to four times as far
-                                           20486,    // a capsule pulls a taut, inextensible strip
-                                           20662,    // a ball pushes a strip aside
-                                           20900,    // a capsule stays in a stiff, light cloth
-                                           21049,    // the same in a strip, between its pins
-                                           22192));  // the same in a strip below a row of pins
 
 }  // namespace
 }  // namespace clothsim
