@@ -339,7 +339,7 @@ TEST_F(Simulate, RefusesBadInputWithExitOneAndAMessage) {
   for (const auto& c : cases) {
     const Result result = run(c.arguments);
     EXPECT_EQ(result.exit_code, 1) << c.arguments;
-    EXPECT_TRUE(says(result.err, "... " + c.message)) << c.arguments;
+    EXPECT_TRUE(clothsim::says(result.err, "... " + c.message)) << c.arguments;
   }
 }
 
