@@ -67,11 +67,11 @@ using Traces = std::map<Trace, int>;
 /// Numbers of traces that a sphere leaves at these speeds [m/s].
 Traces traces_at(const std::vector<double>& speeds) {
   Simulator simulator = cloth_beside_a_sphere();
-  const auto hanging = simulator.save();
+  const auto at_rest = simulator.save();
   Traces traces;
   for (const double speed : speeds) {
     SCOPED_TRACE(speed);
-    simulator.restore(*hanging);
+    simulator.restore(*at_rest);
     ++traces[trace_of_sphere(simulator, speed)];
   }
   return traces;
