@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "clothsim/model/errors.h"
@@ -19,6 +18,11 @@ py::tuple to_pickle(Parts&&... parts) {
   return py::make_tuple(CLOTHSIM_VERSION, std::forward<Parts>(parts)...);
 }
 
+template <class... Parts, class Make, std::size_t... i>
+auto call_with_parts(const py::tuple& kept, const Make& make, std::index_sequence<i...>) {
+  return make(py::cast<Parts>(kept[i + 1])...);
+}
+
 /// Calls make(parts...) with the parts from to_pickle(). Throws InvalidValue for other data, or
 /// another version.
 template <class... Parts, class Make>
@@ -28,8 +32,7 @@ auto from_pickle(const py::tuple& kept, const Make& make) {
   if (version != CLOTHSIM_VERSION) {
     throw clothsim::InvalidValue({"pickle"}, "version " + version, CLOTHSIM_VERSION);
   }
-  std::size_t i = 0;
-  return std::apply(make, std::tuple<Parts...>{py::cast<Parts>(kept[++i])...});
+  return call_with_parts<Parts...>(kept, make, std::index_sequence_for<Parts...>());
 }
 
 }  // namespace clothsim_python
