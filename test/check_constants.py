@@ -13,13 +13,13 @@ FLOORS = ("geometry", "dynamics", "shapes", "search", "constraints", "scene", "s
 
 HEAD = """# Constants
 
-Every named number of the floors {floors}: {count} in {files} files. The words
-are the code's own. They say what a number trades, or where it comes from. Where no unit stands, it is a
-share or a count.
-Numbers of a formula that was fitted stand in that formula alone (`method_choice.cpp`). What mathematics or a format
-sets, and nobody could tune, as the order of a method, is an enumerator: {structure} of these stand at the end.
-[method.md](method.md) says where the numbers act. This page is written by `test/check_constants.py --write`;
-`scripts/test` fails where it differs from the code.
+This page has every named number of the layers
+{floors}: {count} in {files} files. The words are those of
+the comments in the code: the reason of a number, or its source. A number without a unit is a share or a count. Numbers
+of a fitted formula stand in that formula alone (`method_choice.cpp`). Numbers that mathematics or a format sets, such
+as the order of a method, are enumerators: the {structure} of them are at the end. [method.md](method.md) shows
+the place of the numbers in the method. `test/check_constants.py --write` writes this page; `scripts/test` fails where
+the page differs from the code.
 """
 
 # A constant and the comment behind it. Its value has digits: left out are values that follow from others,

@@ -13,17 +13,19 @@
 namespace clothsim {
 namespace {
 
-/// Factor by which kinetic energy may grow in a frame (or by that of twice a frame's fall from
-/// rest) before all energies are compared: a blow-up exceeds it.
+/// Factor by which kinetic energy may grow in a frame, in addition to that of a fall from rest over
+/// two frames, before all energies are compared: an unstable method exceeds it.
 constexpr double usual_growth = 1.5;
 
-/// Energy of unknown source allowed in a frame, in addition to as much as the kinetic and elastic
-/// energy: a lift of the cloth by this share of its size, plus the kinetic energy at rest_speed, as
-/// rounding gives to a cloth without weight. The shipped scenes stay under 0.004 of the first.
+/// Energy of unknown source that a frame may gain, in addition to the kinetic and elastic energy at
+/// its start: a lift of the cloth by this share of its size, plus the kinetic energy at rest_speed,
+/// which rounding gives to a cloth without weight. The shipped scenes gain less than 0.004 of the
+/// kinetic and elastic energy.
 constexpr double lift = 0.02;
 
-/// The same over any number of frames, of all energy that the cloth can have had: explicit steps
-/// just below their limit show their fastest waves with some tens of times their true energy.
+/// Bound on the kinetic energy after any number of frames, as a multiple of all energy that the
+/// cloth can have received: explicit steps just below their stability limit show the fastest waves
+/// with some tens of times the true energy.
 constexpr double margin_in_all = 100;
 
 Eigen::AlignedBox3d box_of(const State& before, const State& after) {
@@ -81,7 +83,7 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   return drive;
 }
 
-/// Work against bends [J] of driving points by these lengths [m], as below.
+/// Work [J] against bends when points are driven by these lengths [m], as in work_on_springs().
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const Bend& bend) {
@@ -93,8 +95,8 @@ double work_on_bends(const Cloth& cloth, const State& before, const Scalars& len
   return work;
 }
 
-/// Work against springs [J] of driving points: F s + k s^2 / 2 with the initial force, where one or
-/// both ends are driven.
+/// Work [J] against springs when points are driven: F s + k s^2 / 2, with F the initial force and s
+/// the displacement, for springs with one or both ends driven.
 double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
   if (ways.size() == 0) return 0;
   const Scalars lengths = ways.rowwise().norm();
@@ -139,8 +141,8 @@ bool EnergyWatch::accepts(const Cloth& cloth, const Vector3& gravity, double dt,
     begun_ = true;
   }
 
-  // A point that a moving surface hits leaves with twice its speed at most; plus work against
-  // weight.
+  // A point that a moving surface hits leaves with at most twice the speed of the surface. Work
+  // against the weight adds to that.
   const Drive drive = drive_of(cloth, dt, before, after, colliders);
   const double speed = std::max(drive.max_speed, wind) + push_out_speed;
   const double work = mass * (2 * speed * speed + g * speed * dt) + external_work;

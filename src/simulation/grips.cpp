@@ -63,8 +63,8 @@ void Grips::detach(const std::vector<int>& points) {
   }
 }
 
-/// The mean load of the holder. A point that sticks all the time passes on its own acceleration,
-/// too: F = sum of p / dt - m dv / dt.
+/// The force of a point is the mean load on its holder. A point that sticks also passes on the
+/// force of its own acceleration: F = sum of p / dt - m dv / dt.
 void Grips::measure(const Cloth& cloth, double dt, const Holders& holders, std::size_t first,
                     const State& before, const State& after) {
   for (auto& [frame, grip] : all_) {

@@ -23,16 +23,16 @@ namespace {
 /// Horizon of the predicted error [s].
 constexpr double horizon = 0.5;
 
-/// CPU time of impulses per substep [s] and point of a cloth that lies or has folded: where points
-/// alone touch a collider or each other, or the cloth's weight brings half of the springs to their
-/// limit, and where triangles and edges touch, too. Measured by
-/// `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of reach
-/// contact costs next to nothing, in an impact several times that: the numbers show which method is
-/// cheaper, not which is in real time.
+/// CPU time [s] of impulses per substep and point, for a cloth that lies or has folded.
+/// `point_cost`: where points alone touch a collider or each other, or the cloth's weight brings
+/// half of the springs to their limit; `surface_cost`: where triangles and edges touch, too.
+/// Measured by `clothsim_benchmark --benchmark_filter=_step`, which repeats to a factor 1.5. Out of
+/// reach contact costs next to nothing, in an impact several times as much: with these numbers
+/// methods can be ranked by cost, but not compared with real time.
 constexpr double point_cost = 1.6e-8;
 constexpr double surface_cost = 1.3e-7;
 
-/// Costs that differ by up to this factor count as equal, given the accuracy of those.
+/// Costs that differ by up to this factor count as equal, given the accuracy of the costs above.
 constexpr double alike = 1.5;
 
 /// Quantities on which errors depend.
@@ -40,14 +40,14 @@ struct Motion {
   double size;       // of the cloth [m]
   double gravity;    // [m/s^2]
   double drag;       // [1/s]
-  double omega_max;  // omega_max [rad/s]
+  double omega_max;  // bound on the highest frequency of the springs [rad/s]
   double axial;      // lowest frequency along the cloth's longer side, hung from one end [rad/s]
   double swing;      // frequency of a sheet that swings about one edge [rad/s]
   double loaded;     // share of the horizon in which something holds the cloth
-  bool held;         // whether something does, now or later
+  bool held;         // whether something holds the cloth, now or later
   double buckling;   // buckling rate of an upright column that stands on something [1/s]
   double folded;     // rms of the fold depth over the cloth at the end of buckling [m]
-  bool rings;        // with fast waves, in which errors grow
+  bool rings;        // whether the cloth has fast waves, in which errors grow
 };
 
 /// Height from which a free cloth falls [m]: to the nearest collider.
@@ -89,7 +89,8 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
 
 /// A held cloth bends as it comes down. Where omega_max t times g t^2 / L, the angle of the bend,
 /// exceeds this, a stiff cloth rings with fast waves, in which errors grow by a factor of 3 to 100.
-/// Neighbours in parameters differ by a factor of ten, so no error is predicted. Measured.
+/// Errors of nearly equal scenes differ by a factor of ten there, so no error is predicted. The
+/// number is measured.
 constexpr double onset = 30000;
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
@@ -195,14 +196,15 @@ double cost_of_contact(const Cloth& cloth, const std::vector<ColliderSpec>& coll
   return cost * cloth.num_points();
 }
 
-/// Substeps per frame that the cloth needs with a method of this limit, from the scene alone.
+/// Substeps per frame that the cloth needs with a method of this stability limit, whatever the
+/// state.
 int usual_substeps(double stability_limit, const SimulationSpec& spec, const Cloth& cloth,
                    const std::vector<ColliderSpec>& colliders) {
   const double dt = 1 / spec.frames_per_second;
   const int needed = count_substeps(cloth, spec.gravity, cloth.rest_positions, stability_limit, dt);
   const bool is_free = !cloth.has_forces() || !has_impulses(cloth, colliders);
   if (is_free) return needed;
-  const double limit = max_substeps - 1;  // a slow frame rate does not refuse a scene
+  const double limit = max_substeps - 1;  // no scene is refused for a low frame rate
   return std::max(needed, static_cast<int>(std::min(std::ceil(dt / longest_step), limit)));
 }
 
@@ -310,7 +312,7 @@ Offers cheapest_and_stiff(Offers begin, Offers end) {
   return best<cheaper>(begin, stiff == begin ? end : stiff);
 }
 
-/// The first rule that fits any offer takes the best of those that fit.
+/// The first rule that fits any offer applies: its best offer is taken.
 struct Rule {
   Reason reason;
   bool (*is_for)(const Offer&);

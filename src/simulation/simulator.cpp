@@ -40,7 +40,7 @@ StepReport Simulator::Impl::step() {
   const double dt = 1 / scene.simulation.frames_per_second;
   const State last_good = state;
   frame_context = {dt};
-  if (!touches()) collider_contacts.reset();  // colliders that are disabled now
+  if (!touches()) collider_contacts.reset();  // colliders may have been disabled
   allow_work(dt);
   StepReport report = step_with_retries(last_good);
 

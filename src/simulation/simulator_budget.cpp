@@ -7,15 +7,16 @@
 namespace clothsim {
 namespace {
 
-/// Visits to each point allowed in a frame from a state that was set, plus one for each pass of the
-/// substeps for the springs alone. 50 x 50 points get a second.
+/// Visits to each point allowed in a frame from a state that was set, in addition to one for each
+/// pass of the substeps that the springs alone need. That is about a second of work for 50 x 50
+/// points.
 constexpr double visits_a_point = 40e3;
 
 }  // namespace
 
 void Simulator::Impl::allow_work(double dt) {
-  // From a state of the simulation itself: one for each pass of all possible substeps. A hit at 100
-  // m/s takes a fifth of it.
+  // From a state of the simulation itself a frame gets one visit for each pass of all possible
+  // substeps. A hit at 100 m/s takes a fifth of that.
   const double visits =
       is_given ? visits_a_point + max_passes * min_substeps(dt) : max_passes * max_substeps;
   budget.allow(cloth.num_points() * visits);

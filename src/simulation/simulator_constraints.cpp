@@ -19,7 +19,7 @@ namespace {
 constexpr int min_passes = 4;
 constexpr int min_passes_alone = 6;
 
-/// Largest number of passes of the projection after those.
+/// Largest number of passes of the projection that follows these passes.
 constexpr int max_projection_passes = 600;
 
 /// Where only the strain limit acts, passes end at a change of strain_tolerance * shortest spring /
@@ -27,13 +27,15 @@ constexpr int max_projection_passes = 600;
 constexpr double precision_alone = 14;
 
 /// While a cloth in contact deforms, passes may end at a change of motion_precision *
-/// strain_tolerance (1 % with the usual tolerance) of its rms speed relative to its mean. The error
-/// is then no larger than that of the substep, and half to two thirds of the passes are enough. At
-/// 4 % a sphere shot through a pile leaves knots, and fingers lose their grip.
+/// strain_tolerance (1 % with the usual tolerance) of the rms of the velocities relative to their
+/// mean, times h. The error is then no larger than that of the substep, and half to two thirds of
+/// the passes are enough. At 4 % a sphere shot through a pile leaves knots, and fingers lose their
+/// grip.
 constexpr double motion_precision = 2.5;
 
-/// Factor on that change for self contact. The overlap is then as large as the curvature within a
-/// substep leaves: at 0.1 % it is no smaller, and takes seven to nine times the passes.
+/// Factor on that change for self contact. The overlap is then as large as the curvature of paths
+/// within a substep causes anyway: at 0.1 % it is no smaller, and the passes are seven to nine
+/// times as many.
 constexpr double folding_precision = 4;
 
 /// Mean square deviation of `count` numbers from their mean.
@@ -125,7 +127,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (strain_limit) strain_limit->learn_tension();
   if (self_contacts && runs_detection) by_impulses = state.positions;
 
-  // Violations left in the positions by curvature and early ends of passes.
+  // Correct the violations that curvature and early ends of passes leave in the positions.
   if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
     runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state.positions)
@@ -167,13 +169,13 @@ void Simulator::Impl::refresh_contacts(const ContactStep& step) {
 void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
   const int truncated = self_contacts->guard(cloth, step, by_impulses, state);
   report.held_back += truncated;
-  // Not where the limit yields, nor where colliders pinch.
+  // Springs stay stretched where the limit yields or colliders pinch.
   const bool may_project =
       strain_limit && !strain_limit->gives_way() && collider_contacts.pinches().count() == 0;
   if (truncated > 0 && may_project) project_beside_truncated(step, report);
 }
 
-/// Shortens springs beside truncated points, which these stretch. The guard checks this
+/// Shortens springs beside truncated points, which the truncation stretches. The guard checks this
 /// displacement as well. It does not change velocities.
 void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepReport& report) {
   const State held = state;
@@ -183,7 +185,7 @@ void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepRepo
   }
   ContactStep way{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
   way.budget = step.budget;
-  const Points projected = state.positions;  // so that none of it is left out
+  const Points projected = state.positions;  // so that the guard drops no part of it
   self_contacts->guard(cloth, way, projected, state);
   state.velocities = held.velocities;
 }

@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// Forces on a point from a call, far beyond those of a machine.
+/// Range of the components of a force on a point: no machine exerts more.
 constexpr Range force_range{-1e6, 1e6, "N"};
 
 }  // namespace
@@ -16,7 +16,8 @@ void Simulator::Impl::apply_external_forces(const Cloth& inert, double h) {
   if (external_forces.rows() == 0) return;
   state.velocities += h * (external_forces.array().colwise() * inert.inv_mass.array()).matrix();
   if (!holders.empty()) impulses += h * external_forces;
-  // It takes such points by implicit Euler's formula: all of them, or momentum does not balance.
+  // Without its history BDF2 takes a step of implicit Euler. All points must do so: otherwise
+  // momentum would not balance.
   if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->forget();
 }
 

@@ -202,8 +202,9 @@ int Simulator::Impl::substeps_for_parting(double dt) const {
 bool Simulator::Impl::is_out_of_reach() {
   const Eigen::AlignedBox3d box(state.positions.colwise().minCoeff().transpose(),
                                 state.positions.colwise().maxCoeff().transpose());
-  // Longest way that we expect of a point in this frame: twice the way by its speed and outside
-  // forces, plus an edge for pins and springs. A frame beyond it is repeated with contact.
+  // Largest displacement of a point in this frame, as expected: twice the one by its speed and the
+  // external forces, plus the length of the shortest spring for pins and springs. A frame with a
+  // larger one is repeated with contact.
   const double edge = shortest_rest_length(cloth);
   const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
   const double own = longest_row(state.velocities) + pull * frame_context.dt;
@@ -234,8 +235,8 @@ double Simulator::Impl::contact_speed() const {
 }
 
 const Cloth& Simulator::Impl::add_tension_mass(double h) {
-  // Not for implicit methods, which are stable under tension. Not in contact either, where
-  // substeps get shorter instead: with added inertia, piles that are hit keep knots.
+  // Implicit methods need no added inertia: they are stable under tension. In contact substeps get
+  // shorter instead: with added inertia, piles that are hit keep knots.
   if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
   strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
   return cloth_with_tension_mass;
@@ -289,7 +290,7 @@ double Simulator::Impl::stretch_after(double h) const {
   if (frame_context.approach_speed == 0) return frame_context.stretch;
   const bool is_kept =
       strain_limit && substeps_at_speed(cloth, frame_context.approach_speed, h) == 1;
-  if (is_kept) return frame_context.stretch;  // the limit corrects so small an elongation
+  if (is_kept) return frame_context.stretch;  // the limit corrects the small elongation
   const double so_far =
       frame_context.is_fast ? worst_stretch(cloth, state.positions) : frame_context.stretch;
   return so_far + frame_context.approach_speed * h / shortest_rest_length(cloth);

@@ -13,8 +13,9 @@ namespace {
 
 constexpr Range radius_range{0, 1e6, "m"};
 
-/// Constraints act at a substep's end, when drag has reduced the effect of forces in it. As forces
-/// through the substep their impulses are larger by this factor.
+/// Constraints act at a substep's end, when drag has reduced the effect of forces in the substep. A
+/// force through the whole substep with the effect of such an impulse has a larger impulse, by this
+/// factor.
 double as_force(const Cloth& cloth, double h) { return h / Drag(cloth.damping, h).distance; }
 
 }  // namespace
@@ -60,7 +61,7 @@ void Simulator::Impl::judge_holders(double h) {
   const double scale = as_force(cloth, h);
   if (holders.any_sticks()) {
     if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
-      solver->add_reactions(cloth, h, impulses);  // the part that it solved
+      solver->add_reactions(cloth, h, impulses);  // of the springs as far as it solved them
     } else {
       holders.add_spring_impulses(cloth, h, state, impulses);
     }

@@ -23,7 +23,7 @@
 
 namespace clothsim {
 
-/// The method of `auto` after a failed frame: its energy never rises.
+/// The method of `auto` after a failed frame: implicit Euler never increases the energy.
 inline constexpr const char* refuge = ImplicitEuler::name;
 
 /// Largest coordinate of points on each axis [m].
@@ -39,7 +39,7 @@ struct Method {
         integrator(make_integrator(choice.method, spec.method_parameters)),
         omega_max(omega_max_bound(cloth)) {}
 
-  /// Substeps of a frame from `positions`, `at_speed` at least.
+  /// Substeps of a frame from `positions`, at least `at_speed`: the number that its motion needs.
   int substeps(const SimulationSpec& spec, const Cloth& cloth, const Points& positions,
                int at_speed = 1, const Workers& workers = {}) const {
     if (spec.substeps) return *spec.substeps;
@@ -57,8 +57,8 @@ struct Method {
   double omega_max;  // at least that of springs of any stretch [rad/s]
 };
 
-/// The method after a failed frame, in as few steps as it can: demands of constraints may be the
-/// cause.
+/// The method after a failed frame, with as few substeps as it can take: substeps that are short
+/// for the constraints may be the cause of the failure.
 inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
                           const std::vector<ColliderSpec>& colliders, const Reasons& reasons) {
   spec.method = refuge;
@@ -94,19 +94,19 @@ struct FrameContext {
   double allowed_way = 0;     // displacement of points for which this holds [m]
   double approach_speed = 0;  // of colliders in reach relative to the cloth [m/s]
   bool is_fast = false;       // at that speed springs may be torn open within the frame
-  double stretch = 0;         // worst as it began, where colliders need it
+  double stretch = 0;         // worst at the frame's start, where colliders need it
   Vector3 wind{0, 0, 0};      // [m/s], where there is air
   double external_acceleration = 0;     // largest by external forces [m/s^2]
   bool recovers = false;                // colliders have pushed out points
   bool projection_unconverged = false;  // some springs stayed over their limit
-  bool gives_way = false;               // the strain limit, in any substep
+  bool gives_way = false;               // the strain limit yielded in a substep
 };
 
 /// Result of one try of a frame.
 enum class Outcome {
   good,
-  went_too_far,  // points, in a frame without detection at colliders
-  failed         // in an impossible state, or with the budget spent
+  went_too_far,  // points moved too far for a frame without detection at colliders
+  failed         // the state is impossible, or the budget is spent
 };
 
 struct Simulator::Impl {
@@ -242,7 +242,7 @@ struct Simulator::Impl {
   bool outruns_contacts(double h, const StepReport&) const;
   /// Adds the reasons that show at the frame's end.
   void tell_reasons(StepReport&) const;
-  /// Can the motion that drives the frame explain its end?
+  /// Can the work done in the frame explain its energy?
   bool is_explained(const State& before, const StepReport&);
   /// Prepares another try of a failed frame. False where nothing is left to try.
   bool recover();
@@ -269,21 +269,22 @@ struct Simulator::Impl {
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
-  /// The same where the cloth can touch nothing, to `length` [m] of strain.
+  /// The same where the cloth can touch nothing. `length`: the strain tolerance times the shortest
+  /// spring [m].
   void limit_alone(const Cloth& inert, double h, double displacement_factor, double length,
                    StepReport&);
   /// Updates the known contacts without detection, and applies their impulses.
   void refresh_contacts(const ContactStep&);
   /// Detects contacts, and applies the impulses of the last step.
   void prepare_contacts(const ContactStep&, StepReport&);
-  /// Precision of the solution in a step of h [s], for a `tolerance` of strain and its `length`
-  /// [m].
+  /// Precision of the solution in a step of h [s], for a `tolerance` of strain. `length`: that
+  /// tolerance times the shortest spring [m].
   Precision precision_of(double h, double tolerance, double length) const;
   /// Passes over all constraints until changes are small.
   void solve(bool runs_detection, StepReport&);
   /// Largest number of passes over the strain limit in a substep.
   int max_limit_passes() const;
-  /// Takes from the frame's budget so many visits to each point.
+  /// Takes `visits_a_point` visits to each point from the frame's budget.
   void spend(double visits_a_point) {
     budget.spend(static_cast<std::int64_t>(visits_a_point * cloth.num_points()));
   }
@@ -291,9 +292,9 @@ struct Simulator::Impl {
   void apply_wind(double h);
   /// Adds the impulses of external forces in h [s], with the inertia of this step.
   void apply_external_forces(const Cloth& inert, double h);
-  /// Largest acceleration of a point by these [m/s^2].
+  /// Largest acceleration of a point by external forces [m/s^2].
   double max_external_acceleration() const;
-  /// Bound on their work in a frame of dt [s] [J].
+  /// Bound on the work of external forces in a frame of dt [s], in J.
   double work_of_external_forces(double dt, const State& before) const;
 
   /// Largest stretch of springs at the end of a substep of `h` [s], l / L0 - 1: the present one,
@@ -311,8 +312,8 @@ struct Simulator::Impl {
   /// points.
   void guard(const ContactStep&, StepReport&);
   void project_beside_truncated(const ContactStep&, StepReport&);
-  /// Sets the budget of a frame of dt [s], over all its tries, without Newton's steps, of which the
-  /// method has its own maximum.
+  /// Sets the budget of a frame of dt [s], over all its tries. Newton's steps do not count: the
+  /// method bounds their number itself.
   void allow_work(double dt);
   /// Substeps of a frame of dt [s] by the scene or its springs, whatever the state.
   double min_substeps(double dt) const;
@@ -363,7 +364,7 @@ struct Simulator::Impl {
   std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where measured
   std::vector<Wrench> collider_wrenches;  // of the last frame
   EnergyWatch energy_watch;
-  WorkBudget budget;  // rest of a frame's
+  WorkBudget budget;  // left in the frame
   AirForces air;
   Points external_forces;                // [N], N x 3; no rows: none
   double last_substep = 0;               // [s]; 0: none since the last reset
@@ -371,15 +372,15 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   FrameContext frame_context;
-  bool disturbed = false;   // by a jump since the last frame
-  bool is_given = false;    // state that was set: it may be arbitrary
-  int given_crossings = 0;  // of triangles, left of such a state
+  bool disturbed = false;   // something jumped since the last frame
+  bool is_given = false;    // the state was set: it may be arbitrary
+  int given_crossings = 0;  // pairs of triangles of such a state that still cross
   Points detected_at;       // positions at a detection that later substeps use
   Points start;             // positions at the substep's start, where contact needs them
   Points start_velocities;  // the same [m/s]
   Points followed;          // velocities by which the points have moved, where contact needs them
   Points by_impulses;       // positions before projections, with self contact
-  Points impulses;          // on held points by others in a substep [N s]
+  Points impulses;          // of the cloth on held points in a substep [N s]
 };
 
 }  // namespace clothsim

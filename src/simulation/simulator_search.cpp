@@ -1,10 +1,10 @@
 // Which substeps run detection, and which use known contacts.
 //
 // Stiff, light springs need much shorter steps than the motion does. So a substep with detection
-// plans how many others may use its results: those update known contacts, and neither detect more
-// nor run the guard. Bounds on the displacements of points and colliders exclude contact with
-// anything else, and the next detection covers their whole path. The last substep of a frame always
-// runs detection.
+// plans how many others may use its results: the others update known contacts, and neither detect
+// further ones nor run the guard. Bounds on the displacements of points and colliders exclude
+// contact with anything else, and the next detection covers their whole path. The last substep of a
+// frame always runs detection.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,8 @@ bool Simulator::Impl::is_settled() const {
 void Simulator::Impl::plan_detection(double h) {
   frame_context.planned_steps = 1;
   frame_context.may_go = frame_context.collider_speed = 0;
-  // All steps of a length that the scene sets, and those of implicit methods, run detection.
+  // If the scene sets the number of substeps, or the method is implicit, all substeps run
+  // detection.
   const bool has_own_step = scene.simulation.substeps || !std::isfinite(method->stability_limit());
   const double longest = std::min(longest_step, frame_context.motion_step);
   if (has_own_step || 2 * h > longest || !is_settled()) return;

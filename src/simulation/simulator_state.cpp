@@ -136,7 +136,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     throw InvalidValue({"time"}, to_text(given.time),
                        "a number from 0 to below " + to_text(farthest) + " [s]");
   }
-  // The end of the memory has the points that stick.
+  // The end of the memory has the data of the holders, with the points that stick.
   Holders given_holders = holders;
   if (memory.size() >= holders.memory_size()) {
     const auto size = static_cast<std::ptrdiff_t>(holders.memory_size());

@@ -15,8 +15,9 @@ namespace {
 /// Share of the stability limit used: springs may stretch within a frame.
 constexpr double spring_margin = 0.85;
 
-/// h omega for the springs of a point that carry the whole cloth's weight. Added inertia keeps
-/// longer steps stable, but they stretch soft and heavy cloth beyond its limit as it falls.
+/// h omega for the springs of a point that carry the whole cloth's weight. With added inertia
+/// longer steps are stable, too, but then soft and heavy cloth stretches beyond its limit as it
+/// falls.
 constexpr double weight_limit = 4.4;
 
 /// h omega for the tension of a cloth that may touch something, or whose limit yields. On the tip
@@ -80,7 +81,7 @@ int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequ
                         int min_steps, bool is_smooth, double strength) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
   if (dt * frequency <= limit * min_steps)
-    return min_steps;  // the weight takes a look at all points
+    return min_steps;  // the weight takes a loop over all points
   const double max_frequency =
       std::max(weight_frequency(cloth, gravity), pull_frequency(cloth, strength));
   return std::max(min_steps, whole_steps(dt * (std::min(frequency, max_frequency) / limit)));

@@ -24,13 +24,13 @@ namespace clothsim {
 /// normal one against sliding on the (moving) surface (Moreau 1988, "Unilateral contact and dry
 /// friction in finite freedom dynamics"). So a point slips on an incline exactly when tan(angle) >
 /// friction, with acceleration g (sin - friction cos). Impulses are kept for the warm start of the
-/// next step. A point too fast for that slides on along the surface from where its path enters it.
-/// Edges and faces have contacts too where contacts of points alone would let a shape enter
-/// triangles.
+/// next step. A point that is so fast that its path crosses the shape is put where the path enters,
+/// and continues along the surface. Edges and faces have contacts too where contacts of points
+/// alone would let a shape enter triangles.
 ///
-/// Cloth that a collider was put upon leaves it at recovery_speed at most: by the nearest way if it
-/// is not deep, else all of it in one direction; where pins hold it in, ever more slowly. Points
-/// that two colliders leave no room are held between them.
+/// If a collider is placed on cloth, the cloth leaves it at recovery_speed at most: by the nearest
+/// way if the cloth is not deep inside, else all of it in one direction, and ever more slowly where
+/// pins hold it inside. Points that two colliders leave no room are held between them.
 class ColliderContacts {
  public:
   /// Detects the contacts after a step from step.start to state, and warm-starts their impulses.
@@ -40,8 +40,8 @@ class ColliderContacts {
   /// pinch.
   bool is_settled() const;
 
-  /// The same as prepare() in another step of the same length, without detection: for the points
-  /// that were near and the triangles that touched.
+  /// Updates, in another step of the same length, the contacts of prepare() without detection: for
+  /// the points that were near and the triangles that touched.
   void refresh(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
@@ -67,7 +67,7 @@ class ColliderContacts {
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
-  /// Contacts that carry an impulse, and points that are pinched.
+  /// Number of contacts that carry an impulse and of points that are pinched.
   int count() const;
 
   /// Do triangles touch with more than corners?
@@ -95,8 +95,8 @@ class ColliderContacts {
   /// Forgets the impulses.
   void reset();
 
-  /// The impulses, for so many colliders and points. `read` throws InvalidValue for data that is
-  /// not from `write`.
+  /// The impulses, for the given numbers of colliders and points. `read` throws InvalidValue for
+  /// data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
@@ -168,7 +168,7 @@ class ColliderContacts {
   Touched touched_by(int number, const Cloth&, const Points& positions);
   ContactManifold manifold_of(int number, const MovingCollider&, const Cloth&);
 
-  /// Lets deep penetrations leave a collider in one direction.
+  /// Sets one common direction in which the points of a deep penetration leave a collider.
   void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 

@@ -9,11 +9,12 @@
 
 namespace clothsim {
 
-/// Impulse of a surface on the cloth [N s]; for contacts of single points over their mass [m/s].
+/// Impulse of a surface on the cloth [N s]; for contacts of single points divided by their mass
+/// [m/s].
 struct ContactImpulse {
   Vector3 normal{0, 0, 1};            // into free space
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
-  double target_velocity = 0;         // least normal velocity allowed, off the surface > 0 [m/s]
+  double target_velocity = 0;  // least normal velocity allowed; > 0: away from the surface [m/s]
   double friction = 0;
   double max_normal_impulse = std::numeric_limits<double>::infinity();  // in total
   double max_separating_impulse =
@@ -65,7 +66,7 @@ struct ContactImpulse {
 
   Vector3 total() const { return normal_impulse * normal + friction_impulse; }
 
-  /// Bounds the normal impulse, and the present one too.
+  /// Lowers the bound on the normal impulse, and scales the present impulse down to it.
   void weaken(double strongest) {
     max_normal_impulse = std::min(max_normal_impulse, strongest);
     if (normal_impulse > max_normal_impulse) warm_start(max_normal_impulse / normal_impulse);
@@ -78,7 +79,7 @@ struct ContactImpulse {
     friction_impulse.setZero();
   }
 
-  /// The state that the next step starts with: the impulse, not the surface.
+  /// The state that the next step starts with: the impulse, without the data of the surface.
   void write(MemoryWriter& memory) const {
     memory.add(normal_impulse);
     memory.add(friction_impulse);

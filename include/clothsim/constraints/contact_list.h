@@ -14,7 +14,7 @@
 
 namespace clothsim {
 
-/// Sum of four rows by weights.
+/// Weighted sum of four rows.
 inline Vector3 weighted_sum(const std::array<int, 4>& points, const std::array<double, 4>& weights,
                             const Points& rows) {
   const auto along = [&](int axis) {
@@ -28,9 +28,9 @@ inline Vector3 weighted_sum(const std::array<int, 4>& points, const std::array<d
 struct Contact {
   std::uint64_t key = 0;            // identifies the pair of features, the same in any step
   std::array<int, 4> points{};      // those of weight 0 are arbitrary
-  std::array<double, 4> weights{};  // its velocity is the sum of w_k v_k
-  std::array<double, 4> moves{};    // of the points per impulse: w_k / m_k [1/kg]
-  double mass = 0;                  // effective mass [kg]: 1 / sum w_k moves_k; 0: infinite
+  std::array<double, 4> weights{};  // b_k: its velocity is the sum of b_k v_k
+  std::array<double, 4> moves{};    // velocity changes per impulse: b_k / m_k [1/kg]
+  double mass = 0;                  // effective mass [kg]: 1 / sum b_k moves_k; 0: infinite
   double nearest = 0;               // distance that the surfaces keep [m]
   ContactImpulse impulse = {};      // on the points, by weight [N s]
 
@@ -46,7 +46,7 @@ struct Contact {
   void set_mass();
 };
 
-/// The contacts of a step in the order of their keys, whoever detected them. Each is solved in turn
+/// The contacts of a step in the order of their keys, of whichever finder. Each is solved in turn
 /// by ContactImpulse (projected Gauss-Seidel), impulses are kept from step to step, and passes skip
 /// contacts whose points have not changed.
 class ContactList {
@@ -78,7 +78,7 @@ class ContactList {
   void add(const std::vector<Contact>&);
 
   /// To be called when a step has all of its contacts: gives points the impulses of the last step,
-  /// scaled by the lengths of the steps. `positions`: by which contacts are divided over threads.
+  /// scaled by the lengths of the steps. Contacts are divided over threads by `positions`.
   void warm_start(const Points& positions, Points& velocities);
 
   /// In another step of the same length, gives points the impulses of the last one once more.
@@ -89,8 +89,9 @@ class ContactList {
   /// change of a contact's velocity [m/s].
   double solve_pass(double precision, Points& velocities, const Workers& = {});
 
-  /// Ends contacts of which colliders hold all points, and bounds those of which they hold some by
-  /// `strongest` [N s]. Takes the excess of warm_start() back from the velocities [m/s].
+  /// Ends the contacts whose points are all pinched, and bounds the impulse of those with some
+  /// pinched points by `strongest` [N s]. Takes the excess of warm_start() back from the velocities
+  /// [m/s].
   void release_pinched(const Pinches&, double strongest, Points& velocities);
 
   std::vector<Contact>& contacts() { return contacts_; }

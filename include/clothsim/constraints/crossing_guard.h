@@ -14,8 +14,8 @@ namespace clothsim {
 /// Between two measurements of distances points move on straight paths. Two features that are
 /// separated at both ends by planes of one direction are separated all the way. Where no plane
 /// along their present shortest distance separates them afterwards, no point of them moves farther
-/// than a share, below a half, of that distance (Chen et al. 2025, "Offset Geometric Contact"; Lan
-/// et al. 2024, Gaia).
+/// than half of that distance, less a floor (Chen et al. 2025, "Offset Geometric Contact"; Lan et
+/// al. 2024, Gaia).
 ///
 /// `by_impulses`: positions [m] before the projections of springs and of colliders. Projections do
 /// not account for self contact: features in contact that projections alone hold together go

@@ -22,17 +22,17 @@ struct Hold {
 /// The holders of a cloth, pins and grips, each with a strength S [N], and the points they hold. A
 /// parameter `hold` is a number in the list of hold(), `point` an index in the cloth.
 ///
-/// A point sticks while its load is below its share of the strength: it is kinematic, of infinite
-/// mass. Above that it slips: it has its own mass, and the holder pulls it towards its target with
-/// all of its share. Once the load is lower, the holder brings the point back, and it sticks again
-/// at its target. A share f of the strength acts as Coulomb friction, so that a slip comes to rest.
-/// Force F and velocity follow one monotone law:
+/// A point sticks while its load is below its share P of the strength S: it is kinematic, of
+/// infinite mass. Above that it slips: it has its own mass, and the holder pulls it towards its
+/// target with the force P. Once the load is lower, the holder brings the point back, and it sticks
+/// again at its target. A part f P acts as Coulomb friction, so that a slip comes to rest. The
+/// force F on the point and its velocity follow one monotone law:
 ///
-///   F = S                 while the point leaves,
-///   F from (1 - f) S to S while it stays behind its target, at rest relative to the holder,
-///   F up to (1 - f) S     while it comes back, at a speed of (distance / return_time) at most.
+///   F = P                 while the point moves away,
+///   F from (1 - f) P to P while it stays behind its target, at rest relative to the holder,
+///   F up to (1 - f) P     while it comes back, at a speed of (distance / return_time) at most.
 ///
-/// A held point that is moved against a collider slips, too: the collider is the stronger of both.
+/// A held point that is moved against a collider slips, too, so that the collider stops it.
 class Holders {
  public:
   /// Holds these points, with the holders' `strengths` [N]. Points that were held before keep their
@@ -58,26 +58,29 @@ class Holders {
   /// Puts a point at its target [m] at once, where it sticks.
   void place(std::size_t hold, const Vector3& target, State&);
 
-  /// To be called as a substep of h [s] begins, with colliders as they will be at its end. Points
-  /// that are pressed against these slip. Returns whether the set of points that stick has changed.
+  /// To be called as a substep of h [s] begins, with the colliders at their poses of its end.
+  /// Points that are pressed against a collider slip. Returns whether the set of points that stick
+  /// has changed.
   bool begin_substep(double h, const Cloth&, const std::vector<MovingCollider>&,
                      const Points& positions);
 
-  /// Finds the velocities wanted of slipping points, and applies their impulses of the last step.
+  /// Sets the velocities at which slipping points should return, and applies the impulses of the
+  /// last step.
   void warm_start(const Cloth&, const ContactStep&, State&);
   /// One pass over slipping points. Returns the largest change of a velocity [m/s].
   double solve_pass(Points& velocities);
 
-  /// After a substep of h [s]: decides which points slip, and which stick again. Returns whether
-  /// any did. `impulses`: of the cloth on each point that sticks [N s], N x 3. `scale`: h / (h
-  /// shortened by drag). A force through the whole substep loses a part to drag, an impulse of
-  /// solve_pass() acts after it: for the same effect the impulse of the force is larger by this.
+  /// After a substep of h [s]: lets points slip, or stick again. Returns whether any did.
+  /// `impulses`: of the cloth on each point that sticks [N s], N x 3. `scale`: h / (h shortened by
+  /// drag). A force through the whole substep loses a part to drag, an impulse of solve_pass() acts
+  /// after it: for the same effect the impulse of the force is larger by this factor.
   bool judge(const Cloth&, double h, double scale, const Vector3& gravity, const Points& impulses,
              State&);
 
-  /// Adds impulses [N s] of springs and bends of h [s] to points that stick.
+  /// Adds the impulses [N s] of springs and bends in a substep of h [s] to the rows of points that
+  /// stick.
   void add_spring_impulses(const Cloth&, double h, const State&, Points& impulses) const;
-  /// Zeroes the rows of all held points.
+  /// Sets the rows of all held points to zero.
   void clear_rows(Points& impulses) const;
 
   bool any_sticks() const { return slipping_ < points_.size(); }
@@ -126,7 +129,8 @@ class Holders {
     double mass = 0;  // [kg]
   };
 
-  /// A spring of a held point: k (l - L) u and w d, with their damping.
+  /// A pair of points, one of them held: a spring with the force k (l - L) u, a bend with the force
+  /// `bend` d, or both, with their damping. d leads from the held point to the other one.
   struct Spring {
     std::size_t point;  // in points_
     int other;

@@ -46,11 +46,11 @@ bool can_face(const Normals& a, const Normals& b);
 /// collider, else that of the point it lies upon plus the distance that both keep; of several
 /// chains of layers down to the collider the longest counts. A point is pinched if it needs more
 /// between both colliders than there is, or will be at the step's end. So one rule covers any
-/// number of layers.
+/// number of layers, in a gap of up to max_layer_height().
 class Stacks {
  public:
-  /// Largest distance between two colliders [m] that hold a cloth with `offset` from each: more
-  /// layers are a pile and no grip.
+  /// Largest distance [m] between two colliders that hold a cloth with `offset` from each: in a
+  /// wider gap the layers are a pile, which no grip holds.
   static double max_layer_height(const Cloth& cloth, double offset) {
     constexpr int max_layers = 8;
     return 2 * (offset + max_layers * cloth.thickness);

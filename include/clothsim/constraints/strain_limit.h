@@ -18,9 +18,9 @@
 namespace clothsim {
 
 /// Ratio of the strain tolerance to the residual of a substep's rates, since residuals add up from
-/// step to step. The target of the projection is inside the tolerance by its share 1 / precision:
-/// at the edge the last bits would take for ever, and farther inside springs that hold others up
-/// would go slack.
+/// step to step. The projection shortens springs to the tolerance less a share of 1 / precision of
+/// it: with the whole tolerance as target it would not end because of rounding, and with a smaller
+/// target springs that hold others up would go slack.
 inline constexpr double precision = 20;
 
 /// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
@@ -28,26 +28,27 @@ inline constexpr double precision = 20;
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
 /// mass, take its rate of elongation out of the velocities, and points follow (Moreau's time
 /// stepping; Jean 1999, "The non-smooth contact dynamics method"). Impulses are found by projected
-/// Gauss-Seidel with Nesterov's momentum, forth and back where it takes many passes. The warm start
-/// from the last step, from which impulses may shrink again, lets a hanging cloth start almost
-/// solved, and its rest shape does not depend on the order of the springs. Every impulse is equal
-/// and opposite, so momentum is conserved; impulses act along the springs as they lie in the middle
-/// of the step, so angular momentum is too.
+/// Gauss-Seidel with Nesterov's momentum, with passes forward and backward where many are needed.
+/// They start from those of the last step, so a hanging cloth starts almost solved. They may also
+/// shrink, so the rest shape does not depend on the order of the springs. Every impulse is equal
+/// and opposite, so momentum is conserved; impulses act along the directions of the springs in the
+/// middle of the step, so angular momentum is conserved, too.
 ///
-/// A violation beyond a tolerance, left by a shock, is projected out of positions alone: the
-/// velocities are solved already, and their change for this too would shake a soft cloth for ever.
+/// A violation beyond a tolerance, left by a shock, is projected out of positions alone. The
+/// velocities are solved already: if they changed as well, a soft cloth would shake for ever.
 ///
-/// The limit has a strength: a bound on the impulses that a step begins with, without which they
-/// would throw points from side to side. Where the bound acts, springs stretch beyond their limit,
-/// by their own stiffness, and the step has no projection.
+/// The limit has a strength: a bound on the impulses that a step begins with. Without it these
+/// impulses would throw points from side to side. Where the bound acts, the limit yields
+/// (gives_way()): springs stretch beyond their limit, against their own stiffness alone, and the
+/// step has no projection.
 ///
-/// Passes visit the springs at the limit alone; all are checked. They go by colour, no two springs
-/// of a colour sharing a point, so the result does not depend on how a colour is split over
-/// threads.
+/// Each step checks all springs, but passes visit only those at their limit. Passes go colour by
+/// colour; no two springs of a colour share a point, so the result does not depend on the division
+/// of a colour over threads.
 class StrainLimit {
  public:
-  /// Needs cloth.strain_limit; every other call must be given the same cloth, of whatever masses.
-  /// `budget`: for the visits of passes, if any.
+  /// Needs cloth.strain_limit; every other call must be given the same cloth, with any masses.
+  /// `budget`: counts the visits of passes, if given.
   explicit StrainLimit(const Cloth& cloth, WorkBudget* budget = nullptr);
 
   /// Begins a frame in which other causes add no more than `speed` [m/s] to the points. Springs
@@ -59,7 +60,7 @@ class StrainLimit {
   /// Makes the next step check all springs, whatever the speeds.
   void wake() { slack_ = 0; }
 
-  /// Inertia of the points for stable steps under its tension.
+  /// Inertia of the points for stable steps under the tension of the limit.
   TensionInertia& inertia() { return inertia_; }
   const TensionInertia& inertia() const { return inertia_; }
 
@@ -68,9 +69,9 @@ class StrainLimit {
   void warm_start(double h, double displacement_factor, State&);
 
   /// Finds the springs at their limit, and turns the warm-started impulses to their present
-  /// directions. Since warm_start() other constraints may have moved the points and changed their
-  /// velocities by their own warm starts. `before`: in that case the velocities at the step's
-  /// start; else none.
+  /// directions. After warm_start() other constraints may move the points and change their
+  /// velocities by their own warm starts: `before` must then be the velocities at the step's start,
+  /// else null.
   void prepare(const Cloth& cloth, double displacement_factor, State&, const Workers& = {},
                const Points* before = nullptr);
 
@@ -121,8 +122,8 @@ class StrainLimit {
   /// cloth.
   void add_strengths(double scale, std::vector<double>& sum) const;
 
-  /// Leaves springs to a holder that has both ends, which keeps their length whether these stick or
-  /// slip. `holder_of_point`: a number for each point, -1 for a free one.
+  /// Excludes springs with both ends at one holder from the limit: the holder keeps their length,
+  /// whether the ends stick or slip. `holder_of_point`: a number for each point, -1 for a free one.
   void leave_to_holders(const std::vector<int>& holder_of_point);
 
   /// Continues with the impulses of `last`, a limit on the same springs.
@@ -139,8 +140,8 @@ class StrainLimit {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  /// Springs that begin at neighbours, as many as a word has bits. A spring's id is 64 times its
-  /// piece's place in pieces_, plus its own in the piece.
+  /// Up to 64 parallel springs that begin at successive points: one for each bit of a word. A
+  /// spring's id is 64 times the place of its piece in pieces_, plus its place in the piece.
   struct Piece {
     enum { length = 64 };
 
@@ -220,7 +221,7 @@ class StrainLimit {
   int num_springs_;
 
   // The springs at their limit, in fours of one colour.
-  std::vector<FourSprings> active_;        // in the order of passes; more are left from before
+  std::vector<FourSprings> active_;        // in the order of passes; further ones are unused
   std::vector<int> ids_;                   // of their constraints, as active_; -1: no spring
   std::vector<double> lengths_;            // at the limit [m], as ids_
   std::vector<double> velocity_impulses_;  // given by warm_start() [m/s], as ids_
@@ -246,7 +247,7 @@ class StrainLimit {
   std::vector<double> tensions_;        // sum of T h / l of the last impulses, as touched_ [N s/m]
   std::vector<std::uint64_t> limited_;  // springs that no holder has
   std::vector<std::uint64_t> flags_;    // a bit for each constraint
-  std::vector<std::uint64_t> last_flags_;  // of the springs in active_; empty: of fewer
+  std::vector<std::uint64_t> last_flags_;  // those that active_ is for; empty: list it anew
   std::vector<PassChange> changes_;        // by segment
   std::vector<int> last_ids_;
   std::vector<double> last_velocity_impulses_;  // as last_ids_

@@ -19,29 +19,30 @@ struct GripForces {
   std::optional<double> strength;    // [N]
 };
 
-/// Points of a cloth that move with a frame, as in a hand.
+/// Points of a cloth that move with a tf frame, such as a hand.
 struct Grip {
   struct Held {
     int point;
-    Vector3 offset;  // in the frame [m]
+    Vector3 offset;  // in the tf frame [m]
   };
   std::vector<Held> held;
-  Pose pose;                         // of the frame, at the end of the next frame of simulation
-  std::optional<double> tear_force;  // beyond which it lets go [N]; empty: never
+  Pose pose;                         // of the tf frame, at the end of the next frame of simulation
+  std::optional<double> tear_force;  // beyond which the grip lets go [N]; empty: never
   std::optional<double> strength;    // largest pull [N]; empty: default_strength()
-  Wrench wrench;   // of the cloth on the frame, about its origin: mean of the last step
-  double lag = 0;  // largest distance of a point from its place in the frame [m]
+  Wrench wrench;   // of the cloth on the tf frame, about its origin: mean of the last step
+  double lag = 0;  // largest distance of a point from its place in the tf frame [m]
 };
 
-/// All grips of a simulation, by the name of their frame. Each of their points moves in a straight
-/// line through each frame of simulation.
+/// All grips of a simulation, by the name of their tf frame. Each of their points moves in a
+/// straight line through each frame of simulation.
 class Grips {
  public:
   const std::map<std::string, Grip>& all() const { return all_; }
   bool empty() const { return all_.empty(); }
 
   /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"}, {"strength"} and changes
-  /// nothing: for a point that is not of the cloth, or that `holders` have already.
+  /// nothing: for no points, a point that is not of the cloth, that is given twice or that
+  /// `holders` hold already, and for a force out of range.
   void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
               const GripForces&, const Holders& holders, const Points& positions);
 
@@ -52,8 +53,8 @@ class Grips {
 
   void clear() { all_.clear(); }
 
-  /// Calls visit(number of the grip, point, target [m]) for all points, in an order that stays
-  /// while nothing is attached or detached.
+  /// Calls visit(number of the grip, point, target [m]) for all points, in an order that is
+  /// constant while nothing is attached or detached.
   template <typename Visit>
   void for_each_held(Visit&& visit) const {
     int number = 0;
@@ -63,15 +64,15 @@ class Grips {
     }
   }
 
-  /// Sets wrenches and lags after a step of dt [s]. `first`: place of the grips' points in
-  /// `holders`.
+  /// Sets wrenches and lags after a step of dt [s]. `first`: number in `holders` of the first point
+  /// of the grips.
   void measure(const Cloth&, double dt, const Holders& holders, std::size_t first,
                const State& before, const State& after);
 
-  /// The points of grips whose force is beyond their tear force.
+  /// The points of the grips whose force exceeds their tear force.
   std::vector<int> torn() const;
 
-  /// For an archive that writes or reads its arguments.
+  /// For an archive, such as cereal's, that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(all_);

@@ -5,7 +5,7 @@
 
 namespace clothsim {
 
-/// Reasons for the integration of a frame, and for its shortcomings.
+/// Reasons for the method of a frame, and shortcomings of the frame.
 enum class Reason {
   // For the choice of a method.
   named_by_scene,
@@ -32,7 +32,7 @@ class Reasons {
   Reasons() = default;
   Reasons(Reason first, const std::string& detail = {}) { add(first, detail); }
 
-  /// `detail` ends the clause of that reason.
+  /// Adds a reason; `detail` is appended to its clause.
   void add(Reason, const std::string& detail = {});
 
   bool has(Reason reason) const { return all_.count(reason) > 0; }
@@ -41,7 +41,7 @@ class Reasons {
   /// A sentence with a clause for each reason, in the order of add().
   const std::string& text() const { return text_; }
 
-  /// For an archive that writes or reads its arguments.
+  /// For an archive, such as cereal's, that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(all_, text_);

@@ -7,7 +7,8 @@
 
 namespace clothsim {
 
-/// A copy of everything that moves, and of the cloth, outside the numbers of a memory.
+/// A copy of all data on which the next frames depend: the cloth, its state, the memory of the
+/// simulator (see Simulator::memory()), and the data that a memory does not contain.
 struct Simulator::Saved {
   Cloth cloth;
   State state;

@@ -18,7 +18,7 @@
 
 namespace clothsim {
 
-/// Results of one call of step(): of one frame, with its substeps.
+/// Results of one call of step(), which computes one frame in substeps.
 struct StepReport {
   std::string method;
   int substeps = 0;
@@ -26,11 +26,11 @@ struct StepReport {
   Reasons reasons;                        // for the method and its substeps
   int recoveries = 0;                     // repetitions of the frame after a failure
   int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
-  int corrections = 0;       // passes that projected springs still over the limit, in the same sum
+  int corrections = 0;       // passes that projected springs still over the limit, summed as well
   double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
   int contacts = 0;          // points on colliders plus self contacts, last substep
-  double added_mass = 0;     // largest inertia added for tension in a substep, over cloth's mass
-  int ran_out = 0;           // substeps whose method stopped iterating before its tolerance
+  double added_mass = 0;     // largest inertia added for tension in a substep / cloth's mass
+  int ran_out = 0;           // substeps in which the method stopped before its tolerance
   int held_back = 0;         // points truncated by the guard, summed over the substeps
   int pinched = 0;           // largest number in a substep of points without room between two
                              // colliders
@@ -42,14 +42,14 @@ struct StepReport {
 
 /// State of a pin or a grip over the last frame.
 struct HolderReport {
-  std::string name;  // of the grip's frame, or "pin [column, row]"
-  int first_point;   // of its points
+  std::string name;  // of the grip's tf frame, or "pin [column, row]"
+  int first_point;   // first of its points, an index in the cloth
   double strength;   // largest pull [N]
-  double force;      // pull, mean over the frame [N]
+  double force;      // sum over its points of the mean pull's magnitude in the frame [N]
   double lag;        // largest distance of a point from its place [m]; 0 where it sticks
 };
 
-/// Owns all state of a scene and advances it frame by frame. Not thread-safe.
+/// The simulation of a scene. Owns its state and advances it frame by frame. Not thread-safe.
 class Simulator {
  public:
   /// Throws InvalidValue.
@@ -58,17 +58,18 @@ class Simulator {
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  /// Advances one frame of 1 / frames_per_second. A frame that leaves the finite numbers or gains
-  /// unexplained energy is taken back. With method `auto` it is repeated with implicit Euler, which
-  /// stays until reset() or set(). If that fails, too, or with another method, throws Diverged and
-  /// keeps the last good frame. A frame that exceeds its budget of operations also throws Diverged.
-  /// The budget is one visit to each point in each pass of each possible substep; for the first
-  /// frame after set_state() it is about a second's work at 50 x 50 points.
+  /// Advances one frame of 1 / frames_per_second. A frame with numbers that are not finite, or with
+  /// more energy than work can explain, is taken back. With method `auto` it is repeated with
+  /// implicit Euler, which stays until reset() or set(). If that fails, too, or with another
+  /// method, throws Diverged and keeps the last good frame. A frame that exceeds its budget of
+  /// operations also throws Diverged. The budget is one visit to each point in each pass of each
+  /// possible substep; for the first frame after set_state() it is about a second's work at 50 x 50
+  /// points.
   StepReport step();
 
   /// step() calls `is_interrupted` between substeps, in its own thread. If it returns true, step()
-  /// throws Interrupted and keeps the frame before; the next one continues from there as after
-  /// set_state() without a memory. Empty, the default: no calls.
+  /// throws Interrupted and keeps the state of the frame before; the next step() continues from
+  /// there as after set_state() without a memory. An empty function, the default, is not called.
   void set_interrupt(std::function<bool()> is_interrupted);
 
   /// Back to the scene's start at time 0, with the present live values.
@@ -77,19 +78,20 @@ class Simulator {
   /// Sets the live values of the scene as loaded; nothing moves. Throws as set() does.
   void reset_values();
 
-  /// Replaces the scene, as a new simulator would; topology_seq() alone continues from its value.
-  /// Throws InvalidValue and changes nothing where the scene is refused.
+  /// Replaces the scene, with the effect of a new simulator, except that topology_seq() counts on
+  /// and that the settings of set_interrupt() and measure_wrenches() stay. Throws InvalidValue and
+  /// changes nothing where the scene is refused.
   void load(const Scene&);
 
   /// The data on which the next frames depend besides state(): warm-start impulses, a method's
-  /// history, changes after a failed frame. Numbers for set_state().
+  /// history, the change of method after a failed frame. To be passed to set_state().
   std::vector<double> memory() const;
 
   /// Continues from `state`; colliders and pins stay where they are. With the memory that belongs
-  /// to the state, to the same bits as then; without, as after a reset. Throws InvalidValue and
-  /// changes nothing for another number of points, numbers that are not finite, positions beyond
-  /// 1e12 m, velocities of 1000 m/s or more, a pin farther than 1 um from its place, and the memory
-  /// of another cloth or method.
+  /// to the state, the run continues to the same bits; without a memory, it continues as after a
+  /// reset. Throws InvalidValue and changes nothing for a wrong number of points, numbers that are
+  /// not finite, positions beyond 1e12 m, velocities of 1000 m/s or more, a pin farther than 1 um
+  /// from its place, and the memory of another cloth or method.
   void set_state(const State& state, const std::vector<double>& memory = {});
 
   /// Number of pairs of triangles that still cross after the last frame, with self collision
@@ -114,9 +116,9 @@ class Simulator {
   /// Memory of a copy [bytes], except for a few hundred.
   static std::size_t bytes_of(const Saved&);
 
-  /// Change values between frames. Throw InvalidValue and change nothing when refused, keys as of
-  /// validate(LiveSpec). Another thickness or kind of self collision clears the impulses of self
-  /// contact, and features that are too near then are pushed apart.
+  /// Change values between frames. Throw InvalidValue, with keys as in validate(LiveSpec), and
+  /// change nothing if a value is refused. Another thickness or kind of self collision clears the
+  /// impulses of self contact; features that are too near with it are pushed apart.
   void set(const LiveSpec&);
   void set(const Material&, const SimulationSpec&);
   void set_material(const Material&);
@@ -128,8 +130,8 @@ class Simulator {
   /// Sets `forces` [N], N x 3, a row for each point, in addition to gravity, from the next frame on
   /// until another call or reset(). No rows: no forces. The force on a held point does not move the
   /// point: it loads the pin or grip. Throws
-  /// InvalidValue with the key {"forces", "3", "0"} and changes nothing: for another number of
-  /// points, and for numbers that are not finite or beyond 1e6 N.
+  /// InvalidValue with the key {"forces", "3", "0"} and changes nothing: for a wrong number of
+  /// rows, and for numbers that are not finite or beyond 1e6 N.
   void set_forces(const Points& forces);
   const Points& forces() const;  // no rows: none
 
@@ -138,9 +140,9 @@ class Simulator {
   /// last substep.
   std::vector<double> tensions() const;
 
-  // Poses and points to move to: throw InvalidValue and change nothing beyond 1e12 m, for numbers
-  // that are not finite, and for an orientation that is no unit quaternion; std::out_of_range for
-  // an index or a frame that does not exist.
+  // The functions below that take a pose or a position throw InvalidValue and change nothing beyond
+  // 1e12 m, for numbers that are not finite, and for an orientation that is no unit quaternion.
+  // They throw std::out_of_range for an index or a tf frame that does not exist.
 
   /// Moves collider `index` (of scene().colliders) to `target` during the next frame, in a straight
   /// line with constant angular velocity. Without a call it stays.
@@ -163,10 +165,10 @@ class Simulator {
   /// From the next frame of simulation on, and until reset(), `points` follow a tf frame of that
   /// name, now at `pose`, with their present offsets in it, as long as their load is below the
   /// grip's strength: see Holders. If the mean force on the tf frame in one step() exceeds the tear
-  /// force, all its points are released. If attach() is called again for a tf frame, `forces` of
-  /// the last call apply to all its points. Throws InvalidValue
-  /// with the keys {"points", "3"}, {"tear_force"} or {"strength"} and changes nothing: without
-  /// points, for points that do not exist, given twice, pinned or attached.
+  /// force, all its points are released. If attach() is called again for a tf frame, the `forces`
+  /// of the last call apply to all its points. Throws InvalidValue with the keys {"points", "3"},
+  /// {"tear_force"} or {"strength"} and changes nothing: without points, for points that do not
+  /// exist, given twice, pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
               const GripForces& forces = {});
 
@@ -211,7 +213,7 @@ class Simulator {
   bool collider_enabled(int index) const;
   double frame_duration() const;  // [s]
 
-  /// The method of the next frame, as it was chosen or as it is after a failed frame.
+  /// The method of the next frame: the chosen one, or implicit Euler after a failed frame.
   const MethodChoice& choice() const;
 
   /// Counts up whenever the springs or the points of cloth() change.

@@ -8,47 +8,50 @@
 
 namespace clothsim {
 
-/// Largest displacement of a collider in a substep, of the shortest spring, and of one end of a
-/// spring relative to the other, of its length: half of it already tears points off or leaves too
-/// much to projection (see docs/experiments.md).
+/// Largest displacement in a substep: of a collider, as a share of the shortest spring, and of one
+/// end of a spring relative to the other, as a share of the spring's length. With 0.5 colliders
+/// tear points off, or too much is left to the projection (see docs/experiments.md).
 inline constexpr double way_share = 0.25;
 
-/// Substeps that a method needs for a frame of `dt` [s]: enough for h omega_max < `stability_limit`
-/// (infinity: no bound) at the present stretch, and, with a strain limit, enough for the tension of
-/// the whole weight on the springs of one point; at least `min_steps`. A function of its arguments
-/// alone, so that a run continues the same way from any state. At most max_substeps, whatever the
-/// material. `omega_max`: a known bound for springs of any stretch [rad/s].
+/// Number of substeps that a method needs for a frame of `dt` [s]: enough for h omega_max <
+/// `stability_limit` (infinity: no bound) at the present stretch and, with a strain limit, enough
+/// for the tension of the whole weight on the springs of one point; at least `min_steps`. It
+/// depends on the arguments alone, so that a run continues the same way from any state. At most
+/// max_substeps, whatever the material. `omega_max`: a known bound for springs of any stretch
+/// [rad/s].
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt, int min_steps = 1, const Workers& = {},
                    double omega_max = std::numeric_limits<double>::infinity());
 
-/// Substeps in which nothing that moves at `speed` [m/s] relative to the cloth passes more than a
-/// quarter of its shortest spring at once: otherwise springs would tear over a collider before
-/// their limit, and contact, can act. At most max_substeps.
+/// Number of substeps with which nothing that moves at `speed` [m/s] relative to the cloth passes
+/// more than a quarter of the shortest spring in one of them. Otherwise a collider would stretch
+/// springs too far before contact and the strain limit act. At most max_substeps.
 int substeps_at_speed(const Cloth&, double speed, double dt);
 
-/// Substeps in which the ends of no spring move by more than a quarter of its rest length relative
-/// to each other: the limit cannot restore a spring that has been torn open, or turned round,
-/// before it can act. At least `min_steps`, at most max_substeps.
+/// Number of substeps with which the ends of no spring move by more than a quarter of its rest
+/// length relative to each other in one of them. The strain limit cannot restore a spring that has
+/// been stretched or turned too far before the limit acts. At least `min_steps`, at most
+/// max_substeps.
 int substeps_at_parting(const Cloth&, const Points& velocities, double dt, int min_steps = 1);
 
-/// Substeps that follow a tension of the whole weight on the springs of one point, h omega = 1. At
-/// most max_substeps.
+/// Number of substeps with h omega = 1, where omega is the frequency of a point whose springs carry
+/// the whole weight. At most max_substeps.
 int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
 
-/// Substeps of a cloth that may touch something, or whose strain limit yields, under a tension that
-/// makes points oscillate at `frequency` [rad/s], but not more than for the whole weight, or a
-/// holder's `strength` [N], on the springs of one point; at least `min_steps`. Half as many where
-/// all contacts are `is_smooth`: edges, fingers and other layers do not hold a point across its
-/// springs. At most max_substeps.
+/// Number of substeps for a cloth that may touch something, or whose strain limit yields. The
+/// tension makes points oscillate at `frequency` [rad/s]; no more substeps are needed than for the
+/// whole weight, or a holder's `strength` [N] if that is more, on the springs of one point. At
+/// least `min_steps`, at most max_substeps. Half as many suffice if `is_smooth`: then no edge,
+/// finger or other layer holds a point across its springs.
 int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt,
                         int min_steps = 1, bool is_smooth = false, double strength = 0);
 
-/// Substeps in which the inertia added for tension is 1.5 % of the cloth's mass at most;
-/// `mass_ratio`: that of a single step as long as the frame of `dt` [s]. It grows with the square
-/// of the step, and with more, passes over the strain limit do not converge. Not more than where
-/// the springs on either side of every point carry the whole weight, as those of a taut chain do:
-/// where pins conflict with the limit, tension has no bound. At least `min_steps`.
+/// Number of substeps with which the inertia added for tension is at most 1.5 % of the cloth's
+/// mass: with more inertia, passes over the strain limit do not converge. `mass_ratio`: that
+/// inertia over the cloth's mass for a single step as long as the frame of `dt` [s]; it grows with
+/// the square of the step. At most as many as for a taut chain, where the springs on either side of
+/// every point carry the whole weight: where pins conflict with the limit, tension has no bound. At
+/// least `min_steps`.
 int substeps_at_mass_ratio(const Cloth&, const Vector3& gravity, double mass_ratio, double dt,
                            int min_steps = 1);
 
