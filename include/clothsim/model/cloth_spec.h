@@ -79,6 +79,8 @@ struct ClothSpec {
 
 /// Largest force of a pin or a grip [N].
 inline constexpr Range strength_range{1e-9, 1e12, "N"};
+/// Force at which points tear off a grip [N].
+inline constexpr Range tear_force_range{0, 1e12, "N"};
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);
