@@ -1,6 +1,7 @@
 // The impulses of a cloth on colliders in a step: those of contact, with opposite sign.
 
 #include <array>
+#include <cmath>
 
 #include "clothsim/constraints/collider_contacts.h"
 #include "clothsim/model/target_clones.h"
@@ -14,6 +15,7 @@ constexpr int block_size = ContactSlots::block;
 struct LaneSums {
   std::array<std::array<double, block_size>, 3> impulse{};  // [N s]
   std::array<std::array<double, block_size>, 3> moment{};   // about the origin [N m s]
+  std::array<double, block_size> normal{};                  // [N s]
 };
 
 /// Adds the impulses on the points of these blocks, none of which ends beyond `mass` and `x`.
@@ -36,6 +38,7 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
       const double fz =
           mass[i] * (b.normal_impulse[lane] * b.normal.z[lane] + b.friction_impulse.z[lane]);
       const double rx = x.x[i] - ox, ry = x.y[i] - oy, rz = x.z[i] - oz;
+      s.normal[l] += mass[i] * b.normal_impulse[lane];
       s.impulse[0][l] += fx;
       s.impulse[1][l] += fy;
       s.impulse[2][l] += fz;
@@ -47,20 +50,18 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
   sums = s;
 }
 
+double total(const std::array<double, block_size>& lanes) {
+  return Eigen::Map<const Eigen::Array<double, block_size, 1>>(lanes.data()).sum();
+}
+
 Vector3 total(const std::array<std::array<double, block_size>, 3>& lanes) {
-  Vector3 sum;
-  for (int axis = 0; axis < 3; ++axis) {
-    sum[axis] = Eigen::Map<const Eigen::Array<double, block_size, 1>>(
-                    lanes[static_cast<std::size_t>(axis)].data())
-                    .sum();
-  }
-  return sum;
+  return {total(lanes[0]), total(lanes[1]), total(lanes[2])};
 }
 
 }  // namespace
 
 void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3& origin,
-                                const Points& positions, Wrench& sum) const {
+                                const Points& positions, ContactLoad& sum) const {
   if (active_.empty()) return;
   LaneSums lanes;
   const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
@@ -76,13 +77,14 @@ void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3&
     }
     add_up(&zero, 1, &at(b), mass, origin, x.run(), lanes);
   }
-  sum.force -= scale * total(lanes.impulse);
-  sum.torque -= scale * total(lanes.moment);
+  sum.wrench.force -= scale * total(lanes.impulse);
+  sum.wrench.torque -= scale * total(lanes.moment);
+  sum.normal_force += scale * total(lanes.normal);
 }
 
 void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                 double scale, const Points& positions,
-                                std::vector<Wrench>& sums) const {
+                                std::vector<ContactLoad>& sums) const {
   for (const Contact& c : list_.contacts()) {
     if (c.impulse.normal_impulse == 0) continue;
     const auto collider = static_cast<std::size_t>(collider_of(c));
@@ -90,30 +92,35 @@ void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, co
     const Vector3 impulse = scale * c.impulse.total();
     for (std::size_t k = 0; k < 3; ++k) {
       const int i = c.points[k];
-      sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.moves[k] * impulse);
+      const double share = cloth.mass[i] * c.moves[k];
+      sums[collider].normal_force += share * scale * c.impulse.normal_impulse;
+      sums[collider].wrench.add(row(positions, i) - origin, -share * impulse);
     }
   }
 }
 
 void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                           double scale, const Points& positions, std::vector<Wrench>& sums) const {
+                           double scale, const Points& positions,
+                           std::vector<ContactLoad>& sums) const {
   for (const Pinch& p : pinches_) {
     const auto put_on = [&](const MovingCollider& collider, const Vector3& change) {
-      sums[static_cast<std::size_t>(&collider - colliders.data())].add(
-          row(positions, p.point) - collider.pose().position,
-          -scale * cloth.mass[p.point] * change);
+      ContactLoad& sum = sums[static_cast<std::size_t>(&collider - colliders.data())];
+      const Vector3 impulse = scale * cloth.mass[p.point] * change;
+      sum.wrench.add(row(positions, p.point) - collider.pose().position, -impulse);
+      sum.normal_force += std::abs(p.across.dot(impulse));
     };
     const Vector3 across = p.across.dot(p.given) * p.across;
     const Vector3 along = p.given - across;
-    put_on(p.across.dot(p.given) > 0 ? *p.a : *p.b, across);
-    put_on(*p.a, (1 - p.share_of_b) * along);
-    put_on(*p.b, p.share_of_b * along);
+    const Vector3 pressed = p.touching * p.normal_impulse / cloth.mass[p.point] * p.across;
+    const bool a_pushes = p.across.dot(p.given) > 0;
+    put_on(*p.a, (1 - p.share_of_b) * along + pressed + (a_pushes ? across : Vector3::Zero()));
+    put_on(*p.b, p.share_of_b * along - pressed + (a_pushes ? Vector3::Zero() : across));
   }
 }
 
 void ColliderContacts::add_impulses(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, double scale, const Points& positions,
-                                    std::vector<Wrench>& sums) const {
+                                    std::vector<ContactLoad>& sums) const {
   for (std::size_t k = 0; k < caches_.size(); ++k) {
     caches_[k].slots.add_impulses(cloth, scale, colliders[k].pose().position, positions, sums[k]);
   }

@@ -58,8 +58,7 @@ ContactList::Last::Last(const ContactList& list, std::uint64_t first)
 
 const Contact* ContactList::Last::of(std::uint64_t key) {
   while (next_ != end_ && next_->key < key) ++next_;
-  return next_ != end_ && next_->key == key && next_->impulse.normal_impulse > 0 ? &*next_
-                                                                                 : nullptr;
+  return next_ != end_ && next_->key == key && next_->impulse.acts() ? &*next_ : nullptr;
 }
 
 void ContactList::add(const std::vector<Contact>& contacts) {
@@ -75,7 +74,7 @@ void ContactList::warm_start(double scale, Points& velocities) {
   if (contacts_.empty()) return;
   changed_.mark_all(static_cast<int>(velocities.rows()));
   for (Contact& c : contacts_) {
-    if (c.impulse.normal_impulse == 0) continue;
+    if (c.impulse.friction_impulse.isZero(0) && c.impulse.normal_impulse == 0) continue;
     c.impulse.warm_start(scale);
     c.give(c.impulse.total(), velocities);
   }
@@ -156,7 +155,7 @@ double ContactList::solve_group(const std::vector<Place>& places, double min_cha
     if (!changed_.any(place.points)) continue;
     Contact& c = contacts_[static_cast<std::size_t>(place.contact)];
     const Vector3 v = weighted_sum(c.points, c.weights, velocities);
-    if (c.impulse.normal_impulse == 0 && c.impulse.normal.dot(v) >= c.impulse.target_velocity) {
+    if (!c.impulse.acts() && c.impulse.normal.dot(v) >= c.impulse.target_velocity) {
       continue;
     }
     if (c.mass == 0) continue;
@@ -169,29 +168,36 @@ double ContactList::solve_group(const std::vector<Place>& places, double min_cha
   return std::sqrt(residual2);
 }
 
-void ContactList::release_pinched(const Pinches& pinches, double strongest, Points& velocities) {
+void ContactList::release_pinched(Pinches& pinches, double strongest, Points& velocities) {
+  const auto count = [&](const Contact& c, const auto& is_counted) {
+    int result = 0;
+    for (std::size_t k = 0; k < 4; ++k) result += c.weights[k] != 0 && is_counted(c.points[k]);
+    return result;
+  };
+  std::vector<Contact*> squeezed;
   for (Contact& c : contacts_) {
-    int points = 0, held = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (c.weights[k] == 0) continue;
-      ++points;
-      held += pinches.holds(c.points[k]);
-    }
+    const int held = count(c, [&](int point) { return pinches.holds(point); });
     if (held == 0) continue;
-    const Vector3 given = c.impulse.total();
-    if (held == points) {
-      c.impulse.let_go();
-    } else {
-      c.impulse.weaken(strongest);
+    if (held == count(c, [](int) { return true; })) {
+      pinches.add_layer_contact(c.points, c.weights, c.impulse.normal);
+      squeezed.push_back(&c);
+      continue;
     }
+    const Vector3 given = c.impulse.total();
+    c.impulse.weaken(strongest);
     c.give(c.impulse.total() - given, velocities);
+  }
+  for (Contact* c : squeezed) {
+    const Vector3 given = c->impulse.total();
+    c->impulse.leave_normal_to(
+        pinches.layer_normal_impulse(c->points, c->weights, c->impulse.normal));
+    c->give(c->impulse.total() - given, velocities);
   }
 }
 
 int ContactList::count() const {
-  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(), [](const Contact& c) {
-    return c.impulse.normal_impulse > 0;
-  }));
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const Contact& c) { return c.impulse.acts(); }));
 }
 
 void ContactList::reset() {
@@ -204,7 +210,7 @@ void ContactList::write(MemoryWriter& memory) const {
   memory.add(h_);
   memory.add(count());
   for (const Contact& c : contacts_) {
-    if (c.impulse.normal_impulse == 0) continue;
+    if (!c.impulse.acts()) continue;
     std::uint64_t rest = c.key;
     for (int k = 0; k < key_parts; ++k) {
       memory.add(static_cast<double>(rest >> (64 - key_bits)));

@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/model/compression.h"
+
 namespace clothsim {
 namespace {
 
-/// Largest pull of the strain limit along two colliders that all points between them bear, in
-/// weights of the whole cloth: as for a gripper that lifts it by one point and shakes it. With ten,
-/// fingers that pull it from its pins stretched it by 70 to 90 %.
-constexpr double strongest_grip = 3;
-
-Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
-  return (normal_a - normal_b).normalized();
+/// From the place on collider a that is nearest to a point to the one on b: beside an edge the
+/// normals also lead outwards. Where both nearly touch, along the normals.
+Vector3 direction_across(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b) {
+  const Vector3 normals = a.normal - b.normal;
+  const Vector3 places = a.distance * a.normal - b.distance * b.normal;
+  const double length = places.norm();
+  const bool is_apart =
+      a.distance > 0 && b.distance > 0 && length > solid_share * (a.layer_height + b.layer_height);
+  return is_apart ? Vector3(places / length) : normals.normalized();
 }
 
 /// Friction at a point on one side: that of the collider, or the least in a row of layers.
@@ -21,12 +26,23 @@ double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
   return side.touches ? of_collider : std::min(of_collider, cloth.friction);
 }
 
-/// Firmness of that grip: surfaces rub in series, with a compliance of 1 / friction each.
-double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
-  if (friction_of(side, cloth) == 0) return 0;
-  const double layers = (side.layer_height - cloth.offset) / (2 * cloth.thickness);
-  const double yield = 1 / side.collider->friction();
-  return 1 / (side.touches ? yield : yield + layers / cloth.friction);
+/// Time in which a single layer comes into equilibrium between both [s].
+constexpr double settling_time = 0.05;
+
+/// Displacement in h [s] of a point towards its equilibrium, in the direction of b [m]: all layers
+/// are compressed to the same share of their thickness.
+double settling_way(const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b,
+                    double h) {
+  if (!a.touches || !b.touches) return 0;
+  const double gap = a.distance + b.distance;
+  const double place = gap * a.layer_height / (a.layer_height + b.layer_height);
+  const double longest = recovery_speed * h;
+  return std::clamp((place - a.distance) * std::min(1.0, h / settling_time), -longest, longest);
+}
+
+/// Friction of a collider on a point: on others than those of the outer layers it has none.
+double acting_friction(const Pinches::ColliderDistance& side) {
+  return side.touches ? side.collider->friction() : 0;
 }
 
 /// Is the wedge between them so narrow that friction keeps its content from slipping out? It is
@@ -50,54 +66,68 @@ void Pinches::start_over(double h, double gravity) {
   h_ = h;
   gravity_ = gravity;
   pinches_.clear();
-  collider_pairs_.clear();
   held_.clear();
-}
-
-std::size_t Pinches::pair_of(const MovingCollider& a, const MovingCollider& b) {
-  const auto known =
-      std::find_if(collider_pairs_.begin(), collider_pairs_.end(), [&](const ColliderPair& pair) {
-        return (pair.a == &a && pair.b == &b) || (pair.a == &b && pair.b == &a);
-      });
-  if (known != collider_pairs_.end()) {
-    return static_cast<std::size_t>(known - collider_pairs_.begin());
-  }
-  collider_pairs_.push_back({&a, &b, 0});
-  return collider_pairs_.size() - 1;
 }
 
 bool Pinches::face_each_other(const Vector3& a, const Vector3& b) { return a.dot(b) <= -facing; }
 
-bool Pinches::leave_no_room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
-                            double h) {
-  const Vector3 across = direction_across(a.normal, b.normal);
+double Pinches::room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
+                     double h) {
+  const Vector3 across = direction_across(a, b);
   const double opening = across.dot(b.collider->velocity_at(x) - a.collider->velocity_at(x));
-  return a.distance + b.distance + h * opening <= a.layer_height + b.layer_height;
+  return (a.distance + b.distance + h * opening) / (a.layer_height + b.layer_height);
 }
 
 void Pinches::add(int point, const Vector3& x, const ColliderDistance& a, const ColliderDistance& b,
-                  const Cloth& cloth) {
+                  double area, const Cloth& cloth) {
   if (cloth.inv_mass[point] == 0 || holds(point)) return;
   if (held_.empty()) held_.assign(static_cast<std::size_t>(cloth.num_points()), 0);
   held_[static_cast<std::size_t>(point)] = 1;
   number_.resize(held_.size());
   number_[static_cast<std::size_t>(point)] = static_cast<int>(pinches_.size());
 
-  const Vector3 across = direction_across(a.normal, b.normal);
+  const Vector3 across = direction_across(a, b);
   const Vector3 of_a = (a.collider->carried(x) - x) / h_, of_b = (b.collider->carried(x) - x) / h_;
   const double share = share_across(a, b);
   const double rate = across.dot((1 - share) * of_a + share * of_b);
-  const double firm_a = firmness_of(a, cloth), firm_b = firmness_of(b, cloth);
+  const double friction_a = acting_friction(a), friction_b = acting_friction(b);
+  const double friction = friction_a + friction_b;
   const bool sticks =
-      firm_a + firm_b > 0 && jams(a.normal, b.normal, friction_of(a, cloth), friction_of(b, cloth));
-  const double share_of_b = sticks ? firm_b / (firm_a + firm_b) : 0.5;
+      friction > 0 && jams(a.normal, b.normal, friction_of(a, cloth), friction_of(b, cloth));
+  const double share_of_b = sticks ? friction_b / friction : 0.5;
   const Vector3 along = (1 - share_of_b) * of_a + share_of_b * of_b;
-  const double grip = sticks ? strongest_grip * weight(cloth) * cloth.inv_mass[point] : 0;
-  const std::size_t pair = pair_of(*a.collider, *b.collider);
-  if (sticks) ++collider_pairs_[pair].points;
+  const double pressure = compression_pressure(cloth.compression, room(a, b, x, h_));
+  const double normal_impulse = h_ * area * pressure;
+  const double max_friction = sticks ? friction * normal_impulse * cloth.inv_mass[point] : 0;
   pinches_.push_back({point, along + (rate - across.dot(along)) * across, across, a.collider,
-                      b.collider, share_of_b, grip, pair, Vector3::Zero(), Vector3::Zero(),
-                      Vector3::Zero(), !sticks});
+                      b.collider, share_of_b, normal_impulse, (a.touches + b.touches) / 2.0,
+                      max_friction, settling_way(a, b, h_), !sticks});
+}
+
+std::size_t Pinches::side_of(const Pinch& pinch, double weight, const Vector3& normal) {
+  return weight * normal.dot(pinch.across) > 0 ? 0 : 1;
+}
+
+void Pinches::add_layer_contact(const std::array<int, 4>& points,
+                                const std::array<double, 4>& weights, const Vector3& normal) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (weights[k] == 0) continue;
+    Pinch& pinch = pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(points[k])])];
+    pinch.contacts[side_of(pinch, weights[k], normal)] += std::abs(weights[k]);
+  }
+}
+
+double Pinches::layer_normal_impulse(const std::array<int, 4>& points,
+                                     const std::array<double, 4>& weights,
+                                     const Vector3& normal) const {
+  double sum = 0;  // of both features
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (weights[k] == 0) continue;
+    const Pinch& pinch = pinch_of(points[k]);
+    sum += std::abs(weights[k]) * pinch.normal_impulse /
+           pinch.contacts[side_of(pinch, weights[k], normal)];
+  }
+  return sum / 2;
 }
 
 double Pinches::solve_pass(Points& velocities) {
@@ -105,41 +135,29 @@ double Pinches::solve_pass(Points& velocities) {
   for (Pinch& p : pinches_) {
     const Vector3 wanted = p.given + p.velocity - row(velocities, p.point);
     const Vector3 across = p.across.dot(wanted) * p.across;
-    const Vector3 along = p.grip > 0 ? Vector3(wanted - across + slip(p)) : Vector3::Zero();
+    Vector3 along = wanted - across;
+    const double needed = along.norm();
+    p.slips = needed > p.max_friction;
+    if (p.slips) along *= p.max_friction / needed;
     const Vector3 change = across + along - p.given;
     p.given += change;
     velocities.row(p.point) += change.transpose();
-    p.left = row(velocities, p.point);
     largest2 = std::max(largest2, change.squaredNorm());
   }
   return std::sqrt(largest2);
 }
 
-/// Velocity along both by the excess of the strain limit's pull over the grip [m/s].
-Vector3 Pinches::slip(Pinch& p) const {
-  const Vector3 pull = p.pull - p.across.dot(p.pull) * p.across;
-  const double strength = pull.norm(), strongest = p.grip / collider_pairs_[p.pair].points;
-  p.slips = strength > strongest;
-  return p.slips ? Vector3((1 - strongest / strength) * pull) : Vector3::Zero();
-}
-
-void Pinches::set_pulls(const Points& given) {
-  for (Pinch& p : pinches_) p.pull = row(given, p.point);
-}
-
-void Pinches::add_pulls(const Points& velocities) {
-  for (Pinch& p : pinches_) p.pull += row(velocities, p.point) - p.left;
-}
-
 int Pinches::slipping() const {
-  return static_cast<int>(std::count_if(pinches_.begin(), pinches_.end(),
-                                        [](const Pinch& p) { return p.grip > 0 && p.slips; }));
+  return static_cast<int>(std::count_if(pinches_.begin(), pinches_.end(), [](const Pinch& p) {
+    return p.max_friction > 0 && p.slips;
+  }));
 }
 
 void Pinches::project_positions(const Points& start, Points& positions) const {
   for (const Pinch& p : pinches_) {
     Vector3 back = row(start, p.point) + h_ * p.velocity - row(positions, p.point);
     if (p.slips) back = p.across.dot(back) * p.across;
+    back += p.settling * p.across;
     positions.row(p.point) += back.transpose();
   }
 }

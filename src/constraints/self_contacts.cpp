@@ -15,9 +15,10 @@ void SelfContacts::refresh(const Cloth& cloth, const ContactStep& step, State& s
   contacts_.warm_start_again(state.velocities);
 }
 
-/// Colliders alone move pinched points. The impulse on contacts that are pinched in part is
-/// bounded: their other points would have to leap to keep their distance.
-void SelfContacts::release_pinched(const Pinches& pinches, Points& velocities) {
+/// Colliders alone move pinched points across, and layers only rub on each other. The impulse on
+/// contacts that are pinched in part is bounded: their other points would have to leap to keep
+/// their distance.
+void SelfContacts::release_pinched(Pinches& pinches, Points& velocities) {
   contacts_.release_pinched(pinches, Pinches::max_overlap_impulse * weight_, velocities);
 }
 

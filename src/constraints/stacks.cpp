@@ -74,6 +74,13 @@ class ContactPointIndex {
     return found == triangles_.end() ? std::vector<const ContactPoint*>() : found->second;
   }
 
+  /// Whether a contact lies within a triangle none of whose corners touches the collider itself.
+  bool lies_between_points(const ContactPoint& f) const {
+    return f.triangle != ContactPoint::no_triangle &&
+           std::none_of(f.points.begin(), f.points.end(),
+                        [&](int point) { return points_.count(point) > 0; });
+  }
+
   /// Distance of the collider from a contact of the other one. It touches there if it touches the
   /// points.
   Pinches::ColliderDistance beyond(const ContactPoint& f, const Points& start) const {
@@ -132,44 +139,52 @@ void Stacks::pinch(const ContactManifold& all_of_a, const ContactManifold& all_o
     // Layers that are hit faster than recovery_speed are no grip: impulses let piles fly apart.
     const double speed = (b.collider.velocity_at(x) - a.collider.velocity_at(x)).norm();
     if (!node.is_between && speed > recovery_speed) continue;
-    if (Pinches::leave_no_room(node.a, node.b, x, h)) {
-      pinches.add(node.point, x, node.a, node.b, cloth);
-    }
+    if (Pinches::room(node.a, node.b, x, h) > 1) continue;
+    const double area = node.share * cloth.mass[node.point] * cloth.area_per_mass;
+    pinches.add(node.point, x, node.a, node.b, area, cloth);
   }
 }
 
 void Stacks::add_contact_points(const ContactManifold& a, const ContactManifold& b,
                                 const Points& start) {
   const ContactPointIndex on_a(a), on_b(b);
-  const auto take = [&](const ContactPoint& f, const Pinches::ColliderDistance& of_a,
+  const auto take = [&](const ContactPoint& f, const ContactPointIndex& own,
+                        const Pinches::ColliderDistance& of_a,
                         const Pinches::ColliderDistance& of_b) {
     if (!Pinches::face_each_other(of_a.normal, of_b.normal)) return;
-    for (const int i : f.points) add(i, of_a, of_b);
+    if (f.triangle == ContactPoint::no_triangle) return add(f.points[0], of_a, of_b, 1);
+    // Beyond a corner that touches, the collider covers what is nearer to another one.
+    const double covered = own.lies_between_points(f) ? 0 : 0.5;
+    for (std::size_t k = 0; k < 3; ++k) {
+      add(f.points[k], of_a, of_b, std::max(0.0, f.weights[k] - covered));
+    }
   };
   for (const ContactPoint& f : a.contact_points) {
     const Pinches::ColliderDistance of_a = own_distance(a, f, start);
     const auto same = on_b.on(f.triangle);
-    if (same.empty()) take(f, of_a, on_b.beyond(f, start));
-    for (const ContactPoint* other : same) take(f, of_a, own_distance(b, *other, start));
+    if (same.empty()) take(f, on_a, of_a, on_b.beyond(f, start));
+    for (const ContactPoint* other : same) take(f, on_a, of_a, own_distance(b, *other, start));
   }
   for (const ContactPoint& f : b.contact_points) {
-    if (on_a.on(f.triangle).empty()) take(f, on_a.beyond(f, start), own_distance(b, f, start));
+    if (on_a.on(f.triangle).empty())
+      take(f, on_b, on_a.beyond(f, start), own_distance(b, f, start));
   }
 }
 
-void Stacks::add(int point, const Pinches::ColliderDistance& a,
-                 const Pinches::ColliderDistance& b) {
+void Stacks::add(int point, const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b,
+                 double share) {
   const bool is_between = a.touches && b.touches;
   int& number = node_of_[static_cast<std::size_t>(point)];
   if (number < 0) {
     number = static_cast<int>(nodes_.size());
-    nodes_.push_back({point, is_between, a, b});
+    nodes_.push_back({point, is_between, a, b, share});
     return;
   }
   Node& node = nodes_[static_cast<std::size_t>(number)];
   const bool is_nearer = a.distance + b.distance < node.a.distance + node.b.distance;
   const bool counts = is_between == node.is_between ? is_nearer : is_between;
   node.is_between = node.is_between || is_between;
+  node.share = std::max(node.share, share);
   const auto merge = [&](Pinches::ColliderDistance& side, const Pinches::ColliderDistance& now) {
     if (counts) {
       side.normal = now.normal;
@@ -192,7 +207,7 @@ int Stacks::node_between(int point, const ContactManifold& a, const ContactManif
   if (of_a.distance > max_distance) return number;
   const Pinches::ColliderDistance of_b = distance_to(b, x);
   if (of_a.distance + of_b.distance > max_distance) return number;
-  if (Pinches::face_each_other(of_a.normal, of_b.normal)) add(point, of_a, of_b);
+  if (Pinches::face_each_other(of_a.normal, of_b.normal)) add(point, of_a, of_b, 1);
   return number;
 }
 

@@ -17,6 +17,7 @@ constexpr Range strain_limit_range{0, 1000, ""};
 constexpr Range length_range{1e-6, 1e4, "m"};
 constexpr Range origin_range{-1e6, 1e6, "m"};
 constexpr Range thickness_range{1e-6, 1e3, "m"};
+constexpr Range compression_range{1, 1e12, "Pa"};
 constexpr Range friction_range{0, 1e6, ""};
 
 /// More points are taken for a typing mistake.
@@ -131,6 +132,7 @@ void validate(const ClothSpec& spec) {
   validate(spec.material);
   check_shear(spec);
   validate_contact(spec.thickness, spec.friction);
+  if (spec.compression) check_range("compression", *spec.compression, compression_range);
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {
     throw InvalidValue({"self_collision"}, "surface",
                        "points: a cloth of one column or row has no surface");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "clothsim/model/compression.h"
 #include "clothsim/model/fabric.h"
 
 namespace clothsim {
@@ -121,6 +122,15 @@ void add_triangles(const ClothSpec& spec, Cloth& cloth) {
   }
 }
 
+/// Compression modulus [Pa] with which the weight of the whole cloth compresses a point of mean
+/// area to share_under_weight.
+double default_compression(const Cloth& cloth, double gravity) {
+  const double mass = cloth.mass.sum();
+  const double area = cloth.area_per_mass * mass / cloth.num_points();
+  const double pressure = mass * std::max(gravity, min_gravity) / area;
+  return pressure / compression_pressure(1, share_under_weight);
+}
+
 }  // namespace
 
 Cloth make_grid(const ClothSpec& spec, double gravity) {
@@ -149,6 +159,9 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   } else {
     add_classic(spec, spacing, cloth);
   }
+
+  cloth.area_per_mass = spec.width * spec.height / cloth.mass.sum();
+  cloth.compression = spec.compression.value_or(default_compression(cloth, gravity));
 
   // A pin is a point of infinite mass.
   for (const Pin& pin : spec.pinned) {

@@ -50,6 +50,11 @@ void serialize(Archive& archive, clothsim::Wrench& wrench) {
 }
 
 template <class Archive>
+void serialize(Archive& archive, clothsim::ContactLoad& load) {
+  archive(load.wrench, load.normal_force);
+}
+
+template <class Archive>
 void serialize(Archive& archive, clothsim::State& state) {
   archive(state.positions, state.velocities, state.time);
 }
@@ -121,7 +126,7 @@ void serialize(Archive& archive, clothsim::RunReport& report) {
 /// Shapes and friction of colliders belong to the scene, and so does the cloth.
 template <class Archive>
 void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
-  archive(saved.state, saved.memory, saved.pin_targets, saved.grips, saved.collider_wrenches,
+  archive(saved.state, saved.memory, saved.pin_targets, saved.grips, saved.collider_loads,
           saved.forces, saved.last_substep, saved.given_crossings, saved.frame_duration,
           saved.gravity);
   for (clothsim::MovingCollider& collider : saved.colliders) {

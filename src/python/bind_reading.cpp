@@ -74,13 +74,16 @@ py::dict contacts(Simulation& simulation) {
     py::dict all;
     const std::vector<clothsim::Touch> touches = clothsim::find_touches(simulator);
     for (std::size_t i = 0; i < touches.size(); ++i) {
-      const clothsim::Wrench& wrench = simulator.collider_wrenches()[i];
+      const clothsim::ContactLoad& load = simulator.collider_loads()[i];
       const bool is_measured = simulator.measures_wrenches();
       all[py::str(simulator.scene().colliders[i].name)] =
           py::dict(py::arg("count") = touches[i].count,
                    py::arg("middle") = array_if(touches[i].count > 0, touches[i].middle),
-                   py::arg("force") = array_if(is_measured, wrench.force),
-                   py::arg("torque") = array_if(is_measured, wrench.torque));
+                   py::arg("area") = touches[i].area,
+                   py::arg("normal_force") =
+                       is_measured ? py::object(py::float_(load.normal_force)) : py::none(),
+                   py::arg("force") = array_if(is_measured, load.wrench.force),
+                   py::arg("torque") = array_if(is_measured, load.wrench.torque));
     }
     return all;
   });
@@ -124,6 +127,9 @@ void bind_reading(SimulationClass& simulator) {
           "contacts", &contacts,
           "Where the cloth lies on each collider, by name: {'count': points, and triangles that "
           "touch with none of their corners; 'middle': mean of these places [3] [m], or None; "
+          "'area' of the cloth that touches [m^2]; 'normal_force' [N], the sum of the magnitudes "
+          "of all normal forces: between fingers it is the squeeze, and friction is up to mu times "
+          "it; "
           "'force' [3] [N] of the cloth on the collider and 'torque' [3] [N m] about the origin of "
           "its frame, in the world, the mean of the last frame: the force of a cloth at rest is "
           "its weight. None unless weighs_colliders is set, zero before the first frame then}.")

@@ -32,7 +32,7 @@ SavedState read_state(const std::string& bytes, Run& run) {
   const clothsim::State& moved = saved->state;
   if (moved.positions.rows() != points || moved.velocities.rows() != points ||
       saved->pin_targets.size() != pins ||
-      saved->collider_wrenches.size() != saved->colliders.size()) {
+      saved->collider_loads.size() != saved->colliders.size()) {
     throw clothsim::InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
   saved->grips.for_each_held(

@@ -21,13 +21,16 @@ clothsim::Contacts to_contacts_msg(const clothsim::Simulator& simulator) {
   const std::vector<clothsim::ColliderSpec>& colliders = simulator.scene().colliders;
   const std::vector<clothsim::Touch> touches = clothsim::find_touches(simulator);
   for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const clothsim::ContactLoad& load = simulator.collider_loads()[i];
     clothsim::ContactWrench of_one;
     of_one.name = colliders[i].name;
     of_one.frame = colliders[i].frame;
-    of_one.wrench = to_wrench_msg(simulator.collider_wrenches()[i]);
+    of_one.wrench = to_wrench_msg(load.wrench);
+    of_one.normal_force = load.normal_force;
     of_one.origin = to_point_msg(simulator.collider_pose(static_cast<int>(i)).position);
     of_one.count = static_cast<std::uint32_t>(touches[i].count);
     of_one.middle = to_point_msg(touches[i].middle);
+    of_one.area = touches[i].area;
     msg.colliders.push_back(std::move(of_one));
   }
   return msg;
@@ -91,7 +94,7 @@ void ContactTopics::publish(const ros::Time& stamp, std::uint64_t step) {
   for (const WrenchTopic& topic : wrenches_) {
     if (topic.publisher.getNumSubscribers() == 0) continue;
     geometry_msgs::WrenchStamped msg = to_stamped_wrench_msg(
-        simulator_.collider_wrenches()[topic.collider],
+        simulator_.collider_loads()[topic.collider].wrench,
         simulator_.scene().colliders[topic.collider],
         simulator_.collider_pose(static_cast<int>(topic.collider)), world_frame_);
     msg.header.stamp = stamp;

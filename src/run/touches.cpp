@@ -21,15 +21,20 @@ void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
     if (distances[i] > reach) continue;
     ++touch.count;
     touch.middle += row(local, i);
+    touch.area += cloth.mass[i] * cloth.area_per_mass;
   }
   if (!keeps.faces) return;
-  for (const auto& [a, b, c] : cloth.triangles) {
+  for (const std::array<int, 3>& points : cloth.triangles) {
+    const auto [a, b, c] = points;
     if (distances[a] <= reach || distances[b] <= reach || distances[c] <= reach) continue;
     const Triangle corners = {row(local, a), row(local, b), row(local, c)};
     const auto nearest = face_distance(shape, corners, reach);
     if (!nearest) continue;
     ++touch.count;
-    for (std::size_t i = 0; i < 3; ++i) touch.middle += nearest->weights[i] * corners[i];
+    for (std::size_t i = 0; i < 3; ++i) {
+      touch.middle += nearest->weights[i] * corners[i];
+      touch.area += nearest->weights[i] * cloth.mass[points[i]] * cloth.area_per_mass;
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "clothsim/scene/fabric_yaml.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "clothsim/model/checks.h"
@@ -12,6 +13,9 @@ namespace clothsim {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Of measured pressures [Pa] and thicknesses [m].
+constexpr Range measured_range{1e-9, 1e9, ""};
 
 constexpr std::array<const char*, 5> fabric_keys = {
     "fabric", "stretch_stiffness", "shear_stiffness", "bending_stiffness", "internal_damping"};
@@ -37,6 +41,42 @@ std::string fabric_file(const std::string& name, const fs::path& folder) {
   throw InvalidValue({}, '"' + name + '"', "one of " + join(known) + ", or a path of a .yaml file");
 }
 
+/// Reads a compression modulus [Pa], or the thickness [m] of the cloth at two pressures [Pa], from
+/// which van Wyk's law has one modulus.
+void read_compression(const YAML::Node& node, ClothSpec& cloth) {
+  if (!node.IsMap()) {
+    double modulus = 0;
+    into(modulus)(node);
+    cloth.compression = modulus;
+    return;
+  }
+  std::optional<std::array<double, 2>> pressure, thickness;
+  const auto read_pair = [](std::optional<std::array<double, 2>>& pair) {
+    return [&pair](const YAML::Node& list) { into(pair.emplace())(list); };
+  };
+  read_map(node, {{"pressure", read_pair(pressure)}, {"thickness", read_pair(thickness)}});
+  for (const auto& [key, pair] :
+       {std::pair("pressure", pressure), std::pair("thickness", thickness)}) {
+    if (!pair) throw InvalidValue({key}, "nothing", "two numbers");
+    inside(key, [&] {
+      check_range("0", (*pair)[0], measured_range);
+      check_range("1", (*pair)[1], measured_range);
+    });
+  }
+  const auto [p, q] = *pressure;
+  if (q <= p) throw InvalidValue({"pressure"}, describe(node["pressure"]), "the lower one first");
+  const auto [thick, thin] = *thickness;
+  const double wide = thick * thick * thick, narrow = thin * thin * thin;
+  // p + kappa = kappa (t0 / thick)^3, q + kappa = kappa (t0 / thin)^3
+  if (narrow >= wide || q * narrow <= p * wide) {
+    throw InvalidValue(
+        {"thickness"}, describe(node["thickness"]),
+        "less at the higher pressure, by a factor above the cube root of the ratio of pressures, " +
+            to_text(std::cbrt(p / q)));
+  }
+  cloth.compression = (q * narrow - p * wide) / (wide - narrow);
+}
+
 /// Reads the values of a fabric's file.
 void read_fabric_file(const std::string& path, ClothSpec& cloth) {
   std::string source, date;
@@ -58,9 +98,13 @@ void read_fabric_file(const std::string& path, ClothSpec& cloth) {
 
 std::vector<Field> material_fields(ClothSpec& cloth) {
   Material& material = cloth.material;
-  return {{"density", into(material.density)},  {"damping", into(material.damping)},
-          {"drag", into(material.drag)},        {"strain_limit", into(material.strain_limit)},
-          {"thickness", into(cloth.thickness)}, {"friction", into(cloth.friction)}};
+  return {{"density", into(material.density)},
+          {"damping", into(material.damping)},
+          {"drag", into(material.drag)},
+          {"strain_limit", into(material.strain_limit)},
+          {"thickness", into(cloth.thickness)},
+          {"friction", into(cloth.friction)},
+          {"compression", [&cloth](const YAML::Node& node) { read_compression(node, cloth); }}};
 }
 
 std::vector<Field> fabric_fields(Fabric& fabric) {

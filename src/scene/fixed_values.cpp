@@ -58,6 +58,7 @@ void add(const ClothSpec& cloth, Lines& lines) {
             ']';
   }
   lines.add("cloth.pinned", pins);
+  lines.add("cloth.compression", cloth.compression ? text(*cloth.compression) : "usual");
 }
 
 void add(const ColliderSpec& collider, Lines& lines) {

@@ -39,7 +39,6 @@ void validate(const std::vector<ColliderSpec>& colliders) {
 
 constexpr Range time_range{0, 1e6, "s"};
 constexpr Range radius_range{0, 1e6, "m"};
-constexpr Range tear_force_range{0, 1e9, "N"};
 
 void check_frame_name(const std::string& key, const std::string& frame) {
   inside(key, [&] {

@@ -7,11 +7,6 @@
 #include "clothsim/scene/scene.h"
 
 namespace clothsim {
-namespace {
-
-constexpr Range tear_force_range{0, 1e12, "N"};
-
-}  // namespace
 
 void Grips::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
                    const GripForces& forces, const Holders& holders, const Points& positions) {

@@ -1,6 +1,7 @@
 #include "clothsim/simulation/method_choice.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -279,6 +280,7 @@ MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
     return c.method == spec.method;
   };
   const auto candidate = std::find_if(candidates().begin(), candidates().end(), steps_alike);
+  assert(candidate != candidates().end());
   const double steps = spec.frames_per_second * spec.substeps.value_or(choice.min_substeps);
   choice.predicted_cost =
       steps * candidate->cost(cloth.num_springs() + cloth.num_bends(), cloth.num_points());

@@ -86,8 +86,8 @@ void Simulator::Impl::add_collider_impulses(double h) {
 
 void Simulator::Impl::finish_colliders(double dt) {
   for (std::size_t i = 0; i < colliders.size(); ++i) {
-    collider_wrenches[i].force = collider_impulses[i].force / dt;
-    collider_wrenches[i].torque = collider_impulses[i].torque / dt;
+    const ContactLoad& sum = collider_impulses[i];
+    collider_loads[i] = {{sum.wrench.force / dt, sum.wrench.torque / dt}, sum.normal_force / dt};
   }
 }
 
@@ -154,11 +154,11 @@ const std::map<std::string, Grip>& Simulator::grips() const { return impl_->grip
 
 void Simulator::measure_wrenches(bool asks) {
   impl_->measures_wrenches = asks;
-  if (!asks) impl_->collider_wrenches.assign(impl_->colliders.size(), {});
+  if (!asks) impl_->collider_loads.assign(impl_->colliders.size(), {});
 }
 
 bool Simulator::measures_wrenches() const { return impl_->measures_wrenches; }
 
-const std::vector<Wrench>& Simulator::collider_wrenches() const { return impl_->collider_wrenches; }
+const std::vector<ContactLoad>& Simulator::collider_loads() const { return impl_->collider_loads; }
 
 }  // namespace clothsim

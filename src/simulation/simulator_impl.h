@@ -126,7 +126,7 @@ struct Simulator::Impl {
       colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
       colliders[i].enable(scene.colliders[i].enabled);
     }
-    collider_wrenches.assign(colliders.size(), {});
+    collider_loads.assign(colliders.size(), {});
     external_forces.resize(0, 3);
     last_substep = 0;
     forget();
@@ -308,6 +308,8 @@ struct Simulator::Impl {
   int project_springs(const Cloth&, int pass_limit, StepReport&);
   /// Projects the springs that are still over their limit.
   void project_positions(const Cloth&, StepReport&);
+  /// Moves points off colliders, and ends motion that this undoes, in a step of h [s].
+  void project_off_colliders(double h);
   /// Truncates displacements through the cloth itself, and projects springs beside truncated
   /// points.
   void guard(const ContactStep&, StepReport&);
@@ -361,8 +363,8 @@ struct Simulator::Impl {
   Grips grips;
   Holders holders;  // of pins, then grips
   bool measures_wrenches = false;
-  std::vector<Wrench> collider_impulses;  // of this frame [N s, N m s], where measured
-  std::vector<Wrench> collider_wrenches;  // of the last frame
+  std::vector<ContactLoad> collider_impulses;  // of this frame [N s, N m s], where measured
+  std::vector<ContactLoad> collider_loads;     // of the last frame
   EnergyWatch energy_watch;
   WorkBudget budget;  // left in the frame
   AirForces air;
@@ -380,6 +382,7 @@ struct Simulator::Impl {
   Points start_velocities;  // the same [m/s]
   Points followed;          // velocities by which the points have moved, where contact needs them
   Points by_impulses;       // positions before projections, with self contact
+  Points unprojected;       // positions before the projection off colliders
   Points impulses;          // of the cloth on held points in a substep [N s]
 };
 

@@ -216,7 +216,7 @@ void Simulator::set_state(const State& state, const std::vector<double>& memory)
 std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(
       Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
-            impl_->grips, impl_->collider_wrenches, impl_->external_forces, impl_->last_substep,
+            impl_->grips, impl_->collider_loads, impl_->external_forces, impl_->last_substep,
             impl_->given_crossings, frame_duration(), impl_->scene.simulation.gravity});
 }
 
@@ -235,7 +235,7 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
          bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
-         bytes(saved.pin_targets) + bytes(saved.collider_wrenches) + bytes(saved.forces);
+         bytes(saved.pin_targets) + bytes(saved.collider_loads) + bytes(saved.forces);
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -269,7 +269,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->colliders = saved.colliders;
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
-  impl_->collider_wrenches = saved.collider_wrenches;
+  impl_->collider_loads = saved.collider_loads;
   impl_->external_forces = saved.forces;
   impl_->last_substep = saved.last_substep;
   impl_->given_crossings = saved.given_crossings;

@@ -270,7 +270,7 @@ class Grasp(unittest.TestCase):
         self.assertEqual(self.attach("right", points=[100]).message,
                          "points/0: got 100, expected a number from 0 to 99")
         self.assertEqual(self.attach("right", radius=-1).message,
-                         "radius: got -1 and no points, expected a number above 0 [m]")
+                         "radius: got -1 and no points, expected a number above 0 [m], or points")
         self.assertEqual(self.detach("right").message,
                          'frame: got "right", expected a frame that points are attached to')
 

@@ -29,7 +29,7 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 constexpr const char* cloth_keys =
     "width, height, columns, rows, orientation, origin, pinned, pin_strength, springs, ks, "
     "untangle, fabric, self_collision, density, damping, drag, strain_limit, thickness, friction, "
-    "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
+    "compression, stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
 
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
@@ -207,6 +207,17 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"cloth.damping=-0.1", "cloth.damping: got -0.1 ... least 0 [1/s]"},
         Mistake{"cloth.strain_limit=-0.1", "cloth.strain_limit: got -0.1 ... least 0"},
         Mistake{"cloth.friction=-1", "cloth.friction: got -1 ... least 0"},
+        Mistake{"cloth.compression=0", "cloth.compression: got 0 ... least 1 [Pa]"},
+        Mistake{"cloth.compression={pressure: [196, 9810]}",
+                "cloth.compression.thickness: got nothing ... two numbers"},
+        Mistake{"cloth.compression={pressure: [200, 100], thickness: [2e-3, 1e-3]}",
+                "cloth.compression.pressure: got [200, 100] ... lower"},
+        Mistake{"cloth.compression={pressure: [200, 9000], thickness: [2e-3, 3e-3]}",
+                "cloth.compression.thickness: got [2e-3, 3e-3] ... less"},
+        Mistake{"cloth.compression={pressure: [100, 200], thickness: [2e-3, 1e-3]}",
+                "cloth.compression.thickness: got [2e-3, 1e-3] ... 0.793"},
+        Mistake{"cloth.compression={pressure: [100, .nan], thickness: [2e-3, 1e-3]}",
+                "cloth.compression.pressure.1: got .nan"},
         Mistake{"cloth.thickness=0", "cloth.thickness: got 0 ... least 1e-06 [m]"},
         Mistake{"cloth.width=0", "cloth.width: got 0 ... least 1e-06 [m]"},
         Mistake{"cloth.height=-1", "cloth.height: got -1 ... least 1e-06 [m]"},

@@ -68,7 +68,7 @@ inline std::string print(const Scene& scene) {
   out << cloth.width << ' ' << cloth.height << ' ' << cloth.columns << ' ' << cloth.rows << ' '
       << static_cast<int>(cloth.orientation) << ' ' << cloth.thickness << ' '
       << self_collision_names[static_cast<std::size_t>(cloth.self_collision)] << ' '
-      << cloth.friction << ' ';
+      << cloth.friction << ' ' << cloth.compression.value_or(-1) << ' ';
   print_vector(cloth.origin);
   for (const Pin& pin : cloth.pinned) {
     out << "pin " << pin.column << ' ' << pin.row << ' ' << pin.frame << ' ';

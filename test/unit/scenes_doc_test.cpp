@@ -72,6 +72,9 @@ std::string urdf_file() {
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
     {{"cloth.pinned"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
+    {{"cloth.compression"},
+     "cloth: {compression: {pressure: [196, 9810], thickness: [2e-3, 1e-3], ",
+     "}}"},
     {{"cloth.springs"}, "cloth: {springs: {", "}}"},
     {{"colliders", "colliders: sphere"}, "{cloth: {}, colliders: [{shape: sphere, ", "}]}"},
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},

@@ -37,7 +37,7 @@ Wrench measure_wrench(Simulator& simulator, double seconds, std::size_t index = 
   run(simulator, seconds);
   simulator.measure_wrenches(true);
   simulator.step();
-  return simulator.collider_wrenches()[index];
+  return simulator.collider_loads()[index].wrench;
 }
 
 Vector3 momentum(const Simulator& simulator) {
@@ -86,7 +86,7 @@ TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
   scene.cloth.origin = {0, 0, 0};
   scene.cloth.material.damping = 20;
   Simulator simulator(scene);
-  const Wrench left = measure_wrench(simulator, 3), right = simulator.collider_wrenches()[1];
+  const Wrench left = measure_wrench(simulator, 3), right = simulator.collider_loads()[1].wrench;
   const double weight = 5 * 0.04 * g;
   EXPECT_GT(simulator.step().pinched, 0);
   EXPECT_LT((left.force + right.force - Vector3(0, 0, -weight)).norm(), 1e-3 * weight);
@@ -96,13 +96,13 @@ TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
 TEST(ColliderWrench, NobodyAskedNothingIsSummed) {
   Simulator simulator(over({collider("ground", Plane{}, {0, 0, 0})}));
   run(simulator, 0.2);
-  ASSERT_EQ(simulator.collider_wrenches().size(), 1u);
-  EXPECT_EQ(simulator.collider_wrenches()[0].force, Vector3::Zero());
+  ASSERT_EQ(simulator.collider_loads().size(), 1u);
+  EXPECT_EQ(simulator.collider_loads()[0].wrench.force, Vector3::Zero());
   simulator.measure_wrenches(true);
   simulator.step();
-  EXPECT_LT(simulator.collider_wrenches()[0].force.z(), -1);
+  EXPECT_LT(simulator.collider_loads()[0].wrench.force.z(), -1);
   simulator.measure_wrenches(false);
-  EXPECT_EQ(simulator.collider_wrenches()[0].force, Vector3::Zero());
+  EXPECT_EQ(simulator.collider_loads()[0].wrench.force, Vector3::Zero());
 }
 
 TEST(ColliderWrench, AnInclineHoldsByFriction) {
@@ -154,7 +154,7 @@ TEST(ColliderWrench, CollidersAndHandsShareTheWeight) {
     torque += wrench.torque + origin.cross(wrench.force);
   };
   for (int i : {0, 1}) {
-    const Wrench& wrench = simulator.collider_wrenches()[static_cast<std::size_t>(i)];
+    const Wrench& wrench = simulator.collider_loads()[static_cast<std::size_t>(i)].wrench;
     EXPECT_LT(wrench.force.z(), -1) << i << " bears nothing";
     add(wrench, simulator.collider_pose(i).position);
   }
@@ -190,7 +190,7 @@ StepReport expect_balance(const Scene& scene, const std::function<void(Simulator
     const Vector3 before = momentum(simulator);
     report = simulator.step();
     Vector3 force = Vector3::Zero();
-    for (const Wrench& wrench : simulator.collider_wrenches()) force += wrench.force;
+    for (const ContactLoad& load : simulator.collider_loads()) force += load.wrench.force;
     EXPECT_LT((momentum(simulator) - before - dt * (weight - force)).norm(), 1e-10) << frame;
     hardest = std::max(hardest, force.norm());
   }
@@ -236,20 +236,21 @@ TEST(ColliderWrench, IsTheSameWithTwoThreadsAndAfterComingBack) {
   const auto saved = one.save();
   const auto expect_same = [&](const Simulator& a, const Simulator& b) {
     for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_EQ(a.collider_wrenches()[i].force, b.collider_wrenches()[i].force);
-      EXPECT_EQ(a.collider_wrenches()[i].torque, b.collider_wrenches()[i].torque);
+      EXPECT_EQ(a.collider_loads()[i].wrench.force, b.collider_loads()[i].wrench.force);
+      EXPECT_EQ(a.collider_loads()[i].wrench.torque, b.collider_loads()[i].wrench.torque);
     }
   };
   expect_same(one, two);
   run(one, 0.1);
-  const std::vector<Wrench> later = one.collider_wrenches();
-  EXPECT_GT(later[1].force.norm(), 1);
+  const std::vector<ContactLoad> later = one.collider_loads();
+  EXPECT_GT(later[1].wrench.force.norm(), 1);
   one.restore(*saved);
   expect_same(one, two);
   run(one, 0.1);
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(one.collider_wrenches()[i].force, later[i].force);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_EQ(one.collider_loads()[i].wrench.force, later[i].wrench.force);
   one.reset();
-  EXPECT_EQ(one.collider_wrenches()[0].force, Vector3::Zero());
+  EXPECT_EQ(one.collider_loads()[0].wrench.force, Vector3::Zero());
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ class ColliderContacts {
   /// All changes of velocities count, also those of recovery; displacements by project_positions()
   /// do not.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
-                    const Points& positions, std::vector<Wrench>& sums) const;
+                    const Points& positions, std::vector<ContactLoad>& sums) const;
 
   /// Number of contacts that carry an impulse and of points that are pinched.
   int count() const;

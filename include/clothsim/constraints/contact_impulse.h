@@ -20,7 +20,10 @@ struct ContactImpulse {
   double max_separating_impulse =
       std::numeric_limits<double>::infinity();  // where it separates an overlap
   double normal_impulse = 0;                    // along the normal, >= 0
-  Vector3 friction_impulse{0, 0, 0};  // against sliding, at most friction * normal_impulse
+  double squeeze = 0;  // further normal impulse, of others on both sides, for friction alone
+  Vector3 friction_impulse{0, 0, 0};  // against sliding; bound: friction (normal_impulse + squeeze)
+
+  bool acts() const { return normal_impulse > 0 || squeeze > 0; }
 
   /// Updates the impulse for the relative motion of a contact with `velocity` [m/s] and effective
   /// `mass`: an impulse p changes that velocity by p / mass. Returns the change of the impulse.
@@ -38,7 +41,7 @@ struct ContactImpulse {
 
     // Projection onto Coulomb's cone.
     Vector3 new_friction_impulse = friction_impulse - mass * (v - rate * normal);
-    const double max_friction = friction * new_normal_impulse;
+    const double max_friction = friction * (new_normal_impulse + squeeze);
     const double length2 = new_friction_impulse.squaredNorm();
     if (length2 > max_friction * max_friction) {
       new_friction_impulse *= max_friction / std::sqrt(length2);
@@ -58,6 +61,13 @@ struct ContactImpulse {
     friction_impulse -= normal.dot(friction_impulse) * normal;
   }
 
+  /// Ends the normal impulse. Friction goes on, for this normal impulse of others [N s].
+  void leave_normal_to(double others) {
+    target_velocity = -std::numeric_limits<double>::infinity();
+    normal_impulse = 0;
+    squeeze = others;
+  }
+
   /// Takes the impulse of the last step, for warm_start().
   void keep(const ContactImpulse& last) {
     normal_impulse = last.normal_impulse;
@@ -75,17 +85,19 @@ struct ContactImpulse {
   /// Ends the contact: no impulse from now on.
   void let_go() {
     target_velocity = -std::numeric_limits<double>::infinity();
-    normal_impulse = friction = 0;
+    normal_impulse = squeeze = friction = 0;
     friction_impulse.setZero();
   }
 
   /// The state that the next step starts with: the impulse, without the data of the surface.
   void write(MemoryWriter& memory) const {
     memory.add(normal_impulse);
+    memory.add(squeeze);
     memory.add(friction_impulse);
   }
   void read(MemoryReader& memory) {
     normal_impulse = std::max(0.0, memory.number());
+    squeeze = std::max(0.0, memory.number());
     friction_impulse = memory.vector();
   }
 };

@@ -89,10 +89,10 @@ class ContactList {
   /// change of a contact's velocity [m/s].
   double solve_pass(double precision, Points& velocities, const Workers& = {});
 
-  /// Ends the contacts whose points are all pinched, and bounds the impulse of those with some
-  /// pinched points by `strongest` [N s]. Takes the excess of warm_start() back from the velocities
-  /// [m/s].
-  void release_pinched(const Pinches&, double strongest, Points& velocities);
+  /// Leaves the normal impulse of contacts whose points are all pinched to the colliders, and
+  /// bounds that of contacts with some pinched points by `strongest` [N s]. Takes the excess of
+  /// warm_start() back from the velocities [m/s].
+  void release_pinched(Pinches&, double strongest, Points& velocities);
 
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }

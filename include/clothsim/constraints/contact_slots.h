@@ -136,7 +136,7 @@ class ContactSlots {
   /// Adds the impulses of the points, at `positions`, on the collider in the step, times `scale`:
   /// impulse [N s] and its moment about `origin` [N m s].
   void add_impulses(const Cloth&, double scale, const Vector3& origin, const Points& positions,
-                    Wrench& sum) const;
+                    ContactLoad& sum) const;
 
   /// Contacts that carry an impulse.
   int count() const;

@@ -3,15 +3,12 @@
 #include <vector>
 
 #include "clothsim/constraints/self_touches.h"
+#include "clothsim/model/compression.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/work_budget.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
-
-/// Least gravity [m/s^2] for the weight of a cloth in contact: cloth without gravity is pressed and
-/// pulled, too.
-inline constexpr double min_gravity = 9.81;
 
 /// Share of an overlap that a step corrects. A correction of all of it would add energy: a cloth on
 /// a tip would shake for ever, and so would piles, whose warm-started impulses integrate it.

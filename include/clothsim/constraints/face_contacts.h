@@ -91,7 +91,7 @@ class FaceContacts {
 
   /// As ContactSlots::add_impulses(), to the sum of each collider, about the origin of its frame.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
-                    const Points& positions, std::vector<Wrench>& sums) const;
+                    const Points& positions, std::vector<ContactLoad>& sums) const;
 
   std::size_t size() const { return places_.size(); }  // of this step
   int count() const { return list_.count(); }          // that carry an impulse

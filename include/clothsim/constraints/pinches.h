@@ -14,14 +14,13 @@ namespace clothsim {
 
 /// Points of a cloth that two colliders leave no room.
 ///
-/// Contacts with two surfaces that close on one or several layers cannot all be met, and their
-/// impulses would grow without bound. Instead a pinched point gets a velocity. Across the surfaces
-/// it is interpolated between both by the place of the point, so that layers keep their order;
-/// where the surfaces overlap, it is their mean. Where friction can keep the point from slipping
-/// out, it also moves along with both, more with the surface that holds it more firmly, whatever
-/// acts on it: solids press as hard as needed. Else it slips. It also slips where the strain limit
-/// pulls it with more than its share of some weights of the whole cloth: pins or other solids may
-/// cause that pull, and the cloth would tear.
+/// Layers between two surfaces are light and stiff across, so that they are in equilibrium there:
+/// each has its share of the gap, and all press with the same force, by compression_pressure() of
+/// that share and the area of the point. So across both surfaces a pinched point has a velocity. It
+/// is interpolated between both by the place of the point, so that layers keep their order; where
+/// the surfaces overlap, it is their mean. Along them Coulomb's law holds with that normal force:
+/// the point moves with both, more with the rougher one, as long as the friction of both suffices,
+/// else it slips. In a wedge out of which friction cannot keep it the point slips, too.
 class Pinches {
  public:
   /// Position of a point relative to one of two colliders.
@@ -49,34 +48,36 @@ class Pinches {
   /// Do surfaces with these normals face each other?
   static bool face_each_other(const Vector3& a, const Vector3& b);
 
-  /// At the end of a step of h [s], will the gap between both be at most the distance that a point
-  /// at `x` [m] needs?
-  static bool leave_no_room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
-                            double h);
+  /// The gap between both at the end of a step of h [s], for a point at `x` [m], by the distance
+  /// that the point needs: at 1 or below they leave it no room.
+  static double room(const ColliderDistance& a, const ColliderDistance& b, const Vector3& x,
+                     double h);
 
-  /// Adds a point at `x` [m] that two colliders leave no room, unless it was added before.
+  /// Adds a point at `x` [m] that two colliders leave no room, unless it was added before. `area`:
+  /// on which they press there [m^2].
   void add(int point, const Vector3& x, const ColliderDistance& a, const ColliderDistance& b,
-           const Cloth&);
+           double area, const Cloth&);
+
+  /// A contact of layers, all of whose points have been added: a layer presses on the next one with
+  /// the normal impulses of its points, each divided over the contacts on that side of the point.
+  /// First all contacts have to be added.
+  void add_layer_contact(const std::array<int, 4>& points, const std::array<double, 4>& weights,
+                         const Vector3& normal);
+  /// The normal impulse in one of them [N s].
+  double layer_normal_impulse(const std::array<int, 4>& points,
+                              const std::array<double, 4>& weights, const Vector3& normal) const;
 
   /// Gives the points their velocities. Returns the largest change [m/s].
   double solve_pass(Points& velocities);
-
-  /// Sets the velocity changes by the strain limit of all points of the cloth in the step so far, N
-  /// x 3 [m/s].
-  void set_pulls(const Points& given);
-
-  /// Adds the changes of `velocities`, N x 3 [m/s], by the strain limit since the last pass.
-  void add_pulls(const Points& velocities);
 
   /// Moves the points back to where those velocities bring them from `start`, where they do not
   /// slip.
   void project_positions(const Points& start, Points& positions) const;
 
-  /// As FaceContacts::add_impulses(). Across both colliders the one that pushed gets the impulse;
-  /// along them each gets its share. The impulse with which both press against each other through
-  /// the point is in no sum: it is indeterminate.
+  /// As FaceContacts::add_impulses(). Both colliders get the normal impulse of the layer; across
+  /// them the one that pushed gets the change of momentum, along them each gets its share.
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
-                    const Points& positions, std::vector<Wrench>& sums) const;
+                    const Points& positions, std::vector<ContactLoad>& sums) const;
 
   bool holds(int point) const {
     return !held_.empty() && held_[static_cast<std::size_t>(point)] != 0;
@@ -85,9 +86,7 @@ class Pinches {
     return std::any_of(points.begin(), points.end(), [&](int point) { return holds(point); });
   }
   /// Prescribed velocity of a point that has been added [m/s].
-  const Vector3& velocity(int point) const {
-    return pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(point)])].velocity;
-  }
+  const Vector3& velocity(int point) const { return pinch_of(point).velocity; }
   /// The cloth's weight in the step [N s].
   double weight(const Cloth& cloth) const { return cloth.mass.sum() * gravity_ * h_; }
 
@@ -95,7 +94,7 @@ class Pinches {
   const std::vector<char>& held() const { return held_; }
 
   int count() const { return static_cast<int>(pinches_.size()); }
-  /// Points that are pulled with more than the grip bears.
+  /// Points that are pulled with more than friction bears.
   int slipping() const;
   /// The first point; -1: none.
   int first() const { return pinches_.empty() ? -1 : pinches_.front().point; }
@@ -107,29 +106,25 @@ class Pinches {
     Vector3 across;    // from a to b
     const MovingCollider* a;
     const MovingCollider* b;
-    double share_of_b;  // share of b in the grip along them
-    double grip;        // largest pull along them that it bears alone; 0: slides [m/s]
-    std::size_t pair;   // of colliders that hold it
-    Vector3 given;      // change of its velocity by the pinch in the step [m/s]
-    Vector3 pull;       // change of its velocity by the strain limit [m/s]
-    Vector3 left;       // velocity after the last pass [m/s]
+    double share_of_b;      // share of b in the friction along them
+    double normal_impulse;  // of the layer [N s]
+    double touching;        // of both colliders, those that touch the point: 0, 1/2 or 1
+    double max_friction;    // largest change of its velocity by friction [m/s]
+    double settling;        // displacement across towards equilibrium [m]
     bool slips;
+    Vector3 given{0, 0, 0};            // change of its velocity by the pinch in the step [m/s]
+    std::array<double, 2> contacts{};  // with the layers towards a and b, sums of weights
   };
 
-  /// Two colliders that hold points.
-  struct ColliderPair {
-    const MovingCollider* a;
-    const MovingCollider* b;
-    int points;  // that stick
-  };
-
-  std::size_t pair_of(const MovingCollider&, const MovingCollider&);
-  Vector3 slip(Pinch&) const;
+  /// Place in Pinch::contacts of a contact in which the point has this weight.
+  static std::size_t side_of(const Pinch&, double weight, const Vector3& normal);
+  const Pinch& pinch_of(int point) const {
+    return pinches_[static_cast<std::size_t>(number_[static_cast<std::size_t>(point)])];
+  }
 
   double h_ = 0;
   double gravity_ = min_gravity;  // [m/s^2]
   std::vector<Pinch> pinches_;
-  std::vector<ColliderPair> collider_pairs_;
   std::vector<char> held_;
   std::vector<int> number_;  // by point: its place in pinches_
 };

@@ -29,7 +29,7 @@ class SelfContacts {
 
   /// Ends contacts of points that colliders hold. Takes the impulses of prepare() back from the
   /// velocities [m/s].
-  void release_pinched(const Pinches&, Points& velocities);
+  void release_pinched(Pinches&, Points& velocities);
 
   /// One pass over the contacts, except for those without a change that matters to a `precision`
   /// [m]. Returns the largest change as a displacement in h [m].

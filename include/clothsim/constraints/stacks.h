@@ -67,6 +67,7 @@ class Stacks {
     int point;
     bool is_between;  // both touch the cloth at one place
     Pinches::ColliderDistance a, b;
+    double share;  // of the point's area between both
   };
 
   /// One point lies upon another, as seen from collider a: numbers of their nodes.
@@ -83,8 +84,9 @@ class Stacks {
   /// Number of the node of a point, if it is between the colliders; else less than 0.
   int node_between(int point, const ContactManifold& a, const ContactManifold& b,
                    const Points& start, double max_distance);
-  /// Adds a point at these distances; of several the nearest counts.
-  void add(int point, const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b);
+  /// Adds a point at these distances; of several the nearest counts, and the largest share.
+  void add(int point, const Pinches::ColliderDistance& a, const Pinches::ColliderDistance& b,
+           double share);
 
   std::vector<Node> nodes_;
   std::vector<int> node_of_;  // by point: its node, or why there is none

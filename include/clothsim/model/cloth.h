@@ -66,6 +66,8 @@ struct Cloth {
   double friction = 0;                                // of the cloth with itself
   double thickness = 0;                               // [m]
   double offset = surface_offset;                     // from colliders [m]
+  double compression = 0;                             // kappa [Pa], see compression_pressure()
+  double area_per_mass = 0;                           // [m^2/kg]
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;

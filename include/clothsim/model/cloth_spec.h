@@ -72,6 +72,9 @@ struct ClothSpec {
   std::optional<double> pin_strength;  // [N] of pins without a strength; empty: default_strength()
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
+  /// [Pa] see compression_pressure(); empty: the weight of the cloth on a point compresses it by 1
+  /// %
+  std::optional<double> compression;
   SelfCollision self_collision = SelfCollision::off;
   double friction = 0.3;  // Coulomb's coefficient between layers of the cloth
   bool untangle = false;  // untangles a state that is set and crosses itself
@@ -79,6 +82,8 @@ struct ClothSpec {
 
 /// Largest force of a pin or a grip [N].
 inline constexpr Range strength_range{1e-9, 1e12, "N"};
+/// Force at which points tear off a grip [N].
+inline constexpr Range tear_force_range{0, 1e12, "N"};
 
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);

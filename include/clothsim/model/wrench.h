@@ -16,4 +16,10 @@ struct Wrench {
   }
 };
 
+/// Load of a cloth on a collider.
+struct ContactLoad {
+  Wrench wrench;
+  double normal_force = 0;  // sum of the magnitudes of all normal forces [N]
+};
+
 }  // namespace clothsim

@@ -10,6 +10,7 @@ namespace clothsim {
 struct Touch {
   int count = 0;            // points, and triangles in contact between their corners
   Vector3 middle{0, 0, 0};  // mean position of the contacts [m]; the origin without contacts
+  double area = 0;          // of the cloth that touches: the points' own areas [m^2]
 };
 
 /// The touch of each collider in the present state: points and triangles within 0.1 mm of the

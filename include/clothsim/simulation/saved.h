@@ -16,7 +16,7 @@ struct Simulator::Saved {
   std::vector<MovingCollider> colliders;
   std::vector<Vector3> pin_targets;
   Grips grips;
-  std::vector<Wrench> collider_wrenches;
+  std::vector<ContactLoad> collider_loads;
   Points forces;          // external forces [N]; no rows: none
   double last_substep;    // [s]
   int given_crossings;    // see Simulator::given_crossings()

@@ -191,17 +191,18 @@ class Simulator {
   /// By tf frame, with the wrench of the cloth in the last step().
   const std::map<std::string, Grip>& grips() const;
 
-  /// Whether step() sums the wrenches of the cloth on the colliders, from the next frame on. Off by
+  /// Whether step() sums the loads of the cloth on the colliders, from the next frame on. Off by
   /// default, at no cost. No motion depends on it.
   void measure_wrenches(bool asks);
   bool measures_wrenches() const;
 
   /// By collider of scene().colliders, in the axes of the world: mean force [N] of the cloth on it
-  /// in the last step(), and mean torque [N m] about its own origin, which moves with it. A cloth
-  /// at rest presses with its weight. Included are the impulses on velocities, normal and friction,
-  /// of points, edges and faces. Not included are projections of positions and, at pinched points,
-  /// the pressure of both colliders on each other. Zero unless measured, and after reset().
-  const std::vector<Wrench>& collider_wrenches() const;
+  /// in the last step(), mean torque [N m] about its own origin, which moves with it, and mean
+  /// normal force. A cloth at rest presses with its weight. Included are the impulses on
+  /// velocities, normal and friction, of points, edges and faces, and the force with which two
+  /// colliders compress layers between them (compression_pressure()). Not included are projections
+  /// of positions. Zero unless measured, and after reset().
+  const std::vector<ContactLoad>& collider_loads() const;
 
   const Scene& scene() const;  // with the present material and simulation values
   const Cloth& cloth() const;
