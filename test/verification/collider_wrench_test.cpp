@@ -93,6 +93,65 @@ TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
   EXPECT_NEAR(left.force.z(), -weight / 2, 0.01 * weight);
 }
 
+/// A fabric of 0.2 m and two plates above and below it.
+Scene between_plates(double gap, double kappa) {
+  Scene scene = over({collider("below", Cuboid{{1, 1, 0.1}}, {0, 0, -gap / 2 - 0.05}),
+                      collider("above", Cuboid{{1, 1, 0.1}}, {0, 0, gap / 2 + 0.05})},
+                     12);
+  scene.cloth.width = scene.cloth.height = 0.2;
+  scene.cloth.origin = {-0.1, -0.1, 0};
+  scene.cloth.material.fabric = Fabric{{600, 450}, 25, {2.5e-5, 1.8e-5}, {1e-5, 4e-3}};
+  scene.cloth.material.density = 0.35;
+  scene.cloth.material.damping = 0;
+  scene.cloth.material.strain_limit.reset();
+  scene.cloth.thickness = 1e-3;
+  scene.cloth.compression = kappa;
+  scene.simulation.gravity.setZero();
+  return scene;
+}
+
+TEST(ColliderWrench, PlatesPressALayerByVanWyksLaw) {
+  const double kappa = 800, area = 0.04;
+  for (const double share : {0.95, 0.7, 0.5, 0.3}) {
+    Simulator simulator(between_plates(share * 2e-3, kappa));
+    const Wrench below = measure_wrench(simulator, 0.5);
+    const double expected = area * kappa * (1 / (share * share * share) - 1);
+    for (const ContactLoad& load : simulator.collider_loads()) {
+      EXPECT_NEAR(load.normal_force, expected, 0.02 * expected) << share;
+    }
+    EXPECT_NEAR(below.force.z(), -expected, 0.02 * expected) << share;
+  }
+}
+
+TEST(ColliderWrench, JawsBearTheWeightAndTheChangeOfMomentumWhateverTheySqueeze) {
+  for (const std::string method : {"verlet", "xpbd", "implicit_euler"}) {
+    for (const double gap : {1.9e-3, 1.5e-3, 1e-3}) {
+      Scene scene = between_plates(gap, 800);
+      scene.colliders = {
+          collider("left", Cuboid{{0.1, 0.02, 0.06}}, {0, -0.01 - gap / 2, 0.18}, 0.6),
+          collider("right", Cuboid{{0.1, 0.02, 0.06}}, {0, 0.01 + gap / 2, 0.18}, 0.6)};
+      scene.cloth.orientation = Orientation::vertical;
+      scene.cloth.origin = {-0.1, 0, 0};
+      scene.cloth.self_collision = SelfCollision::surface;
+      scene.simulation.gravity = {0, 0, -g};
+      scene.simulation.method = method;
+      scene.simulation.substeps = method == "verlet" ? std::optional<int>() : 10;
+      Simulator simulator(scene);
+      simulator.measure_wrenches(true);
+      const double dt = simulator.frame_duration();
+      for (int frame = 0; frame < 60; ++frame) {
+        const Vector3 before = momentum(simulator);
+        simulator.step();
+        Vector3 force = simulator.cloth().mass.sum() * scene.simulation.gravity;
+        for (const ContactLoad& load : simulator.collider_loads()) force -= load.wrench.force;
+        EXPECT_LT(((momentum(simulator) - before) / dt - force).norm(), 1e-9)
+            << method << ' ' << gap << ' ' << frame;
+      }
+      EXPECT_GT(simulator.collider_loads()[0].normal_force, 0.1);
+    }
+  }
+}
+
 TEST(ColliderWrench, NobodyAskedNothingIsSummed) {
   Simulator simulator(over({collider("ground", Plane{}, {0, 0, 0})}));
   run(simulator, 0.2);
