@@ -81,28 +81,6 @@ void follow(Eigen::Index count, double way, const double* velocities, double* fo
   }
 }
 
-/// Ends motion that a projection has undone. Points that it moved from `before` to `after` keep no
-/// velocity against that displacement beyond their motion from `start` in the step of h [s].
-/// `count`: points.
-CLOTHSIM_TARGET_CLONES
-void end_undone_motion(int count, double h, PointRun start, PointRun before, PointRun after,
-                       MutablePointRun v) {
-#pragma GCC ivdep
-  for (int i = 0; i < count; ++i) {
-    const double dx = after.x[i] - before.x[i], dy = after.y[i] - before.y[i],
-                 dz = after.z[i] - before.z[i];
-    const double length2 = dx * dx + dy * dy + dz * dz;
-    const double along = v.x[i] * dx + v.y[i] * dy + v.z[i] * dz;
-    const double moved = (after.x[i] - start.x[i]) * dx + (after.y[i] - start.y[i]) * dy +
-                         (after.z[i] - start.z[i]) * dz;
-    const double kept = moved < 0 ? moved / h : 0;
-    const double change = along < kept ? (kept - along) / length2 : 0;
-    v.x[i] += change * dx;
-    v.y[i] += change * dy;
-    v.z[i] += change * dz;
-  }
-}
-
 /// Length of the shortest spring; without springs that between two neighbours [m]. Precision is
 /// relative to it.
 double min_spacing(const Cloth& cloth) {
@@ -152,20 +130,13 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // Correct the violations that curvature and early ends of passes leave in the positions.
   if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
-    runs_detection ? project_off_colliders(h)
+    runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state.positions)
                    : collider_contacts.project_near(colliders, cloth, start, state.positions);
   }
 
   // Whatever has moved the points, the cloth does not pass through itself.
   if (self_contacts && runs_detection) guard(step, report);
   runs_detection ? end_detection(h) : count_displacement(h);
-}
-
-void Simulator::Impl::project_off_colliders(double h) {
-  unprojected = state.positions;
-  collider_contacts.project_positions(colliders, cloth, start, state.positions);
-  end_undone_motion(cloth.num_points(), h, run_from(start, 0), run_from(unprojected, 0),
-                    run_from(state.positions, 0), run_from(state.velocities, 0));
 }
 
 ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,

@@ -308,8 +308,6 @@ struct Simulator::Impl {
   int project_springs(const Cloth&, int pass_limit, StepReport&);
   /// Projects the springs that are still over their limit.
   void project_positions(const Cloth&, StepReport&);
-  /// Moves points off colliders, and ends motion that this undoes, in a step of h [s].
-  void project_off_colliders(double h);
   /// Truncates displacements through the cloth itself, and projects springs beside truncated
   /// points.
   void guard(const ContactStep&, StepReport&);
@@ -382,7 +380,6 @@ struct Simulator::Impl {
   Points start_velocities;  // the same [m/s]
   Points followed;          // velocities by which the points have moved, where contact needs them
   Points by_impulses;       // positions before projections, with self contact
-  Points unprojected;       // positions before the projection off colliders
   Points impulses;          // of the cloth on held points in a substep [N s]
 };
 

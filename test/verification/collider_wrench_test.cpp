@@ -78,8 +78,8 @@ TEST(ColliderWrench, TheWeightIsThatOfEveryMethodWithAndWithoutDrag) {
 
 TEST(ColliderWrench, JawsThatHoldAClothByFrictionBearItsWeight) {
   // They leave its upper edge no room, and carry half each, as their friction is the same.
-  Scene scene = over({collider("left", Cuboid{{0.3, 0.02, 0.06}}, {0.1, -0.0095, 0.2}, 1),
-                      collider("right", Cuboid{{0.3, 0.02, 0.06}}, {0.1, 0.0095, 0.2}, 1)},
+  Scene scene = over({collider("left", Cuboid{{0.3, 0.02, 0.06}}, {0.1, -0.01005, 0.2}, 1),
+                      collider("right", Cuboid{{0.3, 0.02, 0.06}}, {0.1, 0.01005, 0.2}, 1)},
                      10);
   scene.cloth.orientation = Orientation::vertical;
   scene.cloth.width = scene.cloth.height = 0.2;
@@ -127,9 +127,11 @@ TEST(ColliderWrench, JawsBearTheWeightAndTheChangeOfMomentumWhateverTheySqueeze)
   for (const std::string method : {"verlet", "xpbd", "implicit_euler"}) {
     for (const double gap : {1.9e-3, 1.5e-3, 1e-3}) {
       Scene scene = between_plates(gap, 800);
-      scene.colliders = {
-          collider("left", Cuboid{{0.1, 0.02, 0.06}}, {0, -0.01 - gap / 2, 0.18}, 0.6),
-          collider("right", Cuboid{{0.1, 0.02, 0.06}}, {0, 0.01 + gap / 2, 0.18}, 0.6)};
+      const auto jaw = [&](double side, double between) {
+        return Vector3(0, side * (0.01 + between / 2), 0.18);
+      };
+      scene.colliders = {collider("left", Cuboid{{0.1, 0.02, 0.06}}, jaw(-1, 0.01), 0.6),
+                         collider("right", Cuboid{{0.1, 0.02, 0.06}}, jaw(1, 0.01), 0.6)};
       scene.cloth.orientation = Orientation::vertical;
       scene.cloth.origin = {-0.1, 0, 0};
       scene.cloth.self_collision = SelfCollision::surface;
@@ -137,6 +139,13 @@ TEST(ColliderWrench, JawsBearTheWeightAndTheChangeOfMomentumWhateverTheySqueeze)
       scene.simulation.method = method;
       scene.simulation.substeps = method == "verlet" ? std::optional<int>() : 10;
       Simulator simulator(scene);
+      constexpr int closing = 5;
+      for (int frame = 1; frame <= closing; ++frame) {
+        const double between = 0.01 + (gap - 0.01) * frame / closing;
+        simulator.move_collider(0, {jaw(-1, between), Eigen::Quaterniond::Identity()});
+        simulator.move_collider(1, {jaw(1, between), Eigen::Quaterniond::Identity()});
+        simulator.step();
+      }
       simulator.measure_wrenches(true);
       const double dt = simulator.frame_duration();
       for (int frame = 0; frame < 60; ++frame) {
