@@ -51,7 +51,7 @@ Trace trace_of_sphere(Simulator& simulator, double speed) {
   }
   if (speed > 10) simulator.place_collider(0, ball_at(100));  // it may hold cloth wound about it
   simulator.step();                                           // the sphere stands still
-  run_until_held(simulator, 12);  // at recovery_speed
+  run_until_held(simulator, 12);                              // at recovery_speed
   run_undriven(simulator, 5);
   expect_rest(simulator, 0.02);
   const Points& after = simulator.state().positions;
