@@ -13,6 +13,19 @@ double farthest_from(const Vector3& origin, const Points& points) {
   return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
 }
 
+/// Ends motion that a projection has undone: a point that it has moved from `before` keeps no
+/// velocity against that displacement beyond its motion from `start` in the step of h [s].
+void end_undone_motion(double h, const Points& start, const Points& before, State& state) {
+  for (Eigen::Index i = 0; i < before.rows(); ++i) {
+    const Eigen::RowVector3d way = state.positions.row(i) - before.row(i);
+    if (way.isZero(0)) continue;
+    const Eigen::RowVector3d direction = way.normalized();
+    const double moved = direction.dot(state.positions.row(i) - start.row(i));
+    const double lacking = std::min(0.0, moved / h) - direction.dot(state.velocities.row(i));
+    if (lacking > 0) state.velocities.row(i) += lacking * direction;
+  }
+}
+
 }  // namespace
 
 void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
@@ -201,11 +214,14 @@ double ColliderContacts::solve_pass(Points& velocities) {
 }
 
 void ColliderContacts::project_positions(const std::vector<MovingCollider>& colliders,
-                                         const Cloth& cloth, const Points& start,
-                                         Points& positions) {
-  pinches_.project_positions(start, positions);
-  motion_bound_.update(start, positions);
-  project_all(colliders, cloth, start, positions);
+                                         const Cloth& cloth, const Points& start, State& state) {
+  // One collider may move points back into another one.
+  const bool may_conflict = recovers_ && colliders.size() > 1;
+  if (may_conflict) unprojected_ = state.positions;
+  pinches_.project_positions(start, state.positions);
+  motion_bound_.update(start, state.positions);
+  project_all(colliders, cloth, start, state.positions);
+  if (may_conflict) end_undone_motion(h_, start, unprojected_, state);
 }
 
 void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders,

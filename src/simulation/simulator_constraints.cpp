@@ -130,7 +130,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // Correct the violations that curvature and early ends of passes leave in the positions.
   if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
-    runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state.positions)
+    runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state)
                    : collider_contacts.project_near(colliders, cloth, start, state.positions);
   }
 

@@ -361,5 +361,27 @@ INSTANTIATE_TEST_SUITE_P(Shapes, PutInto,
                                            Put{"plate", Cuboid{{0.4, 0.3, 0.01}}, {0.9, 0, 0}}),
                          [](const auto& test) { return test.param.name; });
 
+TEST(Colliders, PointsThatStandBetweenTwoHaveNoVelocity) {
+  // A box is switched on through a cloth on the floor: each pushes points into the other one.
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 12;
+  scene.cloth.width = scene.cloth.height = 0.4;
+  scene.cloth.origin = {-0.2, -0.2, 0.1};
+  scene.cloth.material.density = 1;
+  scene.cloth.material.ks = 1000;
+  scene.colliders = {{"box", Cuboid{{0.2, 0.2, 0.2}}, {{0.03, 0.02, 0.03}, {}}, 0.3, ""},
+                     {"floor", Plane{}, {}, 0.5, ""}};
+  for (ColliderSpec& collider : scene.colliders) collider.pose.orientation.setIdentity();
+  scene.colliders[0].enabled = false;
+  Simulator simulator(scene);
+  run(simulator, 1);
+  simulator.enable_collider(0, true);
+  run(simulator, 1.5);
+  const Points before = simulator.state().positions;
+  run(simulator, 0.5);
+  const double moved = (simulator.state().positions - before).rowwise().norm().maxCoeff();
+  EXPECT_LT(rms_velocity(simulator.state()), 1e-3 + 10 * moved / 0.5);
+}
+
 }  // namespace
 }  // namespace clothsim

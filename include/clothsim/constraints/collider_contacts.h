@@ -47,9 +47,10 @@ class ColliderContacts {
   /// One pass over the contacts. Returns the largest change as a displacement in h [m].
   double solve_pass(Points& velocities);
 
-  /// Moves points that are inside a collider to its surface.
+  /// Moves points that are inside a collider to its surface. Velocities between colliders that push
+  /// against each other become those of the motion that is left.
   void project_positions(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
-                         Points& positions);
+                         State&);
 
   /// The same after refresh(), for the points near a collider only.
   void project_near(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
@@ -209,6 +210,7 @@ class ColliderContacts {
   bool recovers_ = false;
   double leaving_ = 0;          // time of steps with recovery, less that of others [s]
   double recovery_factor_ = 1;  // of the step
+  Points unprojected_;          // positions before project_positions(), while points recover
   LocalCloth local_;            // relative to a collider whose faces count
 };
 
