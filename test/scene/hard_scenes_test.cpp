@@ -45,7 +45,7 @@ Trace trace_of_sphere(Simulator& simulator, double speed) {
     // A push without restitution gives at most its own speed, here to all points together, and the
     // springs that it has stretched throw the cloth on. The cloth's edges whip.
     const double together = simulator.state().velocities.colwise().mean().norm();
-    EXPECT_LT(together, 1.5 * speed + 5) << frame;
+    EXPECT_LT(together, 1.25 * speed + 5) << frame;
     EXPECT_LT(max_speed(simulator.state()), 5 * speed + 5) << frame;
     EXPECT_EQ(deepest_penetration(simulator), 0) << frame;
   }
@@ -82,9 +82,9 @@ TEST(HardScene, ASphereGoesThroughAHangingClothWithoutATrace) {
   // speeds it comes to rest with a fold elsewhere.
   Traces slow = traces_at({1, 2.5, 4, 5.5, 7, 8.5});
   EXPECT_EQ(slow[Trace::crosses_itself], 0);
-  EXPECT_LE(slow[Trace::other_folds], 1);
+  EXPECT_EQ(slow[Trace::other_folds], 0);
   Traces fast = traces_at({10, 11.5, 13, 14.5, 16, 60, 100, 140});
-  EXPECT_LE(fast[Trace::other_folds], 4);
+  EXPECT_LE(fast[Trace::other_folds], 1);
 }
 
 TEST(DISABLED_Survey, SphereAtFortySpeeds) {
@@ -404,7 +404,7 @@ TEST_P(HeavyPoint, Hangs) {
     EXPECT_LT(rms_velocity(state), 1e-4);
   } else {  // when springs catch it, passes and the bound of a step are too small for
             // the light points about it
-    EXPECT_LT(worst, 0.2);
+    EXPECT_LT(worst, 0.17);
     EXPECT_LT(state.velocities.row(heavy).norm(), 1);
   }
 }

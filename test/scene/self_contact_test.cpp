@@ -141,7 +141,7 @@ void expect_falls(const std::vector<Fall>& falls, int most) {
 TEST(SelfContact, AThinClothTearsAtNothing) {
   std::vector<Fall> falls = {{50, 5e-4, 1}};
   for (int seed = 1; seed <= 6; ++seed) falls.push_back({30, 1e-3, seed});
-  expect_falls(falls, 1);
+  expect_falls(falls, 0);
 }
 
 TEST(DISABLED_Survey, FortyFallsOfAThinCloth) {
@@ -235,7 +235,7 @@ TEST_P(SphereThroughPile, CrossesNothingAndLeavesItAtRest) {
 
 INSTANTIATE_TEST_SUITE_P(Speeds, SphereThroughPile, ::testing::Values(1.0, 10.0));
 
-TEST(SphereThroughPiles, LeavesThemAtRestAt100MetresASecond) { expect_rest_at_100_m_s(4, 1); }
+TEST(SphereThroughPiles, LeavesThemAtRestAt100MetresASecond) { expect_rest_at_100_m_s(4, 0); }
 
 TEST(DISABLED_Survey, FiftyPilesHitAt100MetresASecond) { expect_rest_at_100_m_s(50, 1); }
 
