@@ -130,8 +130,9 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     }
   }
   if (s.has_faces) {
-    faces_.find(
-        {penetration.collider, collider, cloth, step, margin, local_, state, penetration.faces});
+    faces_.find({penetration.collider, collider, cloth, step, margin - step.way,
+                 step.way > 0 ? near : margin, motion_bound_.total() + s.sleep_bounds.moved(),
+                 local_, state, penetration.faces});
   }
 }
 
@@ -146,8 +147,8 @@ bool ColliderContacts::is_settled() const { return !recovers_ && pinches_.count(
 
 void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                const ContactStep& step, State& state) {
-  const bool has_faces = faces_.size() > 0;
   faces_.start_over(h_);
+  const double speed = std::max(longest_row(state.velocities), longest_row(step.drifted));
   for (std::size_t k = 0; k < caches_.size(); ++k) {
     ColliderCache& s = caches_[k];
     if (!colliders[k].enabled()) continue;
@@ -156,11 +157,14 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
       s.slots.start_over();
       find_points(s, colliders[k], cloth, step, state);
     }
-    if (!has_faces || !s.has_faces) continue;
+    if (!s.has_faces) continue;
     Penetration penetration{static_cast<int>(k), {}, {}};
-    local_.place(colliders[k], step.start, state.positions);
+    local_.place_points(colliders[k], step.start, state.positions);
     local_.place_middle(colliders[k], step, state.positions);
-    faces_.find_again({penetration.collider, colliders[k], cloth, step, s.within, local_, state,
+    // From where impulses act to the step's end, and on to the surface, in each at this speed.
+    const double margin = s.keeps + 3 * (step.h * speed + s.moved);
+    faces_.find_again({penetration.collider, colliders[k], cloth, step, margin, s.within,
+                       motion_bound_.total() + s.sleep_bounds.moved(), local_, state,
                        penetration.faces});
     recovers_ = recovers_ || penetration.depth() > 0;
   }

@@ -8,16 +8,9 @@
 namespace clothsim {
 namespace {
 
-/// Features of a triangle in contact: its edges, from corner i to i + 1, and its face.
-enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
-
-/// The feature in contact; empty where a corner alone touches.
-std::optional<Feature> feature_of(const CornerWeights& w) {
-  const auto zeros = std::count(w.begin(), w.end(), 0.0);
-  if (zeros > 1) return std::nullopt;
-  if (zeros == 0) return face;
-  return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
-}
+/// Largest error of the distance of a triangle that is followed, not measured [m]: below what shows
+/// as noise of contact.
+constexpr double followed_error = may_sink / 500;
 
 /// Largest displacement of a corner from where impulses act to the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
@@ -35,68 +28,108 @@ void FaceContacts::start_over(double h) {
   places_.clear();
 }
 
+std::optional<FaceContacts::Feature> FaceContacts::feature_of(const CornerWeights& w) {
+  const auto zeros = std::count(w.begin(), w.end(), 0.0);
+  if (zeros > 1) return std::nullopt;
+  if (zeros == 0) return face;
+  return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
+}
+
 void FaceContacts::find(const ColliderQuery& at) {
   if (!blocks_.fits(at.cloth)) blocks_.reset(at.cloth);
   ContactList::Last last(list_, key_of(at.number, 0, 0));
-  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.margin,
-                [&](int triangle, const Corners&) { look_at(at, triangle, last); });
+  near_.resize(std::max(near_.size(), static_cast<std::size_t>(at.number) + 1));
+  std::vector<NearTriangle>& near = near_[static_cast<std::size_t>(at.number)];
+  near.clear();
+  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.reach,
+                [&](int triangle, const Corners&) {
+                  near.emplace_back().triangle = triangle;
+                  look_at(at, near.back(), last);
+                  if (near.back().distance >= at.reach) near.pop_back();
+                });
 }
 
 void FaceContacts::find_again(const ColliderQuery& at) {
   ContactList::Last last(list_, key_of(at.number, 0, 0));
-  int done = -1;
-  list_.for_each_last([&](const Contact& c) {
-    const int triangle = triangle_of(c);
-    if (collider_of(c) != at.number || triangle == done || c.impulse.normal_impulse == 0) return;
-    done = triangle;
-    look_at(at, triangle, last);
-  });
+  for (NearTriangle& near : near_[static_cast<std::size_t>(at.number)]) {
+    if (near.reached_at > at.travelled + at.margin) continue;
+    if (!follow(at, near, last)) look_at(at, near, last);
+  }
 }
 
-void FaceContacts::look_at(const ColliderQuery& at, int triangle, ContactList::Last& last) {
-  const auto& [number, collider, cloth, step, margin, local, state, penetrating_faces] = at;
+bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
+                          ContactList::Last& last) {
+  if (!near.is_beside) return false;
+  const Corners& corners = at.cloth.triangles[static_cast<std::size_t>(near.triangle)];
+  Triangle way = clothsim::triangle_of(at.local.middle, corners);
+  double longest2 = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    way[k] -= near.corners[k];
+    longest2 = std::max(longest2, way[k].squaredNorm());
+  }
+  // The distance from an edge or a tip bends by 1 / distance.
+  if (longest2 > 2 * followed_error * near.distance) return false;
+  for (std::size_t i = 0; i < features; ++i) {
+    if (!near.touching[i]) continue;
+    FaceDistance now = *near.touching[i];
+    const CornerWeights& w = now.weights;
+    now.value += now.normal.dot(w[0] * way[0] + w[1] * way[1] + w[2] * way[2]);
+    const std::uint64_t key = key_of(at.number, near.triangle, i);
+    add(at, key, last.of(key), now, false, 0);
+  }
+  return true;
+}
+
+void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactList::Last& last) {
+  const auto& [number, collider, cloth, step, margin, reach, travelled, local, state,
+               penetrating_faces] = at;
   const Shape& shape = collider.shape();
-  const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
+  const Corners& corners = cloth.triangles[static_cast<std::size_t>(near.triangle)];
   // The triangle as it lies where impulses act, unless it is to be stopped or led out.
-  const Triangle middle = clothsim::triangle_of(local.middle, corners);
+  near.corners = clothsim::triangle_of(local.middle, corners);
+  near.touching = {};
+  near.is_beside = false;
   FaceApproach found;
-  found.distance = distance_with_leeway(shape, cloth, corners, middle, margin);
+  found.distance = distance_with_leeway(shape, cloth, corners, near.corners, reach);
+  near.distance = found.distance ? found.distance->value : reach;
+  near.reached_at = travelled + near.distance;
   const bool may_be_inside = local.longest > safe_depth(shape) ||
-                             (found.distance && found.distance->value < to_middle(local, corners));
+                             (found.distance && near.distance < to_middle(local, corners));
   if (may_be_inside) {
     const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
     if (!at_end.distance) return;
     if (at_end.swept || at_end.before < 0) found = at_end;
   }
-  if (!found.distance) return;
+  near.is_beside = !may_be_inside;
+  if (!found.distance || found.distance->value > margin) return;
   const bool alone = found.swept || found.before < 0;
 
   // Corners are left to the contacts of their points, unless they are to be led out.
-  std::array<std::optional<FaceDistance>, features> touching;
   const auto feature = feature_of(found.distance->weights);
   if (!alone) {
-    const auto edges = edges_along(shape, middle, *found.distance, margin);
-    std::copy(edges.begin(), edges.end(), touching.begin());
-    for (auto& edge : touching) {
-      if (edge) edge->value += leeway(cloth, corners, middle, edge->weights);
+    const auto edges = edges_along(shape, near.corners, *found.distance, margin);
+    std::copy(edges.begin(), edges.end(), near.touching.begin());
+    for (auto& edge : near.touching) {
+      if (edge) edge->value += leeway(cloth, corners, near.corners, edge->weights);
     }
   }
-  if (feature || alone) touching[feature.value_or(face)] = found.distance;
+  if (feature || alone) near.touching[feature.value_or(face)] = found.distance;
 
   for (std::size_t i = 0; i < features; ++i) {
-    if (!touching[i]) continue;
-    const std::uint64_t key = key_of(number, triangle, i);
+    if (!near.touching[i]) continue;
+    const std::uint64_t key = key_of(number, near.triangle, i);
     const std::size_t before = places_.size();
-    add(at, key, last.of(key), *touching[i], found.swept, -found.before);
+    add(at, key, last.of(key), *near.touching[i], found.swept, -found.before);
     if (found.before < 0 && places_.size() > before) {
-      penetrating_faces.push_back({triangle, before, -found.before});
+      penetrating_faces.push_back({near.triangle, before, -found.before});
     }
   }
 }
 
 void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact* last,
                        const FaceDistance& distance, bool swept, double depth) {
-  const auto& [number, collider, cloth, step, margin, local, state, penetrating_faces] = at;
+  const auto& [number, collider, cloth, step, margin, reach, travelled, local, state,
+               penetrating_faces] = at;
   Contact contact{key};
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;
@@ -220,6 +253,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
 void FaceContacts::reset() {
   list_.reset();
   places_.clear();
+  near_.clear();
 }
 
 }  // namespace clothsim

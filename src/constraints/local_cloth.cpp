@@ -25,13 +25,18 @@ void move_into(const Pose& pose, const Points& points, Points& local) {
 }  // namespace
 
 void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
-  move_into(collider.previous(), start, from);
-  move_into(collider.pose(), end, to);
+  place_points(collider, start, end);
   distance.resize(to.rows());
   Points normals(to.rows(), 3);
   signed_distances(collider.shape(), Frame(collider.pose()), run_from(end, 0),
                    Frame(collider.previous()), run_from(start, 0), static_cast<int>(to.rows()),
                    {2 * surface_offset}, distance.data(), run_from(normals, 0));
+}
+
+void LocalCloth::place_points(const MovingCollider& collider, const Points& start,
+                              const Points& end) {
+  move_into(collider.previous(), start, from);
+  move_into(collider.pose(), end, to);
   longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
 }
 

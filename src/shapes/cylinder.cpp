@@ -7,34 +7,66 @@
 namespace clothsim {
 namespace {
 
-/// Least signed distance along one edge. The distance is convex, so its slope has one sign change:
-/// steps alternate between bisection and the secant of the slope.
-struct LeastOnEdge {
+/// A place on an edge, and its distance.
+struct OnEdge {
   double s;  // from corner i to i + 1
   Distance distance;
 };
 
-LeastOnEdge min_on_edge(const Cylinder& cylinder, const Vector3& a, const Vector3& b) {
-  constexpr double precise = 1e-14;  // share of the edge
+Distance distance_at(const Cylinder& cylinder, const Vector3& p) {
+  return cylinder.near_surface(p.x(), p.y(), p.z(), 0);
+}
+
+/// The place with the least signed distance on the edge from a to b, whose distances are known;
+/// empty where all are above `limit`. The distance is convex: its slope has one sign change, to
+/// which its secants lead (Illinois method, Dowell & Jarratt 1971), and it is nowhere below its
+/// tangents.
+std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, const Distance& at_a,
+                                  const Vector3& b, const Distance& at_b, double limit) {
+  constexpr double precise = 1e-12;  // share of the edge
+  constexpr int max_secants = 20;    // beside a kink bisection is faster
   const Vector3 way = b - a;
-  const auto at = [&](double s) {
-    const Vector3 p = a + s * way;
-    return LeastOnEdge{s, cylinder.near_surface(p.x(), p.y(), p.z(), 0)};
-  };
-  const auto slope = [&](const LeastOnEdge& x) { return x.distance.normal.dot(way); };
-  LeastOnEdge low = at(0), high = at(1);
+  const auto slope = [&](const OnEdge& x) { return x.distance.normal.dot(way); };
+  OnEdge low{0, at_a}, high{1, at_b};
   double down = slope(low), up = slope(high);
   if (down >= 0) return low;
   if (up <= 0) return high;
+  double secant_down = down, secant_up = up;  // halved where one end stays twice
+  int kept = 0;                               // the end that stayed last: -1 low, 1 high
   for (int step = 0; high.s - low.s > precise; ++step) {
-    const double secant = low.s + (high.s - low.s) * down / (down - up);
-    const LeastOnEdge middle = at(step % 2 ? secant : (low.s + high.s) / 2);
+    const double width = high.s - low.s;
+    const double rise = high.distance.value - low.distance.value;
+    const double least = low.distance.value + down * (up * width - rise) / (up - down);
+    if (least > limit) return std::nullopt;
+    const double share = step < max_secants ? secant_down / (secant_down - secant_up) : 0.5;
+    const double s = low.s + share * width;
+    const OnEdge middle{s, distance_at(cylinder, a + s * way)};
     const double now = slope(middle);
     if (now == 0) return middle;
-    (now < 0 ? low : high) = middle;
-    (now < 0 ? down : up) = now;
+    if (now < 0) {
+      low = middle;
+      down = secant_down = now;
+      if (kept == 1) secant_up /= 2;
+      kept = 1;
+    } else {
+      high = middle;
+      up = secant_up = now;
+      if (kept == -1) secant_down /= 2;
+      kept = -1;
+    }
   }
   return low.distance.value < high.distance.value ? low : high;
+}
+
+/// A bound on the signed distances of a triangle's points, from the tangents at its corners.
+double min_distance(const Triangle& t, const std::array<Distance, 3>& at) {
+  double bound = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3& n = at[i].normal;
+    const double least = std::min({n.dot(t[0]), n.dot(t[1]), n.dot(t[2])});
+    bound = std::max(bound, at[i].value + least - n.dot(t[i]));
+  }
+  return bound;
 }
 
 /// The point of the solid that lies farthest along `direction`; where an end or a line of the side
@@ -196,11 +228,16 @@ std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& way,
 std::optional<FaceDistance> Cylinder::face_distance(const Triangle& t, double reach) const {
   if (outside(box_of(t), {radius, radius, length / 2}) > reach) return std::nullopt;
 
+  const std::array<Distance, 3> corners{distance_at(*this, t[0]), distance_at(*this, t[1]),
+                                        distance_at(*this, t[2])};
+  if (min_distance(t, corners) > reach) return std::nullopt;
   FaceDistance nearest;
   for (std::size_t i = 0; i < 3; ++i) {
-    const LeastOnEdge on = min_on_edge(*this, t[i], t[(i + 1) % 3]);
-    if (on.distance.value >= nearest.value) continue;
-    nearest = {on.distance.value, on.distance.normal, on_edge(i, on.s)};
+    const std::size_t j = (i + 1) % 3;
+    const double limit = std::min(reach, nearest.value);
+    const auto on = min_on_edge(*this, t[i], corners[i], t[j], corners[j], limit);
+    if (!on || on->distance.value >= nearest.value) continue;
+    nearest = {on->distance.value, on->distance.normal, on_edge(i, on->s)};
   }
   const Vector3 n = unit_normal(t);
   if (nearest.value < 0 || reaches_through(*this, t, n)) {
@@ -236,8 +273,12 @@ void Cylinder::visit_lines(const Triangle&, const Vector3& normal, double,
   }
 }
 
+/// Does `box` reach into the cylinder, or come within `reach` of its side or of the rim of an end?
 bool Cylinder::may_touch(const Box& box, const Triangle*, double reach) const {
-  return outside(box, {radius, radius, length / 2}) <= reach;
+  if (outside(box, {radius, radius, length / 2}) > reach) return false;
+  const bool beyond_end = box.min().z() > length / 2 || box.max().z() < -length / 2;
+  const Eigen::Vector2d farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).head<2>();
+  return !beyond_end || farthest.norm() + reach >= radius;
 }
 
 }  // namespace clothsim

@@ -52,9 +52,6 @@ double Simulator::Impl::max_undetected() {
     const Clearance keeps = clearance(collider.shape(), cloth, stretch_after(longest_step));
     if (!collider.reaches(box, speed * longest_step + keeps.points)) continue;
     frame_context.collider_speed = std::max(frame_context.collider_speed, speed);
-    // Triangles that have touched with corners alone may sink in by this, beyond their present
-    // depth.
-    if (keeps.faces) max_way = std::min(max_way, may_sink / 2);
   }
   return max_way;
 }

@@ -66,7 +66,8 @@ TEST(TriangleBlocks, LeaveOutNoTriangleThatTouchesWithMoreThanACorner) {
   std::uniform_real_distribution<double> shift(-0.5, 0.5);
   for (int turn = 0; turn < 60; ++turn) {
     for (const Shape& shape :
-         {Shape(Sphere{0.1}), Shape(Capsule{0.3, 0.02}), Shape(Cuboid{{0.5, 0.3, 0.1}})}) {
+         {Shape(Sphere{0.1}), Shape(Capsule{0.3, 0.02}), Shape(Cuboid{{0.5, 0.3, 0.1}}),
+          Shape(Cylinder{0.1, 0.25}), Shape(Cylinder{0.5, 0.1})}) {
       const Vector3 to(shift(random), shift(random), shift(random));
       Points moved = cloth.rest_positions.rowwise() + to.transpose();
       for (int b = 0; b < blocks.count(); ++b) {

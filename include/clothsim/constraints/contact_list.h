@@ -67,12 +67,6 @@ class ContactList {
     std::vector<Contact>::const_iterator end_;
   };
 
-  /// Calls visit(contact) for contacts of the last step, by ascending keys.
-  template <typename Visit>
-  void for_each_last(Visit&& visit) const {
-    for (const Contact& c : last_) visit(c);
-  }
-
   /// Adds contacts, by ascending keys, each with its impulse of the last step.
   void add(const Contact& contact) { contacts_.push_back(contact); }
   void add(const std::vector<Contact>&);

@@ -39,7 +39,9 @@ class FaceContacts {
     const MovingCollider& collider;
     const Cloth& cloth;
     const ContactStep& step;
-    double margin;  // distance within which a triangle may touch in the step [m]
+    double margin;     // distance within which a triangle may touch in the step [m]
+    double reach;      // the same until the next detection [m]
+    double travelled;  // bound on the displacements of points and surface so far [m]
     LocalCloth& local;
     State& state;
     std::vector<PenetratingFace>& penetrating_faces;
@@ -49,7 +51,7 @@ class FaceContacts {
   /// moved back.
   void find(const ColliderQuery&);
 
-  /// The same for the triangles that had contacts with the collider in the last step.
+  /// The same for the triangles that were within reach in the last find().
   void find_again(const ColliderQuery&);
 
   /// Gives the contacts the impulses of the last step.
@@ -106,6 +108,20 @@ class FaceContacts {
     double distance;  // from the surface, where impulses act [m]
   };
 
+  /// Features of a triangle in contact: its edges, from corner i to i + 1, and its face.
+  enum Feature : std::size_t { first_edge, second_edge, third_edge, face, features };
+  using FeatureDistances = std::array<std::optional<FaceDistance>, features>;
+
+  /// A triangle within reach.
+  struct NearTriangle {
+    int triangle = 0;
+    double distance = 0;        // the reach beyond it [m]
+    double reached_at = 0;      // displacements at which it may reach the surface [m]
+    bool is_beside = false;     // of the surface, not led out of it or stopped at it
+    Triangle corners{};         // where impulses act, in the collider's frame [m]
+    FeatureDistances touching;  // features that may touch
+  };
+
   /// A key has a collider, a triangle and the feature in contact: an edge, 0 to 2, or the face, 3.
   enum { triangle_bit = 2, collider_bit = 32 };
   static std::uint64_t key_of(int collider, int triangle, std::size_t feature) {
@@ -117,8 +133,15 @@ class FaceContacts {
     return static_cast<int>((c.key & 0xffffffff) >> triangle_bit);
   }
 
-  /// Adds the contacts of a triangle. To be called in the order of their keys.
-  void look_at(const ColliderQuery&, int triangle, ContactList::Last&);
+  /// Measures a triangle and adds its contacts. To be called in the order of their keys.
+  void look_at(const ColliderQuery&, NearTriangle&, ContactList::Last&);
+
+  /// The same without measuring, where the triangle has hardly moved since: as if its features
+  /// touched planes. False where it has moved too far.
+  bool follow(const ColliderQuery&, const NearTriangle&, ContactList::Last&);
+
+  /// Feature in contact; empty where a corner alone touches.
+  static std::optional<Feature> feature_of(const CornerWeights&);
 
   /// Adds a contact at `distance`, if it matters in this step. `last`: the contact in the last
   /// step; null: none.
@@ -126,6 +149,7 @@ class FaceContacts {
            const FaceDistance& distance, bool swept, double depth);
 
   TriangleBlocks blocks_;
+  std::vector<std::vector<NearTriangle>> near_;  // by collider, ascending
   ContactList list_;
   std::vector<Place> places_;  // as list_; empty for a list that was read
 };

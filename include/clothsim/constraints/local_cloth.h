@@ -20,6 +20,8 @@ struct LocalCloth {
   double edge = 0;     // bound on the edges of triangles [m]
 
   void place(const MovingCollider&, const Points& start, const Points& end);
+  /// The same without the distances.
+  void place_points(const MovingCollider&, const Points& start, const Points& end);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
 };
 

@@ -73,6 +73,9 @@ class SleepBounds {
   /// Pose at the last call of follow().
   const Pose& pose() const { return pose_; }
 
+  /// Total displacement of the surface, at most [m].
+  double moved() const { return moved_; }
+
   /// No point of a block is nearer to the surface than `distance` [m], after a total displacement
   /// of `travelled`.
   void keep(int block, double distance, double travelled) {
