@@ -14,7 +14,7 @@ namespace {
 /// triangle and a solid is a corner of the one and a face of the other, or two edges.
 class ClosestFeatures {
  public:
-  explicit ClosestFeatures(const Triangle& t) : t_(t) {}
+  explicit ClosestFeatures(const Triangle& t) : t_(t), n_(unit_normal(t)) {}
 
   /// A corner of the triangle and its signed distance.
   void add_corner(std::size_t i, double value, const Vector3& normal) {
@@ -25,9 +25,8 @@ class ClosestFeatures {
 
   void add(const Solid::Ridge& ridge) {
     const auto& [a, b] = ridge.ends;
-    const Vector3 n = unit_normal(t_);
-    if (!n.isZero(0) && passes_through(a, b, t_)) {
-      add_piercing(ridge, n);
+    if (!n_.isZero(0) && passes_through(a, b, t_)) {
+      add_piercing(ridge);
       return;
     }
     for (const std::size_t end : {0, 1}) {
@@ -71,13 +70,13 @@ class ClosestFeatures {
 
   /// A ridge passes through the triangle: the triangle leaves it over an end that points outwards,
   /// or, if neither does, over the nearer one.
-  void add_piercing(const Solid::Ridge& ridge, const Vector3& n) {
+  void add_piercing(const Solid::Ridge& ridge) {
     std::array<FaceDistance, 2> ways;
     bool has_tip = false;
     for (const std::size_t end : {0, 1}) {
       const Vector3& p = ridge.ends[end];
-      const double height = n.dot(p - t_[0]);
-      ways[end] = {-std::abs(height), height < 0 ? Vector3(-n) : n,
+      const double height = n_.dot(p - t_[0]);
+      ways[end] = {-std::abs(height), height < 0 ? Vector3(-n_) : n_,
                    closest_on_triangle(p, t_[0], t_[1], t_[2])};
       if (ways[end].normal.dot(ridge.end_normals[end]) <= 0) continue;
       has_tip = true;
@@ -93,6 +92,7 @@ class ClosestFeatures {
   }
 
   const Triangle& t_;
+  Vector3 n_;  // unit, zero without an area
   FaceDistance nearest_;
   FaceDistance inside_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
   bool is_inside_ = false;
@@ -101,7 +101,7 @@ class ClosestFeatures {
 /// The same for a sheet, which has two sides and no inside.
 class ClosestToSheet {
  public:
-  explicit ClosestToSheet(const Triangle& t) : t_(t) {}
+  explicit ClosestToSheet(const Triangle& t) : t_(t), n_(unit_normal(t)) {}
 
   void add_corner(std::size_t i, double value, const Vector3& normal) {
     if (value < nearest_.value) nearest_ = {value, normal, corner(i)};
@@ -109,10 +109,9 @@ class ClosestToSheet {
 
   void add(const Solid::Ridge& ridge) {
     const auto& [a, b] = ridge.ends;
-    const Vector3 n = unit_normal(t_);
-    if (!n.isZero(0) && passes_through(a, b, t_)) {
+    if (!n_.isZero(0) && passes_through(a, b, t_)) {
       for (const Vector3& p : ridge.ends) {
-        add_way(n.dot(p - t_[0]), n, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+        add_way(n_.dot(p - t_[0]), n_, closest_on_triangle(p, t_[0], t_[1], t_[2]));
       }
       return;
     }
@@ -151,6 +150,7 @@ class ClosestToSheet {
   }
 
   const Triangle& t_;
+  Vector3 n_;  // unit, zero without an area
   FaceDistance nearest_;
   FaceDistance out_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
 };
@@ -172,11 +172,9 @@ FaceDistance closest_features(const Solid& solid, const Triangle& t, double max_
     closest.add(ridge);
     most = std::min(most, closest.most());
   });
-  for (std::size_t i = 0; i < 3; ++i) {
-    solid.visit_hits(t[i], t[(i + 1) % 3], [&](const Vector3& place, const Vector3& normal) {
-      closest.add_hit(i, place, normal);
-    });
-  }
+  solid.visit_hits(t, [&](std::size_t i, const Vector3& place, const Vector3& normal) {
+    closest.add_hit(i, place, normal);
+  });
   return closest.result();
 }
 
@@ -226,6 +224,7 @@ void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double rea
                             const VisitLine& visit) const {
   constexpr double square = 0.1;  // largest sine between a ridge and the plane normal to `normal`
   constexpr double sharp = 0.35;  // ridges that bend less do not support a triangle [rad]
+  if (file->solid.sharpest() < sharp) return;
   double most = reach + padding;
   file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
     if (ridge.angle < sharp) return;

@@ -87,12 +87,9 @@ bool reaches_into(const Solid& solid, const Shell& other, double near) {
   if (std::any_of(vertices.begin(), vertices.end(), is_in)) return true;
   bool hits = false;
   for (const auto& t : triangles) {
-    for (std::size_t k = 0; k < t.size() && !hits; ++k) {
-      const Vector3& from = vertices[static_cast<std::size_t>(t[k])];
-      const Vector3& to = vertices[static_cast<std::size_t>(t[(k + 1) % t.size()])];
-      if (!Box(from).extend(to).intersects(solid.box())) continue;
-      solid.visit_hits(from, to, [&](const Vector3&, const Vector3&) { hits = true; });
-    }
+    const auto at = [&](std::size_t k) { return vertices[static_cast<std::size_t>(t[k])]; };
+    solid.visit_hits({at(0), at(1), at(2)}, [&](std::size_t, const auto&...) { hits = true; });
+    if (hits) break;
   }
   return hits;
 }

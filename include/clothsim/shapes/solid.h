@@ -85,19 +85,31 @@ class Solid {
   /// first; `visit` may lower `most`.
   template <class Visit>
   void visit_ridges(const std::array<Vector3, 3>& t, double& most, const Visit& visit) const {
-    const Box box = Box(t[0]).extend(t[1]).extend(t[2]);
-    const Vector3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
-    const double height = normal.dot(t[0]);
-    // Lower bound of a box: its distance from the triangle's box, and from the triangle's plane.
-    const auto bound = [&](const Box& b) {
-      const double off =
-          std::abs(normal.dot(b.center()) - height) - normal.cwiseAbs().dot(b.sizes()) / 2;
-      return std::max(squared_distance(b, box), off > 0 ? off * off : 0);
-    };
+    const TriangleBound bound(t);
     double most2 = most * std::abs(most);
     ridge_tree_.search(bound, most2, [&](int i) {
-      visit(ridges_[static_cast<std::size_t>(i)]);
+      const Ridge& ridge = ridges_[static_cast<std::size_t>(i)];
+      if (bound.of(ridge.ends) > most2) return;
+      visit(ridge);
       most2 = most * std::abs(most);
+    });
+  }
+
+  /// Calls visit(i, place, normal) where the edge of a triangle from corner i on passes through a
+  /// face with that unit normal.
+  template <class Visit>
+  void visit_hits(const std::array<Vector3, 3>& t, const Visit& visit) const {
+    const TriangleBound bound(t);
+    double touching = 0;
+    face_tree_.search(bound, touching, [&](int face) {
+      const Corners& corners = corners_[static_cast<std::size_t>(face)];
+      if (bound.of(corners) > 0) return;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vector3 way = t[(i + 1) % 3] - t[i];
+        const double share = hit_by_ray(t[i], way, corners);
+        if (share > 1) continue;
+        visit(i, Vector3(t[i] + share * way), faces_[static_cast<std::size_t>(face)].normal);
+      }
     });
   }
 
@@ -117,6 +129,9 @@ class Solid {
   /// Bound on the depth [m] to which a flat triangle with edges of at most `edge` [m] and its
   /// corners on the surface dips into the solid.
   double dip(double edge) const;
+
+  /// Largest angle at which the surface bends outwards; a sheet may bend at any [rad].
+  double sharpest() const { return is_sheet_ ? M_PI : sharpest_; }
 
   /// Thickness below all but a hundredth of the surface [m].
   double thickness() const { return thickness_; }
@@ -147,6 +162,42 @@ class Solid {
     }
   };
   class NearestFew;
+  /// Lower bounds on squared distances from a triangle [m^2]: from its box, and from its plane.
+  class TriangleBound {
+   public:
+    explicit TriangleBound(const Corners& t)
+        : box_(Box(t[0]).extend(t[1]).extend(t[2])),
+          normal_((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized()),
+          abs_normal_(normal_.cwiseAbs()),
+          height_(normal_.dot(t[0])) {}
+
+    double operator()(const Box& b) const {
+      const Vector3 sum = b.min() + b.max(), size = b.max() - b.min();
+      const double off = (std::abs(normal_.dot(sum) - 2 * height_) - abs_normal_.dot(size)) / 2;
+      return std::max(squared_distance(b, box_), off > 0 ? off * off : 0);
+    }
+
+    /// Of the hull of these points.
+    template <std::size_t count>
+    double of(const std::array<Vector3, count>& points) const {
+      Box box;
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const Vector3& p : points) {
+        const double off = normal_.dot(p) - height_;
+        low = std::min(low, off);
+        high = std::max(high, off);
+        box.extend(p);
+      }
+      const double off = std::max({low, -high, 0.0});
+      return std::max(squared_distance(box, box_), off * off);
+    }
+
+   private:
+    Box box_;
+    Vector3 normal_;
+    Vector3 abs_normal_;
+    double height_;
+  };
   /// A ball around a triangle. In single precision, so that many of them stay in the cache.
   struct Ball {
     float x, y, z;
