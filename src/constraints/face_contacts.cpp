@@ -90,19 +90,23 @@ void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactL
   near.touching = {};
   near.is_beside = false;
   FaceApproach found;
-  found.distance = distance_with_leeway(shape, cloth, corners, near.corners, reach);
+  found.distance = face_distance(shape, near.corners, reach);
   near.distance = found.distance ? found.distance->value : reach;
   near.reached_at = travelled + near.distance;
+  const bool is_far = near.distance > margin;
+  if (found.distance) {
+    found.distance->value += leeway(cloth, corners, near.corners, found.distance->weights);
+  }
   const bool may_be_inside = local.longest > safe_depth(shape) ||
-                             (found.distance && near.distance < to_middle(local, corners));
+                             (found.distance && found.distance->value < to_middle(local, corners));
   if (may_be_inside) {
     const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
     if (!at_end.distance) return;
     if (at_end.swept || at_end.before < 0) found = at_end;
   }
-  near.is_beside = !may_be_inside;
-  if (!found.distance || found.distance->value > margin) return;
   const bool alone = found.swept || found.before < 0;
+  if (!found.distance || (is_far && !alone)) return;
+  near.is_beside = !may_be_inside;
 
   // Corners are left to the contacts of their points, unless they are to be led out.
   const auto feature = feature_of(found.distance->weights);

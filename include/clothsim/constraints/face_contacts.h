@@ -117,7 +117,7 @@ class FaceContacts {
     int triangle = 0;
     double distance = 0;        // the reach beyond it [m]
     double reached_at = 0;      // displacements at which it may reach the surface [m]
-    bool is_beside = false;     // of the surface, not led out of it or stopped at it
+    bool is_beside = false;     // it touches from outside, neither led out nor stopped
     Triangle corners{};         // where impulses act, in the collider's frame [m]
     FeatureDistances touching;  // features that may touch
   };
