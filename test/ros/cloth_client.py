@@ -119,7 +119,9 @@ class Recorder:
         return wait_for(newest, what)
 
     def connected(self):
-        return self._subscriber.get_num_connections() > 0
+        """Whether all publishers of the topic are connected."""
+        publishers = dict(rospy.get_master().getSystemState()[2][0]).get(self._subscriber.resolved_name, [])
+        return 0 < len(publishers) <= self._subscriber.get_num_connections()
 
     def close(self):
         self._subscriber.unregister()
