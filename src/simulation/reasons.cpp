@@ -12,8 +12,8 @@ const char* clause_of(Reason reason) {
     case Reason::no_springs:
       return "no springs to integrate";
     case Reason::error_unforetold:
-      return "no error can be foretold without gravity, or as a stiff cloth rings: an explicit "
-             "method if one is in real time";
+      return "no error can be foretold without gravity, or as a stiff cloth rings: of the methods "
+             "in real time an explicit one, else one that does not soften springs";
     case Reason::cheapest_within_tolerance:
       return "the cheapest within tolerance";
     case Reason::most_accurate_in_real_time:
@@ -22,6 +22,8 @@ const char* clause_of(Reason reason) {
       return "none is in real time: the cheapest";
     case Reason::none_stable:
       return "no method is stable with so few substeps";
+    case Reason::softens:
+      return "xpbd lets the cloth stretch where it hangs from an edge, and more at a corner:";
     case Reason::method_failed:
       return "a frame failed with";
     case Reason::failed_before_set_state:

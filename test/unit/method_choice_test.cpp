@@ -1,6 +1,7 @@
 #include "clothsim/simulation/method_choice.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "clothsim/simulation/substeps.h"
 #include "verification/testing.h"
@@ -96,6 +97,47 @@ TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
     const MethodChoice c = choice(scene);
     EXPECT_EQ(c.method, "xpbd");
     EXPECT_EQ(c.min_substeps, 2);
+  }
+}
+
+TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingCloth) {
+  for (const int side : {25, 40}) {
+    Scene scene = swinging();
+    scene.cloth.columns = scene.cloth.rows = side;
+    scene.cloth.width = scene.cloth.height = 0.3;
+    scene.cloth.orientation = Orientation::vertical;
+    scene.cloth.material.fabric = Fabric{{1600, 900}, 40, {1.3e-5, 6e-6}, {1e-5, 1e-3}};
+    scene.cloth.material.density = 0.12;
+    scene.cloth.material.damping = 3;
+    scene.cloth.pinned.clear();
+    for (int column = 0; column < side; ++column) {
+      scene.cloth.pinned.push_back({column, side - 1, ""});
+    }
+    scene.simulation.method = "xpbd";
+    scene.simulation.substeps = 4;
+    const MethodChoice chosen = choice(scene);
+    ASSERT_TRUE(chosen.reasons.has(Reason::softens));
+    const std::string& text = chosen.reasons.text();
+    int told = 0, needed = 0;
+    ASSERT_EQ(std::sscanf(text.c_str() + text.find("by some"),
+                          "by some %d %%, with substeps: %d by 3 %%", &told, &needed),
+              2)
+        << text;
+    Simulator simulator(scene);
+    for (int frame = 0; frame < 180; ++frame) simulator.step();
+    const Points& x = simulator.state().positions;
+    double stretch = 0;
+    for (int row = 1; row < side; ++row) {
+      const int i = row * side + side / 2;
+      stretch = std::max(stretch, (x.row(i) - x.row(i - side)).norm() * (side - 1) / 0.3 - 1);
+    }
+    EXPECT_NEAR(std::log(100 * stretch / told), 0, std::log(1.5)) << told;
+
+    scene.simulation.substeps = needed;
+    EXPECT_FALSE(choice(scene).reasons.has(Reason::softens));
+    scene.simulation.substeps = 4;
+    scene.cloth.material.strain_limit = 0.1;
+    EXPECT_FALSE(choice(scene).reasons.has(Reason::softens));
   }
 }
 

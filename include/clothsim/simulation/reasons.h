@@ -15,6 +15,7 @@ enum class Reason {
   most_accurate_in_real_time,
   none_in_real_time,
   none_stable,
+  softens,
   // After a frame failed.
   method_failed,
   failed_before_set_state,
