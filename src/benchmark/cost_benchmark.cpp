@@ -13,6 +13,14 @@
 namespace clothsim {
 namespace {
 
+/// Cotton that drapes over a flat post.
+constexpr const char* post = R"(
+cloth: {fabric: cotton_shirting, width: 0.3, height: 0.3, origin: [-0.15, -0.15, 0.302], self_collision: surface}
+colliders: [{name: post, shape: cylinder, center: [0, 0, 0.25], axis: [0, 0, 1], length: 0.1, radius: 0.09,
+             friction: 0.4}]
+simulation: {method: verlet}
+)";
+
 /// A scene of this benchmark with `side` x `side` points.
 Scene scene_of(const std::string& name, int side) {
   Scene scene;
@@ -30,6 +38,8 @@ Scene scene_of(const std::string& name, int side) {
     scene.cloth.material.ks = 1000;
     scene.cloth.thickness = 1e-3;
     scene.cloth.self_collision = SelfCollision::surface;
+  } else if (name == "post") {
+    scene = read_scene(YAML::Load(post));
   } else {
     scene = load(name);
   }
@@ -85,6 +95,7 @@ BENCHMARK_CAPTURE(cost, sphere, "sphere")->Apply(begun);
 BENCHMARK_CAPTURE(cost, fold_points, "fold_points")->Apply(folded);
 BENCHMARK_CAPTURE(cost, fold_surface, "fold_surface")->Apply(folded);
 BENCHMARK_CAPTURE(cost, towel, "towel")->Apply(folded);
+BENCHMARK_CAPTURE(cost, post, "post")->Apply(folded);
 
 }  // namespace
 }  // namespace clothsim
