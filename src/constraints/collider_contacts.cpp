@@ -132,7 +132,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   if (s.has_faces) {
     faces_.find({penetration.collider, collider, cloth, step, margin - step.way,
                  step.way > 0 ? near : margin, motion_bound_.total() + s.sleep_bounds.moved(),
-                 local_, state, penetration.faces});
+                 step.h * (speed + of_surface), local_, state, penetration.faces});
   }
 }
 
@@ -161,10 +161,9 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     Penetration penetration{static_cast<int>(k), {}, {}};
     local_.place_points(colliders[k], step.start, state.positions);
     local_.place_middle(colliders[k], step, state.positions);
-    // From where impulses act to the step's end, and on to the surface, in each at this speed.
-    const double margin = s.keeps + 3 * (step.h * speed + s.moved);
-    faces_.find_again({penetration.collider, colliders[k], cloth, step, margin, s.within,
-                       motion_bound_.total() + s.sleep_bounds.moved(), local_, state,
+    const double in_step = step.h * speed + s.moved;
+    faces_.find_again({penetration.collider, colliders[k], cloth, step, in_step + s.keeps, s.within,
+                       motion_bound_.total() + s.sleep_bounds.moved(), in_step, local_, state,
                        penetration.faces});
     recovers_ = recovers_ || penetration.depth() > 0;
   }

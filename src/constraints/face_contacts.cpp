@@ -52,7 +52,7 @@ void FaceContacts::find(const ColliderQuery& at) {
 void FaceContacts::find_again(const ColliderQuery& at) {
   ContactList::Last last(list_, key_of(at.number, 0, 0));
   for (NearTriangle& near : near_[static_cast<std::size_t>(at.number)]) {
-    if (near.reached_at > at.travelled + at.margin) continue;
+    if (near.reached_at > at.travelled + 2 * at.in_step + at.margin) continue;
     if (!follow(at, near, last)) look_at(at, near, last);
   }
 }
@@ -81,7 +81,7 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
 }
 
 void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactList::Last& last) {
-  const auto& [number, collider, cloth, step, margin, reach, travelled, local, state,
+  const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
                penetrating_faces] = at;
   const Shape& shape = collider.shape();
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(near.triangle)];
@@ -132,7 +132,7 @@ void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactL
 
 void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact* last,
                        const FaceDistance& distance, bool swept, double depth) {
-  const auto& [number, collider, cloth, step, margin, reach, travelled, local, state,
+  const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
                penetrating_faces] = at;
   Contact contact{key};
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];

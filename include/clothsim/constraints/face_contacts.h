@@ -39,9 +39,10 @@ class FaceContacts {
     const MovingCollider& collider;
     const Cloth& cloth;
     const ContactStep& step;
-    double margin;     // distance within which a triangle may touch in the step [m]
+    double margin;     // distance from where impulses act within which a triangle may touch [m]
     double reach;      // the same until the next detection [m]
-    double travelled;  // bound on the displacements of points and surface so far [m]
+    double travelled;  // bound on the displacements of points and surface until now [m]
+    double in_step;    // the same in this step [m]
     LocalCloth& local;
     State& state;
     std::vector<PenetratingFace>& penetrating_faces;
