@@ -8,8 +8,8 @@
 namespace clothsim {
 namespace {
 
-/// Largest error of the distance of a triangle that is followed, not measured [m]: below what shows
-/// as noise of contact.
+/// Largest error of the distance of a triangle that is followed, not measured [m]: too small to
+/// show as noise of contact.
 constexpr double followed_error = may_sink / 500;
 
 /// Largest displacement of a corner from where impulses act to the step's end [m].

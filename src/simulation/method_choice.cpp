@@ -179,7 +179,7 @@ double xpbd_stretch(double gravity, const Cloth& cloth, double h) {
   return fitted * gravity * h * h * rows / shortest_rest_length(cloth);
 }
 
-/// Stretch of XPBD that is told.
+/// Stretch of XPBD from which on a reason tells it.
 constexpr double noticed_stretch = 0.03;
 
 const std::vector<Candidate>& candidates() {

@@ -113,19 +113,6 @@ class Solid {
     });
   }
 
-  /// Calls visit(place, normal) where a segment passes through a face with that unit normal.
-  template <class Visit>
-  void visit_hits(const Vector3& from, const Vector3& to, const Visit& visit) const {
-    const Vector3 way = to - from;
-    double most = 1;
-    face_tree_.search([&](const Box& box) { return hit_by_ray(from, way, box); }, most,
-                      [&](int i) {
-                        const auto face = static_cast<std::size_t>(i);
-                        const double share = hit_by_ray(from, way, corners_[face]);
-                        if (share <= 1) visit(Vector3(from + share * way), faces_[face].normal);
-                      });
-  }
-
   /// Bound on the depth [m] to which a flat triangle with edges of at most `edge` [m] and its
   /// corners on the surface dips into the solid.
   double dip(double edge) const;
@@ -177,7 +164,7 @@ class Solid {
       return std::max(squared_distance(b, box_), off > 0 ? off * off : 0);
     }
 
-    /// Of the hull of these points.
+    /// Bound for the hull of these points.
     template <std::size_t count>
     double of(const std::array<Vector3, count>& points) const {
       Box box;
