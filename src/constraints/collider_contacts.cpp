@@ -8,11 +8,6 @@
 namespace clothsim {
 namespace {
 
-/// Distance of the farthest point [m].
-double farthest_from(const Vector3& origin, const Points& points) {
-  return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
-}
-
 /// Ends motion that a projection has undone: a point that it has moved from `before` keeps no
 /// velocity against that displacement beyond its motion from `start` in the step of h [s].
 void end_undone_motion(double h, const Points& start, const Points& before, State& state) {
@@ -52,16 +47,10 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
 
-  warm_start(cloth, scale, state);
-  faces_.warm_start(state.positions, state.velocities);
+  warm_start(cloth, scale, step.bodies, state);
+  faces_.warm_start(state.positions, step.bodies, state.velocities);
+  if (step.bodies) couple(colliders, cloth, *step.bodies);
   pinches_.solve_pass(state.velocities);
-}
-
-double ColliderContacts::Penetration::depth() const {
-  double deepest = 0;
-  for (const auto& point : points) deepest = std::max(deepest, point.second);
-  for (const PenetratingFace& face : faces) deepest = std::max(deepest, face.depth);
-  return deepest;
 }
 
 std::vector<ColliderContacts::Penetration> ColliderContacts::find(
@@ -120,6 +109,9 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   s.keeps = keeps.points;
   s.within = near;
   find_points(s, collider, cloth, step, state);
+  if (step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider))) {
+    leave_out_passing(s, collider, cloth, step, state);
+  }
   if (s.is_close) {
     const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, near));
     for (const Span& span : s.near) {
@@ -156,6 +148,9 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     if (!s.near.empty()) {
       s.slots.start_over();
       find_points(s, colliders[k], cloth, step, state);
+      if (step.bodies && step.bodies->is_body(k)) {
+        leave_out_passing(s, colliders[k], cloth, step, state);
+      }
     }
     if (!s.has_faces) continue;
     Penetration penetration{static_cast<int>(k), {}, {}};
@@ -168,17 +163,24 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     recovers_ = recovers_ || penetration.depth() > 0;
   }
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
-  warm_start(cloth, 1, state);
-  faces_.warm_start(state.positions, state.velocities);
+  warm_start(cloth, 1, step.bodies, state);
+  faces_.warm_start(state.positions, step.bodies, state.velocities);
+  if (step.bodies) couple(colliders, cloth, *step.bodies);
 }
 
-void ColliderContacts::warm_start(const Cloth& cloth, double scale, State& state) {
-  for (ColliderCache& s : caches_) {
+void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies* bodies,
+                                  State& state) {
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    ColliderCache& s = caches_[k];
     s.slots.close();
     for (const int block : s.slots.active()) {
       s.sleep_bounds.wake(block);  // blocks in contact do not sleep
     }
     s.slots.warm_start(cloth, scale, state.velocities);
+    if (!bodies || !bodies->is_body(k)) continue;
+    Wrench impulse;
+    s.slots.add_impulses(cloth, 1, bodies->motion(k).center, state.positions, impulse);
+    bodies->motion(k).give(impulse);
   }
 }
 
@@ -207,13 +209,21 @@ bool ColliderContacts::is_near_faces(const ColliderCache& s, const Clearance& ke
          s.sleep_bounds.is_near(motion_bound_.total(), distance + local_.edge / std::sqrt(3));
 }
 
-double ColliderContacts::solve_pass(Points& velocities) {
-  double residual2 = 0;
-  for (ColliderCache& s : caches_) {
-    residual2 = std::max(residual2, s.slots.solve_pass(s.friction, velocities));
+double ColliderContacts::solve_pass(const Cloth& cloth, const Points& positions,
+                                    RigidBodies* bodies, Points& velocities) {
+  double residual2 = 0, on_bodies = 0;
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    ColliderCache& s = caches_[k];
+    if (bodies && bodies->is_body(k)) {
+      on_bodies = std::max(on_bodies, s.slots.solve_pass(s.friction, cloth, positions,
+                                                         bodies->motion(k), velocities));
+    } else {
+      residual2 = std::max(residual2, s.slots.solve_pass(s.friction, velocities));
+    }
   }
-  const double on_faces = faces_.solve_pass(velocities);
-  return std::max({std::sqrt(residual2), on_faces, pinches_.solve_pass(velocities)}) * h_;
+  const double on_faces = faces_.solve_pass(bodies, velocities);
+  return std::max({std::sqrt(residual2), on_bodies, on_faces, pinches_.solve_pass(velocities)}) *
+         h_;
 }
 
 void ColliderContacts::project_positions(const std::vector<MovingCollider>& colliders,
@@ -343,6 +353,7 @@ void ColliderContacts::reset() {
   caches_.clear();
   motion_bound_ = {};
   faces_.reset();
+  coupled_.clear();
   pinches_.start_over(0);
   is_restored_pinched_ = false;
   recovers_ = false;

@@ -85,6 +85,13 @@ Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& wa
 
 }  // namespace
 
+double ColliderContacts::Penetration::depth() const {
+  double deepest = 0;
+  for (const auto& point : points) deepest = std::max(deepest, point.second);
+  for (const PenetratingFace& face : faces) deepest = std::max(deepest, face.depth);
+  return deepest;
+}
+
 void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots::Detector& detector,
                                     const ContactStep& step, State& state,
                                     Penetration& penetration) {
@@ -173,6 +180,9 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
     const double max_distance = 2 * Stacks::max_layer_height(cloth, cloth.offset);
     return can_face(a.normals, b.normals) && a.places.exteriorDistance(b.places) <= max_distance;
   };
+  const auto is_body = [&](std::size_t k) {
+    return step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetrations[k].collider));
+  };
   std::map<std::size_t, ContactManifold> manifolds;  // of those that face another collider
   const auto manifold = [&](std::size_t k) -> const ContactManifold& {
     const int number = penetrations[k].collider;
@@ -182,7 +192,7 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
   };
   for (std::size_t l = 1; l < penetrations.size(); ++l) {
     for (std::size_t k = l; k-- > 0;) {
-      if (!can_hold(touched[k], touched[l])) continue;
+      if (is_body(k) || is_body(l) || !can_hold(touched[k], touched[l])) continue;
       stacks_.pinch(manifold(k), manifold(l), cloth, step.start, step.h, step.touches, pinches_);
     }
   }

@@ -130,6 +130,23 @@ void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactL
   }
 }
 
+/// Does a triangle pass by a rim of a rigid body without coming nearer, see
+/// ColliderContacts::leave_out_passing()?
+bool FaceContacts::passes_by(const ColliderQuery& at, const Corners& corners) {
+  const RigidBodies* bodies = at.step.bodies;
+  if (!bodies || !bodies->is_body(static_cast<std::size_t>(at.number))) return false;
+  Triangle end = clothsim::triangle_of(at.local.middle, corners);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int i = corners[k];
+    const Vector3 v =
+        row(at.state.velocities, i) - at.collider.velocity_at(row(at.state.positions, i));
+    end[k] += at.step.h * (at.collider.pose().orientation.conjugate() * v);
+  }
+  const double keeps = at.cloth.offset - passing_depth;
+  const auto distance = face_distance(at.collider.shape(), end, keeps);
+  return !distance || distance->value >= keeps;
+}
+
 void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact* last,
                        const FaceDistance& distance, bool swept, double depth) {
   const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
@@ -143,8 +160,8 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   const double lever = lever_of(cloth, corners, weights);
 
   const Vector3 normal = collider.pose().orientation * distance.normal;
-  const Vector3 surface_velocity =
-      collider.velocity_at(weighted(state.positions, corners, weights));
+  const Vector3 x = weighted(state.positions, corners, weights);
+  const Vector3 surface_velocity = collider.velocity_at(x);
   const double drift = normal.dot(weighted(step.drifted, corners, weights) - surface_velocity);
   if (swept) {
     // Back to where it came in, less the displacement by the impulse that ends its approach.
@@ -158,7 +175,8 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
   const double gap = distance.value - cloth.offset;
   const double target_velocity = swept ? 0 : -std::max(gap, 0.0) / step.h;
-  if (!last && rate >= target_velocity && gap > 0 && depth == 0) return;
+  const bool is_new = !last && gap > 0 && depth == 0;
+  if (is_new && (rate >= target_velocity || passes_by(at, corners))) return;
 
   contact.points = {corners[0], corners[1], corners[2], corners[0]};
   contact.weights = {weights[0], weights[1], weights[2], 0};
@@ -169,7 +187,7 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
                      collider.friction()};
   if (last) contact.impulse.keep(last->impulse);
   list_.add(contact);
-  places_.push_back({lever, distance.value});
+  places_.push_back({lever, distance.value, x});
 }
 
 void FaceContacts::release_pinched(const Pinches& pinches,
@@ -207,8 +225,34 @@ void FaceContacts::release_pinched(const Pinches& pinches,
   }
 }
 
-double FaceContacts::solve_pass(Points& velocities) {
-  return list_.solve_pass(-1, velocities);  // over all: faces are few
+void FaceContacts::warm_start(const Points& positions, RigidBodies* bodies, Points& velocities) {
+  list_.warm_start(positions, velocities);
+  if (!bodies) return;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Contact& c = list_.contacts()[i];
+    bodies->motion(static_cast<std::size_t>(collider_of(c))).give(-c.impulse.total(), places_[i].x);
+  }
+}
+
+double FaceContacts::solve_pass(RigidBodies* bodies, Points& velocities) {
+  if (!bodies) return list_.solve_pass(-1, velocities);  // over all: faces are few
+  double largest = 0;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    Contact& c = list_.contacts()[i];
+    if (c.mass == 0) continue;
+    RigidMotion& body = bodies->motion(static_cast<std::size_t>(collider_of(c)));
+    const Vector3 &x = places_[i].x, &normal = c.impulse.normal;
+    if (body.is_body()) c.impulse.surface_velocity = body.velocity_at(x);
+    const double mass = 1 / (1 / c.mass + body.inv_mass_at(x, normal));
+    const double along = 1 / (1 / c.mass + body.inv_mass_across(x, normal));
+    const Vector3 v = weighted_sum(c.points, c.weights, velocities);
+    const Vector3 change = c.impulse.update(v, mass, along);
+    if (change.isZero(0)) continue;
+    c.give(change, velocities);
+    body.give(-change, x);
+    largest = std::max(largest, change.norm() / std::min(mass, along));
+  }
+  return largest;
 }
 
 void FaceContacts::project_positions(const MovingCollider& collider, const Cloth& cloth, double h,

@@ -60,7 +60,7 @@ bool is_at(const Vector3& x, const Vector3& place) {
 
 void Holders::hold(const std::vector<Hold>& holds,
                    const std::vector<std::optional<double>>& strengths, const Cloth& cloth,
-                   double gravity, const Points& positions) {
+                   double weight, const Points& positions) {
   const std::vector<Point> last = std::move(points_);
   points_.clear();
   for (const Hold& h : holds) {
@@ -83,7 +83,6 @@ void Holders::hold(const std::vector<Hold>& holds,
   }
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
   list_springs(cloth);
-  const double weight = cloth.mass.sum() * std::max(gravity, min_gravity);
   std::vector<double> usual(strengths.size(), borne_weights * weight);
   for (const Spring& s : springs_) {
     const auto holder = static_cast<std::size_t>(points_[s.point].hold.holder);

@@ -1,6 +1,7 @@
 #include "clothsim/model/types.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
@@ -50,6 +51,10 @@ Vector3 mean(const Points& vectors) {
 }  // namespace
 
 double longest_row(const Points& vectors) { return longest(nullptr, vectors, Vector3::Zero()); }
+
+double farthest_from(const Vector3& origin, const Points& points) {
+  return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
+}
 
 double longest_way(const Points& from, const Points& to) {
   return longest(from.data(), to, Vector3::Zero());

@@ -1,10 +1,12 @@
 #include "clothsim/scene/colliders_yaml.h"
 
+#include <Eigen/Eigenvalues>
 #include <functional>
 
 #include "clothsim/model/resource.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/scene/yaml_values.h"
+#include "clothsim/shapes/mass_properties.h"
 #include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim {
@@ -112,6 +114,68 @@ std::vector<Key> keys_of(ColliderSpec& collider) {
   return std::visit([&](auto& shape) { return keys_of(shape, collider.pose); }, collider.shape);
 }
 
+/// Moments of inertia [kg m^2]: [xx, yy, zz], or [xx, xy, xz, yy, yz, zz] as in a URDF.
+Matrix3 read_inertia(const YAML::Node& node) {
+  const bool is_list = node.IsSequence() && (node.size() == 3 || node.size() == 6);
+  if (!is_list) {
+    throw InvalidValue({}, describe(node), "[xx, yy, zz] or [xx, xy, xz, yy, yz, zz]");
+  }
+  if (node.size() == 3) return read_vector(node).asDiagonal();
+  std::vector<double> m;
+  read_list(node, [&](const YAML::Node& item) { m.push_back(read_number(item)); });
+  Matrix3 inertia;
+  inertia << m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5];
+  return inertia;
+}
+
+/// The further keys of a collider with a mass.
+std::vector<Field> fields_of(BodySpec& body) {
+  return {
+      {"inertia", [&](const YAML::Node& node) { body.inertia = read_inertia(node); }},
+      {"center_of_mass", [&](const YAML::Node& node) { body.center_of_mass = read_vector(node); }},
+      {"damping", into(body.damping)},
+      {"velocity", into(body.velocity)},
+      {"angular_velocity", into(body.angular_velocity)}};
+}
+
+/// A solid's principal moments are positive, and none is larger than the sum of the others.
+void check_inertia(const Matrix3& inertia) {
+  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia).eigenvalues();
+  const bool is_solid = moments.allFinite() && moments[0] >= inertia_range.min &&
+                        moments[2] <= inertia_range.max &&
+                        moments[2] <= (1 + written_rounding) * (moments[0] + moments[1]);
+  if (is_solid) return;
+  throw InvalidValue({"inertia"},
+                     "the principal moments " + to_text(moments[0]) + ", " + to_text(moments[1]) +
+                         " and " + to_text(moments[2]),
+                     "those of a solid: each above " + to_text(inertia_range.min) +
+                         " kg m^2 and at most the sum of the other two");
+}
+
+void check_body(const ColliderSpec& collider) {
+  const BodySpec& body = *collider.body;
+  check_range("mass", body.mass, body_mass_range);
+  if (std::holds_alternative<Plane>(collider.shape)) {
+    throw InvalidValue({"mass"}, "that of a plane", "a solid");
+  }
+  const std::optional<MassProperties> even = mass_properties(collider.shape);
+  if (body.center_of_mass) {
+    check_range("center_of_mass", *body.center_of_mass, position_range);
+  } else if (!even) {
+    throw InvalidValue({"center_of_mass"}, "nothing", "one, as a sheet has no volume");
+  }
+  if (!even && !body.inertia) {
+    throw InvalidValue({"inertia"}, "nothing", "one, as a sheet has no volume");
+  }
+  check_inertia(body.inertia.value_or(body.mass * even.value_or(MassProperties()).inertia));
+  check_range("damping", body.damping, body_damping_range);
+  check_range("velocity", body.velocity, velocity_range);
+  check_range("angular_velocity", body.angular_velocity, angular_velocity_range);
+  if (!collider.frame.empty()) {
+    throw InvalidValue({"frame"}, collider.frame, "none, as the collider has a mass");
+  }
+}
+
 template <class... S>
 std::vector<Shape> one_of_each(const std::variant<S...>&) {
   return {S()...};
@@ -140,9 +204,15 @@ ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) 
       {"friction", into(collider.friction)},
       {"frame", into(collider.frame)},
       {"enabled", into(collider.enabled)},
-      {"pose", [&](const YAML::Node& pose) { read_pose(pose, collider.offset); }}};
+      {"pose", [&](const YAML::Node& pose) { read_pose(pose, collider.offset); }},
+      {"mass", [&](const YAML::Node& mass) { into(collider.body->mass)(mass); }}};
   const std::vector<Key> keys = keys_of(collider);
   for (const Key& key : keys) fields.push_back({key.name, key.read});
+  if (node["mass"]) {
+    collider.body.emplace();
+    const std::vector<Field> of_body = fields_of(*collider.body);
+    fields.insert(fields.end(), of_body.begin(), of_body.end());
+  }
   read_map(node, fields);
   for (const Key& key : keys) key.load(sources.folder);
   return collider;
@@ -166,6 +236,7 @@ void validate(const ColliderSpec& collider) {
   });
   check_range("friction", collider.friction, friction_range);
   check_frame(collider.frame);
+  if (collider.body) check_body(collider);
 }
 
 }  // namespace clothsim

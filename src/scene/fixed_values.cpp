@@ -60,6 +60,18 @@ void add(const ClothSpec& cloth, Lines& lines) {
   lines.add("cloth.pinned", pins);
 }
 
+void add(const BodySpec& body, const std::string& key, Lines& lines) {
+  lines.add(key + ".mass", text(body.mass));
+  lines.add(key + ".center_of_mass", body.center_of_mass ? text(*body.center_of_mass) : "even");
+  if (body.inertia) {
+    const Matrix3& i = *body.inertia;
+    lines.add(key + ".inertia", join({text(i(0, 0)), text(i(0, 1)), text(i(0, 2)), text(i(1, 1)),
+                                      text(i(1, 2)), text(i(2, 2))}));
+  }
+  lines.add(key + ".damping", text(body.damping));
+  lines.add(key + ".velocity", text(body.velocity) + ' ' + text(body.angular_velocity));
+}
+
 void add(const ColliderSpec& collider, Lines& lines) {
   const auto shape = [](const auto& s) {
     return std::string(std::decay_t<decltype(s)>::name) + ' ' + text(s);
@@ -69,6 +81,7 @@ void add(const ColliderSpec& collider, Lines& lines) {
   lines.add(key + ".pose", text(collider.pose) + " in its frame at " + text(collider.offset));
   lines.add(key + ".frame", collider.frame);
   lines.add(key + ".enabled", collider.enabled ? "true" : "false");
+  if (collider.body) add(*collider.body, key, lines);
 }
 
 void add(const SimulationSpec& simulation, Lines& lines) {

@@ -32,6 +32,15 @@ void MovingCollider::advance(double h) {
   pose_.orientation = turned(previous_.orientation, last_turn_);
 }
 
+void MovingCollider::move_to(const Pose& pose, const Vector3& velocity,
+                             const Vector3& angular_velocity) {
+  pose_ = target_ = pose;
+  const Eigen::AngleAxisd turn(pose.orientation * previous_.orientation.conjugate());
+  last_turn_ = turn.angle() * turn.axis();
+  velocity_ = velocity;
+  angular_velocity_ = angular_velocity;
+}
+
 Pose MovingCollider::pose_at(double share) const {
   return {previous_.position + share * (pose_.position - previous_.position),
           turned(previous_.orientation, share * last_turn_)};

@@ -32,6 +32,7 @@ Simulator::Impl::Impl(const Scene& s) : scene(s), scene_values(live_values(s)) {
   cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
   build_strain_limit();
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
+  bodies = RigidBodies(scene.colliders);
   reset();
   check_feasible(scene.simulation, cloth, {"cloth", "ks"});
 }
@@ -65,11 +66,13 @@ StepReport Simulator::Impl::step() {
 StepReport Simulator::Impl::step_with_retries(const State& last_good) {
   const std::vector<MovingCollider> last_colliders = colliders;
   const Holders last_holders = holders;
+  const RigidBodies last_bodies = bodies;
   const bool was_disturbed = disturbed;
   const auto take_back = [&] {
     state = last_good;
     colliders = last_colliders;
     holders = last_holders;
+    bodies = last_bodies;
     follow_holders();
     disturbed = was_disturbed;
     forget_constraints();
@@ -107,7 +110,9 @@ void Simulator::Impl::snap_to_targets() {
   for (std::size_t i = 0; i < pin_targets.size(); ++i) {
     if (holders.sticks(i)) state.velocities.row(pin_point(i)).setZero();
   }
-  for (MovingCollider& collider : colliders) collider.snap_to_target();
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    bodies.is_body(k) ? colliders[k].begin_step() : colliders[k].snap_to_target();
+  }
 }
 
 bool Simulator::Impl::recover() {
@@ -133,12 +138,14 @@ void Simulator::reset() { impl_->reset(); }
 void Simulator::move_collider(int index, const Pose& target) {
   check_place(target);
   const auto i = static_cast<std::size_t>(index);
+  impl_->check_driven(i);
   impl_->colliders.at(i).set_target(target * scene().colliders[i].offset, frame_duration());
 }
 
 void Simulator::place_collider(int index, const Pose& pose) {
   check_place(pose);
   const auto i = static_cast<std::size_t>(index);
+  impl_->check_driven(i);
   impl_->colliders.at(i).place(pose * scene().colliders[i].offset);
   impl_->disturbed = true;
 }
@@ -148,6 +155,27 @@ void Simulator::enable_collider(int index, bool enabled) {
   if (collider.enabled() == enabled) return;
   collider.enable(enabled);
   impl_->disturbed = true;
+}
+
+void Simulator::set_body(int index, const Pose& pose, const Vector3& velocity,
+                         const Vector3& angular_velocity) {
+  check_place(pose);
+  check_range("velocity", velocity, velocity_range);
+  check_range("angular_velocity", angular_velocity, angular_velocity_range);
+  const std::size_t i = impl_->body_index(index);
+  impl_->colliders[i].place(pose);
+  impl_->bodies.set_velocity(i, velocity, angular_velocity, impl_->colliders[i]);
+  impl_->body_contacts.reset();
+  impl_->disturbed = true;
+}
+
+bool Simulator::is_body(int index) const {
+  return impl_->bodies.is_body(static_cast<std::size_t>(index));
+}
+BodyMotion Simulator::body_motion(int index) const {
+  const std::size_t i = impl_->body_index(index);
+  const RigidMotion& motion = impl_->bodies.motion(i);
+  return {impl_->colliders[i].pose(), motion.velocity, motion.angular_velocity};
 }
 
 void Simulator::move_pin(int index, const Vector3& target) {

@@ -22,6 +22,9 @@ constexpr int min_passes_alone = 6;
 /// Largest number of passes of the projection that follows these passes.
 constexpr int max_projection_passes = 600;
 
+/// Most passes over bodies, and points between them and others, in a pass.
+constexpr int body_passes = 10;
+
 /// Where only the strain limit acts, passes end at a change of strain_tolerance * shortest spring /
 /// precision_alone.
 constexpr double precision_alone = 14;
@@ -81,6 +84,28 @@ void follow(Eigen::Index count, double way, const double* velocities, double* fo
   }
 }
 
+/// A change that falls by less than this factor does not fall.
+constexpr double falling = 0.98;
+
+/// Passes over cloth between a body and another collider end after so many whose changes did not
+/// fall.
+constexpr int most_stalled = 10;
+
+/// Whether the changes of passes have ceased to fall.
+class Stall {
+ public:
+  /// To be called after each pass, with its change.
+  bool after(double change) {
+    since_ = change < falling * least_ ? 0 : since_ + 1;
+    least_ = std::min(least_, change);
+    return since_ >= most_stalled;
+  }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+  int since_ = 0;
+};
+
 /// Length of the shortest spring; without springs that between two neighbours [m]. Precision is
 /// relative to it.
 double min_spacing(const Cloth& cloth) {
@@ -91,17 +116,17 @@ double min_spacing(const Cloth& cloth) {
 }  // namespace
 
 void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report) {
-  const double displacement_factor = std::visit(
+  const double factor = std::visit(
       [&](const auto& m) { return m.displacement_factor(cloth.damping, h); }, method->integrator);
   const double tolerance = scene.simulation.strain_tolerance;
   const double length = tolerance * min_spacing(cloth);  // [m]
   if (strain_limit) {
     // A frame ends within the limit, and the speed of recovery from colliders is unknown.
     if (frame_context.left <= h || frame_context.recovers) strain_limit->wake();
-    strain_limit->warm_start(h, displacement_factor, state);
+    strain_limit->warm_start(h, factor, state);
     frame_context.gives_way = frame_context.gives_way || strain_limit->gives_way();
   }
-  if (!touches()) return limit_alone(inert, h, displacement_factor, length, report);
+  if (!touches()) return limit_alone(inert, h, factor, length, report);
 
   const SelfTouches touches_of_itself = [&](const auto& visit) {
     if (self_contacts) self_contacts->for_each_touch(visit);
@@ -109,22 +134,23 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   followed = state.velocities;
   const bool runs_detection = frame_context.steps_left == 0;
   if (runs_detection) plan_detection(h);
-  const ContactStep step = contact_step(h, displacement_factor, touches_of_itself);
+  const ContactStep step = contact_step(h, factor, touches_of_itself);
 
   // First all impulses of the last substep act. Then the strain limit finds the springs at their
   // limit at the positions that result.
   runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
-  follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
+  follow(followed.size(), factor * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) {
-    strain_limit->prepare(cloth, displacement_factor, state, workers, &start_velocities);
+    strain_limit->prepare(cloth, factor, state, workers, &start_velocities);
   }
   if (runs_detection) frame_context.closeness = precision_of(h, tolerance, length);
   solve(runs_detection, report);
-  follow(followed.size(), displacement_factor * h, state.velocities.data(), followed.data(),
+  follow(followed.size(), factor * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
+  if (!bodies.empty()) end_bodies();
   if (self_contacts && runs_detection) by_impulses = state.positions;
 
   // Correct the violations that curvature and early ends of passes leave in the positions.
@@ -158,7 +184,8 @@ ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
       frame_context.since > h ? &detected_at : nullptr,
       frame_context.since,
       h * (frame_context.planned_steps + frame_context.steps_left),
-      frame_context.may_go};
+      frame_context.may_go,
+      bodies.empty() ? nullptr : &bodies};
 }
 
 void Simulator::Impl::refresh_contacts(const ContactStep& step) {
@@ -251,6 +278,7 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   // Largest changes of the last passes over springs and over contacts, as displacements [m].
   double stretching = 0, touched = std::numeric_limits<double>::infinity();
   int passes = 0;
+  Stall stall;
   while (passes < max_passes) {
     double folding = 0;
     if (strain_limit && passes < limit_passes) {
@@ -269,18 +297,38 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
     }
     const double touching =
-        std::max(collider_contacts.solve_pass(state.velocities),
+        std::max(solve_colliders(),
                  holders.any_slips() ? frame_context.h * holders.solve_pass(state.velocities) : 0);
     if (!colliders.empty()) spend(1);
     // With self contact or pinched points `touched` stays infinite: one pass over springs a round.
     if (!self_contacts && pinches.count() == 0) touched = touching;
     const bool limited = stretching <= small.stretch || passes >= limit_passes;
     const bool solved = limited && touching <= small.touch && folding <= small.fold;
+    // Light cloth between a body and another collider may have no room for all of its contacts.
+    if (collider_contacts.is_between_bodies() && limited && stall.after(touching)) break;
     const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // as in the next pass
     if ((solved && (passes >= required_passes || is_still)) || budget.is_spent()) break;
   }
   report.sweeps += passes;
   report.slipping = pinches.slipping();
+}
+
+double Simulator::Impl::solve_colliders() {
+  if (bodies.empty()) {
+    return collider_contacts.solve_pass(cloth, state.positions, nullptr, state.velocities);
+  }
+  // Passes over bodies alone take little time, and with the load of bodies solved, those over the
+  // light cloth converge fast.
+  double first = 0;
+  for (int pass = 0; pass < body_passes; ++pass) {
+    const double change =
+        std::max(body_contacts.solve_pass(bodies),
+                 collider_contacts.solve_coupled(cloth, state.positions, bodies, state.velocities));
+    if (pass == 0) first = change;
+    if (change * frame_context.h <= frame_context.closeness.touch) break;
+  }
+  return std::max(first * frame_context.h,
+                  collider_contacts.solve_pass(cloth, state.positions, &bodies, state.velocities));
 }
 
 int Simulator::Impl::project_springs(const Cloth& inert, int pass_limit, StepReport& report) {

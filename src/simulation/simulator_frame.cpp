@@ -84,9 +84,13 @@ bool Simulator::Impl::is_still() const {
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (cloth.inv_mass[i] == 0 && !state.velocities.row(i).isZero(0)) return false;
   }
-  return !disturbed && std::all_of(colliders.begin(), colliders.end(), [](const MovingCollider& c) {
-    return c.velocity().isZero(0) && c.angular_velocity().isZero(0);
-  });
+  if (disturbed) return false;
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    const MovingCollider& c = colliders[k];
+    const bool is_moved = !c.velocity().isZero(0) || !c.angular_velocity().isZero(0);
+    if (is_moved && !bodies.is_body(k)) return false;
+  }
+  return true;
 }
 
 int Simulator::Impl::first_substeps() {
@@ -189,8 +193,12 @@ int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
   if (touches()) {
     const bool is_smooth =
         !self_contacts && !holders.any_slips() && !collider_contacts.has_edges(colliders, cloth);
+    const double on_bodies = bodies.mass() * gravity.norm();
+    const double pull =
+        std::max(holders.any_slips() ? holders.strongest() : 0,
+                 bodies.empty() ? 0 : cloth.mass.sum() * gravity.norm() + on_bodies);
     return substeps_at_tension(cloth, gravity, inertia.frequency(cloth), dt, min_steps, is_smooth,
-                               holders.any_slips() ? holders.strongest() : 0);
+                               pull);
   }
   return substeps_at_mass_ratio(cloth, gravity, inertia.mass_ratio(dt), dt, min_steps);
 }
@@ -211,10 +219,13 @@ bool Simulator::Impl::is_out_of_reach() {
   frame_context.allowed_way = 2 * own * frame_context.dt + edge;
   // Contact begins at this distance of the surfaces.
   const double apart = edge + cloth.thickness;
-  return std::none_of(colliders.begin(), colliders.end(), [&](const MovingCollider& collider) {
-    return collider.reaches(
-        box, apart + frame_context.allowed_way + collider.max_speed_in(box) * frame_context.dt);
-  });
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    const MovingCollider& collider = colliders[k];
+    const double way = bodies.is_body(k) ? way_of_bodies(frame_context.dt)
+                                         : collider.max_speed_in(box) * frame_context.dt;
+    if (collider.reaches(box, apart + frame_context.allowed_way + way)) return false;
+  }
+  return true;
 }
 
 double Simulator::Impl::contact_speed() const {
@@ -244,8 +255,13 @@ const Cloth& Simulator::Impl::add_tension_mass(double h) {
 
 bool Simulator::Impl::substep(double h, StepReport& report) {
   frame_context.h = h;
+  if (touches() || !bodies.empty()) {
+    for (std::size_t k = 0; k < colliders.size(); ++k) {
+      if (!bodies.is_body(k)) colliders[k].advance(h);
+    }
+  }
+  if (!bodies.empty()) begin_bodies(h);
   if (touches()) {
-    for (MovingCollider& collider : colliders) collider.advance(h);
     start = state.positions;
     start_velocities = state.velocities;
     if (self_contacts && frame_context.steps_left > 0 && frame_context.since == 0) {
@@ -281,6 +297,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
     return false;  // detection sorts positions, which must be finite for that
   }
   if (strain_limit || touches()) constrain(inert, h, report);
+  if (!bodies.empty() && !touches()) solve_bodies_alone();
   if (!holders.empty()) judge_holders(h);
   if (measures_wrenches) add_collider_impulses(h);
   return !budget.is_spent();

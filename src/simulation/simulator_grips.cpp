@@ -38,7 +38,9 @@ void Simulator::Impl::hold_points() {
     holds.push_back({point, first_grip + grip});
   });
   for (const auto& [frame, grip] : grips.all()) strengths.push_back(grip.strength);
-  holders.hold(holds, strengths, cloth, scene.simulation.gravity.norm(), state.positions);
+  const double mass = cloth.mass.sum() + bodies.mass();
+  holders.hold(holds, strengths, cloth,
+               mass * std::max(scene.simulation.gravity.norm(), min_gravity), state.positions);
   if (strain_limit) strain_limit->leave_to_holders(holders.holder_of_points(cloth));
   follow_holders();
   if (self_contacts) self_contacts->restart_detection();

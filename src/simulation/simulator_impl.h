@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/constraints/body_contacts.h"
 #include "clothsim/constraints/collider_contacts.h"
+#include "clothsim/constraints/rigid_bodies.h"
 #include "clothsim/constraints/self_contacts.h"
 #include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/air.h"
@@ -20,6 +22,7 @@
 #include "clothsim/simulation/method_choice.h"
 #include "clothsim/simulation/simulator.h"
 #include "clothsim/simulation/substeps.h"
+#include "frame_context.h"
 
 namespace clothsim {
 
@@ -68,47 +71,6 @@ inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
   return method;
 }
 
-/// Changes of a pass up to which constraints count as solved, as displacements in its step [m].
-struct Precision {
-  double stretch = 0;      // of springs
-  double touch = 0;        // of contact with colliders
-  double fold = 0;         // of self contact
-  double unseen_fold = 0;  // changes that passes over self contacts skip
-};
-
-/// Data of one try of a frame.
-struct FrameContext {
-  double dt = 0;           // [s]
-  double h = 0;            // of the current substep [s]
-  double left = 0;         // of the frame, with the current substep [s]
-  double motion_step = 0;  // longest step, without the bound of springs [s]
-  // For substeps that skip detection, see simulator_search.cpp.
-  int planned_steps = 0;      // substeps for which this one detects, including it
-  int steps_left = 0;         // next substeps that may still skip detection
-  double since = 0;           // time since the detection, with the current substep [s]
-  double gone = 0;            // displacement of a point and a collider since then, at most [m]
-  double may_go = 0;          // the same until the next detection [m]
-  double collider_speed = 0;  // largest of colliders in reach until then [m/s]
-  Precision closeness = {};   // of the solution, since the detection
-  bool is_apart = false;      // no detection at colliders
-  double allowed_way = 0;     // displacement of points for which this holds [m]
-  double approach_speed = 0;  // of colliders in reach relative to the cloth [m/s]
-  bool is_fast = false;       // at that speed springs may be torn open within the frame
-  double stretch = 0;         // worst at the frame's start, where colliders need it
-  Vector3 wind{0, 0, 0};      // [m/s], where there is air
-  double external_acceleration = 0;     // largest by external forces [m/s^2]
-  bool recovers = false;                // colliders have pushed out points
-  bool projection_unconverged = false;  // some springs stayed over their limit
-  bool gives_way = false;               // the strain limit yielded in a substep
-};
-
-/// Result of one try of a frame.
-enum class Outcome {
-  good,
-  went_too_far,  // points moved too far for a frame without detection at colliders
-  failed         // the state is impossible, or the budget is spent
-};
-
 struct Simulator::Impl {
   explicit Impl(const Scene&);
 
@@ -126,6 +88,7 @@ struct Simulator::Impl {
       colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
       colliders[i].enable(scene.colliders[i].enabled);
     }
+    start_bodies();
     collider_wrenches.assign(colliders.size(), {});
     external_forces.resize(0, 3);
     last_substep = 0;
@@ -166,6 +129,7 @@ struct Simulator::Impl {
   void forget_constraints() {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
+    body_contacts.reset();
     if (self_contacts) self_contacts->reset();
   }
 
@@ -192,6 +156,8 @@ struct Simulator::Impl {
   bool fits(const std::vector<double>& memory) const;
   /// Throws InvalidValue and changes nothing where the numbers are not those of such a scene.
   void read(const std::vector<double>&);
+  /// The method in a memory, which may have changed after a failed frame.
+  Method read_method(MemoryReader&) const;
   void set_state(const State&, const std::vector<double>& memory);
   /// Counts the crossings of a state that was set, or resolves them where the scene asks for it.
   void look_for_crossings();
@@ -220,8 +186,33 @@ struct Simulator::Impl {
                       const std::vector<std::string>& key) const;
   /// Drops self contacts of another kind, thickness or mass.
   void renew_self_contacts(const Cloth& last, const Cloth& now);
+  /// Sets the velocities of colliders for a frame of another length.
+  void renew_targets() {
+    for (std::size_t k = 0; k < colliders.size(); ++k) {
+      if (bodies.is_body(k)) continue;
+      colliders[k].set_target(colliders[k].target(), 1 / scene.simulation.frames_per_second);
+    }
+  }
   /// Sets the friction of the scene.
   void set_collider_friction();
+
+  /// Gives the bodies the velocities of the scene.
+  void start_bodies();
+  /// Gives the colliders of bodies, which were restored, the velocities of the memory; else the
+  /// bodies those of their colliders.
+  void restore_velocities(bool of_memory);
+  /// Moves the bodies freely through a substep of h [s], and detects their contacts.
+  void begin_bodies(double h);
+  /// Solves the contacts of the bodies where the cloth touches nothing.
+  void solve_bodies_alone();
+  /// Ends the substep of the bodies.
+  void end_bodies();
+  /// The index of a body, or of a collider that goes as it is told: throw InvalidValue for the
+  /// other kind.
+  std::size_t body_index(int index) const;
+  void check_driven(std::size_t index) const;
+  /// Bound on the displacement of a body's surface in dt [s], with collisions on its way [m].
+  double way_of_bodies(double dt) const;
 
   StepReport step();
   /// Tries a frame until it succeeds. Throws Diverged where nothing is left to try.
@@ -263,7 +254,8 @@ struct Simulator::Impl {
   bool is_settled() const;
   /// Largest relative speed of a point with these velocities and a collider [m/s].
   double max_speed(const Points& velocities) const {
-    return longest_row(velocities) + frame_context.collider_speed;
+    const double of_bodies = bodies.empty() ? 0 : bodies.fastest_surface();
+    return longest_row(velocities) + std::max(frame_context.collider_speed, of_bodies);
   }
   /// The data of a substep of h [s] for contacts.
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
@@ -282,6 +274,8 @@ struct Simulator::Impl {
   Precision precision_of(double h, double tolerance, double length) const;
   /// Passes over all constraints until changes are small.
   void solve(bool runs_detection, StepReport&);
+  /// One pass over all contacts of colliders. Returns the largest change as a displacement [m].
+  double solve_colliders();
   /// Largest number of passes over the strain limit in a substep.
   int max_limit_passes() const;
   /// Takes `visits_a_point` visits to each point from the frame's budget.
@@ -355,6 +349,8 @@ struct Simulator::Impl {
   std::optional<StrainLimit> strain_limit;
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
+  RigidBodies bodies;  // of these colliders
+  BodyContacts body_contacts;
   std::optional<SelfContacts> self_contacts;
   Workers workers;
   std::vector<Vector3> pin_targets;

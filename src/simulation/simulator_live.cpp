@@ -68,7 +68,7 @@ void Simulator::set(const LiveSpec& live) {
     if (friction != live.collider_friction.end()) collider.friction = friction->second;
   }
   impl_->set_collider_friction();
-  for (MovingCollider& c : impl_->colliders) c.set_target(c.target(), frame_duration());
+  impl_->renew_targets();
   if (impl_->workers.threads() != live.simulation.threads) {
     impl_->workers = Workers(live.simulation.threads);
   }

@@ -73,12 +73,26 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
   if (self_contacts) self_contacts->write(memory);
+  bodies.write(memory);
+  if (!bodies.empty()) body_contacts.write(memory);
   holders.write(memory);
 }
 
 bool Simulator::Impl::fits(const std::vector<double>& memory) const {
   const MemoryShape shape = shape_of(scene, without_grips());
   return memory.size() >= shape.size() && std::equal(shape.begin(), shape.end(), memory.begin());
+}
+
+Method Simulator::Impl::read_method(MemoryReader& memory) const {
+  const Cloth free = without_grips();
+  Method method_of_scene(scene.simulation, free, scene.colliders);
+  const std::vector<std::string> names = method_names();
+  const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
+  if (name == method_of_scene.choice.method) return method_of_scene;
+  if (scene.simulation.method != "auto" || name != refuge) {
+    throw InvalidValue({"memory"}, "method " + name, method_of_scene.choice.method);
+  }
+  return last_resort(scene.simulation, free, scene.colliders, Reason::failed_before_set_state);
 }
 
 void Simulator::Impl::read(const std::vector<double>& numbers) {
@@ -89,23 +103,12 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   MemoryReader memory(numbers);
   for (std::size_t i = 0; i < MemoryShape().size(); ++i) memory.number();
 
-  // The method, which may have changed after a failed frame.
-  const Cloth free = without_grips();
-  Method read_method(scene.simulation, free, scene.colliders);
-  const std::vector<std::string> names = method_names();
-  const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
-  if (name != read_method.choice.method) {
-    if (scene.simulation.method != "auto" || name != refuge) {
-      throw InvalidValue({"memory"}, "method " + name, read_method.choice.method);
-    }
-    read_method =
-        last_resort(scene.simulation, free, scene.colliders, Reason::failed_before_set_state);
-  }
+  Method new_method = read_method(memory);
   const bool read_disturbed = memory.index(2) == 1;
   const bool read_given = memory.index(2) == 1;
   EnergyWatch read_energy_watch;
   read_energy_watch.read(memory);
-  if (auto* bdf2 = std::get_if<Bdf2>(&read_method.integrator)) bdf2->read(memory, cloth);
+  if (auto* bdf2 = std::get_if<Bdf2>(&new_method.integrator)) bdf2->read(memory, cloth);
 
   // The constraints.
   std::optional<StrainLimit> read_limit = strain_limit;
@@ -114,16 +117,23 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   read_contacts.read(memory, colliders.size(), cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
   if (read_self_contacts) read_self_contacts->read(memory);
+  RigidBodies read_bodies = bodies;
+  read_bodies.read(memory);
+  BodyContacts read_body_contacts = body_contacts;
+  if (!bodies.empty()) read_body_contacts.read(memory, colliders.size());
   Holders read_holders = holders;
   read_holders.read(memory);
   memory.finish();
 
-  method = std::move(read_method);
+  method = std::move(new_method);
   strain_limit = std::move(read_limit);
   collider_contacts = std::move(read_contacts);
   self_contacts = std::move(read_self_contacts);
+  bodies = std::move(read_bodies);
+  body_contacts = std::move(read_body_contacts);
   holders = std::move(read_holders);
   follow_holders();
+  restore_velocities(true);
   disturbed = read_disturbed;
   is_given = read_given;
   energy_watch = read_energy_watch;
@@ -267,6 +277,7 @@ void Simulator::restore(const Saved& saved) {
   }
   impl_->state = saved.state;
   impl_->colliders = saved.colliders;
+  impl_->restore_velocities(impl_->fits(saved.memory));
   impl_->set_collider_friction();
   impl_->pin_targets = saved.pin_targets;
   impl_->collider_wrenches = saved.collider_wrenches;
@@ -274,7 +285,7 @@ void Simulator::restore(const Saved& saved) {
   impl_->last_substep = saved.last_substep;
   impl_->given_crossings = saved.given_crossings;
   if (saved.frame_duration == frame_duration()) return;
-  for (MovingCollider& c : impl_->colliders) c.set_target(c.target(), frame_duration());
+  impl_->renew_targets();
 }
 
 }  // namespace clothsim

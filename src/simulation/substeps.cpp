@@ -78,12 +78,12 @@ int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {
 }
 
 int substeps_at_tension(const Cloth& cloth, const Vector3& gravity, double frequency, double dt,
-                        int min_steps, bool is_smooth, double strength) {
+                        int min_steps, bool is_smooth, double pull) {
   const double limit = is_smooth ? 2 * touching_limit : touching_limit;
   if (dt * frequency <= limit * min_steps)
     return min_steps;  // the weight takes a loop over all points
   const double max_frequency =
-      std::max(weight_frequency(cloth, gravity), pull_frequency(cloth, strength));
+      std::max(weight_frequency(cloth, gravity), pull_frequency(cloth, pull));
   return std::max(min_steps, whole_steps(dt * (std::min(frequency, max_frequency) / limit)));
 }
 

@@ -31,7 +31,9 @@ void step(ColliderContacts& contacts, std::vector<MovingCollider>& colliders, co
   state.positions += dt * state.velocities;
   const Points before = state.velocities;
   contacts.prepare(colliders, cloth, {dt, displacement_factor, start, before, Workers()}, state);
-  for (int i = 0; i < 50; ++i) contacts.solve_pass(state.velocities);
+  for (int i = 0; i < 50; ++i) {
+    contacts.solve_pass(cloth, state.positions, nullptr, state.velocities);
+  }
   state.positions += displacement_factor * dt * (state.velocities - before);
   contacts.project_positions(colliders, cloth, start, state);
 }

@@ -42,16 +42,35 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.1.link: got ... unknown ... point, frame, strength"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got ... unknown ... name, shape, friction, frame, enabled, "
-                "pose, point, normal, two_sided"},
+                "pose, mass, point, normal, two_sided"},
         Mistake{"colliders.0.normal=[0, 0, 1]",
                 "colliders.0.normal: got ... unknown ... name, shape, friction, frame, enabled, "
-                "pose, center, radius"},
+                "pose, mass, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got ... unknown ... gravity, wind, gusts, frames_per_second, "
                 "substeps, strain_tolerance, tolerance, method, method_parameters, seed, threads"},
         Mistake{"simulation={method: bdf2, method_parameters: {iterations: 3}}",
                 "simulation.method_parameters.iterations: got ... unknown ... tolerance, "
                 "max_iterations"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Body, SceneMistake,
+    testing::Values(
+        Mistake{"colliders.0.mass=0", "colliders.0.mass: got 0 ... 1e-06 ... [kg]"},
+        Mistake{"colliders.0.mass=heavy", "colliders.0.mass: got heavy ... finite number"},
+        Mistake{"colliders.1.mass=1", "colliders.1.mass: got ... plane ... solid"},
+        Mistake{"colliders.0.damping=1",
+                "colliders.0.damping: got ... unknown ... pose, mass, center"},
+        Mistake{"colliders.0={shape: sphere, mass: 1, frame: hand}",
+                "colliders.0.frame: got hand ... none ... mass"},
+        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1]}",
+                "colliders.0.inertia: got [1, 1] ... [xx, yy, zz] or"},
+        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1, 3]}",
+                "colliders.0.inertia: got ... principal moments 1, 1 and 3 ... solid"},
+        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 2, 0, 1, 0, 1]}",
+                "colliders.0.inertia: got ... principal moments ... solid"},
+        Mistake{"colliders.0={shape: sphere, mass: 1, velocity: [0, 0, 1e4]}",
+                "colliders.0.velocity.2: got 10000 ... [m/s]"}));
 
 INSTANTIATE_TEST_SUITE_P(
     FabricAndWind, SceneMistake,
@@ -86,10 +105,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"colliders.0={shape: capsule, size: 1}",
                 "colliders.0.size: got ... unknown ... name, shape, friction, frame, enabled, "
-                "pose, center, axis, length, radius"},
+                "pose, mass, center, axis, length, radius"},
         Mistake{"colliders.0={shape: box, radius: 1}",
                 "colliders.0.radius: got ... unknown ... name, shape, friction, frame, enabled, "
-                "pose, center, size, rpy"},
+                "pose, mass, center, size, rpy"},
         Mistake{"colliders.0={shape: capsule, radius: 0}",
                 "colliders.0.radius: got 0 ... least 1e-06 [m]"},
         Mistake{"colliders.0={shape: capsule, length: -1}",

@@ -101,6 +101,13 @@ inline std::string print(const Scene& scene) {
     if (const auto* cylinder = std::get_if<Cylinder>(&collider.shape)) {
       out << cylinder->length << ' ' << cylinder->radius;
     }
+    if (const auto& body = collider.body) {
+      out << " mass " << body->mass << ' ' << body->damping;
+      print_vector(body->velocity);
+      print_vector(body->angular_velocity);
+      print_vector(body->center_of_mass.value_or(Vector3::Zero()));
+      if (body->inertia) out << *body->inertia;
+    }
     if (const auto* mesh = std::get_if<MeshShape>(&collider.shape)) {
       out << mesh->file->uri << ' ' << mesh->padding << ' ';
       print_vector(mesh->file->scale);

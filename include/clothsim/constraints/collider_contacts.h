@@ -4,10 +4,13 @@
 #include <utility>
 #include <vector>
 
+#include "clothsim/constraints/body_contacts.h"
+#include "clothsim/constraints/contact_coupling.h"
 #include "clothsim/constraints/contact_slots.h"
 #include "clothsim/constraints/face_contacts.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
+#include "clothsim/constraints/rigid_bodies.h"
 #include "clothsim/constraints/sleep_bounds.h"
 #include "clothsim/constraints/stacks.h"
 #include "clothsim/model/cloth.h"
@@ -44,8 +47,21 @@ class ColliderContacts {
   /// the points that were near and the triangles that touched.
   void refresh(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&, State&);
 
-  /// One pass over the contacts. Returns the largest change as a displacement in h [m].
-  double solve_pass(Points& velocities);
+  /// One pass over the contacts, of points at `positions`. Returns the largest change as a
+  /// displacement in h [m]. `bodies`: none or those of the scene, whose velocities change, too.
+  double solve_pass(const Cloth&, const Points& positions, RigidBodies*, Points& velocities);
+
+  /// One pass over the places between a body and another collider. Returns the largest change of a
+  /// relative velocity [m/s].
+  double solve_coupled(const Cloth&, const Points& positions, RigidBodies&, Points& velocities);
+
+  /// After the end of a step of bodies: follows their displacement, before positions are projected.
+  void follow_bodies(const std::vector<MovingCollider>&, const RigidBodies&,
+                     const Points& positions);
+
+  /// Overlaps of bodies and other colliders that points between them show, less the cloth's
+  /// thickness.
+  std::vector<Overlap> overlaps(const std::vector<MovingCollider>&, const Points& positions) const;
 
   /// Moves points that are inside a collider to its surface. Velocities between colliders that push
   /// against each other become those of the motion that is left.
@@ -73,6 +89,9 @@ class ColliderContacts {
 
   /// Do triangles touch with more than corners?
   bool has_faces() const { return faces_.size() > 0; }
+
+  /// Is any place of the cloth between a rigid body and another collider?
+  bool is_between_bodies() const { return !coupled_.empty(); }
 
   /// Points that two colliders leave no room.
   const Pinches& pinches() const { return pinches_; }
@@ -141,8 +160,12 @@ class ColliderContacts {
   /// Finds the contacts of the points near a collider, except for those that need a close look.
   static void find_points(ColliderCache&, const MovingCollider&, const Cloth&, const ContactStep&,
                           const State&);
+  /// Ends new contacts of points that pass by a rim without coming nearer: there the tangent plane
+  /// of a contact would throw a body that slides up.
+  static void leave_out_passing(ColliderCache&, const MovingCollider&, const Cloth&,
+                                const ContactStep&, const State&);
   /// Ends the detection of contacts of points, and warm-starts their impulses, times `scale`.
-  void warm_start(const Cloth&, double scale, State&);
+  void warm_start(const Cloth&, double scale, RigidBodies*, State&);
 
   /// Updates the cache for the pose of the collider in this step.
   void follow(ColliderCache&, const MovingCollider&, const Points& positions) const;
@@ -154,6 +177,21 @@ class ColliderContacts {
   /// was inside when the step began.
   void look_closely(ColliderCache&, int point, const ContactSlots::Detector&, const ContactStep&,
                     State&, Penetration&);
+
+  /// Contacts of a place between a body and another collider.
+  struct Coupled {
+    std::size_t a;         // the body
+    std::size_t b;         // the other collider
+    int point;             // in contact with both; -1: those of `face` are in contact with b
+    std::size_t face = 0;  // contact of the body, in faces_
+  };
+
+  /// Finds the places of the cloth between a body and another collider.
+  void couple(const std::vector<MovingCollider>&, const Cloth&, const RigidBodies&);
+  void couple_points(std::size_t a, std::size_t b);
+  void couple_faces(std::size_t a, std::size_t b, const Cloth&);
+  double solve_coupled(const Coupled&, const Cloth&, const Points& positions, RigidBodies&,
+                       Points& velocities);
 
   /// Finds the points that colliders leave no room, holds them, and removes them from the
   /// penetrations.
@@ -205,6 +243,7 @@ class ColliderContacts {
   FaceContacts faces_;
   Pinches pinches_;
   Stacks stacks_;
+  std::vector<Coupled> coupled_;      // in this step
   bool has_pinched_ = false;          // in the step before
   bool is_restored_pinched_ = false;  // the same, as it was written
   bool recovers_ = false;

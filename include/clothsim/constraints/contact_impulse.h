@@ -24,7 +24,10 @@ struct ContactImpulse {
 
   /// Updates the impulse for the relative motion of a contact with `velocity` [m/s] and effective
   /// `mass`: an impulse p changes that velocity by p / mass. Returns the change of the impulse.
-  Vector3 update(const Vector3& velocity, double mass) {
+  Vector3 update(const Vector3& velocity, double mass) { return update(velocity, mass, mass); }
+
+  /// The same where an impulse along the surface has another effective mass, `along`.
+  Vector3 update(const Vector3& velocity, double mass, double along) {
     const Vector3 v = velocity - surface_velocity;
 
     // The normal velocity may not fall below target_velocity.
@@ -37,7 +40,7 @@ struct ContactImpulse {
     new_normal_impulse = std::clamp(new_normal_impulse, 0.0, max_normal_impulse);
 
     // Projection onto Coulomb's cone.
-    Vector3 new_friction_impulse = friction_impulse - mass * (v - rate * normal);
+    Vector3 new_friction_impulse = friction_impulse - along * (v - rate * normal);
     const double max_friction = friction * new_normal_impulse;
     const double length2 = new_friction_impulse.squaredNorm();
     if (length2 > max_friction * max_friction) {
@@ -62,6 +65,14 @@ struct ContactImpulse {
   void keep(const ContactImpulse& last) {
     normal_impulse = last.normal_impulse;
     friction_impulse = last.friction_impulse;
+  }
+
+  /// The same contact with an impulse that many times as large.
+  ContactImpulse scaled(double factor) const {
+    ContactImpulse result = *this;
+    result.normal_impulse *= factor;
+    result.friction_impulse *= factor;
+    return result;
   }
 
   Vector3 total() const { return normal_impulse * normal + friction_impulse; }

@@ -6,6 +6,7 @@
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/rigid_motion.h"
 #include "clothsim/constraints/sleep_bounds.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/lanes.h"
@@ -110,6 +111,11 @@ class ContactSlots {
   /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
   double solve_pass(double friction, Points& velocities);
 
+  /// The same for a rigid body with this motion, whose velocity changes, too: one contact after
+  /// another. Returns the largest change of a relative velocity [m/s].
+  double solve_pass(double friction, const Cloth&, const Points& positions, RigidMotion&,
+                    Points& velocities);
+
   /// Moves points of some blocks, at `positions` after a step from `start`, to the offset. Points
   /// that are not `free`, from the first on, stay. `min_distances`: by block, least distance of a
   /// point from the surface [m]. Returns the largest displacement of a point [m].
@@ -160,7 +166,8 @@ class ContactSlots {
     }
   }
 
-  /// Sets an impulse for a warm start. Points in ascending order.
+  /// Sets an impulse, for a warm start or of a contact. Points in ascending order where they have
+  /// no contact.
   void hold(int point, const ContactImpulse&);
 
  private:

@@ -9,6 +9,8 @@
 
 namespace clothsim {
 
+class RigidBodies;
+
 /// Least gravity [m/s^2] for the weight of a cloth in contact: cloth without gravity is pressed and
 /// pulled, too.
 inline constexpr double min_gravity = 9.81;
@@ -51,6 +53,7 @@ struct ContactStep {
   double since = h;                     // time since the detection, at the step's end [s]
   double ahead = h;                     // time until the next detection [s]
   double way = 0;                       // displacement of points until then, beyond the step's [m]
+  RigidBodies* bodies = nullptr;        // in this step; none: all colliders go as they are told
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

@@ -7,6 +7,7 @@
 #include "clothsim/constraints/corners.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
+#include "clothsim/constraints/rigid_bodies.h"
 #include "clothsim/constraints/triangle_blocks.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -55,10 +56,8 @@ class FaceContacts {
   /// The same for the triangles that were within reach in the last find().
   void find_again(const ColliderQuery&);
 
-  /// Gives the contacts the impulses of the last step.
-  void warm_start(const Points& positions, Points& velocities) {
-    list_.warm_start(positions, velocities);
-  }
+  /// Gives the contacts the impulses of the last step. `bodies`: none or those of the scene.
+  void warm_start(const Points& positions, RigidBodies*, Points& velocities);
 
   /// Calls visit(triangle, weights of its corners, normal, distance [m]) for each contact with a
   /// collider.
@@ -78,8 +77,9 @@ class FaceContacts {
   void release_pinched(const Pinches&, const std::vector<MovingCollider>&, const Cloth&,
                        const ContactStep&);
 
-  /// One pass over all contacts. Returns the largest change of a velocity [m/s].
-  double solve_pass(Points& velocities);
+  /// One pass over all contacts. Returns the largest change of a velocity [m/s]. `bodies`: none or
+  /// those of the scene, whose velocities change, too.
+  double solve_pass(RigidBodies*, Points& velocities);
 
   /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
   /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
@@ -97,7 +97,14 @@ class FaceContacts {
                     const Points& positions, std::vector<Wrench>& sums) const;
 
   std::size_t size() const { return places_.size(); }  // of this step
-  int count() const { return list_.count(); }          // that carry an impulse
+  const Contact& contact(std::size_t i) const { return list_.contacts()[i]; }
+  int collider(std::size_t i) const { return collider_of(contact(i)); }
+  const Vector3& place(std::size_t i) const { return places_[i].x; }  // in the world [m]
+  /// Takes another impulse of a contact.
+  void keep(std::size_t i, const ContactImpulse& impulse) {
+    list_.contacts()[i].impulse.keep(impulse);
+  }
+  int count() const { return list_.count(); }  // that carry an impulse
   void reset();
   void write(MemoryWriter& memory) const { list_.write(memory); }
   void read(MemoryReader& memory) { list_.read(memory); }
@@ -107,6 +114,7 @@ class FaceContacts {
   struct Place {
     double lever;     // velocity there over that of the fastest corner
     double distance;  // from the surface, where impulses act [m]
+    Vector3 x;        // in the world [m]
   };
 
   /// Features of a triangle in contact: its edges, from corner i to i + 1, and its face.
@@ -143,6 +151,8 @@ class FaceContacts {
 
   /// Feature in contact; empty where a corner alone touches.
   static std::optional<Feature> feature_of(const CornerWeights&);
+
+  static bool passes_by(const ColliderQuery&, const Corners&);
 
   /// Adds a contact at `distance`, if it matters in this step. `last`: the contact in the last
   /// step; null: none.

@@ -67,6 +67,9 @@ inline double way_out_speed(double depth) {
 /// Distance by which loaded points may sink in from where contact keeps them [m].
 inline constexpr double may_sink = surface_offset / 2;
 
+/// Cloth may pass by a rim of a rigid body by this much nearer than contact keeps it [m].
+inline constexpr double passing_depth = may_sink / 10;
+
 /// Distance to which contact moves a point at `distance` from a surface that should keep `kept`
 /// [m].
 inline double raised(double distance, double kept) {

@@ -6,6 +6,7 @@
 namespace clothsim {
 
 using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
 
 /// N x 3, column-major: all x, then all y, then all z, each contiguous, so that kernels vectorise.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor>;
@@ -17,6 +18,9 @@ inline Vector3 row(const Points& points, int i) {
 
 /// Length of the longest of some vectors.
 double longest_row(const Points& vectors);
+
+/// Distance of the point farthest from `origin`.
+double farthest_from(const Vector3& origin, const Points&);
 
 /// Length of the longest displacement of a point.
 double longest_way(const Points& from, const Points& to);

@@ -41,6 +41,13 @@ inline constexpr double written_rounding = 1e-6;
 /// any valid state can be shown.
 inline constexpr Range place_range{-1e12, 1e12, "m"};
 
+/// Ranges of the mass, moments of inertia and velocities of a rigid body.
+inline constexpr Range body_mass_range{1e-6, 1e6, "kg"};
+inline constexpr Range body_damping_range{0, 1e3, "1/s"};
+inline constexpr Range inertia_range{1e-15, 1e12, "kg m^2"};
+inline constexpr Range velocity_range{-1e3, 1e3, "m/s"};
+inline constexpr Range angular_velocity_range{-1e3, 1e3, "rad/s"};
+
 struct SimulationSpec {
   Vector3 gravity{0, 0, -9.8};      // [m/s^2]
   std::optional<Vector3> wind;      // [m/s], the mean; empty: no air, except for gusts

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "clothsim/model/types.h"
@@ -46,15 +47,26 @@ inline Pose frame_of(const Pose& pose, const Pose& inner) {
   return {pose.position - turn * inner.position, turn};
 }
 
+/// The mass and the first motion of a collider that the cloth moves, a rigid body.
+struct BodySpec {
+  double mass = 1;                        // [kg]
+  std::optional<Vector3> center_of_mass;  // in the shape's own frame [m]; empty: even density
+  std::optional<Matrix3> inertia;         // about that centre, axes of the frame [kg m^2]; the same
+  double damping = 0;                     // share of its velocities lost to air [1/s]
+  Vector3 velocity{0, 0, 0};              // of the centre of mass at the start [m/s]
+  Vector3 angular_velocity{0, 0, 0};      // the same, in the world [rad/s]
+};
+
 /// A collider as a scene describes it.
 struct ColliderSpec {
   std::string name;
   Shape shape = Sphere{0.2};
-  Pose pose;            // of its frame in the world at the start
-  double friction = 0;  // Coulomb's coefficient, static and dynamic
-  std::string frame;    // tf frame that carries the shape; empty: fixed
-  bool enabled = true;  // false: no contact
-  Pose offset = {};     // of the shape in its frame
+  Pose pose;                          // of its frame in the world at the start
+  double friction = 0;                // Coulomb's coefficient, static and dynamic
+  std::string frame;                  // tf frame that carries the shape; empty: fixed
+  bool enabled = true;                // false: no contact
+  Pose offset = {};                   // of the shape in its frame
+  std::optional<BodySpec> body = {};  // empty: it goes as it is told
 };
 
 }  // namespace clothsim

@@ -21,6 +21,15 @@ class MovingCollider {
   /// Moves it on by h [s].
   void advance(double h);
 
+  /// Begins a step of a rigid body.
+  void begin_step() {
+    previous_ = pose_;
+    last_turn_.setZero();
+  }
+
+  /// Sets the pose of a rigid body at the step's end, and its velocities there.
+  void move_to(const Pose& pose, const Vector3& velocity, const Vector3& angular_velocity);
+
   /// Ends the motion exactly at the target pose.
   void snap_to_target();
 

@@ -18,6 +18,13 @@
 
 namespace clothsim {
 
+/// Pose and velocities of a rigid body.
+struct BodyMotion {
+  Pose pose;                 // of the shape in the world
+  Vector3 velocity;          // of the centre of mass [m/s]
+  Vector3 angular_velocity;  // in the world [rad/s]
+};
+
 /// Results of one call of step(), which computes one frame in substeps.
 struct StepReport {
   std::string method;
@@ -151,6 +158,17 @@ class Simulator {
   /// Puts collider `index` at `pose` at once, without a velocity from the change. Cloth inside it
   /// is then pushed out gently.
   void place_collider(int index, const Pose& pose);
+
+  /// Whether collider `index` is a rigid body, which cloth and other bodies move. move_collider()
+  /// and place_collider() throw InvalidValue for a body, the next two functions for any other
+  /// collider.
+  bool is_body(int index) const;
+  BodyMotion body_motion(int index) const;
+
+  /// Puts a body at `pose` at once, with these velocities: of its centre of mass [m/s], and angular
+  /// in the world [rad/s]. Throws InvalidValue beyond velocity_range and angular_velocity_range.
+  void set_body(int index, const Pose& pose, const Vector3& velocity,
+                const Vector3& angular_velocity);
 
   /// Enables or disables collider `index`, until reset(). A disabled collider moves but has no
   /// contact. Cloth inside a collider as it is enabled is pushed out as after place_collider().

@@ -40,11 +40,11 @@ int substeps_at_weight(const Cloth&, const Vector3& gravity, double dt);
 
 /// Number of substeps for a cloth that may touch something, or whose strain limit yields. The
 /// tension makes points oscillate at `frequency` [rad/s]; no more substeps are needed than for the
-/// whole weight, or a holder's `strength` [N] if that is more, on the springs of one point. At
-/// least `min_steps`, at most max_substeps. Half as many suffice if `is_smooth`: then no edge,
-/// finger or other layer holds a point across its springs.
+/// whole weight, or a `pull` [N] of holders and bodies if that is more, on the springs of one
+/// point. At least `min_steps`, at most max_substeps. Half as many suffice if `is_smooth`: then no
+/// edge, finger or other layer holds a point across its springs.
 int substeps_at_tension(const Cloth&, const Vector3& gravity, double frequency, double dt,
-                        int min_steps = 1, bool is_smooth = false, double strength = 0);
+                        int min_steps = 1, bool is_smooth = false, double pull = 0);
 
 /// Number of substeps with which the inertia added for tension is at most 1.5 % of the cloth's
 /// mass: with more inertia, passes over the strain limit do not converge. `mass_ratio`: that

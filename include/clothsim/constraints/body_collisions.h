@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "clothsim/shapes/moving_collider.h"
+
+namespace clothsim {
+
+/// A place where two colliders touch or come near each other.
+struct BodyTouch {
+  std::size_t a = 0;        // a rigid body
+  std::size_t b = 0;        // another collider
+  Vector3 place{0, 0, 0};   // halfway between the surfaces, in the world [m]
+  Vector3 normal{0, 0, 1};  // from b to a, unit
+  double gap = 0;           // between the surfaces, below 0 where they overlap [m]
+};
+
+/// Finds the places where rigid bodies come near each other and other colliders, with the collision
+/// detection of Bullet; above planes by the corners of the body. A mesh counts as its convex hull
+/// where it is a body, without padding. Results depend on the poses alone.
+class BodyCollisions {
+ public:
+  /// `colliders[k]` is a body where `is_body[k]`.
+  BodyCollisions(const std::vector<MovingCollider>& colliders, const std::vector<char>& is_body);
+  ~BodyCollisions();
+  BodyCollisions(const BodyCollisions&) = delete;
+  BodyCollisions& operator=(const BodyCollisions&) = delete;
+
+  /// All places with a gap of at most `reach` [m].
+  std::vector<BodyTouch> find(const std::vector<MovingCollider>&, double reach);
+
+ private:
+  struct World;
+  std::unique_ptr<World> world_;
+};
+
+}  // namespace clothsim

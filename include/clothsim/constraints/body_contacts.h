@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "clothsim/constraints/body_collisions.h"
+#include "clothsim/constraints/contact_impulse.h"
+#include "clothsim/constraints/rigid_bodies.h"
+
+namespace clothsim {
+
+/// An overlap of two colliders, one of them a body, at a place.
+struct Overlap {
+  std::size_t a;
+  std::size_t b;
+  Vector3 place;   // [m]
+  Vector3 normal;  // from b to a, unit
+  double depth;    // > 0 [m]
+};
+
+/// Contact of rigid bodies with each other and with other colliders, by the same law as that of the
+/// cloth (ContactImpulse), so that passes over both converge together. Friction between two
+/// colliders is the geometric mean of theirs. Impulses are kept for places that have hardly moved.
+class BodyContacts {
+ public:
+  /// Detects the contacts of a step of h [s] after the bodies' free motion, and warm-starts them.
+  void prepare(double h, const std::vector<MovingCollider>&, RigidBodies&);
+
+  /// One pass. Returns the largest change of a relative velocity [m/s].
+  double solve_pass(RigidBodies&);
+
+  /// Displacements that lead overlaps of the step back, and these `further` ones: each by
+  /// overlap_share, as velocities of motions by collider. Empty: none.
+  std::vector<RigidMotion> pushes(const RigidBodies&, const std::vector<Overlap>& further) const;
+
+  /// Forgets the impulses.
+  void reset();
+  void write(MemoryWriter&) const;
+  void read(MemoryReader&, std::size_t colliders);
+
+ private:
+  struct PairContact {
+    BodyTouch touch;
+    Vector3 local{0, 0, 0};       // its place in the frame of the body a [m]
+    double approach = 0;          // relative normal velocity of the free motion [m/s]
+    double mass = 0;              // effective, along the normal [kg]
+    double along = 0;             // the same across it [kg]
+    ContactImpulse impulse = {};  // on a
+  };
+
+  void warm_start(double scale, double radius, PairContact&);
+  static void give(const BodyTouch&, const Vector3& impulse, RigidBodies&);
+  static Vector3 relative_velocity(const BodyTouch&, const RigidBodies&);
+
+  std::shared_ptr<BodyCollisions> collisions_;  // without a state
+  std::vector<PairContact> contacts_;
+  std::vector<PairContact> last_;
+  double h_ = 0;
+};
+
+}  // namespace clothsim

@@ -1,0 +1,296 @@
+#include "clothsim/constraints/body_collisions.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
+#include <BulletCollision/btBulletCollisionCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "clothsim/constraints/local_cloth.h"
+#include "clothsim/shapes/mesh_file.h"
+
+namespace clothsim {
+namespace {
+
+/// Bullet's margin, as a share of the smallest size: its search for closest points is sure and fast
+/// while the cores within these margins do not overlap.
+constexpr double margin_share = 0.02;
+
+/// Bullet clips the faces of polyhedra against each other where they overlap. So they are larger on
+/// all sides by this [m].
+constexpr double skin = may_sink;
+
+/// Corners of a cylinder's end that may touch a plane, the lowest first.
+enum { rim_points = 8 };
+
+/// Most places of a hull above a plane: as many as keep it from rocking.
+enum { hull_places = 8 };
+
+btScalar to_bullet(double number) { return static_cast<btScalar>(number); }
+
+btVector3 to_bullet(const Vector3& v) {
+  return {to_bullet(v.x()), to_bullet(v.y()), to_bullet(v.z())};
+}
+
+Vector3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+btTransform to_bullet(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.orientation;
+  return btTransform(
+      btQuaternion(to_bullet(q.x()), to_bullet(q.y()), to_bullet(q.z()), to_bullet(q.w())),
+      to_bullet(pose.position));
+}
+
+/// A pose in the frame of another one.
+Pose relative(const Pose& pose, const Pose& frame) {
+  return {to_local(frame, pose.position), frame.orientation.conjugate() * pose.orientation};
+}
+
+/// A shape of Bullet.
+struct BulletShape {
+  std::unique_ptr<btCollisionShape> shape;                  // none for a plane
+  std::unique_ptr<btStridingMeshInterface> triangles = {};  // used by `shape`
+  double skin = 0;                                          // by which it is too large [m]
+  double margin = 0;  // further one, except beside another polyhedron [m]
+};
+
+std::vector<Vector3> corners_of(const Vector3& half) {
+  std::vector<Vector3> corners;
+  for (int k = 0; k < 8; ++k) {
+    corners.emplace_back(k & 1 ? half.x() : -half.x(), k & 2 ? half.y() : -half.y(),
+                         k & 4 ? half.z() : -half.z());
+  }
+  return corners;
+}
+
+BulletShape bullet_shape(const Sphere& s, bool) {
+  return {std::make_unique<btSphereShape>(to_bullet(s.radius))};
+}
+
+BulletShape bullet_shape(const Plane&, bool) { return {}; }
+
+BulletShape bullet_shape(const Capsule& c, bool) {
+  return {std::make_unique<btCapsuleShapeZ>(to_bullet(c.radius), to_bullet(c.length))};
+}
+
+BulletShape bullet_shape(const Cuboid& box, bool) {
+  auto shape = std::make_unique<btBoxShape>(to_bullet((box.size.array() / 2 + skin).matrix()));
+  shape->setMargin(to_bullet(margin_share * box.size.minCoeff()));
+  shape->initializePolyhedralFeatures();
+  return {std::move(shape), nullptr, skin};
+}
+
+BulletShape bullet_shape(const Cylinder& c, bool) {
+  auto shape = std::make_unique<btCylinderShapeZ>(to_bullet({c.radius, c.radius, c.length / 2}));
+  shape->setMargin(to_bullet(margin_share * std::min(c.radius, c.length)));
+  return {std::move(shape)};
+}
+
+BulletShape bullet_hull(const Solid& solid) {
+  auto shape = std::make_unique<btConvexHullShape>();
+  const Vector3 center = solid.box().center();
+  for (const Vector3& vertex : solid.vertices()) {
+    const Vector3 out = skin * (vertex - center).stableNormalized();
+    shape->addPoint(to_bullet(Vector3(vertex + out)), false);
+  }
+  const double margin = margin_share * solid.thickness();
+  shape->setMargin(to_bullet(margin));
+  shape->recalcLocalAabb();
+  shape->initializePolyhedralFeatures();
+  return {std::move(shape), nullptr, skin, margin};
+}
+
+BulletShape bullet_shape(const MeshShape& mesh, bool is_body) {
+  const Solid& solid = mesh.file->solid;
+  if (is_body) return bullet_hull(solid);
+  auto triangles = std::make_unique<btTriangleMesh>();
+  for (const auto& [a, b, c] : solid.triangles()) {
+    const auto corner = [&](int i) {
+      return to_bullet(solid.vertices()[static_cast<std::size_t>(i)]);
+    };
+    triangles->addTriangle(corner(a), corner(b), corner(c));
+  }
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
+  shape->setMargin(to_bullet(mesh.padding));
+  return {std::move(shape), std::move(triangles)};
+}
+
+/// Centre of a ball, in the shape's frame, that may touch a plane, and its radius [m].
+using Ball = std::pair<Vector3, double>;
+
+// Places of a shape that may touch a plane. `down`: against the plane's normal, in the shape's
+// frame, unit.
+
+std::vector<Ball> lowest(const Sphere& s, const Vector3&) { return {{Vector3::Zero(), s.radius}}; }
+
+std::vector<Ball> lowest(const Plane&, const Vector3&) { return {}; }
+
+std::vector<Ball> lowest(const Capsule& c, const Vector3&) {
+  return {{{0, 0, -c.length / 2}, c.radius}, {{0, 0, c.length / 2}, c.radius}};
+}
+
+std::vector<Ball> lowest(const Cuboid& box, const Vector3&) {
+  std::vector<Ball> balls;
+  for (const Vector3& corner : corners_of(box.size / 2)) balls.emplace_back(corner, 0);
+  return balls;
+}
+
+std::vector<Ball> lowest(const Cylinder& c, const Vector3& down) {
+  const double first = std::atan2(down.y(), down.x());
+  std::vector<Ball> balls;
+  for (const double z : {-c.length / 2, c.length / 2}) {
+    for (int k = 0; k < rim_points; ++k) {
+      const double angle = first + 2 * M_PI * k / rim_points;
+      balls.emplace_back(Vector3(c.radius * std::cos(angle), c.radius * std::sin(angle), z), 0);
+    }
+  }
+  return balls;
+}
+
+std::vector<Ball> lowest(const MeshShape& mesh, const Vector3&) {
+  std::vector<Ball> balls;
+  for (const Vector3& vertex : mesh.file->solid.vertices()) balls.emplace_back(vertex, 0);
+  return balls;
+}
+
+/// The places farthest from each other, starting with that of the smallest gap.
+std::vector<BodyTouch> spread(std::vector<BodyTouch> places) {
+  if (places.size() <= hull_places) return places;
+  std::vector<BodyTouch> chosen;
+  const auto least = std::min_element(places.begin(), places.end(),
+                                      [](const auto& p, const auto& q) { return p.gap < q.gap; });
+  chosen.push_back(*least);
+  while (chosen.size() < hull_places) {
+    const auto apart = [&](const BodyTouch& p) {
+      double nearest = (p.place - chosen[0].place).squaredNorm();
+      for (const BodyTouch& c : chosen) {
+        nearest = std::min(nearest, (p.place - c.place).squaredNorm());
+      }
+      return nearest;
+    };
+    chosen.push_back(
+        *std::max_element(places.begin(), places.end(),
+                          [&](const auto& p, const auto& q) { return apart(p) < apart(q); }));
+  }
+  return chosen;
+}
+
+/// Collects the places that Bullet reports for a pair, in the frame of its body.
+struct Collector : btCollisionWorld::ContactResultCallback {
+  Collector(std::size_t body, std::size_t other, const Pose& of_body, double most,
+            const btCollisionObject* object, std::vector<BodyTouch>& all)
+      : a(body), b(other), pose(of_body), reach(most), object_a(object), places(all) {
+    m_closestDistanceThreshold = to_bullet(reach);
+  }
+
+  btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper*, int, int) override {
+    const double gap = point.getDistance() + too_near;
+    if (gap > reach) return 0;
+    // Bullet's normal leads from its second object to its first one.
+    const bool is_same = first->getCollisionObject() == object_a;
+    const Vector3 normal = (is_same ? 1 : -1) * from_bullet(point.m_normalWorldOnB);
+    const Vector3 middle = from_bullet(point.m_positionWorldOnA + point.m_positionWorldOnB) / 2;
+    places.push_back({a, b, to_world(pose, middle), (pose.orientation * normal).normalized(), gap});
+    return 0;
+  }
+
+  std::size_t a;
+  std::size_t b;
+  Pose pose;
+  double reach;
+  double too_near = 0;  // by margins [m]
+  const btCollisionObject* object_a;
+  std::vector<BodyTouch>& places;
+};
+
+}  // namespace
+
+struct BodyCollisions::World {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btCollisionWorld world{&dispatcher, &broadphase, &configuration};
+  std::vector<BulletShape> shapes;
+  std::vector<std::unique_ptr<btCollisionObject>> objects;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  // a body and another collider
+
+  void above_plane(std::size_t a, std::size_t b, const std::vector<MovingCollider>&, double reach,
+                   std::vector<BodyTouch>& all) const;
+};
+
+BodyCollisions::BodyCollisions(const std::vector<MovingCollider>& colliders,
+                               const std::vector<char>& is_body)
+    : world_(std::make_unique<World>()) {
+  World& w = *world_;
+  w.configuration.setConvexConvexMultipointIterations();
+  // Bullet's own algorithm for two boxes finds no places before they overlap.
+  const int box = BOX_SHAPE_PROXYTYPE, hull = CONVEX_HULL_SHAPE_PROXYTYPE;
+  w.dispatcher.registerCollisionCreateFunc(
+      box, box, w.configuration.getCollisionAlgorithmCreateFunc(hull, hull));
+  w.dispatcher.registerClosestPointsCreateFunc(
+      box, box, w.configuration.getClosestPointsAlgorithmCreateFunc(hull, hull));
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    w.shapes.push_back(
+        std::visit([&](const auto& shape) { return bullet_shape(shape, is_body[k] != 0); },
+                   colliders[k].shape()));
+    w.objects.push_back(std::make_unique<btCollisionObject>());
+    w.objects.back()->setCollisionShape(w.shapes.back().shape.get());
+    for (std::size_t l = 0; l < k; ++l) {
+      if (is_body[k]) w.pairs.emplace_back(k, l);
+      if (!is_body[k] && is_body[l]) w.pairs.emplace_back(l, k);
+    }
+  }
+}
+
+BodyCollisions::~BodyCollisions() = default;
+
+void BodyCollisions::World::above_plane(std::size_t a, std::size_t b,
+                                        const std::vector<MovingCollider>& colliders, double reach,
+                                        std::vector<BodyTouch>& all) const {
+  const Pose &pose = colliders[a].pose(), &plane = colliders[b].pose();
+  Vector3 normal = plane.orientation * Vector3::UnitZ();
+  const bool two_sided = std::get<Plane>(colliders[b].shape()).two_sided;
+  if (two_sided && normal.dot(pose.position - plane.position) < 0) normal = -normal;
+  const Vector3 down = pose.orientation.conjugate() * -normal;
+  std::vector<BodyTouch> places;
+  for (const auto& [center, radius] :
+       std::visit([&](const auto& shape) { return lowest(shape, down); }, colliders[a].shape())) {
+    const Vector3 foot = to_world(pose, center) - radius * normal;
+    const double gap = normal.dot(foot - plane.position);
+    if (gap <= reach) places.push_back({a, b, foot - gap / 2 * normal, normal, gap});
+  }
+  places = spread(std::move(places));
+  all.insert(all.end(), places.begin(), places.end());
+}
+
+std::vector<BodyTouch> BodyCollisions::find(const std::vector<MovingCollider>& colliders,
+                                            double reach) {
+  World& w = *world_;
+  std::vector<BodyTouch> all;
+  for (const auto& [a, b] : w.pairs) {
+    const MovingCollider &body = colliders[a], &other = colliders[b];
+    if (!body.enabled() || !other.enabled()) continue;
+    const double radius = bounding_radius(body.shape());
+    const Vector3& middle = body.pose().position;
+    if (!other.reaches({middle, middle}, radius + reach)) continue;
+    if (std::holds_alternative<Plane>(other.shape())) {
+      w.above_plane(a, b, colliders, reach, all);
+    } else {
+      // In the frame of the body, as Bullet counts in single precision.
+      w.objects[a]->setWorldTransform(btTransform::getIdentity());
+      w.objects[b]->setWorldTransform(to_bullet(relative(other.pose(), body.pose())));
+      Collector collector(a, b, body.pose(), reach, w.objects[a].get(), all);
+      const BulletShape &of_body = w.shapes[a], &of_other = w.shapes[b];
+      const bool are_clipped = of_body.shape->isPolyhedral() && of_other.shape->isPolyhedral();
+      collector.too_near = of_body.skin + of_other.skin;
+      if (!are_clipped) collector.too_near += of_body.margin + of_other.margin;
+      w.world.contactPairTest(w.objects[a].get(), w.objects[b].get(), collector);
+    }
+  }
+  return all;
+}
+
+}  // namespace clothsim

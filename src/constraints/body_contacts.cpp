@@ -1,0 +1,158 @@
+#include "clothsim/constraints/body_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/local_cloth.h"
+
+namespace clothsim {
+namespace {
+
+/// Contacts keep their impulse where their place on the body has moved by at most this share of its
+/// bounding radius.
+constexpr double same_place = 0.1;
+
+/// Passes over the overlaps of a step.
+enum { push_passes = 4 };
+
+double inv_mass(const BodyTouch& t, const RigidBodies& bodies) {
+  return bodies.motion(t.a).inv_mass_at(t.place, t.normal) +
+         bodies.motion(t.b).inv_mass_at(t.place, t.normal);
+}
+
+double inv_mass_across(const BodyTouch& t, const RigidBodies& bodies) {
+  return bodies.motion(t.a).inv_mass_across(t.place, t.normal) +
+         bodies.motion(t.b).inv_mass_across(t.place, t.normal);
+}
+
+}  // namespace
+
+Vector3 BodyContacts::relative_velocity(const BodyTouch& t, const RigidBodies& bodies) {
+  return bodies.motion(t.a).velocity_at(t.place) - bodies.motion(t.b).velocity_at(t.place);
+}
+
+void BodyContacts::give(const BodyTouch& t, const Vector3& impulse, RigidBodies& bodies) {
+  bodies.motion(t.a).give(impulse, t.place);
+  bodies.motion(t.b).give(-impulse, t.place);
+}
+
+void BodyContacts::prepare(double h, const std::vector<MovingCollider>& colliders,
+                           RigidBodies& bodies) {
+  if (!collisions_) {
+    std::vector<char> is_body(colliders.size());
+    for (std::size_t k = 0; k < is_body.size(); ++k) is_body[k] = bodies.is_body(k);
+    collisions_ = std::make_shared<BodyCollisions>(colliders, is_body);
+  }
+  const double scale = h_ > 0 ? h / h_ : 0;
+  h_ = h;
+  last_.swap(contacts_);
+  contacts_.clear();
+  for (const BodyTouch& t : collisions_->find(colliders, bodies.longest_way(h) + may_sink)) {
+    PairContact c{t, to_local(colliders[t.a].pose(), t.place),
+                  t.normal.dot(relative_velocity(t, bodies)), 1 / inv_mass(t, bodies),
+                  1 / inv_mass_across(t, bodies)};
+    c.impulse.normal = t.normal;
+    c.impulse.friction = std::sqrt(colliders[t.a].friction() * colliders[t.b].friction());
+    // The gap where impulses act.
+    c.impulse.target_velocity =
+        -std::max(0.0, t.gap - RigidBodies::displacement_factor * h * c.approach) / h;
+    warm_start(scale, bounding_radius(colliders[t.a].shape()), c);
+    give(t, c.impulse.total(), bodies);
+    contacts_.push_back(c);
+  }
+}
+
+/// Takes the impulse of the nearest contact of the last step, which then has none.
+void BodyContacts::warm_start(double scale, double radius, PairContact& c) {
+  PairContact* nearest = nullptr;
+  double least = same_place * radius;
+  for (PairContact& other : last_) {
+    if (other.touch.a != c.touch.a || other.touch.b != c.touch.b) continue;
+    const double way = (other.local - c.local).norm();
+    if (way >= least || other.impulse.normal_impulse == 0) continue;
+    nearest = &other;
+    least = way;
+  }
+  if (!nearest) return;
+  c.impulse.keep(nearest->impulse);
+  c.impulse.warm_start(scale);
+  nearest->impulse.let_go();
+}
+
+double BodyContacts::solve_pass(RigidBodies& bodies) {
+  double largest = 0;
+  for (PairContact& c : contacts_) {
+    const Vector3 change = c.impulse.update(relative_velocity(c.touch, bodies), c.mass, c.along);
+    if (change.isZero(0)) continue;
+    give(c.touch, change, bodies);
+    largest = std::max(largest, change.norm() / std::min(c.mass, c.along));
+  }
+  return largest;
+}
+
+std::vector<RigidMotion> BodyContacts::pushes(const RigidBodies& bodies,
+                                              const std::vector<Overlap>& further) const {
+  std::vector<Overlap> overlaps = further;
+  for (const PairContact& c : contacts_) {
+    const BodyTouch& t = c.touch;
+    const double parting = t.normal.dot(relative_velocity(t, bodies)) - c.approach;
+    const double gap = t.gap + RigidBodies::displacement_factor * h_ * parting;
+    if (gap < 0) overlaps.push_back({t.a, t.b, t.place, t.normal, -gap});
+  }
+  if (overlaps.empty()) return {};
+  std::vector<RigidMotion> motions;
+  for (std::size_t k = 0; k < bodies.count(); ++k) {
+    motions.push_back(bodies.motion(k));
+    motions.back().velocity.setZero();
+    motions.back().angular_velocity.setZero();
+  }
+  std::vector<double> impulses(overlaps.size(), 0);
+  for (int pass = 0; pass < push_passes; ++pass) {
+    for (std::size_t i = 0; i < overlaps.size(); ++i) {
+      const Overlap& o = overlaps[i];
+      RigidMotion &a = motions[o.a], &b = motions[o.b];
+      const double wanted = std::min(overlap_share * o.depth, recovery_speed * h_) -
+                            o.normal.dot(a.velocity_at(o.place) - b.velocity_at(o.place));
+      const double inv_mass = a.inv_mass_at(o.place, o.normal) + b.inv_mass_at(o.place, o.normal);
+      const double impulse = std::max(0.0, impulses[i] + wanted / inv_mass);
+      a.give((impulse - impulses[i]) * o.normal, o.place);
+      b.give((impulses[i] - impulse) * o.normal, o.place);
+      impulses[i] = impulse;
+    }
+  }
+  return motions;
+}
+
+void BodyContacts::reset() {
+  contacts_.clear();
+  h_ = 0;
+}
+
+void BodyContacts::write(MemoryWriter& memory) const {
+  memory.add(h_);
+  const auto is_held = [](const PairContact& c) { return c.impulse.normal_impulse > 0; };
+  memory.add(static_cast<double>(std::count_if(contacts_.begin(), contacts_.end(), is_held)));
+  for (const PairContact& c : contacts_) {
+    if (!is_held(c)) continue;
+    memory.add(static_cast<double>(c.touch.a));
+    memory.add(static_cast<double>(c.touch.b));
+    memory.add(c.local);
+    c.impulse.write(memory);
+  }
+}
+
+void BodyContacts::read(MemoryReader& memory, std::size_t colliders) {
+  reset();
+  h_ = std::max(0.0, memory.number());
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    PairContact c{};
+    c.touch.a = static_cast<std::size_t>(memory.index(colliders));
+    c.touch.b = static_cast<std::size_t>(memory.index(colliders));
+    c.local = memory.vector();
+    c.impulse.read(memory);
+    contacts_.push_back(c);
+  }
+}
+
+}  // namespace clothsim

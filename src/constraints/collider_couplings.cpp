@@ -1,0 +1,157 @@
+// Points of the cloth between a rigid body and another collider.
+
+#include <algorithm>
+
+#include "clothsim/constraints/collider_contacts.h"
+
+namespace clothsim {
+namespace {
+
+/// A body stands on so many points.
+enum { standing_points = 3 };
+
+}  // namespace
+
+void ColliderContacts::couple(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                              const RigidBodies& bodies) {
+  coupled_.clear();
+  for (std::size_t a = 0; a < caches_.size(); ++a) {
+    if (!bodies.is_body(a) || !colliders[a].enabled()) continue;
+    for (std::size_t b = 0; b < caches_.size(); ++b) {
+      if (b == a || !colliders[b].enabled() || caches_[b].near.empty()) continue;
+      const std::size_t before = coupled_.size();
+      if (!caches_[a].near.empty()) couple_points(a, b);
+      // Faces at the rim of a body that stands on points carry little, and would slow the solution.
+      const bool stands = coupled_.size() >= before + standing_points;
+      if (bodies.is_body(b) && b > a) coupled_.resize(before);  // those of b and a
+      if (caches_[a].has_faces && !stands) couple_faces(a, b, cloth);
+    }
+  }
+}
+
+void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider& collider,
+                                         const Cloth& cloth, const ContactStep& step,
+                                         const State& state) {
+  for (const int b : s.slots.active()) {
+    for (int i = ContactSlots::first_of(b); i < ContactSlots::end_of(b, cloth); ++i) {
+      if (!s.slots.touches(i) || s.slots.is_held(i)) continue;
+      const Vector3 x = row(state.positions, i);
+      const Vector3 way = step.h * (row(state.velocities, i) - collider.velocity_at(x));
+      const Vector3 end = to_local(collider.pose(), x + way);
+      if (signed_distance(collider.shape(), end, end).value >= s.keeps - passing_depth) {
+        s.slots.remove(i);
+      }
+    }
+  }
+}
+
+void ColliderContacts::couple_points(std::size_t a, std::size_t b) {
+  const ContactSlots &of_a = caches_[a].slots, &of_b = caches_[b].slots;
+  of_a.for_each_touching_both(of_b, [&](int i) {
+    if (face_each_other(of_a.normal(i), of_b.normal(i))) coupled_.push_back({a, b, i});
+  });
+}
+
+void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& cloth) {
+  const ContactSlots& of_b = caches_[b].slots;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (faces_.collider(i) != static_cast<int>(a)) continue;
+    const Contact& contact = faces_.contact(i);
+    bool touches = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int point = contact.points[k];
+      if (contact.weights[k] == 0) continue;
+      touches = touches && cloth.inv_mass[point] > 0 && of_b.touches(point) &&
+                face_each_other(contact.impulse.normal, of_b.normal(point));
+    }
+    if (touches) coupled_.push_back({a, b, -1, i});
+  }
+}
+
+double ColliderContacts::solve_coupled(const Cloth& cloth, const Points& positions,
+                                       RigidBodies& bodies, Points& velocities) {
+  double largest = 0;
+  for (const Coupled& c : coupled_) {
+    largest = std::max(largest, solve_coupled(c, cloth, positions, bodies, velocities));
+  }
+  return largest;
+}
+
+double ColliderContacts::solve_coupled(const Coupled& c, const Cloth& cloth,
+                                       const Points& positions, RigidBodies& bodies,
+                                       Points& velocities) {
+  ContactSlots &slots_a = caches_[c.a].slots, &slots_b = caches_[c.b].slots;
+  ContactCoupling coupling;
+  std::array<int, 3> points{c.point, 0, 0};
+  const auto add = [&](int point, double weight) {
+    points[coupling.count] = point;
+    coupling.corners[coupling.count++] = {weight, cloth.mass[point], row(positions, point),
+                                          slots_b.contact(point, caches_[c.b].friction),
+                                          row(velocities, point)};
+  };
+  if (c.point >= 0) {
+    add(c.point, 1);
+    coupling.x = row(positions, c.point);
+    coupling.of_a = slots_a.contact(c.point, caches_[c.a].friction).scaled(cloth.mass[c.point]);
+  } else {
+    const Contact& contact = faces_.contact(c.face);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (contact.weights[k] != 0) add(contact.points[k], contact.weights[k]);
+    }
+    coupling.x = faces_.place(c.face);
+    coupling.of_a = contact.impulse;
+  }
+  const double change = coupling.update(bodies.motion(c.a), bodies.motion(c.b));
+  for (std::size_t k = 0; k < coupling.count; ++k) {
+    slots_b.hold(points[k], coupling.corners[k].of_b);
+    velocities.row(points[k]) = coupling.corners[k].velocity.transpose();
+  }
+  if (c.point >= 0) {
+    slots_a.hold(c.point, coupling.of_a.scaled(1 / cloth.mass[c.point]));
+  } else {
+    faces_.keep(c.face, coupling.of_a);
+  }
+  return change;
+}
+
+void ColliderContacts::follow_bodies(const std::vector<MovingCollider>& colliders,
+                                     const RigidBodies& bodies, const Points& positions) {
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    if (!bodies.is_body(k) || !colliders[k].enabled()) continue;
+    const double radius = farthest_from(colliders[k].pose().position, positions);
+    caches_[k].moved += caches_[k].sleep_bounds.follow(colliders[k].pose(), radius);
+  }
+}
+
+std::vector<Overlap> ColliderContacts::overlaps(const std::vector<MovingCollider>& colliders,
+                                                const Points& positions) const {
+  const auto distance = [&](std::size_t k, const Vector3& x) {
+    const Vector3 local = to_local(colliders[k].pose(), x);
+    return signed_distance(colliders[k].shape(), local, local).value;
+  };
+  std::vector<Overlap> result;
+  for (const Coupled& c : coupled_) {
+    Contact place;
+    if (c.point < 0) {
+      place = faces_.contact(c.face);
+    } else {
+      place.points.fill(c.point);
+      place.weights = {1, 0, 0, 0};
+      place.nearest = caches_[c.a].keeps;
+      place.impulse.normal = caches_[c.a].slots.normal(c.point);
+    }
+    const Vector3 x = weighted_sum(place.points, place.weights, positions);
+    double gap = distance(c.a, x) - place.nearest;
+    Vector3 normal = -place.impulse.normal;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (place.weights[k] == 0) continue;
+      const int point = place.points[k];
+      gap += place.weights[k] * (distance(c.b, row(positions, point)) - caches_[c.b].keeps);
+      normal += place.weights[k] * caches_[c.b].slots.normal(point);
+    }
+    if (gap < 0) result.push_back({c.a, c.b, x, normal.normalized(), -gap});
+  }
+  return result;
+}
+
+}  // namespace clothsim

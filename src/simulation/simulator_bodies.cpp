@@ -1,0 +1,70 @@
+// Rigid bodies: colliders that the cloth moves.
+
+#include <algorithm>
+
+#include "simulator_impl.h"
+
+namespace clothsim {
+
+void Simulator::Impl::start_bodies() {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!bodies.is_body(k)) continue;
+    const BodySpec& spec = *scene.colliders[k].body;
+    bodies.set_velocity(k, spec.velocity, spec.angular_velocity, colliders[k]);
+  }
+}
+
+void Simulator::Impl::restore_velocities(bool of_memory) {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!bodies.is_body(k)) continue;
+    MovingCollider& c = colliders[k];
+    if (!of_memory) {
+      bodies.set_velocity(k, c.velocity_at(to_world(c.pose(), bodies.center_of(k))),
+                          c.angular_velocity(), c);
+    } else {
+      const RigidMotion motion = bodies.motion(k);
+      bodies.set_velocity(k, motion.velocity, motion.angular_velocity, c);
+    }
+  }
+}
+
+void Simulator::Impl::begin_bodies(double h) {
+  bodies.begin_step(h, scene.simulation.gravity, colliders);
+  body_contacts.prepare(h, colliders, bodies);
+}
+
+void Simulator::Impl::solve_bodies_alone() {
+  for (int pass = 0; pass < max_passes; ++pass) {
+    if (body_contacts.solve_pass(bodies) <= rest_speed) break;
+  }
+  end_bodies();
+}
+
+void Simulator::Impl::end_bodies() {
+  const std::vector<Overlap> by_points =
+      touches() ? collider_contacts.overlaps(colliders, state.positions) : std::vector<Overlap>();
+  bodies.end_step(body_contacts.pushes(bodies, by_points), colliders);
+  if (touches()) collider_contacts.follow_bodies(colliders, bodies, state.positions);
+}
+
+double Simulator::Impl::way_of_bodies(double dt) const {
+  return dt * (bodies.longest_way(1) + dt * scene.simulation.gravity.norm());
+}
+
+std::size_t Simulator::Impl::body_index(int index) const {
+  const auto i = static_cast<std::size_t>(index);
+  const std::string& name = scene.colliders.at(i).name;
+  if (!bodies.is_body(i)) {
+    throw InvalidValue({"colliders", name}, "a collider without mass", "one with `mass`, a body");
+  }
+  return i;
+}
+
+void Simulator::Impl::check_driven(std::size_t index) const {
+  const std::string& name = scene.colliders.at(index).name;
+  if (bodies.is_body(index)) {
+    throw InvalidValue({"colliders", name}, "a rigid body", "a collider without `mass`");
+  }
+}
+
+}  // namespace clothsim
