@@ -11,8 +11,8 @@ The messages of the node, `clothsim.msg` and `clothsim.srv`, are in this package
 import importlib
 
 _MODULES = {
-    "_core": ("Batch", "Diverged", "InvalidValue", "Robot", "SavedState", "Scene", "Simulator", "StepReport",
-              "__version__"),
+    "_core": ("Batch", "Body", "Diverged", "InvalidValue", "Robot", "SavedState", "Scene", "Simulator",
+              "StepReport", "__version__"),
     "_render": ("View",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

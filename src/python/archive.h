@@ -127,12 +127,18 @@ void serialize(Archive& archive, clothsim::Simulator::Saved& saved) {
   for (clothsim::MovingCollider& collider : saved.colliders) {
     clothsim::Pose pose = collider.pose();
     clothsim::Pose target = collider.target();
+    clothsim::Twist twist{collider.velocity(), collider.angular_velocity()};
     bool enabled = collider.enabled();
-    archive(pose, target, enabled);
+    archive(pose, target, twist, enabled);
     if (!Archive::is_loading::value) continue;
     collider.place(pose);
-    // After a frame that failed, the target is still ahead.
-    if (!same(target, pose)) collider.set_target(target, saved.frame_duration);
+    if (same(target, pose)) {
+      collider.move_to(pose, twist.linear, twist.angular);  // of a body; others are at rest
+      collider.begin_step();
+    } else {
+      // After a frame that failed, the target is still ahead.
+      collider.set_target(target, saved.frame_duration);
+    }
     collider.enable(enabled);
   }
 }

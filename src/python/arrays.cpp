@@ -101,6 +101,15 @@ std::vector<double> to_numbers(py::handle object, const std::string& key) {
   return in_rows(array);
 }
 
+clothsim::Vector3 to_vector(py::handle object, const std::string& key) {
+  constexpr const char* expected = "[x, y, z]";
+  const py::array_t<double> array = to_array_of_numbers(object, key, expected);
+  if (array.ndim() != 1 || array.size() != 3) {
+    throw InvalidValue({key}, shape_text(array), expected);
+  }
+  return Eigen::Map<const clothsim::Vector3>(in_rows(array).data());
+}
+
 std::vector<int> to_indices(py::handle object, const std::string& key) {
   constexpr const char* expected = "a list of whole numbers";
   constexpr double limit = 1e9;  // far more points than a cloth has

@@ -31,6 +31,7 @@ py::array to_array(const clothsim::Pose&);  // [x, y, z, qx, qy, qz, qw]
 /// Throw InvalidValue with `key` for anything but an array of such numbers.
 clothsim::Points to_points(py::handle, const std::string& key, Eigen::Index rows);
 std::vector<double> to_numbers(py::handle, const std::string& key);
+clothsim::Vector3 to_vector(py::handle, const std::string& key);
 std::vector<int> to_indices(py::handle, const std::string& key);
 
 /// From [x, y, z, qx, qy, qz, qw], or [x, y, z] of a frame without rotation. Throws InvalidValue.

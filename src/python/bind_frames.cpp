@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "bindings.h"
+#include "bodies.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/grips.h"
 #include "robots.h"
@@ -175,6 +176,9 @@ void bind_frames(SimulationClass& simulator) {
       .def_property_readonly(
           "colliders", &colliders,
           "By name: {'pose': [7] [m, quaternion], 'enabled': bool, 'frame': str}.")
+      .def_property_readonly("bodies", &bodies_of,
+                             "The Body objects of the scene's rigid bodies, that is of its "
+                             "colliders with a mass, by name, in its order.")
       .def_property_readonly("robots", &robots_of,
                              "The Robot objects of the scene's `robots`, by name. Of two with one "
                              "name the second is called NAME/PREFIX.");

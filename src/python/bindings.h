@@ -15,6 +15,7 @@ using SimulationClass = py::class_<Simulation, std::shared_ptr<Simulation>>;
 void bind_scene(py::module_&);
 void bind_reports(py::module_&);
 void bind_batch(py::module_&);
+void bind_bodies(py::module_&);
 void bind_robots(py::module_&);
 
 // Methods of clothsim.Simulator.

@@ -30,6 +30,7 @@ PYBIND11_MODULE(_core, module) {
   bind_reports(module);
   bind_saved_state(module);
   bind_robots(module);
+  bind_bodies(module);
   bind_simulator(module);
   bind_batch(module);
   for (const auto& item : module.attr("__dict__").cast<py::dict>()) {
