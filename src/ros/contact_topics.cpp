@@ -71,12 +71,12 @@ void ContactTopics::follow_scene() {
   }
 }
 
-void ContactTopics::ask() {
+void ContactTopics::ask(bool others_ask) {
   asked_ = contacts_.getNumSubscribers() > 0 ||
            std::any_of(wrenches_.begin(), wrenches_.end(), [](const WrenchTopic& topic) {
              return topic.publisher.getNumSubscribers() > 0;
            });
-  simulator_.measure_wrenches(asked_);
+  simulator_.measure_wrenches(asked_ || others_ask);
 }
 
 void ContactTopics::publish(const ros::Time& stamp, std::uint64_t step) {

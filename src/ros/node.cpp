@@ -53,6 +53,7 @@ Node::Node(const ros::NodeHandle& node, ros::CallbackQueue& queue, std::function
       contact_topics_(node_, simulator_, parameters_.world_frame),
       cameras_(node_, parameters_.cameras, simulator_, tf_, parameters_.image_folders,
                pacer_.now()),
+      body_topics_(node_, simulator_, changes_, parameters_.world_frame, [this] { redraw(); }),
       state_services_(node_, simulator_, targets_, follower_, changes_, frame_number_, paused_,
                       parameters_.save_limit, [this] { jump(); }),
       stress_topic_(node_, simulator_, parameters_.world_frame),
@@ -157,7 +158,7 @@ bool Node::simulate_frame(Turn turn) {
   follower_.move(simulator_);
   grasper_.look_up();
   grasper_.move();
-  contact_topics_.ask();
+  contact_topics_.ask(body_topics_.asks_for_wrenches());
   force_listener_.end_when_due();
   try {
     report_ = simulator_.step();
@@ -189,6 +190,7 @@ void Node::publish_frame(const ros::Time& stamp) {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   publish_clock();  // first, so that no state is ahead of the clock
   targets_.broadcast(stamp);
+  body_topics_.publish(stamp, frame_number_);
   outputs_.publish(stamp, frame_number_);
   grasper_.update(stamp);
   cameras_.update(stamp);
@@ -198,6 +200,11 @@ void Node::refresh() {
   const TimeShares::Scope scope(time_, TimeShares::Use::publishing);
   outputs_.refresh();
   cameras_.refresh(paused_);
+}
+
+void Node::redraw() {
+  outputs_.redraw();
+  cameras_.redraw();
 }
 
 void Node::jump() {

@@ -87,8 +87,7 @@ bool Node::enable_collider(clothsim::EnableCollider::Request& request,
   change.enabled = request.enabled;
   changes_.publish("enable_collider", change);
   simulator_.enable_collider(static_cast<int>(collider - colliders.begin()), request.enabled);
-  outputs_.redraw();
-  cameras_.redraw();
+  redraw();
   response.success = true;
   return true;
 }
@@ -125,6 +124,7 @@ bool Node::load_scene(clothsim::LoadScene::Request& request,
   follower_ = FrameFollower(simulator_.scene(), tf_, parameters_.jump_speed);
   state_services_.clear();
   contact_topics_.follow_scene();
+  body_topics_.follow_scene();
   serve_live_values();
   frame_number_ = 0;
   outputs_.refresh();  // the topology, before its states

@@ -141,8 +141,8 @@ class Load(unittest.TestCase):
         self.assertEqual((start.step, start.time, len(start.positions)), (0, 0, 189))
         self.points.wait("a cloud of the new size", lambda c: (c.width, c.height) == (9, 7))
 
-        array = self.markers.wait("the ball", lambda a: marker_named(a, "colliders"))
-        self.assertEqual(len(marker_named(array, "surface").points), 2 * 2 * 3 * 8 * 6)
+        self.markers.wait("the ball and the new cloth", lambda a: (
+            marker_named(a, "colliders") and len(marker_named(a, "surface").points) == 2 * 2 * 3 * 8 * 6))
         state = self.cloth.step(40)
         self.assertEqual((state.step, state.topology_seq), (40, after.seq))
         self.assertEqual(positions(state).shape, (63, 3))

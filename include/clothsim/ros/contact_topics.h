@@ -19,8 +19,8 @@ class ContactTopics {
   /// The simulator must outlive this.
   ContactTopics(const ros::NodeHandle&, clothsim::Simulator&, std::string world_frame);
 
-  /// To be called before each frame.
-  void ask();
+  /// To be called before each frame. `others_ask`: whether others need the forces in it, too.
+  void ask(bool others_ask);
 
   /// Publishes the frame just simulated, number `step` since the scene's start.
   void publish(const ros::Time& stamp, std::uint64_t step);

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/ros/body_topics.h"
 #include "clothsim/ros/cameras.h"
 #include "clothsim/ros/changes.h"
 #include "clothsim/ros/choice_log.h"
@@ -68,6 +69,8 @@ class Node {
   void publish_frame(const ros::Time& stamp);
   /// Publishes due messages between frames.
   void refresh();
+  /// To be called when a collider has changed without a frame.
+  void redraw();
   /// To be called when the simulator's state changes without a frame.
   void jump();
   void publish_clock();
@@ -114,6 +117,7 @@ class Node {
   Outputs outputs_;
   ContactTopics contact_topics_;
   Cameras cameras_;
+  BodyTopics body_topics_;
   std::optional<Reconfigure> reconfigure_;           // for the scene
   std::optional<ViewReconfigure> view_reconfigure_;  // for the scene's colliders
   RateMeter rate_;
