@@ -104,7 +104,11 @@ BulletShape bullet_hull(const Solid& solid) {
 
 BulletShape bullet_shape(const MeshShape& mesh, bool is_body) {
   const Solid& solid = mesh.file->solid;
-  if (is_body) return bullet_hull(solid);
+  if (is_body) {
+    BulletShape hull = bullet_hull(solid);
+    hull.skin -= mesh.padding;
+    return hull;
+  }
   auto triangles = std::make_unique<btTriangleMesh>();
   for (const auto& [a, b, c] : solid.triangles()) {
     const auto corner = [&](int i) {
@@ -113,8 +117,8 @@ BulletShape bullet_shape(const MeshShape& mesh, bool is_body) {
     triangles->addTriangle(corner(a), corner(b), corner(c));
   }
   auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
-  shape->setMargin(to_bullet(mesh.padding));
-  return {std::move(shape), std::move(triangles)};
+  shape->setMargin(0);
+  return {std::move(shape), std::move(triangles), -mesh.padding};
 }
 
 /// Centre of a ball, in the shape's frame, that may touch a plane, and its radius [m].
@@ -151,7 +155,9 @@ std::vector<Ball> lowest(const Cylinder& c, const Vector3& down) {
 
 std::vector<Ball> lowest(const MeshShape& mesh, const Vector3&) {
   std::vector<Ball> balls;
-  for (const Vector3& vertex : mesh.file->solid.vertices()) balls.emplace_back(vertex, 0);
+  for (const Vector3& vertex : mesh.file->solid.vertices()) {
+    balls.emplace_back(vertex, mesh.padding);
+  }
   return balls;
 }
 
@@ -206,6 +212,41 @@ struct Collector : btCollisionWorld::ContactResultCallback {
   std::vector<BodyTouch>& places;
 };
 
+/// Places of the lowest parts of one collider above the other one, by the signed distance from that
+/// one: exact for balls and for corners on faces. Normals lead to the first collider.
+std::vector<BodyTouch> above(std::size_t first, std::size_t second,
+                             const std::vector<MovingCollider>& colliders, double reach) {
+  const MovingCollider &one = colliders[first], &other = colliders[second];
+  const Vector3 middle = to_local(other.pose(), one.pose().position);
+  const Vector3 up =
+      other.pose().orientation * signed_distance(other.shape(), middle, middle).normal;
+  const Vector3 down = one.pose().orientation.conjugate() * -up;
+  std::vector<BodyTouch> places;
+  for (const auto& [center, radius] :
+       std::visit([&](const auto& shape) { return lowest(shape, down); }, one.shape())) {
+    const Vector3 x = to_world(one.pose(), center), local = to_local(other.pose(), x);
+    const Distance d = signed_distance(other.shape(), local, middle);
+    const double gap = d.value - radius;
+    const Vector3 normal = other.pose().orientation * d.normal;
+    if (gap <= reach) {
+      places.push_back({first, second, x - (radius + gap / 2) * normal, normal, gap});
+    }
+  }
+  return spread(std::move(places));
+}
+
+/// The same of either collider above the other one.
+std::vector<BodyTouch> above_each_other(std::size_t a, std::size_t b,
+                                        const std::vector<MovingCollider>& colliders,
+                                        double reach) {
+  std::vector<BodyTouch> places = above(a, b, colliders, reach);
+  if (std::holds_alternative<MeshShape>(colliders[b].shape())) return places;  // of many vertices
+  for (BodyTouch& t : above(b, a, colliders, reach)) {
+    places.push_back({a, b, t.place, -t.normal, t.gap});
+  }
+  return places;
+}
+
 }  // namespace
 
 struct BodyCollisions::World {
@@ -217,8 +258,8 @@ struct BodyCollisions::World {
   std::vector<std::unique_ptr<btCollisionObject>> objects;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  // a body and another collider
 
-  void above_plane(std::size_t a, std::size_t b, const std::vector<MovingCollider>&, double reach,
-                   std::vector<BodyTouch>& all) const;
+  std::vector<BodyTouch> by_bullet(std::size_t a, std::size_t b, const Pose& of_a, const Pose& of_b,
+                                   double reach);
 };
 
 BodyCollisions::BodyCollisions(const std::vector<MovingCollider>& colliders,
@@ -247,23 +288,21 @@ BodyCollisions::BodyCollisions(const std::vector<MovingCollider>& colliders,
 
 BodyCollisions::~BodyCollisions() = default;
 
-void BodyCollisions::World::above_plane(std::size_t a, std::size_t b,
-                                        const std::vector<MovingCollider>& colliders, double reach,
-                                        std::vector<BodyTouch>& all) const {
-  const Pose &pose = colliders[a].pose(), &plane = colliders[b].pose();
-  Vector3 normal = plane.orientation * Vector3::UnitZ();
-  const bool two_sided = std::get<Plane>(colliders[b].shape()).two_sided;
-  if (two_sided && normal.dot(pose.position - plane.position) < 0) normal = -normal;
-  const Vector3 down = pose.orientation.conjugate() * -normal;
+std::vector<BodyTouch> BodyCollisions::World::by_bullet(std::size_t a, std::size_t b,
+                                                        const Pose& of_a, const Pose& of_b,
+                                                        double reach) {
+  // In the frame of the body, as Bullet counts in single precision.
+  objects[a]->setWorldTransform(btTransform::getIdentity());
+  objects[b]->setWorldTransform(to_bullet(relative(of_b, of_a)));
   std::vector<BodyTouch> places;
-  for (const auto& [center, radius] :
-       std::visit([&](const auto& shape) { return lowest(shape, down); }, colliders[a].shape())) {
-    const Vector3 foot = to_world(pose, center) - radius * normal;
-    const double gap = normal.dot(foot - plane.position);
-    if (gap <= reach) places.push_back({a, b, foot - gap / 2 * normal, normal, gap});
-  }
-  places = spread(std::move(places));
-  all.insert(all.end(), places.begin(), places.end());
+  Collector collector(a, b, of_a, reach, objects[a].get(), places);
+  const BulletShape &one = shapes[a], &other = shapes[b];
+  const bool are_clipped = one.shape->isPolyhedral() && other.shape->isPolyhedral();
+  collector.too_near = one.skin + other.skin;
+  if (!are_clipped) collector.too_near += one.margin + other.margin;
+  collector.m_closestDistanceThreshold = to_bullet(reach - std::min(0.0, collector.too_near));
+  world.contactPairTest(objects[a].get(), objects[b].get(), collector);
+  return places;
 }
 
 std::vector<BodyTouch> BodyCollisions::find(const std::vector<MovingCollider>& colliders,
@@ -276,19 +315,13 @@ std::vector<BodyTouch> BodyCollisions::find(const std::vector<MovingCollider>& c
     const double radius = bounding_radius(body.shape());
     const Vector3& middle = body.pose().position;
     if (!other.reaches({middle, middle}, radius + reach)) continue;
-    if (std::holds_alternative<Plane>(other.shape())) {
-      w.above_plane(a, b, colliders, reach, all);
-    } else {
-      // In the frame of the body, as Bullet counts in single precision.
-      w.objects[a]->setWorldTransform(btTransform::getIdentity());
-      w.objects[b]->setWorldTransform(to_bullet(relative(other.pose(), body.pose())));
-      Collector collector(a, b, body.pose(), reach, w.objects[a].get(), all);
-      const BulletShape &of_body = w.shapes[a], &of_other = w.shapes[b];
-      const bool are_clipped = of_body.shape->isPolyhedral() && of_other.shape->isPolyhedral();
-      collector.too_near = of_body.skin + of_other.skin;
-      if (!are_clipped) collector.too_near += of_body.margin + of_other.margin;
-      w.world.contactPairTest(w.objects[a].get(), w.objects[b].get(), collector);
-    }
+    std::vector<BodyTouch> places;
+    const bool is_plane = std::holds_alternative<Plane>(other.shape());
+    const bool are_polyhedra =
+        !is_plane && w.shapes[a].shape->isPolyhedral() && w.shapes[b].shape->isPolyhedral();
+    if (!are_polyhedra) places = above_each_other(a, b, colliders, reach);
+    if (!is_plane && places.empty()) places = w.by_bullet(a, b, body.pose(), other.pose(), reach);
+    all.insert(all.end(), places.begin(), places.end());
   }
   return all;
 }

@@ -37,7 +37,7 @@ void BodyContacts::give(const BodyTouch& t, const Vector3& impulse, RigidBodies&
   bodies.motion(t.b).give(-impulse, t.place);
 }
 
-void BodyContacts::prepare(double h, const std::vector<MovingCollider>& colliders,
+void BodyContacts::prepare(double h, double gravity, const std::vector<MovingCollider>& colliders,
                            RigidBodies& bodies) {
   if (!collisions_) {
     std::vector<char> is_body(colliders.size());
@@ -54,6 +54,8 @@ void BodyContacts::prepare(double h, const std::vector<MovingCollider>& collider
                   1 / inv_mass_across(t, bodies)};
     c.impulse.normal = t.normal;
     c.impulse.friction = std::sqrt(colliders[t.a].friction() * colliders[t.b].friction());
+    c.impulse.max_normal_impulse =
+        strongest_squeeze * bodies.mass() * gravity * h + 2 * c.mass * std::max(0.0, -c.approach);
     // The gap where impulses act.
     c.impulse.target_velocity =
         -std::max(0.0, t.gap - RigidBodies::displacement_factor * h * c.approach) / h;
@@ -77,6 +79,7 @@ void BodyContacts::warm_start(double scale, double radius, PairContact& c) {
   if (!nearest) return;
   c.impulse.keep(nearest->impulse);
   c.impulse.warm_start(scale);
+  c.impulse.weaken(c.impulse.max_normal_impulse);
   nearest->impulse.let_go();
 }
 

@@ -49,7 +49,7 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
 
   warm_start(cloth, scale, step.bodies, state);
   faces_.warm_start(state.positions, step.bodies, state.velocities);
-  if (step.bodies) couple(colliders, cloth, *step.bodies);
+  if (step.bodies) couple(colliders, cloth, step, state.positions);
   pinches_.solve_pass(state.velocities);
 }
 
@@ -165,7 +165,7 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
   leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
   warm_start(cloth, 1, step.bodies, state);
   faces_.warm_start(state.positions, step.bodies, state.velocities);
-  if (step.bodies) couple(colliders, cloth, *step.bodies);
+  if (step.bodies) couple(colliders, cloth, step, state.positions);
 }
 
 void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies* bodies,

@@ -13,7 +13,8 @@ enum { standing_points = 3 };
 }  // namespace
 
 void ColliderContacts::couple(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                              const RigidBodies& bodies) {
+                              const ContactStep& step, const Points& positions) {
+  const RigidBodies& bodies = *step.bodies;
   coupled_.clear();
   for (std::size_t a = 0; a < caches_.size(); ++a) {
     if (!bodies.is_body(a) || !colliders[a].enabled()) continue;
@@ -27,6 +28,7 @@ void ColliderContacts::couple(const std::vector<MovingCollider>& colliders, cons
       if (caches_[a].has_faces && !stands) couple_faces(a, b, cloth);
     }
   }
+  bound_coupled(step, positions);
 }
 
 void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider& collider,
@@ -48,7 +50,10 @@ void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider&
 void ColliderContacts::couple_points(std::size_t a, std::size_t b) {
   const ContactSlots &of_a = caches_[a].slots, &of_b = caches_[b].slots;
   of_a.for_each_touching_both(of_b, [&](int i) {
-    if (face_each_other(of_a.normal(i), of_b.normal(i))) coupled_.push_back({a, b, i});
+    if (!face_each_other(of_a.normal(i), of_b.normal(i))) return;
+    coupled_.push_back({a, b, i});
+    caches_[a].slots.forbid_recovery(i);
+    caches_[b].slots.forbid_recovery(i);
   });
 }
 
@@ -64,7 +69,26 @@ void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& c
       touches = touches && cloth.inv_mass[point] > 0 && of_b.touches(point) &&
                 face_each_other(contact.impulse.normal, of_b.normal(point));
     }
-    if (touches) coupled_.push_back({a, b, -1, i});
+    if (!touches) continue;
+    coupled_.push_back({a, b, -1, i});
+    faces_.forbid_recovery(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (contact.weights[k] != 0) caches_[b].slots.forbid_recovery(contact.points[k]);
+    }
+  }
+}
+
+void ColliderContacts::bound_coupled(const ContactStep& step, const Points& positions) {
+  const RigidBodies& bodies = *step.bodies;
+  const double at_rest = strongest_squeeze * bodies.mass() * step.gravity * step.h;
+  for (Coupled& c : coupled_) {
+    const Vector3 x = c.point < 0 ? faces_.place(c.face) : row(positions, c.point);
+    const Vector3 normal =
+        c.point < 0 ? faces_.contact(c.face).impulse.normal : caches_[c.a].slots.normal(c.point);
+    const RigidMotion &a = bodies.motion(c.a), &b = bodies.motion(c.b);
+    const double approach = std::max(0.0, normal.dot(a.velocity_at(x) - b.velocity_at(x)));
+    const double inv_mass = a.inv_mass_at(x, normal) + b.inv_mass_at(x, normal);
+    c.strongest = at_rest + 2 * approach / inv_mass;
   }
 }
 
@@ -101,6 +125,7 @@ double ColliderContacts::solve_coupled(const Coupled& c, const Cloth& cloth,
     coupling.x = faces_.place(c.face);
     coupling.of_a = contact.impulse;
   }
+  coupling.strongest = c.strongest;
   const double change = coupling.update(bodies.motion(c.a), bodies.motion(c.b));
   for (std::size_t k = 0; k < coupling.count; ++k) {
     slots_b.hold(points[k], coupling.corners[k].of_b);

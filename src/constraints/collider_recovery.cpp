@@ -130,8 +130,11 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
     return;
   }
   if (depth > 0) penetration.points.emplace_back(i, depth);
-  s.slots.put(i, normal, surface_velocity,
-              target_velocity + step.recovery_factor * way_out_speed(depth));
+  // A rigid body is not pushed off: the projection alone moves the point out.
+  const bool is_body =
+      step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
+  const double recovery = is_body ? 0 : step.recovery_factor * way_out_speed(depth);
+  s.slots.put(i, normal, surface_velocity, target_velocity + recovery);
 }
 
 ColliderContacts::Touched ColliderContacts::touched_by(int number, const Cloth& cloth,
@@ -239,7 +242,9 @@ void ColliderContacts::escape(const Penetration& penetration, const MovingCollid
 
   // All its points leave that way, those outside too.
   const Vector3 direction = collider.pose().orientation * *s.way_out;
-  const double speed = step.recovery_factor * recovery_speed;
+  const bool is_body =
+      step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
+  const double speed = is_body ? 0 : step.recovery_factor * recovery_speed;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
     s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);

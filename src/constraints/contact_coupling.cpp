@@ -123,7 +123,8 @@ double ContactCoupling::stop_approach(RigidMotion& a, RigidMotion& b) {
     yield += c.weight * c.weight / c.mass * (of_a.normal + normal).squaredNorm();
     least = std::max(least, -c.of_b.normal_impulse * c.mass / c.weight);
   }
-  const double more = std::max(lacking / yield, least);
+  const double most = strongest - of_a.normal_impulse;
+  const double more = std::max(std::min(lacking / yield, most), least);
   if (more >= 0 || !release(-more, a, b)) {
     const Vector3 of_body = add_normal(more, of_a);
     for (std::size_t k = 0; k < count; ++k) {

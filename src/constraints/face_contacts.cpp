@@ -182,9 +182,9 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   contact.weights = {weights[0], weights[1], weights[2], 0};
   contact.compute_effective_mass(cloth);
   contact.nearest = cloth.offset;
-  contact.impulse = {normal, surface_velocity,
-                     target_velocity + lever * step.recovery_factor * way_out_speed(depth),
-                     collider.friction()};
+  const bool is_body = step.bodies && step.bodies->is_body(static_cast<std::size_t>(number));
+  const double recovery = is_body ? 0 : lever * step.recovery_factor * way_out_speed(depth);
+  contact.impulse = {normal, surface_velocity, target_velocity + recovery, collider.friction()};
   if (last) contact.impulse.keep(last->impulse);
   list_.add(contact);
   places_.push_back({lever, distance.value, x});

@@ -40,6 +40,7 @@ RigidBodies::RigidBodies(const std::vector<ColliderSpec>& colliders) {
     bodies_[k] = body;
     radii_.back() += body.center.norm();
     mass_ += body.mass;
+    least_depth_ = std::min(least_depth_, safe_depth(colliders[k].shape));
     ++bodies_in_scene_;
   }
 }

@@ -1,6 +1,7 @@
 // Rigid bodies: colliders that the cloth moves.
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulator_impl.h"
 
@@ -29,8 +30,9 @@ void Simulator::Impl::restore_velocities(bool of_memory) {
 }
 
 void Simulator::Impl::begin_bodies(double h) {
-  bodies.begin_step(h, scene.simulation.gravity, colliders);
-  body_contacts.prepare(h, colliders, bodies);
+  const Vector3& gravity = scene.simulation.gravity;
+  bodies.begin_step(h, gravity, colliders);
+  body_contacts.prepare(h, std::max(gravity.norm(), min_gravity), colliders, bodies);
 }
 
 void Simulator::Impl::solve_bodies_alone() {
@@ -45,6 +47,11 @@ void Simulator::Impl::end_bodies() {
       touches() ? collider_contacts.overlaps(colliders, state.positions) : std::vector<Overlap>();
   bodies.end_step(body_contacts.pushes(bodies, by_points), colliders);
   if (touches()) collider_contacts.follow_bodies(colliders, bodies, state.positions);
+}
+
+int Simulator::Impl::substeps_of_bodies(double dt) const {
+  const double steps = way_of_bodies(dt) / bodies.least_depth();
+  return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }
 
 double Simulator::Impl::way_of_bodies(double dt) const {

@@ -108,6 +108,7 @@ int Simulator::Impl::first_substeps() {
     const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
     min_steps = std::max(min_steps, static_cast<int>(steps));
   }
+  if (!bodies.empty()) min_steps = std::max(min_steps, substeps_of_bodies(dt));
   frame_context.motion_step = dt / min_steps;
   return method->substeps(scene.simulation, cloth, state.positions, min_steps, workers);
 }

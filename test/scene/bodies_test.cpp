@@ -291,6 +291,56 @@ TEST(Bodies, ComeToRestWhateverTheirMassAndShape) {
   }
 }
 
+TEST(Bodies, AreLiftedThroughTheClothByFingersThatCloseTooFar) {
+  for (const bool is_box : {true, false}) {
+    SCOPED_TRACE(is_box ? "box" : "ball");
+    const double overlap = 2e-3;  // of each finger and the body, besides the cloth between them [m]
+    Scene scene = level(25, 0.8, 0.25);
+    scene.cloth.thickness = 4e-3;
+    const Shape shape = is_box ? Shape(Cuboid{{0.2, 0.2, 0.2}}) : Shape(Sphere{0.1});
+    scene.colliders = {body(shape, {0, 0, 0.101}, 0.5, 0.8)};
+    for (const double side : {-1.0, 1.0}) {
+      ColliderSpec finger;
+      finger.name = side < 0 ? "left" : "right";
+      finger.shape = Cuboid{{0.05, 0.3, 0.3}};
+      finger.pose.position = {0.5 * side, 0, 0.2};
+      finger.friction = 0.8;
+      scene.colliders.push_back(finger);
+    }
+    ColliderSpec ground;
+    ground.name = "ground";
+    ground.shape = Plane{};
+    ground.friction = 0.8;
+    scene.colliders.push_back(ground);
+    Simulator simulator(scene);
+    run(simulator, 0.5);
+    for (int k = 0; k < 110; ++k) {
+      const double half = 0.1 - overlap + 0.37 * std::max(0.0, 1 - k / 45.0) + 0.025;
+      const double height = 0.2 + 0.002 * std::max(0, k - 60);
+      simulator.move_collider(1, {Vector3(-half, 0, height)});
+      simulator.move_collider(2, {Vector3(half, 0, height)});
+      simulator.step();
+      ASSERT_LT(simulator.body_motion(0).velocity.norm(), 1) << k;
+    }
+    EXPECT_NEAR(simulator.body_motion(0).pose.position.z(), 0.1 + 0.098, 0.02);
+  }
+}
+
+TEST(Bodies, DoNotFallThroughATableHoweverFast) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 2;
+  scene.cloth.origin = {50, 50, 0};
+  ColliderSpec table;
+  table.name = "table";
+  table.shape = Cuboid{{2, 2, 0.2}};
+  table.pose.position = {0, 0, -0.1};
+  scene.colliders = {table, body(Sphere{0.1}, {0, 0, 20.2}, 1)};
+  scene.colliders[1].body->velocity = {0, 0, -1000};
+  Simulator simulator(scene);
+  run(simulator, 0.5);
+  EXPECT_NEAR(simulator.body_motion(1).pose.position.z(), 0.1, 1e-3);
+}
+
 TEST(Bodies, ContinueFromASavedState) {
   Scene scene = trampoline(15);
   scene.colliders = {body(Cuboid{{0.2, 0.1, 0.1}}, {0.02, 0.01, 1.1}, 0.4),

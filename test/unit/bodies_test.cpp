@@ -5,6 +5,7 @@
 #include "clothsim/constraints/body_contacts.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/rigid_bodies.h"
+#include "meshes.h"
 
 namespace clothsim {
 namespace {
@@ -24,7 +25,7 @@ struct World {
 
   void step(double h, const Vector3& gravity = {0, 0, -g}) {
     bodies.begin_step(h, gravity, colliders);
-    contacts.prepare(h, colliders, bodies);
+    contacts.prepare(h, g, colliders, bodies);
     for (int pass = 0; pass < 200 && contacts.solve_pass(bodies) > 1e-5; ++pass) {
     }
     bodies.end_step(contacts.pushes(bodies, {}), colliders);
@@ -208,6 +209,29 @@ std::pair<double, std::size_t> least_gap(const Shape& a, const Pose& at, const S
   const std::vector<BodyTouch> places = collisions.find(colliders, 2e-3);
   for (const BodyTouch& t : places) least = std::min(least, t.gap);
   return {least, places.size()};
+}
+
+TEST(BodyCollisions, PaddingCounts) {
+  const Shape cube = testing::mesh_shape(testing::box_soup({0.2, 0.2, 0.2}), 0.01);
+  EXPECT_NEAR(least_gap(Sphere{0.1}, {Vector3(0, 0, 0.2105)}, cube).first, 5e-4, 1e-9);
+  EXPECT_NEAR(least_gap(cube, {Vector3(0, 0, 0.1105)}, Plane{}).first, 5e-4, 1e-9);
+  EXPECT_NEAR(least_gap(cube, {Vector3(0, 0, 0.1605)}, Cuboid{{1, 1, 0.1}}).first, 5e-4, may_sink);
+}
+
+TEST(RigidBodies, RestOnTheirSide) {
+  ColliderSpec table;
+  table.shape = Cuboid{{1, 1, 0.2}};
+  table.pose.position.z() = -0.1;
+  table.friction = 0.5;
+  for (const Shape& shape : {Shape(Capsule{0.2, 0.1}), Shape(Cylinder{0.2, 0.1})}) {
+    ColliderSpec lying = body(shape, {0.03, 0.02, 0.101});
+    lying.pose.orientation = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY());
+    World world({table, lying});
+    for (int k = 0; k < 2000; ++k) world.step(1e-3);
+    const Vector3 way = world.colliders[1].pose().position - Vector3(0.03, 0.02, 0.1);
+    EXPECT_LT(way.norm(), 1e-4) << shape.index();
+    EXPECT_LT(world.bodies.motion(1).velocity.norm(), 1e-4) << shape.index();
+  }
 }
 
 TEST(BodyCollisions, GapsAreThoseOfTheShapes) {

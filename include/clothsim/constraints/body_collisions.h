@@ -16,9 +16,10 @@ struct BodyTouch {
   double gap = 0;           // between the surfaces, below 0 where they overlap [m]
 };
 
-/// Finds the places where rigid bodies come near each other and other colliders, with the collision
-/// detection of Bullet; above planes by the corners of the body. A mesh counts as its convex hull
-/// where it is a body, without padding. Results depend on the poses alone.
+/// Finds the places where rigid bodies come near each other and other colliders: by the signed
+/// distances of corners and round parts where these touch, else with the collision detection of
+/// Bullet, where a mesh that is a body counts as its convex hull. Results depend on the poses
+/// alone.
 class BodyCollisions {
  public:
   /// `colliders[k]` is a body where `is_body[k]`.

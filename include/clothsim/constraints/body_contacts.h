@@ -24,7 +24,8 @@ struct Overlap {
 class BodyContacts {
  public:
   /// Detects the contacts of a step of h [s] after the bodies' free motion, and warm-starts them.
-  void prepare(double h, const std::vector<MovingCollider>&, RigidBodies&);
+  /// `gravity`: for the bound on their impulses, see strongest_squeeze [m/s^2].
+  void prepare(double h, double gravity, const std::vector<MovingCollider>&, RigidBodies&);
 
   /// One pass. Returns the largest change of a relative velocity [m/s].
   double solve_pass(RigidBodies&);

@@ -184,10 +184,14 @@ class ColliderContacts {
     std::size_t b;         // the other collider
     int point;             // in contact with both; -1: those of `face` are in contact with b
     std::size_t face = 0;  // contact of the body, in faces_
+    double strongest = 0;  // normal impulse [N s]
   };
 
   /// Finds the places of the cloth between a body and another collider.
-  void couple(const std::vector<MovingCollider>&, const Cloth&, const RigidBodies&);
+  void couple(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
+              const Points& positions);
+  /// Bounds their impulses, see strongest_squeeze.
+  void bound_coupled(const ContactStep&, const Points& positions);
   void couple_points(std::size_t a, std::size_t b);
   void couple_faces(std::size_t a, std::size_t b, const Cloth&);
   double solve_coupled(const Coupled&, const Cloth&, const Points& positions, RigidBodies&,

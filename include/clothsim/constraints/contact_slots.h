@@ -98,6 +98,12 @@ class ContactSlots {
   void put(int point, const Vector3& normal, const Vector3& surface_velocity,
            double target_velocity);
 
+  /// Keeps a contact from pushing its point away from the surface.
+  void forbid_recovery(int point) {
+    double& target = at(point / block).target_velocity[point % block];
+    target = std::min(target, 0.0);
+  }
+
   /// Ends an existing contact.
   void remove(int point);
 

@@ -100,6 +100,11 @@ class FaceContacts {
   const Contact& contact(std::size_t i) const { return list_.contacts()[i]; }
   int collider(std::size_t i) const { return collider_of(contact(i)); }
   const Vector3& place(std::size_t i) const { return places_[i].x; }  // in the world [m]
+  /// Keeps a contact from pushing its triangle away from the surface.
+  void forbid_recovery(std::size_t i) {
+    double& target = list_.contacts()[i].impulse.target_velocity;
+    target = std::min(target, 0.0);
+  }
   /// Takes another impulse of a contact.
   void keep(std::size_t i, const ContactImpulse& impulse) {
     list_.contacts()[i].impulse.keep(impulse);

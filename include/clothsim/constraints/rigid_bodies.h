@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -46,6 +47,9 @@ class RigidBodies {
   RigidMotion& motion(std::size_t collider) { return motions_[collider]; }
   const RigidMotion& motion(std::size_t collider) const { return motions_[collider]; }
 
+  /// Depth in the thinnest body, at most half of what lies around its middle [m].
+  double least_depth() const { return least_depth_; }
+
   /// Bound on the speed of the surface of any body [m/s].
   double fastest_surface() const;
 
@@ -82,6 +86,7 @@ class RigidBodies {
   std::vector<double> radii_;                // the same: of balls that hold them; 0 for planes [m]
   std::size_t bodies_in_scene_ = 0;
   double mass_ = 0;
+  double least_depth_ = std::numeric_limits<double>::infinity();
   double h_ = 0;  // of the step [s]
 };
 
