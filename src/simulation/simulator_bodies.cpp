@@ -49,6 +49,19 @@ void Simulator::Impl::end_bodies() {
   if (touches()) collider_contacts.follow_bodies(colliders, bodies, state.positions);
 }
 
+bool Simulator::Impl::has_good_bodies() const {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!bodies.is_body(k)) continue;
+    const Pose& pose = colliders[k].pose();
+    const RigidMotion& motion = bodies.motion(k);
+    const bool is_good = (pose.position.cwiseAbs().array() < farthest).all() &&
+                         pose.orientation.coeffs().allFinite() && motion.velocity.allFinite() &&
+                         motion.angular_velocity.allFinite();
+    if (!is_good) return false;
+  }
+  return true;
+}
+
 int Simulator::Impl::substeps_of_bodies(double dt) const {
   const double steps = way_of_bodies(dt) / bodies.least_depth();
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));

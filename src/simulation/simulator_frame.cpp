@@ -55,7 +55,9 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   }
 
   begin_frame();
-  if (!take_substeps(steps, before, report) || !is_good(state)) return Outcome::failed;
+  if (!take_substeps(steps, before, report) || !is_good(state) || !has_good_bodies()) {
+    return Outcome::failed;
+  }
   if (frame_context.is_apart &&
       longest_way(before.positions, state.positions) > frame_context.allowed_way) {
     return Outcome::went_too_far;

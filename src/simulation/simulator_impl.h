@@ -211,6 +211,8 @@ struct Simulator::Impl {
   /// other kind.
   std::size_t body_index(int index) const;
   void check_driven(std::size_t index) const;
+  /// Are the poses and velocities of all bodies finite?
+  bool has_good_bodies() const;
   /// Substeps of a frame of dt [s] in which no body passes through another collider.
   int substeps_of_bodies(double dt) const;
   /// Bound on the displacement of a body's surface in dt [s], with collisions on its way [m].

@@ -55,22 +55,22 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Body, SceneMistake,
-    testing::Values(
-        Mistake{"colliders.0.mass=0", "colliders.0.mass: got 0 ... 1e-06 ... [kg]"},
-        Mistake{"colliders.0.mass=heavy", "colliders.0.mass: got heavy ... finite number"},
-        Mistake{"colliders.1.mass=1", "colliders.1.mass: got ... plane ... solid"},
-        Mistake{"colliders.0.damping=1",
-                "colliders.0.damping: got ... unknown ... pose, mass, center"},
-        Mistake{"colliders.0={shape: sphere, mass: 1, frame: hand}",
-                "colliders.0.frame: got hand ... none ... mass"},
-        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1]}",
-                "colliders.0.inertia: got [1, 1] ... [xx, yy, zz] or"},
-        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1, 3]}",
-                "colliders.0.inertia: got ... principal moments 1, 1 and 3 ... solid"},
-        Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 2, 0, 1, 0, 1]}",
-                "colliders.0.inertia: got ... principal moments ... solid"},
-        Mistake{"colliders.0={shape: sphere, mass: 1, velocity: [0, 0, 1e4]}",
-                "colliders.0.velocity.2: got 10000 ... [m/s]"}));
+    testing::Values(Mistake{"colliders.0.mass=0", "colliders.0.mass: got 0 ... 1e-06 ... [kg]"},
+                    Mistake{"colliders.0.mass=heavy",
+                            "colliders.0.mass: got heavy ... finite number"},
+                    Mistake{"colliders.1.mass=1", "colliders.1.mass: got ... plane ... solid"},
+                    Mistake{"colliders.0.damping=1",
+                            "colliders.0.damping: got ... unknown ... pose, mass, center"},
+                    Mistake{"colliders.0={shape: sphere, mass: 1, frame: hand}",
+                            "colliders.0.frame: got hand ... none ... mass"},
+                    Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1]}",
+                            "colliders.0.inertia: got [1, 1] ... [xx, yy, zz] or"},
+                    Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 1, 3]}",
+                            "colliders.0.inertia: got ... principal moments 1, 1 and 3 ... solid"},
+                    Mistake{"colliders.0={shape: sphere, mass: 1, inertia: [1, 2, 0, 1, 0, 1]}",
+                            "colliders.0.inertia: got ... principal moments ... solid"},
+                    Mistake{"colliders.0={shape: sphere, mass: 1, velocity: [0, 0, 1e4]}",
+                            "colliders.0.velocity.2: got 10000 ... [m/s]"}));
 
 INSTANTIATE_TEST_SUITE_P(
     FabricAndWind, SceneMistake,
