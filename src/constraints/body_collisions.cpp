@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "clothsim/constraints/local_cloth.h"
@@ -187,9 +186,7 @@ std::vector<BodyTouch> spread(std::vector<BodyTouch> places) {
 struct Collector : btCollisionWorld::ContactResultCallback {
   Collector(std::size_t body, std::size_t other, const Pose& of_body, double most,
             const btCollisionObject* object, std::vector<BodyTouch>& all)
-      : a(body), b(other), pose(of_body), reach(most), object_a(object), places(all) {
-    m_closestDistanceThreshold = to_bullet(reach);
-  }
+      : a(body), b(other), pose(of_body), reach(most), object_a(object), places(all) {}
 
   btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* first, int, int,
                            const btCollisionObjectWrapper*, int, int) override {

@@ -50,7 +50,7 @@ void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider&
 void ColliderContacts::couple_points(std::size_t a, std::size_t b) {
   const ContactSlots &of_a = caches_[a].slots, &of_b = caches_[b].slots;
   of_a.for_each_touching_both(of_b, [&](int i) {
-    if (!face_each_other(of_a.normal(i), of_b.normal(i))) return;
+    if (!are_opposite(of_a.normal(i), of_b.normal(i))) return;
     coupled_.push_back({a, b, i});
     caches_[a].slots.forbid_recovery(i);
     caches_[b].slots.forbid_recovery(i);
@@ -67,7 +67,7 @@ void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& c
       const int point = contact.points[k];
       if (contact.weights[k] == 0) continue;
       touches = touches && cloth.inv_mass[point] > 0 && of_b.touches(point) &&
-                face_each_other(contact.impulse.normal, of_b.normal(point));
+                are_opposite(contact.impulse.normal, of_b.normal(point));
     }
     if (!touches) continue;
     coupled_.push_back({a, b, -1, i});

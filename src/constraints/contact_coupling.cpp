@@ -6,8 +6,8 @@
 namespace clothsim {
 namespace {
 
-/// Normals of facing surfaces have at most this scalar product.
-constexpr double facing = -0.95;
+/// Opposite normals have at most this scalar product.
+constexpr double opposite = -0.95;
 
 /// Rounding of impulses on a frictionless surface, of the normal impulse.
 constexpr double rounding = 1e-12;
@@ -40,8 +40,8 @@ void add(const Vector3& change, ContactImpulse& impulse) {
   impulse.friction_impulse += change - along * impulse.normal;
 }
 
-/// Adds to a normal impulse, at least what is left of it; friction shrinks with it. Returns the
-/// change of the impulse.
+/// Adds to a normal impulse, which ends at 0 or above; friction shrinks with it. Returns the change
+/// of the impulse.
 Vector3 add_normal(double more, ContactImpulse& impulse) {
   const Vector3 last = impulse.total();
   const double last_normal = impulse.normal_impulse;
@@ -61,8 +61,8 @@ bool slides(const ContactImpulse& impulse, const Vector3& velocity, double mass)
 
 }  // namespace
 
-bool face_each_other(const Vector3& normal_a, const Vector3& normal_b) {
-  return normal_a.dot(normal_b) <= facing;
+bool are_opposite(const Vector3& normal_a, const Vector3& normal_b) {
+  return normal_a.dot(normal_b) <= opposite;
 }
 
 double ContactCoupling::update(RigidMotion& a, RigidMotion& b) {

@@ -1,5 +1,7 @@
 // Rigid bodies that the cloth carries, pulls and stops.
 
+#include "bodies.h"
+
 #include <cmath>
 #include <random>
 
@@ -12,17 +14,6 @@ namespace {
 using namespace testing;
 
 constexpr double g = 9.8;
-
-ColliderSpec body(const Shape& shape, const Vector3& at, double mass, double friction = 0.4) {
-  ColliderSpec spec;
-  spec.name = "body";
-  spec.shape = shape;
-  spec.pose.position = at;
-  spec.friction = friction;
-  spec.body.emplace();
-  spec.body->mass = mass;
-  return spec;
-}
 
 /// A level cloth about the origin, at this height [m].
 Scene level(int side, double width, double height, double density = 0.3, double ks = 300) {
@@ -53,11 +44,6 @@ Scene laid(int side, double width, double friction = 0.5) {
   table.friction = friction;
   scene.colliders = {table};
   return scene;
-}
-
-void run(Simulator& simulator, double seconds) {
-  const auto frames = std::lround(seconds / simulator.frame_duration());
-  for (long k = 0; k < frames; ++k) simulator.step();
 }
 
 Vector3 momentum(const Simulator& simulator) {

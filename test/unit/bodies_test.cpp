@@ -1,3 +1,5 @@
+#include "bodies.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,9 +12,11 @@
 namespace clothsim {
 namespace {
 
+using namespace testing;
+
 constexpr double g = 9.8;
 
-/// RigidBodies and other colliders without a cloth.
+/// Bodies and other colliders without a cloth.
 struct World {
   explicit World(std::vector<ColliderSpec> of_scene) : specs(std::move(of_scene)), bodies(specs) {
     for (const ColliderSpec& spec : specs) colliders.emplace_back(spec);
@@ -44,16 +48,6 @@ struct World {
   RigidBodies bodies;
   BodyContacts contacts;
 };
-
-ColliderSpec body(const Shape& shape, const Vector3& at, double mass = 1, double friction = 0.4) {
-  ColliderSpec spec;
-  spec.shape = shape;
-  spec.pose.position = at;
-  spec.friction = friction;
-  spec.body.emplace();
-  spec.body->mass = mass;
-  return spec;
-}
 
 /// A plane through the origin that falls towards +x at this angle [rad].
 ColliderSpec slope(double angle, double friction = 0.4) {
@@ -212,7 +206,7 @@ std::pair<double, std::size_t> least_gap(const Shape& a, const Pose& at, const S
 }
 
 TEST(BodyCollisions, PaddingCounts) {
-  const Shape cube = testing::mesh_shape(testing::box_soup({0.2, 0.2, 0.2}), 0.01);
+  const Shape cube = mesh_shape(box_soup({0.2, 0.2, 0.2}), 0.01);
   EXPECT_NEAR(least_gap(Sphere{0.1}, {Vector3(0, 0, 0.2105)}, cube).first, 5e-4, 1e-9);
   EXPECT_NEAR(least_gap(cube, {Vector3(0, 0, 0.1105)}, Plane{}).first, 5e-4, 1e-9);
   EXPECT_NEAR(least_gap(cube, {Vector3(0, 0, 0.1605)}, Cuboid{{1, 1, 0.1}}).first, 5e-4, may_sink);

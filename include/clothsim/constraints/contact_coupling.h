@@ -43,7 +43,7 @@ struct ContactCoupling {
   void give(Corner&, const Vector3& of_a, const Vector3& of_b, RigidMotion& a, RigidMotion& b);
 };
 
-/// Do surfaces with these normals into free space face each other?
-bool face_each_other(const Vector3& normal_a, const Vector3& normal_b);
+/// Are these normals opposite, so that an impulse passes straight through the cloth between them?
+bool are_opposite(const Vector3& normal_a, const Vector3& normal_b);
 
 }  // namespace clothsim

@@ -15,8 +15,8 @@ namespace clothsim {
 /// of the colliders.
 ///
 /// A step moves a body freely first, as in a parabola and with its angular momentum kept. Then
-/// impulses change its velocities, and half a step of these changes displaces it: what undoes the
-/// gravity of a step leaves no displacement.
+/// impulses change its velocities, and half a step of these changes displaces it: an impulse that
+/// undoes the gravity of a step leaves no displacement.
 class RigidBodies {
  public:
   /// None, or those of a scene that are valid.
@@ -32,7 +32,6 @@ class RigidBodies {
   }
   /// Mass of all bodies [kg].
   double mass() const { return mass_; }
-  double mass_of(std::size_t collider) const { return bodies_[collider]->mass; }
   /// Centre of mass in the shape's frame [m].
   const Vector3& center_of(std::size_t collider) const { return bodies_[collider]->center; }
 
@@ -47,7 +46,7 @@ class RigidBodies {
   RigidMotion& motion(std::size_t collider) { return motions_[collider]; }
   const RigidMotion& motion(std::size_t collider) const { return motions_[collider]; }
 
-  /// Depth in the thinnest body, at most half of what lies around its middle [m].
+  /// Least safe_depth() of a body [m].
   double least_depth() const { return least_depth_; }
 
   /// Bound on the speed of the surface of any body [m/s].

@@ -40,7 +40,7 @@ struct RigidMotion {
     return inv_mass + moment.dot(inv_inertia * moment);
   }
 
-  /// A bound on that across a unit vector: the sum over two directions, less what both share.
+  /// A bound on that across a unit vector: the sum over two directions, less one inverse mass.
   double inv_mass_across(const Vector3& x, const Vector3& normal) const {
     if (!is_body()) return 0;
     const Vector3 u = normal.unitOrthogonal(), w = normal.cross(u);
