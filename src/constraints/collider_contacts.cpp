@@ -93,10 +93,12 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   const double margin = step.h * (speed + of_surface) + step.way + keeps.points;
   const double to_middle = step.displacement_factor * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
-  s.sleep_bounds.find_near(motion_bound_.total(), near, s.near);
   if (keeps.faces && std::isinf(local_.edge)) {
     local_.edge = longest_edge(state.positions, cloth.triangles);
   }
+  // Points whose faces may reach the collider are measured, too, so that they sleep again.
+  const double reach = keeps.faces ? near + local_.edge / std::sqrt(3) : near;
+  s.sleep_bounds.find_near(motion_bound_.total(), reach, s.near);
   s.has_faces = is_near_faces(s, keeps, margin);
   if (s.near.empty() && !s.has_faces) return;
 
@@ -108,7 +110,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   s.friction = collider.friction();
   s.keeps = keeps.points;
   s.within = near;
-  find_points(s, collider, cloth, step, state);
+  find_points(s, collider, cloth, step, state, motion_bound_.total());
   if (step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider))) {
     leave_out_passing(s, collider, cloth, step, state);
   }
@@ -129,10 +131,16 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
 }
 
 void ColliderContacts::find_points(ColliderCache& s, const MovingCollider& collider,
-                                   const Cloth& cloth, const ContactStep& step,
-                                   const State& state) {
+                                   const Cloth& cloth, const ContactStep& step, const State& state,
+                                   std::optional<double> travelled) {
   const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, s.within));
-  for (const Span& span : s.near) s.slots.find(span, detector, cloth, step, state);
+  for (const Span& span : s.near) {
+    double nearest[Span::longest];
+    s.slots.find(span, detector, cloth, step, state, nearest);
+    for (int b = span.begin; b < span.end && travelled; ++b) {
+      if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest[b - span.begin], *travelled);
+    }
+  }
 }
 
 bool ColliderContacts::is_settled() const { return !recovers_ && pinches_.count() == 0; }
@@ -147,7 +155,7 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     follow(s, colliders[k], state.positions);
     if (!s.near.empty()) {
       s.slots.start_over();
-      find_points(s, colliders[k], cloth, step, state);
+      find_points(s, colliders[k], cloth, step, state, {});
       if (step.bodies && step.bodies->is_body(k)) {
         leave_out_passing(s, colliders[k], cloth, step, state);
       }

@@ -240,7 +240,7 @@ void ContactSlots::reset(const Cloth& cloth) {
 }
 
 void ContactSlots::find(const Span& span, const Detector& detector, const Cloth& cloth,
-                        const ContactStep& step, const State& state) {
+                        const ContactStep& step, const State& state, double* nearest) {
   const int first = first_of(span.begin), count = end_of(span.end - 1) - first;
   const MovingCollider& collider = detector.collider;
   const double way = step.displacement_factor * step.h;
@@ -258,10 +258,21 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
                  distances.normals(), run_from(state.velocities, first), drifted},
                 &at(span.begin), touching);
   for (int b = span.begin; b < span.end; ++b) {
+    nearest[b - span.begin] = least_distance(b, distances.value + first_of(b) - first);
     if (touching[b - span.begin] == 0) continue;
     is_active_[static_cast<std::size_t>(b)] = 1;
     active_.push_back(b);
   }
+}
+
+double ContactSlots::least_distance(int b, const double* distances) const {
+  double least = infinity;
+  for (int i = 0; i < end_of(b) - first_of(b); ++i) {
+    // Those with an impulse were not measured where they are.
+    if (at(b).normal_impulse[i] > 0) return -infinity;
+    least = std::min(least, distances[i]);
+  }
+  return least;
 }
 
 void ContactSlots::start_over() {

@@ -158,8 +158,9 @@ class ColliderContacts {
                double speed, double drift, State&, Penetration&);
 
   /// Finds the contacts of the points near a collider, except for those that need a close look.
+  /// `travelled`: by all points so far, at most, for the sleep of blocks; empty: they do not sleep.
   static void find_points(ColliderCache&, const MovingCollider&, const Cloth&, const ContactStep&,
-                          const State&);
+                          const State&, std::optional<double> travelled);
   /// Ends new contacts of points that pass by a rim without coming nearer: there the tangent plane
   /// of a contact would throw a body that slides up.
   static void leave_out_passing(ColliderCache&, const MovingCollider&, const Cloth&,

@@ -90,8 +90,10 @@ class ContactSlots {
   /// Keeps the contacts of the last step for a warm start.
   void start_over();
 
-  /// Finds the contacts of some blocks. To be called in ascending order.
-  void find(const Span&, const Detector&, const Cloth&, const ContactStep&, const State&);
+  /// Finds the contacts of some blocks. To be called in ascending order. `nearest`: by block, the
+  /// distance of its nearest point from the surface; of blocks with impulses -infinity [m].
+  void find(const Span&, const Detector&, const Cloth&, const ContactStep&, const State&,
+            double* nearest);
 
   /// Sets the contact of one point, whether it was detected or not: with a surface of this normal,
   /// and a normal velocity of at least `target_velocity` [m/s].
@@ -177,6 +179,7 @@ class ContactSlots {
   void hold(int point, const ContactImpulse&);
 
  private:
+  double least_distance(int b, const double* distances) const;
   int end_of(int b) const { return std::min((b + 1) * block, points_); }
   Block& at(int b) { return blocks_[static_cast<std::size_t>(b)]; }
   const Block& at(int b) const { return blocks_[static_cast<std::size_t>(b)]; }
