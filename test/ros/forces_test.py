@@ -89,8 +89,8 @@ class Forces(unittest.TestCase):
         wait_for(stress.connected, "the topic")
         self.push([0, 1, 2, 27, 28, 29], [(0, -2, 0)] * 3 + [(0, 2, 0)] * 3)
         state = self.cloth.step(40)
-        message = stress.wait("the stress", lambda m: m.step == state.step)
-        self.assertEqual((message.header.stamp, message.topology_seq), (state.header.stamp, topology.seq))
+        message = stress.wait("the stress", lambda m: m.header.stamp == state.header.stamp)
+        self.assertEqual((message.step, message.topology_seq), (state.step, topology.seq))
         x, rest = positions(state), np.asarray(topology.rest_positions).reshape(-1, 3)
         for family, stiffness in (("structural", 300), ("shear", 300), ("bending", 60)):
             a, b = np.asarray(getattr(topology, family)).reshape(-1, 2).T
