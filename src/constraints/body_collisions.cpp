@@ -24,6 +24,9 @@ constexpr double skin = may_sink;
 /// Corners of a cylinder's end that may touch a plane, the lowest first.
 enum { rim_points = 8 };
 
+/// Places are the same within this share of the smaller bounding radius.
+constexpr double same_place = 0.05;
+
 /// Most places of a hull above a plane: as many as keep it from rocking.
 enum { hull_places = 8 };
 
@@ -244,6 +247,25 @@ std::vector<BodyTouch> above_each_other(std::size_t a, std::size_t b,
   return places;
 }
 
+/// Whether a round side of one may touch the other's edge, which above_each_other() does not see.
+bool may_miss_edges(const Shape& a, const Shape& b) {
+  const auto has_axis = [](const Shape& shape) {
+    return std::holds_alternative<Capsule>(shape) || std::holds_alternative<Cylinder>(shape);
+  };
+  const bool is_ball = std::holds_alternative<Sphere>(a) || std::holds_alternative<Sphere>(b);
+  return !is_ball && (has_axis(a) || has_axis(b));
+}
+
+/// Adds the `more` places that are not within `near` [m] of one.
+void add_new(const std::vector<BodyTouch>& more, double near, std::vector<BodyTouch>& places) {
+  for (const BodyTouch& t : more) {
+    const bool is_known = std::any_of(places.begin(), places.end(), [&](const BodyTouch& p) {
+      return (p.place - t.place).norm() < near;
+    });
+    if (!is_known) places.push_back(t);
+  }
+}
+
 }  // namespace
 
 struct BodyCollisions::World {
@@ -302,13 +324,14 @@ std::vector<BodyTouch> BodyCollisions::World::by_bullet(std::size_t a, std::size
   return places;
 }
 
-std::vector<BodyTouch> BodyCollisions::find(const std::vector<MovingCollider>& colliders,
-                                            double reach) {
+std::vector<BodyTouch> BodyCollisions::find(
+    const std::vector<MovingCollider>& colliders, double reach,
+    const std::function<bool(std::size_t, std::size_t)>& may_touch) {
   World& w = *world_;
   std::vector<BodyTouch> all;
   for (const auto& [a, b] : w.pairs) {
     const MovingCollider &body = colliders[a], &other = colliders[b];
-    if (!body.enabled() || !other.enabled()) continue;
+    if (!body.enabled() || !other.enabled() || !may_touch(a, b)) continue;
     const double radius = bounding_radius(body.shape());
     const Vector3& middle = body.pose().position;
     if (!other.reaches({middle, middle}, radius + reach)) continue;
@@ -317,7 +340,10 @@ std::vector<BodyTouch> BodyCollisions::find(const std::vector<MovingCollider>& c
     const bool are_polyhedra =
         !is_plane && w.shapes[a].shape->isPolyhedral() && w.shapes[b].shape->isPolyhedral();
     if (!are_polyhedra) places = above_each_other(a, b, colliders, reach);
-    if (!is_plane && places.empty()) places = w.by_bullet(a, b, body.pose(), other.pose(), reach);
+    if (!is_plane && (places.empty() || may_miss_edges(body.shape(), other.shape()))) {
+      const double near = same_place * std::min(radius, bounding_radius(other.shape()));
+      add_new(w.by_bullet(a, b, body.pose(), other.pose(), reach), near, places);
+    }
     all.insert(all.end(), places.begin(), places.end());
   }
   return all;

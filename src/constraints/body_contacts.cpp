@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/constraints/local_cloth.h"
@@ -21,12 +23,45 @@ double inv_mass(const BodyTouch& t, const RigidBodies& bodies) {
          bodies.motion(t.b).inv_mass_at(t.place, t.normal);
 }
 
+/// The effective mass, or 0 where nothing can move: then no friction acts.
+double mass_or_zero(double inv_mass) { return inv_mass > 0 ? 1 / inv_mass : 0; }
+
 double inv_mass_across(const BodyTouch& t, const RigidBodies& bodies) {
   return bodies.motion(t.a).inv_mass_across(t.place, t.normal) +
          bodies.motion(t.b).inv_mass_across(t.place, t.normal);
 }
 
 }  // namespace
+
+struct BodyContacts::Setup {
+  Setup(const std::vector<ColliderSpec>& specs, const RigidBodies& bodies);
+
+  bool may_touch(std::size_t a, std::size_t b) const { return joined.count({a, b}) == 0; }
+
+  BodyCollisions collisions;
+  std::set<std::pair<std::size_t, std::size_t>> joined;  // pairs of colliders without contact
+
+ private:
+  static std::vector<MovingCollider> at_start(const std::vector<ColliderSpec>& specs) {
+    return {specs.begin(), specs.end()};
+  }
+  static std::vector<char> are_bodies(const std::vector<ColliderSpec>& specs,
+                                      const RigidBodies& bodies) {
+    std::vector<char> result;
+    for (std::size_t k = 0; k < specs.size(); ++k) result.push_back(bodies.leads(bodies.leader(k)));
+    return result;
+  }
+};
+
+BodyContacts::Setup::Setup(const std::vector<ColliderSpec>& specs, const RigidBodies& bodies)
+    : collisions(at_start(specs), are_bodies(specs, bodies)) {
+  const auto by_joint = [&](std::size_t a, std::size_t b) {
+    return !bodies.are_of_one(a, b) && (bodies.has_joint(a) || bodies.has_joint(b));
+  };
+  for (const BodyTouch& t : collisions.find(at_start(specs), -may_sink, by_joint)) {
+    joined.insert({t.a, t.b});
+  }
+}
 
 Vector3 BodyContacts::relative_velocity(const BodyTouch& t, const RigidBodies& bodies) {
   return bodies.motion(t.a).velocity_at(t.place) - bodies.motion(t.b).velocity_at(t.place);
@@ -37,31 +72,61 @@ void BodyContacts::give(const BodyTouch& t, const Vector3& impulse, RigidBodies&
   bodies.motion(t.b).give(-impulse, t.place);
 }
 
-void BodyContacts::prepare(double h, double gravity, const std::vector<MovingCollider>& colliders,
-                           RigidBodies& bodies) {
-  if (!collisions_) {
-    std::vector<char> is_body(colliders.size());
-    for (std::size_t k = 0; k < is_body.size(); ++k) is_body[k] = bodies.is_body(k);
-    collisions_ = std::make_shared<BodyCollisions>(colliders, is_body);
-  }
+void BodyContacts::give(const LimitContact& c, double impulse, RigidBodies& bodies) {
+  const Wrench& direction = c.limit.direction;
+  bodies.motion(c.body).give({impulse * direction.force, impulse * direction.torque});
+}
+
+void BodyContacts::prepare(double h, double gravity, const std::vector<ColliderSpec>& specs,
+                           const std::vector<MovingCollider>& colliders, RigidBodies& bodies) {
+  if (!setup_) setup_ = std::make_shared<Setup>(specs, bodies);
   const double scale = h_ > 0 ? h / h_ : 0;
   h_ = h;
+  prepare_contacts(scale, gravity, colliders, bodies);
+  prepare_limits(scale, bodies);
+}
+
+void BodyContacts::prepare_contacts(double scale, double gravity,
+                                    const std::vector<MovingCollider>& colliders,
+                                    RigidBodies& bodies) {
   last_.swap(contacts_);
   contacts_.clear();
-  for (const BodyTouch& t : collisions_->find(colliders, bodies.longest_way(h) + may_sink)) {
+  const auto may_touch = [&](std::size_t a, std::size_t b) {
+    return (bodies.is_body(a) || bodies.is_body(b)) && !bodies.are_of_one(a, b) &&
+           setup_->may_touch(a, b);
+  };
+  const double reach = bodies.longest_way(h_) + may_sink;
+  for (const BodyTouch& t : setup_->collisions.find(colliders, reach, may_touch)) {
+    const double yield = inv_mass(t, bodies);
+    if (yield == 0) continue;  // no joint is free along the normal
     PairContact c{t, to_local(colliders[t.a].pose(), t.place),
-                  t.normal.dot(relative_velocity(t, bodies)), 1 / inv_mass(t, bodies),
-                  1 / inv_mass_across(t, bodies)};
+                  t.normal.dot(relative_velocity(t, bodies)), 1 / yield,
+                  mass_or_zero(inv_mass_across(t, bodies))};
     c.impulse.normal = t.normal;
     c.impulse.friction = std::sqrt(colliders[t.a].friction() * colliders[t.b].friction());
     c.impulse.max_normal_impulse =
-        strongest_squeeze * bodies.mass() * gravity * h + 2 * c.mass * std::max(0.0, -c.approach);
+        strongest_squeeze * bodies.mass() * gravity * h_ + 2 * c.mass * std::max(0.0, -c.approach);
     // The gap where impulses act.
     c.impulse.target_velocity =
-        -std::max(0.0, t.gap - RigidBodies::displacement_factor * h * c.approach) / h;
+        -std::max(0.0, t.gap - RigidBodies::displacement_factor * h_ * c.approach) / h_;
     warm_start(scale, bounding_radius(colliders[t.a].shape()), c);
     give(t, c.impulse.total(), bodies);
     contacts_.push_back(c);
+  }
+}
+
+void BodyContacts::prepare_limits(double scale, RigidBodies& bodies) {
+  const std::vector<LimitContact> last = std::move(limits_);
+  limits_.clear();
+  for (std::size_t k = 0; k < bodies.count(); ++k) {
+    if (!bodies.leads(k)) continue;
+    for (const RigidBodies::JointLimit& limit : bodies.joint_limits(k)) {
+      LimitContact c{k, limit, -std::max(0.0, limit.gap) / h_};
+      const std::size_t i = limits_.size();
+      if (i < last.size()) c.impulse = scale * last[i].impulse;
+      give(c, c.impulse, bodies);
+      limits_.push_back(c);
+    }
   }
 }
 
@@ -89,7 +154,17 @@ double BodyContacts::solve_pass(RigidBodies& bodies) {
     const Vector3 change = c.impulse.update(relative_velocity(c.touch, bodies), c.mass, c.along);
     if (change.isZero(0)) continue;
     give(c.touch, change, bodies);
-    largest = std::max(largest, change.norm() / std::min(c.mass, c.along));
+    largest = std::max(largest, change.norm() / std::min(c.mass, c.along > 0 ? c.along : c.mass));
+  }
+  for (LimitContact& c : limits_) {
+    const RigidMotion& motion = bodies.motion(c.body);
+    const double rate = c.limit.direction.force.dot(motion.velocity) +
+                        c.limit.direction.torque.dot(motion.angular_velocity);
+    const double change = std::max(c.limit.mass * (c.slowest - rate), -c.impulse);
+    if (change == 0) continue;
+    c.impulse += change;
+    give(c, change, bodies);
+    largest = std::max(largest, std::abs(change) / c.limit.mass);
   }
   return largest;
 }
@@ -114,10 +189,11 @@ std::vector<RigidMotion> BodyContacts::pushes(const RigidBodies& bodies,
   for (int pass = 0; pass < push_passes; ++pass) {
     for (std::size_t i = 0; i < overlaps.size(); ++i) {
       const Overlap& o = overlaps[i];
-      RigidMotion &a = motions[o.a], &b = motions[o.b];
+      RigidMotion &a = motions[bodies.leader(o.a)], &b = motions[bodies.leader(o.b)];
       const double wanted = std::min(overlap_share * o.depth, recovery_speed * h_) -
                             o.normal.dot(a.velocity_at(o.place) - b.velocity_at(o.place));
       const double inv_mass = a.inv_mass_at(o.place, o.normal) + b.inv_mass_at(o.place, o.normal);
+      if (inv_mass == 0) continue;
       const double impulse = std::max(0.0, impulses[i] + wanted / inv_mass);
       a.give((impulse - impulses[i]) * o.normal, o.place);
       b.give((impulses[i] - impulse) * o.normal, o.place);
@@ -129,6 +205,7 @@ std::vector<RigidMotion> BodyContacts::pushes(const RigidBodies& bodies,
 
 void BodyContacts::reset() {
   contacts_.clear();
+  limits_.clear();
   h_ = 0;
 }
 
@@ -143,6 +220,8 @@ void BodyContacts::write(MemoryWriter& memory) const {
     memory.add(c.local);
     c.impulse.write(memory);
   }
+  memory.add(static_cast<double>(limits_.size()));
+  for (const LimitContact& c : limits_) memory.add(c.impulse);
 }
 
 void BodyContacts::read(MemoryReader& memory, std::size_t colliders) {
@@ -155,6 +234,9 @@ void BodyContacts::read(MemoryReader& memory, std::size_t colliders) {
     c.local = memory.vector();
     c.impulse.read(memory);
     contacts_.push_back(c);
+  }
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    limits_.push_back({0, {}, 0, std::max(0.0, memory.number())});
   }
 }
 

@@ -6,22 +6,6 @@
 #include "clothsim/model/surface.h"
 
 namespace clothsim {
-namespace {
-
-/// Ends motion that a projection has undone: a point that it has moved from `before` keeps no
-/// velocity against that displacement beyond its motion from `start` in the step of h [s].
-void end_undone_motion(double h, const Points& start, const Points& before, State& state) {
-  for (Eigen::Index i = 0; i < before.rows(); ++i) {
-    const Eigen::RowVector3d way = state.positions.row(i) - before.row(i);
-    if (way.isZero(0)) continue;
-    const Eigen::RowVector3d direction = way.normalized();
-    const double moved = direction.dot(state.positions.row(i) - start.row(i));
-    const double lacking = std::min(0.0, moved / h) - direction.dot(state.velocities.row(i));
-    if (lacking > 0) state.velocities.row(i) += lacking * direction;
-  }
-}
-
-}  // namespace
 
 void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                const ContactStep& step, State& state) {
@@ -232,115 +216,6 @@ double ColliderContacts::solve_pass(const Cloth& cloth, const Points& positions,
   const double on_faces = faces_.solve_pass(bodies, velocities);
   return std::max({std::sqrt(residual2), on_bodies, on_faces, pinches_.solve_pass(velocities)}) *
          h_;
-}
-
-void ColliderContacts::project_positions(const std::vector<MovingCollider>& colliders,
-                                         const Cloth& cloth, const Points& start, State& state) {
-  // One collider may move points back into another one.
-  const bool may_conflict = recovers_ && colliders.size() > 1;
-  if (may_conflict) unprojected_ = state.positions;
-  pinches_.project_positions(start, state.positions);
-  motion_bound_.update(start, state.positions);
-  project_all(colliders, cloth, start, state.positions);
-  if (may_conflict) end_undone_motion(h_, start, unprojected_, state);
-}
-
-void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders,
-                                    const Cloth& cloth, const Points& start, Points& positions) {
-  motion_bound_.add(longest_way(start, positions));
-  for (std::size_t k = 0; k < colliders.size(); ++k) {
-    ColliderCache& s = caches_[k];
-    if (s.near.empty()) continue;
-    const ContactSlots::Detector detector(colliders[k], s.keeps,
-                                          s.asked(colliders[k], cloth, 2 * s.keeps));
-    double longest = 0;
-    for (const Span& span : s.near) {
-      const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
-      double min_distances[Span::longest];
-      longest = std::max(longest, ContactSlots::project_positions(span, detector, free, start,
-                                                                  positions, min_distances));
-    }
-    moved_out(k, longest);
-  }
-  motion_bound_.end(positions);
-}
-
-void ColliderContacts::moved_out(std::size_t collider, double way) {
-  motion_bound_.add(way);
-  // It may have been moved into another one.
-  for (std::size_t other = 0; other < collider && way >= may_sink; ++other) {
-    caches_[other].is_clear = false;
-  }
-}
-
-void ColliderContacts::project_again(const std::vector<MovingCollider>& colliders,
-                                     const Cloth& cloth, const Points& start, Points& positions) {
-  motion_bound_.begin(start, positions);
-  project_all(colliders, cloth, start, positions);
-}
-
-void ColliderContacts::project_all(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                                   const Points& start, Points& positions) {
-  for (std::size_t k = 0; k < colliders.size(); ++k) {
-    if (!colliders[k].enabled()) continue;
-    moved_out(k, project_at(caches_[k], colliders[k], cloth, start, positions));
-  }
-  motion_bound_.end(positions);
-}
-
-double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& collider,
-                                    const Cloth& cloth, const Points& start, Points& positions) {
-  const Clearance keeps = clearance(collider.shape(), cloth, stretch_, has_pinched_);
-  s.sleep_bounds.find_near(motion_bound_.total(), 2 * keeps.points, s.inside);
-  s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
-  s.is_clear = pinches_.count() == 0;
-  const ContactSlots::Detector detector(collider, keeps.points,
-                                        s.asked(collider, cloth, 2 * keeps.points));
-  double longest = 0;
-  for (const Span& span : s.inside) {
-    const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
-    double free[Span::longest * ContactSlots::block], min_distances[Span::longest];
-    if (s.is_close || pinches_.count() > 0) {
-      const double way = project_closely(s, span, detector, cloth, start, positions, free);
-      longest = std::max(longest, way);
-      can_move = free;
-    }
-    const double way =
-        ContactSlots::project_positions(span, detector, can_move, start, positions, min_distances);
-    longest = std::max(longest, way);
-    for (int b = span.begin; b < span.end; ++b) {
-      const double nearest = min_distances[b - span.begin];
-      if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest, motion_bound_.total());
-      // A pin in the solid may be let go.
-      if (nearest < may_sink && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
-    }
-  }
-  if (is_near_faces(s, keeps, keeps.points)) {
-    longest = std::max(longest, project_faces(s, collider, cloth, start, positions));
-  }
-  return longest;
-}
-
-double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& collider,
-                                       const Cloth& cloth, const Points& start, Points& positions) {
-  std::vector<char> held = pinches_.held();
-  if (s.way_out) {
-    held.resize(s.leaves.size());
-    std::transform(held.begin(), held.end(), s.leaves.begin(), held.begin(),
-                   [](char a, char b) { return a | b; });
-  }
-  local_.place(collider, start, positions);
-  std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-  faces_.project_positions(collider, cloth, recovery_factor_ * h_, held, local_, moved);
-  double longest = 0;
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (!moved[static_cast<std::size_t>(i)]) continue;
-    const Vector3 to = to_world(collider.pose(), row(local_.to, i));
-    longest = std::max(longest, (to - row(positions, i)).norm());
-    positions.row(i) = to.transpose();
-    s.is_clear = s.is_clear && local_.distance[i] >= may_sink;
-  }
-  return longest;
 }
 
 bool ColliderContacts::has_edges(const std::vector<MovingCollider>& colliders,

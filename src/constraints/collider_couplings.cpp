@@ -1,4 +1,4 @@
-// Points of the cloth between a rigid body and another collider.
+// Contact of points with rigid bodies, and of points between a body and another collider.
 
 #include <algorithm>
 
@@ -12,6 +12,29 @@ enum { standing_points = 3 };
 
 }  // namespace
 
+double ContactSlots::solve_pass(double friction, const Cloth& cloth, const Points& positions,
+                                RigidMotion& body, Points& velocities) {
+  double largest = 0;
+  for (const int b : active_) {
+    for (int i = first_of(b); i < end_of(b); ++i) {
+      if (!touches(i)) continue;
+      const Vector3 x = row(positions, i), v = row(velocities, i);
+      ContactImpulse c = contact(i, friction);
+      c.surface_velocity = body.velocity_at(x);
+      // Impulses are those on 1 kg of the cloth.
+      const double mass = 1 / (1 + cloth.mass[i] * body.inv_mass_at(x, c.normal));
+      const double along = 1 / (1 + cloth.mass[i] * body.inv_mass_across(x, c.normal));
+      const Vector3 change = c.update(v, mass, along);
+      if (change.isZero(0)) continue;
+      velocities.row(i) += change.transpose();
+      body.give(-cloth.mass[i] * change, x);
+      hold(i, c);
+      largest = std::max(largest, change.norm() / std::min(mass, along));
+    }
+  }
+  return largest;
+}
+
 void ColliderContacts::couple(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                               const ContactStep& step, const Points& positions) {
   const RigidBodies& bodies = *step.bodies;
@@ -19,7 +42,7 @@ void ColliderContacts::couple(const std::vector<MovingCollider>& colliders, cons
   for (std::size_t a = 0; a < caches_.size(); ++a) {
     if (!bodies.is_body(a) || !colliders[a].enabled()) continue;
     for (std::size_t b = 0; b < caches_.size(); ++b) {
-      if (b == a || !colliders[b].enabled() || caches_[b].near.empty()) continue;
+      if (bodies.are_of_one(a, b) || !colliders[b].enabled() || caches_[b].near.empty()) continue;
       const std::size_t before = coupled_.size();
       if (!caches_[a].near.empty()) couple_points(a, b);
       // Faces at the rim of a body that stands on points carry little, and would slow the solution.
@@ -88,7 +111,7 @@ void ColliderContacts::bound_coupled(const ContactStep& step, const Points& posi
     const RigidMotion &a = bodies.motion(c.a), &b = bodies.motion(c.b);
     const double approach = std::max(0.0, normal.dot(a.velocity_at(x) - b.velocity_at(x)));
     const double inv_mass = a.inv_mass_at(x, normal) + b.inv_mass_at(x, normal);
-    c.strongest = at_rest + 2 * approach / inv_mass;
+    c.strongest = at_rest + (inv_mass > 0 ? 2 * approach / inv_mass : 0);
   }
 }
 

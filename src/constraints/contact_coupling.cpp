@@ -95,7 +95,9 @@ double ContactCoupling::stop_sliding(RigidMotion& a, RigidMotion& b) {
   normal.normalize();
   const Vector3 v = a.velocity_at(x) - b.velocity_at(x);
   const Vector3 sliding = v - normal.dot(v) * normal;
-  const Vector3 stop = sliding / (a.inv_mass_across(x, normal) + b.inv_mass_across(x, normal));
+  const double inv_mass = a.inv_mass_across(x, normal) + b.inv_mass_across(x, normal);
+  if (inv_mass == 0) return 0;
+  const Vector3 stop = sliding / inv_mass;
   double share = share_within_cone(of_a, stop);
   for (std::size_t k = 0; k < count; ++k) {
     const Corner& c = corners[k];
@@ -123,6 +125,7 @@ double ContactCoupling::stop_approach(RigidMotion& a, RigidMotion& b) {
     yield += c.weight * c.weight / c.mass * (of_a.normal + normal).squaredNorm();
     least = std::max(least, -c.of_b.normal_impulse * c.mass / c.weight);
   }
+  if (yield == 0) return 0;  // no joint is free along the normals
   const double most = strongest - of_a.normal_impulse;
   const double more = std::max(std::min(lacking / yield, most), least);
   if (more >= 0 || !release(-more, a, b)) {

@@ -345,29 +345,6 @@ double ContactSlots::solve_pass(double friction, Points& velocities) {
   return *std::max_element(std::begin(largest2), std::end(largest2));
 }
 
-double ContactSlots::solve_pass(double friction, const Cloth& cloth, const Points& positions,
-                                RigidMotion& body, Points& velocities) {
-  double largest = 0;
-  for (const int b : active_) {
-    for (int i = first_of(b); i < end_of(b); ++i) {
-      if (!touches(i)) continue;
-      const Vector3 x = row(positions, i), v = row(velocities, i);
-      ContactImpulse c = contact(i, friction);
-      c.surface_velocity = body.velocity_at(x);
-      // Impulses are those on 1 kg of the cloth.
-      const double mass = 1 / (1 + cloth.mass[i] * body.inv_mass_at(x, c.normal));
-      const double along = 1 / (1 + cloth.mass[i] * body.inv_mass_across(x, c.normal));
-      const Vector3 change = c.update(v, mass, along);
-      if (change.isZero(0)) continue;
-      velocities.row(i) += change.transpose();
-      body.give(-cloth.mass[i] * change, x);
-      hold(i, c);
-      largest = std::max(largest, change.norm() / std::min(mass, along));
-    }
-  }
-  return largest;
-}
-
 double ContactSlots::project_positions(const Span& span, const Detector& detector,
                                        const double* free, const Points& start, Points& positions,
                                        double* min_distances) {

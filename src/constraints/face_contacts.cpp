@@ -242,7 +242,7 @@ double FaceContacts::solve_pass(RigidBodies* bodies, Points& velocities) {
     if (c.mass == 0) continue;
     RigidMotion& body = bodies->motion(static_cast<std::size_t>(collider_of(c)));
     const Vector3 &x = places_[i].x, &normal = c.impulse.normal;
-    if (body.is_body()) c.impulse.surface_velocity = body.velocity_at(x);
+    if (body.is_body) c.impulse.surface_velocity = body.velocity_at(x);
     const double mass = 1 / (1 / c.mass + body.inv_mass_at(x, normal));
     const double along = 1 / (1 / c.mass + body.inv_mass_across(x, normal));
     const Vector3 v = weighted_sum(c.points, c.weights, velocities);

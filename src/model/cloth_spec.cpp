@@ -48,17 +48,11 @@ void check_pins(const ClothSpec& spec) {
     const Pin& pin = spec.pinned[i];
     inside("pinned", [&] {
       inside(std::to_string(i), [&] {
-        const std::string got =
-            "[" + std::to_string(pin.column) + ", " + std::to_string(pin.row) + "]";
-        if (pin.column < 0 || pin.column >= spec.columns || pin.row < 0 || pin.row >= spec.rows) {
-          throw InvalidValue({}, got,
-                             "[column, row] with column 0 to " + std::to_string(spec.columns - 1) +
-                                 " and row 0 to " + std::to_string(spec.rows - 1));
-        }
+        check_grid_point(spec, pin.column, pin.row);
         const long long point = static_cast<long long>(pin.row) * spec.columns + pin.column;
         const auto [first, is_new] = seen.emplace(point, i);
         if (!is_new) {
-          throw InvalidValue({}, got + " again",
+          throw InvalidValue({}, grid_point_text(pin.column, pin.row) + " again",
                              "a point other than that of item " + std::to_string(first->second));
         }
         check_frame(pin.frame);
@@ -105,6 +99,17 @@ void check_shear(const ClothSpec& spec) {
 }
 
 }  // namespace
+
+std::string grid_point_text(int column, int row) {
+  return '[' + std::to_string(column) + ", " + std::to_string(row) + ']';
+}
+
+void check_grid_point(const ClothSpec& spec, int column, int row) {
+  if (column >= 0 && column < spec.columns && row >= 0 && row < spec.rows) return;
+  throw InvalidValue({}, grid_point_text(column, row),
+                     "[column, row] with column 0 to " + std::to_string(spec.columns - 1) +
+                         " and row 0 to " + std::to_string(spec.rows - 1));
+}
 
 void validate(const Material& material) {
   check_range("ks", material.ks, ks_range);

@@ -60,8 +60,14 @@ void serialize(Archive& archive, clothsim::Grip::Held& held) {
 }
 
 template <class Archive>
+void serialize(Archive& archive, clothsim::Grip::HeldBody& body) {
+  archive(body.leader, body.offset);
+}
+
+template <class Archive>
 void serialize(Archive& archive, clothsim::Grip& grip) {
-  archive(grip.held, grip.pose, grip.tear_force, grip.strength, grip.wrench, grip.lag);
+  archive(grip.held, grip.bodies, grip.pose, grip.tear_force, grip.strength, grip.on_body,
+          grip.wrench, grip.lag);
 }
 
 template <class Archive>

@@ -4,34 +4,33 @@
 #include "bodies.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/simulation/grips.h"
+#include "frames.h"
 #include "robots.h"
 
 namespace clothsim_python {
+
+void check_frame_name(const std::string& frame) {
+  clothsim::check_frame(frame);
+  if (frame.empty()) throw clothsim::InvalidValue({"frame"}, "\"\"", "the name of a frame");
+}
+
+void place_frame(Run& run, const std::string& frame, const clothsim::Pose& pose) {
+  run.frames.set_targets({{frame, {pose, {}, pose}}}, 1, run.simulator);
+}
+
+std::optional<clothsim::Pose> pose_now(const Run& run, const std::string& frame) {
+  if (const clothsim::Pose* driven = run.frames.pose(frame)) return *driven;
+  return clothsim::followed_pose(frame, run.simulator);
+}
+
 namespace {
 
 using clothsim::InvalidValue;
 
-void check_name(const std::string& frame) {
-  clothsim::check_frame(frame);
-  if (frame.empty()) throw InvalidValue({"frame"}, "\"\"", "the name of a frame");
-}
-
-/// Puts a frame and its followers at a pose at once.
-void place(Run& run, const std::string& frame, const clothsim::Pose& pose) {
-  run.frames.set_targets({{frame, {pose, {}, pose}}}, 1, run.simulator);
-}
-
-void place_frame(Simulation& simulation, const std::string& frame, const py::object& pose) {
-  check_name(frame);
-  const clothsim::Pose place_at = to_pose(pose, "pose");
-  simulation.with([&](Run& run) { place(run, frame, place_at); });
-}
-
-/// The pose of a frame; throws InvalidValue for an unknown one.
-clothsim::Pose pose_now(const Run& run, const std::string& frame) {
-  if (const clothsim::Pose* driven = run.frames.pose(frame)) return *driven;
-  if (const auto pose = clothsim::followed_pose(frame, run.simulator)) return *pose;
-  throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
+void place_at_once(Simulation& simulation, const std::string& frame, const py::object& pose) {
+  check_frame_name(frame);
+  const clothsim::Pose at = to_pose(pose, "pose");
+  simulation.with([&](Run& run) { place_frame(run, frame, at); });
 }
 
 /// The points to attach: the given ones, or the free ones within the radius.
@@ -48,12 +47,17 @@ std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::ob
 std::vector<int> attach(Simulation& simulation, const std::string& frame, const py::object& pose,
                         const py::object& points, std::optional<double> radius,
                         std::optional<double> tear_force, std::optional<double> strength) {
-  check_name(frame);
+  check_frame_name(frame);
   return simulation.with([&](Run& run) {
-    const clothsim::Pose at = pose.is_none() ? pose_now(run, frame) : to_pose(pose, "pose");
+    if (!pose.is_none()) check_no_body(frame, run.simulator);
+    const std::optional<clothsim::Pose> now = pose_now(run, frame);
+    if (pose.is_none() && !now) {
+      throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
+    }
+    const clothsim::Pose at = pose.is_none() ? *now : to_pose(pose, "pose");
     const std::vector<int> held = chosen(run, at, points, radius);
     run.simulator.attach(frame, at, held, {tear_force, strength});
-    if (!pose.is_none()) place(run, frame, at);
+    if (!pose.is_none()) place_frame(run, frame, at);
     return held;
   });
 }
@@ -143,15 +147,16 @@ py::dict colliders(Simulation& simulation) {
 
 void bind_frames(SimulationClass& simulator) {
   simulator
-      .def("place_frame", &place_frame, py::arg("frame"), py::arg("pose"),
+      .def("place_frame", &place_at_once, py::arg("frame"), py::arg("pose"),
            "Puts a frame at `pose` [x, y, z, qx, qy, qz, qw] or [x, y, z] [m] at once, with the "
            "colliders that follow it; makes a new one known. Raises InvalidValue.")
       .def(
           "attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
           py::arg("points") = py::none(), py::arg("radius") = py::none(),
           py::arg("tear_force") = py::none(), py::arg("strength") = py::none(),
-          "Fixes points of the cloth to a frame: the `points` given, or all free ones within "
-          "`radius` [m] of it. `pose` is where the frame is; None: where it was left. Beyond "
+          "Fixes points of the cloth to a frame, or to the body of that name, which feels their "
+          "pull: the `points` given, or all free ones within `radius` [m] of it. `pose` is where "
+          "the frame is; None: where it was left. Beyond "
           "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
           "lag behind their places; None: ten weights of the cloth plus the force that stretches "
           "the points' springs to their limit. Returns the points. Raises InvalidValue and changes "

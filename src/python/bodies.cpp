@@ -2,6 +2,7 @@
 
 #include "bindings.h"
 #include "clothsim/model/checks.h"
+#include "frames.h"
 
 namespace clothsim_python {
 namespace {
@@ -10,11 +11,7 @@ using clothsim::InvalidValue;
 
 /// The index of a body in the scene, which may not be the one that the body is from.
 int index_of(const Run& run, const std::string& name) {
-  int index = 0;
-  for (const clothsim::ColliderSpec& collider : run.simulator.scene().colliders) {
-    if (collider.name == name && run.simulator.is_body(index)) return index;
-    ++index;
-  }
+  if (const std::optional<int> index = run.simulator.body_named(name)) return *index;
   throw InvalidValue({"bodies"}, '"' + name + '"', "a body of the scene that was loaded");
 }
 
@@ -30,6 +27,27 @@ double Body::mass() const {
 clothsim::BodyMotion Body::motion() const {
   return simulation_->with(
       [&](Run& run) { return run.simulator.body_motion(index_of(run, name_)); });
+}
+
+std::optional<std::string> Body::frame() const {
+  return simulation_->with(
+      [&](Run& run) { return run.simulator.frame_of_body(index_of(run, name_)); });
+}
+
+void Body::attach(const std::string& frame, const py::object& pose) const {
+  check_frame_name(frame);
+  simulation_->with([&](Run& run) {
+    const int index = index_of(run, name_);
+    const clothsim::Pose at =
+        pose.is_none() ? pose_now(run, frame).value_or(run.simulator.collider_pose(index))
+                       : to_pose(pose, "pose");
+    run.simulator.attach_body(index, frame, at);
+    place_frame(run, frame, at);
+  });
+}
+
+void Body::detach() const {
+  simulation_->with([&](Run& run) { run.simulator.detach_body(index_of(run, name_)); });
 }
 
 void Body::place(const py::object& pose, const py::object& velocity,
@@ -75,6 +93,14 @@ void bind_bodies(py::module_& module) {
           "angular_velocity",
           [](const Body& self) { return to_array(self.motion().angular_velocity); },
           "[3] [rad/s], in the world.")
+      .def_property_readonly("frame", &Body::frame, "The frame that holds it; None: none.")
+      .def("attach", &Body::attach, py::arg("frame"), py::arg("pose") = py::none(),
+           "Holds it with a frame, with its present offset in it, until detach() or reset(). "
+           "`pose` is where the frame is; None: where it was left, or where the body is. Raises "
+           "InvalidValue and changes nothing.")
+      .def("detach", &Body::detach,
+           "Lets it go, with its velocity of the last frame of simulation. Raises InvalidValue for "
+           "a body that no frame holds.")
       .def("place", &Body::place, py::arg("pose"), py::arg("velocity") = at_rest,
            py::arg("angular_velocity") = at_rest,
            "Puts it at `pose` [x, y, z, qx, qy, qz, qw] or [x, y, z] [m] at once, with these "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "simulation.h"
@@ -20,6 +21,12 @@ class Body {
   /// Puts it at a pose at once, with a velocity of its centre of mass and an angular velocity.
   void place(const py::object& pose, const py::object& velocity,
              const py::object& angular_velocity) const;
+
+  /// The frame that holds it.
+  std::optional<std::string> frame() const;
+  /// Holds it with a frame: at `pose`, or if that is None where it was left, or else at the body.
+  void attach(const std::string& frame, const py::object& pose) const;
+  void detach() const;
 
  private:
   std::shared_ptr<Simulation> simulation_;

@@ -19,9 +19,11 @@ clothsim::Vector3 to_vector(const geometry_msgs::Vector3& v) { return {v.x, v.y,
 }  // namespace
 
 BodyTopics::BodyTopics(const ros::NodeHandle& node, clothsim::Simulator& simulator,
-                       Changes& changes, std::string world_frame, std::function<void()> redraw)
+                       Grasper& grasper, Changes& changes, std::string world_frame,
+                       std::function<void()> redraw)
     : node_(node),
       simulator_(simulator),
+      grasper_(grasper),
       changes_(changes),
       world_frame_(std::move(world_frame)),
       redraw_(std::move(redraw)) {
@@ -38,7 +40,7 @@ void BodyTopics::follow_scene() {
   if (all_.empty()) {
     bodies_.shutdown();
     tf_.shutdown();
-    set_body_.shutdown();
+    services_.clear();
     bodies_ = tf_ = ros::Publisher();
     return;
   }
@@ -49,7 +51,9 @@ void BodyTopics::follow_scene() {
   tf_ = node_.advertise<tf2_msgs::TFMessage>(
       "/tf", bodies_queue,
       [this](const ros::SingleSubscriberPublisher& listener) { listener.publish(transforms()); });
-  set_body_ = node_.advertiseService("set_body", &BodyTopics::set_body, this);
+  services_ = {node_.advertiseService("set_body", &BodyTopics::set_body, this),
+               node_.advertiseService("attach_body", &BodyTopics::attach_body, this),
+               node_.advertiseService("detach_body", &BodyTopics::detach_body, this)};
 }
 
 clothsim::Bodies BodyTopics::message() const {
@@ -63,6 +67,7 @@ clothsim::Bodies BodyTopics::message() const {
     const clothsim::BodyMotion motion = simulator_.body_motion(body.collider);
     clothsim::BodyState state;
     state.name = spec.name;
+    state.frame = simulator_.frame_of_body(body.collider).value_or("");
     state.mass = spec.body->mass;
     state.pose = to_pose_msg(motion.pose);
     state.twist.linear = to_vector_msg(motion.velocity);
@@ -119,6 +124,37 @@ bool BodyTopics::set_body(clothsim::SetBody::Request& request,
   }
   changes_.publish("set_body", change);
   redraw_();
+  response.success = true;
+  return true;
+}
+
+bool BodyTopics::attach_body(clothsim::AttachBody::Request& request,
+                             clothsim::AttachBody::Response& response) {
+  try {
+    grasper_.attach_body(find(request.name), request.frame);
+  } catch (const clothsim::InvalidValue& error) {
+    response.message = error.message("", "/");
+    return true;
+  }
+  clothsim::Change change;
+  change.collider = request.name;
+  change.frame = request.frame;
+  changes_.publish("attach_body", change);
+  response.success = true;
+  return true;
+}
+
+bool BodyTopics::detach_body(clothsim::DetachBody::Request& request,
+                             clothsim::DetachBody::Response& response) {
+  try {
+    grasper_.detach_body(find(request.name));
+  } catch (const clothsim::InvalidValue& error) {
+    response.message = error.message("", "/");
+    return true;
+  }
+  clothsim::Change change;
+  change.collider = request.name;
+  changes_.publish("detach_body", change);
   response.success = true;
   return true;
 }

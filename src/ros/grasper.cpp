@@ -43,11 +43,13 @@ geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const clot
   return msg;
 }
 
-/// Largest distance of the points from the frame's origin [m].
+/// Largest distance of the points and bodies from the frame's origin [m].
 double reach(const clothsim::Grip& grip) {
   double farthest = 0;
   for (const clothsim::Grip::Held& held : grip.held)
     farthest = std::max(farthest, held.offset.norm());
+  for (const clothsim::Grip::HeldBody& body : grip.bodies)
+    farthest = std::max(farthest, body.offset.position.norm());
   return farthest;
 }
 
@@ -108,7 +110,7 @@ void Grasper::follow_grips() {
     if (!topic.let_go && grips.count(topic.frame) == 0) let_go(topic);
   }
   for (const auto& [name, grip] : grips) {
-    frames_.try_emplace(name, name, tf_);
+    if (!grip.on_body) frames_.try_emplace(name, name, tf_);
     take_hold(name);
   }
 }
@@ -160,6 +162,31 @@ void Grasper::check_topic(const std::string& frame) const {
   }
 }
 
+clothsim::Pose Grasper::first_pose(TfFrame& frame) const {
+  frame.wait_for_first();
+  if (frame.pose()) return *frame.pose();
+  throw InvalidValue({"frame"}, '"' + frame.status().frame + '"',
+                     "a tf frame with a transform to " + tf_.world_frame());
+}
+
+void Grasper::attach_body(int body, const std::string& name) {
+  clothsim::check_frame(name);
+  if (name.empty()) throw InvalidValue({"frame"}, "nothing", "a tf frame");
+  check_topic(name);
+  TfFrame frame(name, tf_);
+  const clothsim::Pose pose =
+      simulator_.body_named(name) ? simulator_.collider_pose(body) : first_pose(frame);
+  simulator_.attach_body(body, name, pose);
+  follow_grips();
+  look_up();
+  changes_.follow(frame);
+}
+
+void Grasper::detach_body(int body) {
+  simulator_.detach_body(body);
+  follow_grips();
+}
+
 bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Response& response) {
   try {
     // Check the request.
@@ -175,24 +202,19 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
 
     // Find the frame's pose, and the points by it.
     TfFrame frame(request.frame, tf_);
-    frame.wait_for_first();
-    if (!frame.pose()) {
-      throw InvalidValue({"frame"}, '"' + request.frame + '"',
-                         "a tf frame with a transform to " + tf_.world_frame());
-    }
+    const std::optional<int> body = simulator_.body_named(request.frame);
+    const clothsim::Pose pose = body ? simulator_.collider_pose(*body) : first_pose(frame);
     std::vector<int> points(request.points.begin(), request.points.end());
-    if (points.empty()) {
-      points = simulator_.free_points_near(frame.pose()->position, request.radius);
-    }
+    if (points.empty()) points = simulator_.free_points_near(pose.position, request.radius);
 
     std::optional<double> tear_force;
     if (request.tear_force != 0) tear_force = request.tear_force;
     std::optional<double> strength;
     if (request.strength != 0) strength = request.strength;
-    simulator_.attach(request.frame, *frame.pose(), points, {tear_force, strength});
+    simulator_.attach(request.frame, pose, points, {tear_force, strength});
     follow_grips();
     look_up();
-    changes_.follow(frame);
+    if (!body) changes_.follow(frame);
     clothsim::Change change;
     change.frame = request.frame;
     change.points.assign(points.begin(), points.end());

@@ -66,6 +66,7 @@ void DrivenFrames::put(const Driven& driven, const Pose& pose, Simulator& simula
 
 void DrivenFrames::place(const std::string& frame, const Pose& pose, const Twist& twist,
                          Simulator& simulator) {
+  check_no_body(frame, simulator);
   inside(frame, [&] { check({pose, twist}); });
   Driven& driven = take(frame, pose, simulator);
   driven.motion = FrameMotion(pose, twist);
@@ -77,7 +78,10 @@ void DrivenFrames::set_targets(const std::map<std::string, FrameTarget>& targets
   if (frames < 1) {
     throw InvalidValue({"frames"}, std::to_string(frames), "a whole number of at least 1");
   }
-  for (const auto& [frame, target] : targets) inside(frame, [&, &t = target] { check(t); });
+  for (const auto& [frame, target] : targets) {
+    check_no_body(frame, simulator);
+    inside(frame, [&, &t = target] { check(t); });
+  }
   for (const auto& [frame, target] : targets) {
     const Pose start =
         target.start ? *target.start : followed_pose(frame, simulator).value_or(target.pose);
@@ -113,17 +117,28 @@ std::optional<Pose> followed_pose(const std::string& frame, const Simulator& sim
   if (grip != simulator.grips().end()) return grip->second.pose;
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const auto index = static_cast<int>(i);
+    if (simulator.is_body(index) && colliders[i].name == frame) {
+      return simulator.collider_pose(index);
+    }
     if (colliders[i].frame != frame) continue;
-    return frame_of(simulator.collider_pose(static_cast<int>(i)), colliders[i].offset);
+    return frame_of(simulator.collider_pose(index), colliders[i].offset);
   }
   return std::nullopt;
+}
+
+void check_no_body(const std::string& frame, const Simulator& simulator) {
+  if (!simulator.body_named(frame)) return;
+  throw InvalidValue({frame}, "a rigid body", "a frame that a program moves");
 }
 
 std::vector<std::string> followed_frames(const Simulator& simulator) {
   std::set<std::string> frames;
   for (const ColliderSpec& collider : simulator.scene().colliders) frames.insert(collider.frame);
   for (const Pin& pin : simulator.scene().cloth.pinned) frames.insert(pin.frame);
-  for (const auto& [frame, grip] : simulator.grips()) frames.insert(frame);
+  for (const auto& [frame, grip] : simulator.grips()) {
+    if (!grip.on_body) frames.insert(frame);
+  }
   frames.erase("");
   return {frames.begin(), frames.end()};
 }

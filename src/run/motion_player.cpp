@@ -91,10 +91,13 @@ void MotionPlayer::act(const MotionAction& action, Simulator& simulator) {
     const auto grip = simulator.grips().find(lets_go->frame);
     if (grip == simulator.grips().end()) return;  // torn off
     std::vector<int> held = lets_go->points;
+    std::vector<Grip::HeldBody> bodies;
     if (held.empty()) {
       for (const Grip::Held& h : grip->second.held) held.push_back(h.point);
+      bodies = grip->second.bodies;
     }
-    simulator.detach(held);
+    if (!held.empty()) simulator.detach(held);
+    for (const Grip::HeldBody& b : bodies) simulator.detach_body(static_cast<int>(b.leader));
   } else if (const auto* change = std::get_if<SwitchCollider>(&action)) {
     const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
     for (std::size_t i = 0; i < colliders.size(); ++i) {
@@ -116,6 +119,10 @@ void MotionPlayer::attach(const AttachPoints& asked, Simulator& simulator) const
   if (!pose) {
     throw InvalidValue({"attach"}, '"' + asked.frame + '"',
                        "a frame that has set out for a key frame, or that a collider follows");
+  }
+  if (!asked.body.empty()) {
+    simulator.attach_body(*simulator.body_named(asked.body), asked.frame, *pose);
+    return;
   }
   std::vector<int> points = asked.points;
   if (points.empty()) points = simulator.free_points_near(pose->position, asked.radius);

@@ -1,12 +1,11 @@
 #include "clothsim/scene/colliders_yaml.h"
 
-#include <Eigen/Eigenvalues>
 #include <functional>
 
 #include "clothsim/model/resource.h"
+#include "clothsim/scene/bodies_yaml.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/scene/yaml_values.h"
-#include "clothsim/shapes/mass_properties.h"
 #include "clothsim/shapes/mesh_file.h"
 
 namespace clothsim {
@@ -15,7 +14,6 @@ namespace {
 constexpr Range size_range{1e-6, 1e6, "m"};
 constexpr Range padding_range{0, 1e3, "m"};
 constexpr Range sheet_range{1e-6, 1e3, "m"};
-constexpr Range position_range{-1e6, 1e6, "m"};
 
 /// A key of a shape: the reader of its value, and functions that use the value.
 struct Key {
@@ -34,12 +32,8 @@ Key place(Pose& pose, const char* name = "center") {
 /// The direction of +z of the shape's own frame.
 Key direction(const char* name, Pose& pose) {
   return {name, [&pose](const YAML::Node& node) {
-            const Vector3 z = read_vector(node);
-            if (!(z.stableNorm() >= written_rounding)) {
-              throw InvalidValue({}, describe(node), "a direction, of a length of at least 1e-06");
-            }
             pose.orientation =
-                Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), z.stableNormalized());
+                Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), read_direction(node));
           }};
 }
 
@@ -114,65 +108,13 @@ std::vector<Key> keys_of(ColliderSpec& collider) {
   return std::visit([&](auto& shape) { return keys_of(shape, collider.pose); }, collider.shape);
 }
 
-/// Moments of inertia [kg m^2]: [xx, yy, zz], or [xx, xy, xz, yy, yz, zz] as in a URDF.
-Matrix3 read_inertia(const YAML::Node& node) {
-  const bool is_list = node.IsSequence() && (node.size() == 3 || node.size() == 6);
-  if (!is_list) {
-    throw InvalidValue({}, describe(node), "[xx, yy, zz] or [xx, xy, xz, yy, yz, zz]");
-  }
-  if (node.size() == 3) return read_vector(node).asDiagonal();
-  std::vector<double> m;
-  read_list(node, [&](const YAML::Node& item) { m.push_back(read_number(item)); });
-  Matrix3 inertia;
-  inertia << m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5];
-  return inertia;
-}
-
-/// The further keys of a collider with a mass.
-std::vector<Field> fields_of(BodySpec& body) {
-  return {
-      {"inertia", [&](const YAML::Node& node) { body.inertia = read_inertia(node); }},
-      {"center_of_mass", [&](const YAML::Node& node) { body.center_of_mass = read_vector(node); }},
-      {"damping", into(body.damping)},
-      {"velocity", into(body.velocity)},
-      {"angular_velocity", into(body.angular_velocity)}};
-}
-
-/// A solid's principal moments are positive, and none is larger than the sum of the others.
-void check_inertia(const Matrix3& inertia) {
-  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia).eigenvalues();
-  const bool is_solid = moments.allFinite() && moments[0] >= inertia_range.min &&
-                        moments[2] <= inertia_range.max &&
-                        moments[2] <= (1 + written_rounding) * (moments[0] + moments[1]);
-  if (is_solid) return;
-  throw InvalidValue({"inertia"},
-                     "the principal moments " + to_text(moments[0]) + ", " + to_text(moments[1]) +
-                         " and " + to_text(moments[2]),
-                     "those of a solid: each above " + to_text(inertia_range.min) +
-                         " kg m^2 and at most the sum of the other two");
-}
-
-void check_body(const ColliderSpec& collider) {
-  const BodySpec& body = *collider.body;
-  check_range("mass", body.mass, body_mass_range);
-  if (std::holds_alternative<Plane>(collider.shape)) {
-    throw InvalidValue({"mass"}, "that of a plane", "a solid");
-  }
-  const std::optional<MassProperties> even = mass_properties(collider.shape);
-  if (body.center_of_mass) {
-    check_range("center_of_mass", *body.center_of_mass, position_range);
-  } else if (!even) {
-    throw InvalidValue({"center_of_mass"}, "nothing", "one, as a sheet has no volume");
-  }
-  if (!even && !body.inertia) {
-    throw InvalidValue({"inertia"}, "nothing", "one, as a sheet has no volume");
-  }
-  check_inertia(body.inertia.value_or(body.mass * even.value_or(MassProperties()).inertia));
-  check_range("damping", body.damping, body_damping_range);
-  check_range("velocity", body.velocity, velocity_range);
-  check_range("angular_velocity", body.angular_velocity, angular_velocity_range);
+void check_part(const ColliderSpec& collider) {
+  if (collider.body) throw InvalidValue({"part_of"}, collider.part_of, "none, or no mass");
   if (!collider.frame.empty()) {
-    throw InvalidValue({"frame"}, collider.frame, "none, as the collider has a mass");
+    throw InvalidValue({"frame"}, collider.frame, "none, as the collider moves with a body");
+  }
+  if (std::holds_alternative<Plane>(collider.shape)) {
+    throw InvalidValue({"part_of"}, "a plane", "a solid");
   }
 }
 
@@ -182,6 +124,14 @@ std::vector<Shape> one_of_each(const std::variant<S...>&) {
 }
 
 }  // namespace
+
+Vector3 read_direction(const YAML::Node& node) {
+  const Vector3 v = read_vector(node);
+  if (!(v.stableNorm() >= written_rounding)) {
+    throw InvalidValue({}, describe(node), "a direction, of a length of at least 1e-06");
+  }
+  return v.stableNormalized();
+}
 
 ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) {
   const std::vector<Shape> kinds = one_of_each(Shape());
@@ -204,13 +154,14 @@ ColliderSpec read_collider(const YAML::Node& node, const SceneSources& sources) 
       {"friction", into(collider.friction)},
       {"frame", into(collider.frame)},
       {"enabled", into(collider.enabled)},
+      {"part_of", into(collider.part_of)},
       {"pose", [&](const YAML::Node& pose) { read_pose(pose, collider.offset); }},
       {"mass", [&](const YAML::Node& mass) { into(collider.body->mass)(mass); }}};
   const std::vector<Key> keys = keys_of(collider);
   for (const Key& key : keys) fields.push_back({key.name, key.read});
   if (node["mass"]) {
     collider.body.emplace();
-    const std::vector<Field> of_body = fields_of(*collider.body);
+    const std::vector<Field> of_body = body_fields(*collider.body);
     fields.insert(fields.end(), of_body.begin(), of_body.end());
   }
   read_map(node, fields);
@@ -237,6 +188,7 @@ void validate(const ColliderSpec& collider) {
   check_range("friction", collider.friction, friction_range);
   check_frame(collider.frame);
   if (collider.body) check_body(collider);
+  if (!collider.part_of.empty()) check_part(collider);
 }
 
 }  // namespace clothsim

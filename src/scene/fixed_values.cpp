@@ -58,6 +58,13 @@ void add(const ClothSpec& cloth, Lines& lines) {
             ']';
   }
   lines.add("cloth.pinned", pins);
+  std::string attached;
+  for (const BodyPoints& on_body : cloth.attached) {
+    attached += on_body.body;
+    for (const auto& [column, row] : on_body.points) attached += grid_point_text(column, row);
+    if (on_body.tear_force) attached += " up to " + text(*on_body.tear_force);
+  }
+  lines.add("cloth.attached", attached);
 }
 
 void add(const BodySpec& body, const std::string& key, Lines& lines) {
@@ -69,6 +76,12 @@ void add(const BodySpec& body, const std::string& key, Lines& lines) {
                                       text(i(1, 2)), text(i(2, 2))}));
   }
   lines.add(key + ".damping", text(body.damping));
+  if (body.joint) {
+    const Joint& joint = *body.joint;
+    lines.add(key + ".joint",
+              join({joint.kind == Joint::Kind::slider ? "slider" : "hinge", text(joint.axis),
+                    text(joint.point), text(joint.lower), text(joint.upper)}));
+  }
   lines.add(key + ".velocity", text(body.velocity) + ' ' + text(body.angular_velocity));
 }
 
@@ -80,6 +93,7 @@ void add(const ColliderSpec& collider, Lines& lines) {
   lines.add(key, std::visit(shape, collider.shape));
   lines.add(key + ".pose", text(collider.pose) + " in its frame at " + text(collider.offset));
   lines.add(key + ".frame", collider.frame);
+  lines.add(key + ".part_of", collider.part_of);
   lines.add(key + ".enabled", collider.enabled ? "true" : "false");
   if (collider.body) add(*collider.body, key, lines);
 }

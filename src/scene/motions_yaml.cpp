@@ -50,7 +50,8 @@ std::vector<Field> fields(AttachPoints& attach) {
   return {{"points", into_points(attach.points)},
           {"radius", into(attach.radius)},
           {"tear_force", into(attach.tear_force)},
-          {"strength", into(attach.strength)}};
+          {"strength", into(attach.strength)},
+          {"body", into(attach.body)}};
 }
 
 std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points(detach.points)}}; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/scene/colliders_yaml.h"
@@ -19,6 +20,18 @@ constexpr Range tolerance_range{1e-9, 1, ""};
 constexpr Range linear_range{-1e6, 1e6, "m/s"};
 constexpr Range angular_range{-1e6, 1e6, "rad/s"};
 
+/// Throws InvalidValue unless it is the name of a collider with a mass.
+void check_names_body(const std::string& name, const std::vector<ColliderSpec>& colliders) {
+  std::vector<std::string> names;
+  for (const ColliderSpec& collider : colliders) {
+    if (!collider.body) continue;
+    if (collider.name == name) return;
+    names.push_back(collider.name);
+  }
+  throw InvalidValue({}, '"' + name + '"',
+                     names.empty() ? "none, as no collider has a mass" : "one of " + join(names));
+}
+
 void validate(const std::vector<ColliderSpec>& colliders) {
   if (colliders.size() > max_colliders) {
     throw InvalidValue({}, std::to_string(colliders.size()) + " items",
@@ -32,6 +45,39 @@ void validate(const std::vector<ColliderSpec>& colliders) {
       if (!is_new) {
         throw InvalidValue({"name"}, '"' + colliders[i].name + "\" again",
                            "a name other than that of item " + std::to_string(first->second));
+      }
+    });
+  }
+}
+
+void check_parts(const std::vector<ColliderSpec>& colliders) {
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    if (colliders[i].part_of.empty()) continue;
+    inside(std::to_string(i),
+           [&] { inside("part_of", [&] { check_names_body(colliders[i].part_of, colliders); }); });
+  }
+}
+
+void check_attached(const Scene& scene) {
+  const ClothSpec& cloth = scene.cloth;
+  std::set<std::array<int, 2>> held;
+  for (const Pin& pin : cloth.pinned) held.insert({pin.column, pin.row});
+  for (std::size_t i = 0; i < cloth.attached.size(); ++i) {
+    inside(std::to_string(i), [&] {
+      const BodyPoints& attached = cloth.attached[i];
+      inside("body", [&] { check_names_body(attached.body, scene.colliders); });
+      if (attached.tear_force) check_range("tear_force", *attached.tear_force, tear_force_range);
+      if (attached.points.empty()) throw InvalidValue({"points"}, "none", "one or more");
+      for (std::size_t k = 0; k < attached.points.size(); ++k) {
+        inside("points", [&] {
+          inside(std::to_string(k), [&] {
+            const std::array<int, 2>& point = attached.points[k];
+            check_grid_point(cloth, point[0], point[1]);
+            if (held.insert(point).second) return;
+            throw InvalidValue({}, grid_point_text(point[0], point[1]),
+                               "a point that is neither pinned nor attached");
+          });
+        });
       }
     });
   }
@@ -70,6 +116,11 @@ void validate(const AttachPoints& attach, const Scene& scene) {
   check_frame_name("attach", attach.frame);
   check_points(attach.points, scene);
   check_range("radius", attach.radius, radius_range);
+  if (!attach.body.empty()) {
+    inside("body", [&] { check_names_body(attach.body, scene.colliders); });
+    if (attach.points.empty() && attach.radius == 0) return;
+    throw InvalidValue({"body"}, attach.body + " and points", "one of the two");
+  }
   if (attach.points.empty() == (attach.radius == 0)) {
     throw InvalidValue({"points"},
                        attach.points.empty() ? "none and no radius" : "points and a radius",
@@ -190,7 +241,11 @@ void validate(const SimulationSpec& spec) {
 
 void validate(const Scene& scene) {
   inside("cloth", [&] { validate(scene.cloth); });
-  inside("colliders", [&] { validate(scene.colliders); });
+  inside("colliders", [&] {
+    validate(scene.colliders);
+    check_parts(scene.colliders);
+  });
+  inside("cloth", [&] { inside("attached", [&] { check_attached(scene); }); });
   inside("simulation", [&] { validate(scene.simulation); });
   inside("motions", [&] { validate_motions(scene); });
 }

@@ -57,6 +57,21 @@ Pin read_pin(const YAML::Node& node) {
   return pin;
 }
 
+BodyPoints read_attached(const YAML::Node& node) {
+  BodyPoints attached;
+  const auto read_points = [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) {
+      Pin point;
+      read_grid_point(item, point);
+      attached.points.push_back({point.column, point.row});
+    });
+  };
+  read_map(node, {{"body", into(attached.body)},
+                  {"points", read_points},
+                  {"tear_force", into(attached.tear_force)}});
+  return attached;
+}
+
 void append(std::vector<Field> more, std::vector<Field>& fields) {
   for (Field& field : more) fields.push_back(std::move(field));
 }
@@ -70,6 +85,9 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
   const auto read_pins = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
   };
+  const auto read_all_attached = [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) { cloth.attached.push_back(read_attached(item)); });
+  };
   std::vector<Field> fields = {
       {"width", into(cloth.width)},
       {"height", into(cloth.height)},
@@ -78,6 +96,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
       {"orientation", read_orientation},
       {"origin", into(cloth.origin)},
       {"pinned", read_pins},
+      {"attached", read_all_attached},
       {"pin_strength", into(cloth.pin_strength)},
       {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
       {"ks", into(material.ks)},

@@ -139,14 +139,14 @@ void Simulator::move_collider(int index, const Pose& target) {
   check_place(target);
   const auto i = static_cast<std::size_t>(index);
   impl_->check_driven(i);
-  impl_->colliders.at(i).set_target(target * scene().colliders[i].offset, frame_duration());
+  impl_->move_body(i, target * scene().colliders[i].offset);
 }
 
 void Simulator::place_collider(int index, const Pose& pose) {
   check_place(pose);
   const auto i = static_cast<std::size_t>(index);
   impl_->check_driven(i);
-  impl_->colliders.at(i).place(pose * scene().colliders[i].offset);
+  impl_->place_body(i, pose * scene().colliders[i].offset);
   impl_->disturbed = true;
 }
 
@@ -163,19 +163,68 @@ void Simulator::set_body(int index, const Pose& pose, const Vector3& velocity,
   check_range("velocity", velocity, velocity_range);
   check_range("angular_velocity", angular_velocity, angular_velocity_range);
   const std::size_t i = impl_->body_index(index);
-  impl_->colliders[i].place(pose);
-  impl_->bodies.set_velocity(i, velocity, angular_velocity, impl_->colliders[i]);
+  if (impl_->bodies.is_held(i)) {
+    throw InvalidValue({"body"}, scene().colliders[i].name + ", which a tf frame holds",
+                       "a body that no tf frame holds");
+  }
+  if (impl_->bodies.distance_from_joint(i, pose) > written_rounding) {
+    throw InvalidValue({"pose"}, "one that its joint does not allow", "one along the joint");
+  }
+  impl_->place_body(i, pose);
+  impl_->bodies.set_velocity(i, velocity, angular_velocity, impl_->colliders);
   impl_->body_contacts.reset();
   impl_->disturbed = true;
 }
 
-bool Simulator::is_body(int index) const {
-  return impl_->bodies.is_body(static_cast<std::size_t>(index));
+void Simulator::attach_body(int index, const std::string& frame, const Pose& pose) {
+  check_place(pose);
+  const std::size_t i = impl_->body_index(index);
+  if (const std::string* holder = impl_->grips.frame_of_body(i)) {
+    throw InvalidValue({"body"}, scene().colliders[i].name + ", which " + *holder + " holds",
+                       "a body that no tf frame holds");
+  }
+  if (impl_->body_named(frame)) {
+    throw InvalidValue({"frame"}, frame + ", a rigid body", "a tf frame");
+  }
+  const Pose of_body = collider_pose(index);
+  impl_->grips.attach_body(i, of_body, frame, pose);
+  impl_->place_body(i, of_body);  // at rest until the frame moves
+  impl_->hold_points();
+  impl_->body_contacts.reset();
 }
+
+void Simulator::detach_body(int index) {
+  const std::size_t i = impl_->body_index(index);
+  if (!impl_->bodies.is_held(i)) {
+    throw InvalidValue({"body"}, scene().colliders[i].name, "a body that a tf frame holds");
+  }
+  const BodyMotion motion = body_motion(index);
+  impl_->grips.detach_body(i);
+  impl_->hold_points();
+  impl_->bodies.set_velocity(i, motion.velocity, motion.angular_velocity, impl_->colliders);
+  impl_->body_contacts.reset();
+}
+
+bool Simulator::is_body(int index) const {
+  return impl_->bodies.leads(static_cast<std::size_t>(index));
+}
+
+std::optional<std::string> Simulator::frame_of_body(int index) const {
+  const std::string* frame = impl_->grips.frame_of_body(impl_->body_index(index));
+  return frame ? std::optional(*frame) : std::nullopt;
+}
+
+std::optional<int> Simulator::body_named(const std::string& name) const {
+  const std::optional<std::size_t> leader = impl_->body_named(name);
+  return leader ? std::optional(static_cast<int>(*leader)) : std::nullopt;
+}
+
 BodyMotion Simulator::body_motion(int index) const {
   const std::size_t i = impl_->body_index(index);
   const RigidMotion& motion = impl_->bodies.motion(i);
-  return {impl_->colliders[i].pose(), motion.velocity, motion.angular_velocity};
+  const Pose& pose = impl_->colliders[i].pose();
+  const Vector3 center = to_world(pose, impl_->bodies.center_of(i));
+  return {pose, motion.velocity_at(center), motion.angular_velocity};
 }
 
 void Simulator::move_pin(int index, const Vector3& target) {

@@ -7,24 +7,47 @@
 
 namespace clothsim {
 
-void Simulator::Impl::start_bodies() {
+void Simulator::Impl::attach_to_bodies() {
+  for (const BodyPoints& attached : scene.cloth.attached) {
+    std::vector<int> points;
+    for (const auto& [column, r] : attached.points) {
+      points.push_back(r * scene.cloth.columns + column);
+    }
+    attach(attached.body, Pose(), points, {attached.tear_force, {}});
+  }
+}
+
+std::optional<std::size_t> Simulator::Impl::body_named(const std::string& name) const {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
-    if (!bodies.is_body(k)) continue;
-    const BodySpec& spec = *scene.colliders[k].body;
-    bodies.set_velocity(k, spec.velocity, spec.angular_velocity, colliders[k]);
+    if (bodies.leads(k) && scene.colliders[k].name == name) return k;
+  }
+  return {};
+}
+
+void Simulator::Impl::move_body(std::size_t leader, const Pose& target) {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (bodies.leader(k) != leader) continue;
+    const Pose of_part = bodies.pose_of(k, target);
+    colliders[k].set_target(of_part, 1 / scene.simulation.frames_per_second);
+  }
+}
+
+void Simulator::Impl::place_body(std::size_t leader, const Pose& pose) {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (bodies.leader(k) == leader) colliders[k].place(bodies.pose_of(k, pose));
   }
 }
 
 void Simulator::Impl::restore_velocities(bool of_memory) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
-    if (!bodies.is_body(k)) continue;
-    MovingCollider& c = colliders[k];
+    if (!bodies.leads(k) || bodies.is_held(k)) continue;
+    const MovingCollider& c = colliders[k];
     if (!of_memory) {
       bodies.set_velocity(k, c.velocity_at(to_world(c.pose(), bodies.center_of(k))),
-                          c.angular_velocity(), c);
+                          c.angular_velocity(), colliders);
     } else {
       const RigidMotion motion = bodies.motion(k);
-      bodies.set_velocity(k, motion.velocity, motion.angular_velocity, c);
+      bodies.set_velocity(k, motion.velocity, motion.angular_velocity, colliders);
     }
   }
 }
@@ -32,7 +55,8 @@ void Simulator::Impl::restore_velocities(bool of_memory) {
 void Simulator::Impl::begin_bodies(double h) {
   const Vector3& gravity = scene.simulation.gravity;
   bodies.begin_step(h, gravity, colliders);
-  body_contacts.prepare(h, std::max(gravity.norm(), min_gravity), colliders, bodies);
+  body_contacts.prepare(h, std::max(gravity.norm(), min_gravity), scene.colliders, colliders,
+                        bodies);
 }
 
 void Simulator::Impl::solve_bodies_alone() {
@@ -74,7 +98,7 @@ double Simulator::Impl::way_of_bodies(double dt) const {
 std::size_t Simulator::Impl::body_index(int index) const {
   const auto i = static_cast<std::size_t>(index);
   const std::string& name = scene.colliders.at(i).name;
-  if (!bodies.is_body(i)) {
+  if (!bodies.leads(i)) {
     throw InvalidValue({"colliders", name}, "a collider without mass", "one with `mass`, a body");
   }
   return i;
@@ -82,7 +106,12 @@ std::size_t Simulator::Impl::body_index(int index) const {
 
 void Simulator::Impl::check_driven(std::size_t index) const {
   const std::string& name = scene.colliders.at(index).name;
-  if (bodies.is_body(index)) {
+  const std::size_t leader = bodies.leader(index);
+  if (leader != index) {
+    throw InvalidValue({"colliders", name}, "a part of " + scene.colliders[leader].name,
+                       "a collider that goes as it is told");
+  }
+  if (bodies.leads(index)) {
     throw InvalidValue({"colliders", name}, "a rigid body", "a collider without `mass`");
   }
 }

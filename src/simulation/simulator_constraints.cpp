@@ -140,6 +140,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // limit at the positions that result.
   runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
+  if (!attachments.empty()) attachments.prepare(cloth, step, colliders, state);
   follow(followed.size(), factor * h, state.velocities.data(), followed.data(),
          state.positions.data());
   if (strain_limit) {
@@ -151,18 +152,24 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
          state.positions.data());
   if (strain_limit) strain_limit->learn_tension();
   if (!bodies.empty()) end_bodies();
+  attachments.project(colliders, state.positions);
   if (self_contacts && runs_detection) by_impulses = state.positions;
 
-  // Correct the violations that curvature and early ends of passes leave in the positions.
+  correct_positions(runs_detection, report);
+
+  // Whatever has moved the points, the cloth does not pass through itself.
+  if (self_contacts && runs_detection) guard(step, report);
+  runs_detection ? end_detection(h) : count_displacement(h);
+}
+
+void Simulator::Impl::correct_positions(bool runs_detection, StepReport& report) {
+  attachments.fix(true, cloth);
   if (strain_limit) project_positions(cloth, report);
   if (!colliders.empty()) {
     runs_detection ? collider_contacts.project_positions(colliders, cloth, start, state)
                    : collider_contacts.project_near(colliders, cloth, start, state.positions);
   }
-
-  // Whatever has moved the points, the cloth does not pass through itself.
-  if (self_contacts && runs_detection) guard(step, report);
-  runs_detection ? end_detection(h) : count_displacement(h);
+  attachments.fix(false, cloth);
 }
 
 ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
@@ -272,7 +279,9 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   // contacts of points share no point, and warm-started impulses fit the rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
   const int required_passes =
-      runs_detection || is_limited || collider_contacts.has_faces() ? min_passes : 1;
+      runs_detection || is_limited || collider_contacts.has_faces() || !attachments.empty()
+          ? min_passes
+          : 1;
   Pinches& pinches = collider_contacts.pinches();
   const int limit_passes = max_limit_passes();
   // Largest changes of the last passes over springs and over contacts, as displacements [m].
@@ -296,21 +305,29 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
       folding = self_contacts->solve_pass(small.unseen_fold, state.velocities, workers);
       budget.spend(static_cast<std::int64_t>(WorkBudget::contact_in_pass * self_contacts->size()));
     }
-    const double touching =
-        std::max(solve_colliders(),
-                 holders.any_slips() ? frame_context.h * holders.solve_pass(state.velocities) : 0);
+    const double on_colliders = solve_colliders();
+    const double touching = std::max(on_colliders, solve_holders());
     if (!colliders.empty()) spend(1);
     // With self contact or pinched points `touched` stays infinite: one pass over springs a round.
     if (!self_contacts && pinches.count() == 0) touched = touching;
     const bool limited = stretching <= small.stretch || passes >= limit_passes;
     const bool solved = limited && touching <= small.touch && folding <= small.fold;
     // Light cloth between a body and another collider may have no room for all of its contacts.
-    if (collider_contacts.is_between_bodies() && limited && stall.after(touching)) break;
+    const bool may_stall = collider_contacts.is_between_bodies() && attachments.empty();
+    if (may_stall && limited && stall.after(on_colliders)) break;
     const bool is_still = stretching == 0 && touching == 0 && folding == 0;  // as in the next pass
     if ((solved && (passes >= required_passes || is_still)) || budget.is_spent()) break;
   }
   report.sweeps += passes;
   report.slipping = pinches.slipping();
+}
+
+double Simulator::Impl::solve_holders() {
+  double largest = holders.any_slips() ? holders.solve_pass(state.velocities) : 0;
+  if (!attachments.empty()) {
+    largest = std::max(largest, attachments.solve_pass(bodies, state.velocities));
+  }
+  return frame_context.h * largest;
 }
 
 double Simulator::Impl::solve_colliders() {

@@ -69,6 +69,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
 
 void Simulator::Impl::begin_frame() {
   if (!holders.empty()) holders.begin_frame(hold_targets(), frame_context.dt, state);
+  attachments.begin_frame();
   // Something moves again: colliders push cloth out at full speed.
   if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
   if (strain_limit) strain_limit->begin_frame(speed_given());
@@ -168,10 +169,10 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
     energy_watch.restart();
     return true;
   }
-  return energy_watch.accepts(cloth, scene.simulation.gravity, frame_context.dt, before, state,
-                              colliders, frame_context.recovers ? recovery_speed : 0,
-                              frame_context.wind.norm(),
-                              work_of_external_forces(frame_context.dt, before) + holders.work());
+  return energy_watch.accepts(
+      cloth, scene.simulation.gravity, frame_context.dt, before, state, colliders,
+      frame_context.recovers ? recovery_speed : 0, frame_context.wind.norm(),
+      work_of_external_forces(frame_context.dt, before) + holders.work() + attachments.work());
 }
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
@@ -301,7 +302,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!bodies.empty() && !touches()) solve_bodies_alone();
-  if (!holders.empty()) judge_holders(h);
+  if (!holders.empty() || !attachments.empty()) judge_holders(h);
   if (measures_wrenches) add_collider_impulses(h);
   return !budget.is_spent();
 }

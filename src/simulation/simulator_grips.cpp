@@ -37,14 +37,30 @@ void Simulator::Impl::hold_points() {
   grips.for_each_held([&](int grip, int point, const Vector3&) {
     holds.push_back({point, first_grip + grip});
   });
-  for (const auto& [frame, grip] : grips.all()) strengths.push_back(grip.strength);
+  for (const auto& [frame, grip] : grips.all()) {
+    if (!grip.on_body) strengths.push_back(grip.strength);
+  }
+  attachments.attach(grips.on_bodies());
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (bodies.leads(k)) bodies.hold(k, grips.frame_of_body(k) != nullptr);
+  }
   const double mass = cloth.mass.sum() + bodies.mass();
   holders.hold(holds, strengths, cloth,
                mass * std::max(scene.simulation.gravity.norm(), min_gravity), state.positions);
-  if (strain_limit) strain_limit->leave_to_holders(holders.holder_of_points(cloth));
+  leave_springs_to_holders();
   follow_holders();
   if (self_contacts) self_contacts->restart_detection();
   disturbed = true;
+}
+
+void Simulator::Impl::leave_springs_to_holders() {
+  if (!strain_limit) return;
+  std::vector<int> holder_of = holders.holder_of_points(cloth);
+  for (const BodyAttachments::Attachment& a : grips.on_bodies()) {
+    // Numbers of bodies follow those of pins and grips, of which there is at most one a point.
+    holder_of[static_cast<std::size_t>(a.point)] = cloth.num_points() + static_cast<int>(a.body);
+  }
+  strain_limit->leave_to_holders(holder_of);
 }
 
 void Simulator::Impl::follow_holders() {
@@ -61,6 +77,7 @@ std::vector<Vector3> Simulator::Impl::hold_targets() const {
 
 void Simulator::Impl::judge_holders(double h) {
   const double scale = as_force(cloth, h);
+  attachments.end_step(scale, state.velocities);
   if (holders.any_sticks()) {
     if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
       solver->add_reactions(cloth, h, impulses);  // of the springs as far as it solved them
@@ -75,6 +92,7 @@ void Simulator::Impl::judge_holders(double h) {
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {
   grips.measure(cloth, dt, holders, pin_targets.size(), before, state);
+  grips.measure(dt, attachments, colliders, state.positions);
   const std::vector<int> torn = grips.torn();
   if (torn.empty()) return;
   grips.detach(torn);
@@ -96,8 +114,16 @@ void Simulator::Impl::finish_colliders(double dt) {
 void Simulator::attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
                        const GripForces& forces) {
   check_place(pose);
-  impl_->grips.attach(frame, pose, points, forces, impl_->holders, impl_->state.positions);
-  impl_->hold_points();
+  impl_->attach(frame, pose, points, forces);
+}
+
+void Simulator::Impl::attach(const std::string& frame, const Pose& pose,
+                             const std::vector<int>& points, const GripForces& forces) {
+  const std::optional<std::size_t> body = body_named(frame);
+  const auto is_held = [&](int point) { return holders.holds(point) || attachments.holds(point); };
+  grips.attach(frame, body ? colliders[*body].pose() : pose, body, points, forces, is_held,
+               state.positions);
+  hold_points();
 }
 
 std::vector<int> Simulator::free_points_near(const Vector3& position, double radius) const {
@@ -106,7 +132,7 @@ std::vector<int> Simulator::free_points_near(const Vector3& position, double rad
   bool is_any_held = false;
   for (int i = 0; i < cloth().num_points(); ++i) {
     if ((row(state().positions, i) - position).norm() > radius) continue;
-    const bool is_held = impl_->holders.holds(i);
+    const bool is_held = impl_->holders.holds(i) || impl_->attachments.holds(i);
     is_any_held = is_any_held || is_held;
     if (!is_held) free.push_back(i);
   }
@@ -121,10 +147,12 @@ std::vector<int> Simulator::free_points_near(const Vector3& position, double rad
 std::vector<HolderReport> Simulator::holders() const {
   const Holders& holders = impl_->holders;
   std::vector<HolderReport> reports;
+  int number = 0;
   const auto add = [&](const std::string& name, std::size_t first, std::size_t count) {
-    const int number = static_cast<int>(reports.size());
-    HolderReport report{name, holders.point(first), holders.strength(number),
-                        holders.force(number, frame_duration()), 0};
+    const int holder = number++;
+    if (count == 0) return;  // it holds bodies alone
+    HolderReport report{name, holders.point(first), holders.strength(holder),
+                        holders.force(holder, frame_duration()), 0};
     for (std::size_t i = first; i < first + count; ++i) {
       report.lag = std::max(report.lag, holders.lag(i, state().positions));
     }
@@ -136,6 +164,7 @@ std::vector<HolderReport> Simulator::holders() const {
     ++next;
   }
   for (const auto& [frame, grip] : grips()) {
+    if (grip.on_body) continue;
     add(frame, next, grip.held.size());
     next += grip.held.size();
   }
@@ -149,7 +178,12 @@ void Simulator::detach(const std::vector<int>& points) {
 
 void Simulator::move_grip(const std::string& frame, const Pose& target) {
   check_place(target);
+  const Grip& grip = impl_->grips.all().at(frame);
+  if (grip.on_body) throw InvalidValue({"frame"}, frame + ", a rigid body", "a tf frame");
   impl_->grips.move(frame, target);
+  for (const Grip::HeldBody& body : grip.bodies) {
+    impl_->move_body(body.leader, target * body.offset);
+  }
 }
 
 const std::map<std::string, Grip>& Simulator::grips() const { return impl_->grips.all(); }

@@ -81,14 +81,15 @@ struct Simulator::Impl {
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();
     }
-    grips.clear();
-    holders = {};
-    hold_points();
     for (std::size_t i = 0; i < colliders.size(); ++i) {
       colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
       colliders[i].enable(scene.colliders[i].enabled);
     }
-    start_bodies();
+    bodies.start(scene.colliders, colliders);
+    grips.clear();
+    holders = {};
+    hold_points();
+    attach_to_bodies();
     collider_wrenches.assign(colliders.size(), {});
     external_forces.resize(0, 3);
     last_substep = 0;
@@ -130,6 +131,7 @@ struct Simulator::Impl {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
     body_contacts.reset();
+    attachments.reset();
     if (self_contacts) self_contacts->reset();
   }
 
@@ -137,7 +139,7 @@ struct Simulator::Impl {
     strain_limit.reset();
     if (!cloth.strain_limit || cloth.springs.empty()) return;
     strain_limit.emplace(cloth, &budget);
-    strain_limit->leave_to_holders(holders.holder_of_points(cloth));
+    leave_springs_to_holders();
     cloth_with_tension_mass = cloth;
   }
 
@@ -167,6 +169,11 @@ struct Simulator::Impl {
   static void hold_pins(Cloth&);
   /// To be called when other points are attached.
   void hold_points();
+  /// Attaches points to a tf frame, or to the body of that name.
+  void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
+              const GripForces&);
+  /// Springs between two points of one holder are no matter of the strain limit.
+  void leave_springs_to_holders();
   /// To be called when held points start to slip or to stick: their inverse masses change.
   void follow_holders();
   /// Targets of pins and grips at the frame's end [m], in the order of holders.
@@ -196,8 +203,14 @@ struct Simulator::Impl {
   /// Sets the friction of the scene.
   void set_collider_friction();
 
-  /// Gives the bodies the velocities of the scene.
-  void start_bodies();
+  /// Attaches the points that the scene attaches to bodies.
+  void attach_to_bodies();
+  /// The leader of the body of that name.
+  std::optional<std::size_t> body_named(const std::string& name) const;
+  /// Moves a collider, or all of a body, to a target in the next frame.
+  void move_body(std::size_t leader, const Pose& target);
+  /// Puts all colliders of a body at the places that belong to a pose of its leader.
+  void place_body(std::size_t leader, const Pose&);
   /// Gives the colliders of bodies, which were restored, the velocities of the memory; else the
   /// bodies those of their colliders.
   void restore_velocities(bool of_memory);
@@ -205,13 +218,10 @@ struct Simulator::Impl {
   void begin_bodies(double h);
   /// Solves the contacts of the bodies where the cloth touches nothing.
   void solve_bodies_alone();
-  /// Ends the substep of the bodies.
   void end_bodies();
-  /// The index of a body, or of a collider that goes as it is told: throw InvalidValue for the
-  /// other kind.
+  /// Throw InvalidValue for a collider that is no body, or that is one.
   std::size_t body_index(int index) const;
   void check_driven(std::size_t index) const;
-  /// Are the poses and velocities of all bodies finite?
   bool has_good_bodies() const;
   /// Substeps of a frame of dt [s] in which no body passes through another collider.
   int substeps_of_bodies(double dt) const;
@@ -248,8 +258,7 @@ struct Simulator::Impl {
   /// Displacement of points and colliders, together, before contact with features that were not
   /// detected [m]. Sets the speed of these colliders.
   double max_undetected();
-  /// After a substep of h [s] with detection, and after one without: may the next one skip
-  /// detection?
+  /// After a substep of h [s] with detection, and after one without: may the next one skip it?
   void end_detection(double h);
   void count_displacement(double h);
   bool may_skip_detection(double h) const;
@@ -261,8 +270,9 @@ struct Simulator::Impl {
     const double of_bodies = bodies.empty() ? 0 : bodies.fastest_surface();
     return longest_row(velocities) + std::max(frame_context.collider_speed, of_bodies);
   }
-  /// The data of a substep of h [s] for contacts.
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
+  /// Corrects the violations that curvature and early ends of passes leave in the positions.
+  void correct_positions(bool runs_detection, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
   /// The same where the cloth can touch nothing. `length`: the strain tolerance times the shortest
@@ -280,6 +290,8 @@ struct Simulator::Impl {
   void solve(bool runs_detection, StepReport&);
   /// One pass over all contacts of colliders. Returns the largest change as a displacement [m].
   double solve_colliders();
+  /// The same over points that slip behind their holders, and points on bodies.
+  double solve_holders();
   /// Largest number of passes over the strain limit in a substep.
   int max_limit_passes() const;
   /// Takes `visits_a_point` visits to each point from the frame's budget.
@@ -324,16 +336,17 @@ struct Simulator::Impl {
   /// Substeps of a frame for springs that lengthen fast, so that their limit can act.
   int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything in this frame?
-  bool touches() const { return self_contacts || touches_others() || holders.any_slips(); }
+  bool touches() const {
+    return self_contacts || touches_others() || holders.any_slips() || !attachments.empty();
+  }
   bool touches_others() const { return !frame_context.is_apart && has_colliders(); }
   /// Is no point pinned or attached?
-  bool is_free() const { return holders.empty(); }
+  bool is_free() const { return holders.empty() && attachments.empty(); }
   bool has_colliders() const {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// Are all colliders out of reach of the cloth in this frame, while its points move by at most
-  /// allowed_way, which this sets?
+  /// Are all colliders out of reach in this frame? Sets allowed_way, the points' displacement.
   bool is_out_of_reach();
   /// The cloth with the added inertia in a step of h [s].
   const Cloth& add_tension_mass(double h);
@@ -355,6 +368,7 @@ struct Simulator::Impl {
   ColliderContacts collider_contacts;
   RigidBodies bodies;  // of these colliders
   BodyContacts body_contacts;
+  BodyAttachments attachments;
   std::optional<SelfContacts> self_contacts;
   Workers workers;
   std::vector<Vector3> pin_targets;

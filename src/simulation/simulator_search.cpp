@@ -17,7 +17,7 @@ namespace clothsim {
 
 bool Simulator::Impl::is_settled() const {
   return (!strain_limit || strain_limit->is_idle()) && collider_contacts.is_settled() &&
-         !holders.any_slips();
+         !holders.any_slips() && attachments.empty();
 }
 
 void Simulator::Impl::plan_detection(double h) {

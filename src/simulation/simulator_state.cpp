@@ -75,6 +75,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (self_contacts) self_contacts->write(memory);
   bodies.write(memory);
   if (!bodies.empty()) body_contacts.write(memory);
+  attachments.write(memory);
   holders.write(memory);
 }
 
@@ -121,6 +122,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   read_bodies.read(memory);
   BodyContacts read_body_contacts = body_contacts;
   if (!bodies.empty()) read_body_contacts.read(memory, colliders.size());
+  BodyAttachments read_attachments = attachments;
+  read_attachments.read(memory);
   Holders read_holders = holders;
   read_holders.read(memory);
   memory.finish();
@@ -131,6 +134,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   self_contacts = std::move(read_self_contacts);
   bodies = std::move(read_bodies);
   body_contacts = std::move(read_body_contacts);
+  attachments = std::move(read_attachments);
   holders = std::move(read_holders);
   follow_holders();
   restore_velocities(true);
@@ -258,6 +262,14 @@ void Simulator::restore(const Saved& saved) {
       !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
                   impl_->colliders.end(), same)) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
+  }
+  for (const auto& [frame, grip] : saved.grips.all()) {
+    bool has_bodies = !grip.on_body || impl_->bodies.leads(*grip.on_body);
+    for (const Grip::HeldBody& b : grip.bodies) {
+      has_bodies = has_bodies && impl_->bodies.leads(b.leader);
+    }
+    if (has_bodies) continue;
+    throw InvalidValue({"state"}, "a body that the scene has not", "one of this scene");
   }
   impl_->grips = saved.grips;
   impl_->hold_points();

@@ -218,3 +218,83 @@ def test_bodies_that_cannot_be_are_refused(collider, message):
     with pytest.raises(clothsim.InvalidValue) as caught:
         Simulator(trampoline(collider))
     assert str(caught.value).startswith(message)
+
+
+def test_a_held_body_follows_its_frame_and_flies_on():
+    simulator = Simulator(trampoline(BALL))
+    ball = simulator.bodies["ball"]
+    ball.attach("hand", pose=[0.5, 0.5, 2])
+    assert ball.frame == "hand"
+    simulator.step(45, targets={"hand": [0.5, 0.2, 2]})
+    np.testing.assert_allclose(ball.pose[:3], [0.5, 0.2, 1.12], atol=1e-12)
+    np.testing.assert_allclose(ball.velocity, [0, -0.6, 0], atol=1e-9)
+    saved = simulator.save()
+    ball.detach()
+    assert ball.frame is None
+    simulator.step()
+    np.testing.assert_allclose(ball.velocity, [0, -0.6 * math.exp(-2 / 90), -G / 90], atol=2e-3)
+    flown = ball.pose
+    simulator.restore(saved)
+    assert ball.frame == "hand"
+    ball.detach()
+    simulator.step()
+    assert np.array_equal(ball.pose, flown)
+    simulator.reset()
+    assert ball.frame is None
+
+
+def test_a_body_without_a_frame_s_pose_is_held_where_it_is():
+    simulator = Simulator(trampoline(BALL))
+    simulator.bodies["ball"].attach("hand")
+    simulator.step(20)
+    np.testing.assert_allclose(simulator.bodies["ball"].pose[:3], BALL["center"], atol=1e-12)
+    np.testing.assert_allclose(simulator.grips["hand"]["pose"][:3], BALL["center"], atol=1e-12)
+
+
+def test_points_on_a_body_pull_on_it():
+    simulator = Simulator({
+        "cloth": {"columns": 5, "rows": 9, "width": 0.2, "height": 0.4, "orientation": "vertical", "damping": 4,
+                  "origin": [0, 0, 1], "density": 0.3, "ks": 1000, "pinned": [[c, 8] for c in range(5)],
+                  "attached": [{"body": "brick", "points": [[c, 0] for c in range(5)]}]},
+        "colliders": [{"name": "brick", "shape": "box", "size": [0.3, 0.1, 0.1], "center": [0.1, 0, 0.94],
+                       "mass": 0.3, "damping": 1}]})
+    simulator.step(540)
+    assert simulator.grips["brick"]["points"] == list(range(5))
+    assert simulator.grips["brick"]["force"][2] == pytest.approx(0.3 * G, rel=0.02)
+    again_ = pickle.loads(pickle.dumps(simulator))
+    simulator.step(20)
+    again_.step(20)
+    assert same_state(simulator, again_)
+    simulator.detach("brick")
+    simulator.step(30)
+    assert simulator.bodies["brick"].velocity[2] < -2
+
+
+@pytest.mark.parametrize("act, message", [
+    (lambda s: s.step(targets={"ball": [0, 0, 0]}), "ball"),
+    (lambda s: s.place_frame("ball", [0, 0, 1]), "ball: got a rigid body"),
+    (lambda s: s.attach("ball", points=[3], pose=[0, 0, 0]), "ball: got a rigid body"),
+    (lambda s: s.attach("ball", points=[3], strength=2), "strength: got 2"),
+    (lambda s: s.bodies["ball"].detach(), "body: got ball"),
+    (lambda s: s.bodies["ball"].attach("brick"), "frame: got brick, a rigid body"),
+    (lambda s: s.bodies["ball"].attach(""), "frame: got"),
+    (lambda s: s.bodies["ball"].attach("hand", pose=[0, 0, math.nan]), "got nan")])
+def test_holds_that_cannot_be_are_refused_and_nothing_changes(act, message):
+    simulator = Simulator(trampoline(BALL, BRICK))
+    with pytest.raises(InvalidValue, match=message):
+        act(simulator)
+    assert simulator.grips == {}
+    assert simulator.bodies["ball"].frame is None
+
+
+def test_a_joint_leaves_one_motion():
+    drawer = dict(BRICK, rpy=[0, 0, 0], joint={"type": "slider", "axis": [2, 0, 0], "upper": 0.2}, velocity=[1, 1, 1])
+    simulator = Simulator(trampoline(drawer))
+    body = simulator.bodies["brick"]
+    simulator.step(9)
+    np.testing.assert_allclose(body.pose[:3], [0.7, 0.5, 1.6], atol=1e-9)
+    simulator.step(90)
+    np.testing.assert_allclose(body.pose[:3], [0.8, 0.5, 1.6], atol=1e-12)
+    body.place([0.6, 0.5, 1.6])
+    with pytest.raises(InvalidValue, match="pose: got one that its joint does not allow"):
+        body.place([0.6, 0.5, 1.7])

@@ -16,8 +16,8 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from tf2_msgs.msg import TFMessage
 
 from clothsim.msg import Bodies, Colliders
-from clothsim.srv import LoadScene, RestoreState, SaveState, SetBody
-from cloth_client import Cloth, Recorder, call, content, is_connected, says, wait_for
+from clothsim.srv import Attach, AttachBody, DetachBody, LoadScene, RestoreState, SaveState, SetBody
+from cloth_client import Cloth, Frames, Recorder, call, content, is_connected, make_transform, says, wait_for
 
 G = 9.8
 SCENES = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "config", "scenes")
@@ -43,7 +43,7 @@ class BodiesTest(unittest.TestCase):
         """The bodies by name, after so many frames."""
         state = self.cloth.step(frames)
         return {b.name: b for b in self.bodies.wait(
-            "the bodies of the frame", lambda m: m.step == state.step).bodies}
+            "the bodies of the frame", lambda m: m.header.stamp == state.header.stamp).bodies}
 
     def put(self, pose, twist=None, name="ball"):
         return call("/clothsim/set_body", SetBody, name, pose, twist or Twist())
@@ -86,6 +86,36 @@ class BodiesTest(unittest.TestCase):
             self.assertRegex(answer.message, says(message))
         self.assertAlmostEqual(self.step(1)["ball"].pose.position.z, 1.7, delta=1e-2)
 
+    def test_a_frame_holds_one_and_lets_it_go(self):
+        frames = Frames()
+        frames.send(make_transform("hand", (0, 0, 0)))
+        self.assertTrue(call("/clothsim/attach_body", AttachBody, "ball", "hand").success)
+        ball = self.step(5)["ball"]
+        self.assertEqual(ball.frame, "hand")
+        start = ball.pose.position
+        for k in range(1, 10):
+            frames.send(make_transform("hand", (0, -0.01 * k, 0)))
+            ball = self.step(1)["ball"]
+        self.assertAlmostEqual(ball.pose.position.y, start.y - 0.09, delta=1e-9)
+        self.assertAlmostEqual(ball.twist.linear.y, -0.9, delta=1e-6)
+        answer = call("/clothsim/attach_body", AttachBody, "ball", "hand")
+        self.assertRegex(answer.message, says("body: got ball ... hand ... a body that no tf frame holds"))
+        self.assertTrue(call("/clothsim/detach_body", DetachBody, "ball").success)
+        ball = self.step(9)["ball"]
+        self.assertEqual(ball.frame, "")
+        self.assertLess(ball.pose.position.y, start.y - 0.16)
+        self.assertLess(ball.pose.position.z, start.z - 0.03)
+        self.assertRegex(call("/clothsim/detach_body", DetachBody, "ball").message, says("body: got ball"))
+
+    def test_points_on_one_pull_on_it(self):
+        self.assertTrue(self.put(there(0.5, 0.5, 1.2)).success)
+        answer = call("/clothsim/attach", Attach, "ball", [15 * 31 + 15], 0, 0, 0)
+        self.assertTrue(answer.success, answer.message)
+        bodies = self.step(180)
+        self.assertGreater(bodies["ball"].pose.position.z, 0.2)
+        answer = call("/clothsim/attach", Attach, "ball", [3], 0, 0, 5)
+        self.assertRegex(answer.message, says("strength: got 5"))
+
     def test_saved_states_have_them(self):
         self.step(40)
         self.assertTrue(call("/clothsim/save_state", SaveState, "falling").success)
@@ -105,7 +135,12 @@ class BodiesTest(unittest.TestCase):
         self.cloth.reset()
         self.step(20)
         self.assertTrue(self.put(there(0.6, 0.5, 1.15), Twist(Vector3(0, 0, -1), Vector3())).success)
-        self.step(40)
+        self.step(10)
+        Frames().send(make_transform("bagged", (0, 0, 1)))
+        self.assertTrue(call("/clothsim/attach_body", AttachBody, "box", "bagged").success)
+        self.step(10)
+        self.assertTrue(call("/clothsim/detach_body", DetachBody, "box").success)
+        self.step(20)
         recorder.send_signal(signal.SIGINT)
         recorder.wait()
         replay = roslib.packages.find_node("clothsim", "replay_bag")[0]

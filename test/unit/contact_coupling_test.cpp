@@ -16,7 +16,9 @@ struct UnderABody {
   ContactCoupling coupling;
 
   UnderABody() {
-    body.inv_mass = 1 / 50.0;
+    body.is_body = true;
+    body.least_inv_mass = 1 / 50.0;
+    body.inv_mass = body.least_inv_mass * Matrix3::Identity();
     body.inv_inertia = 2 * Matrix3::Identity();
     body.center = {0, 0, 0.3};
     body.velocity = {0.2, 0, -1};
@@ -30,7 +32,7 @@ struct UnderABody {
   Vector3 momentum() const {
     const ContactCoupling::Corner& c = coupling.corners[0];
     // What the ground takes has no velocity: by its impulse.
-    return body.velocity / body.inv_mass + c.mass * c.velocity - c.mass * c.of_b.total();
+    return body.velocity / body.least_inv_mass + c.mass * c.velocity - c.mass * c.of_b.total();
   }
 };
 
@@ -79,7 +81,7 @@ TEST(ContactCoupling, StaysInTheConesAndKeepsMomentum) {
       c.corners[k].of_b.friction = std::abs(one(random));
     }
     const auto momentum = [&] {
-      Vector3 sum = scene.body.velocity / scene.body.inv_mass;
+      Vector3 sum = scene.body.velocity / scene.body.least_inv_mass;
       for (std::size_t k = 0; k < c.count; ++k) {
         sum += c.corners[k].mass * (c.corners[k].velocity - c.corners[k].of_b.total());
       }

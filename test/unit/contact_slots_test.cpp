@@ -98,6 +98,18 @@ struct Twin {
   std::vector<std::optional<ContactImpulse>> held;
 };
 
+/// The distance of a block's nearest point from a collider [m].
+double least_distance(const MovingCollider& collider, int b, const Cloth& cloth,
+                      const Points& start, const Points& positions) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = ContactSlots::first_of(b); i < ContactSlots::end_of(b, cloth); ++i) {
+    const Vector3 x = to_local(collider.pose(), row(positions, i));
+    const Vector3 before = to_local(collider.previous(), row(start, i));
+    least = std::min(least, signed_distance(collider.shape(), x, before).value);
+  }
+  return least;
+}
+
 TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
   constexpr int count = 8 * 24 + 5;
   const Span spans[] = {{0, 16}, {16, 17}, {17, 25}};
@@ -121,7 +133,15 @@ TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
 
       const ContactSlots::Detector detector(collider, offset, {});
       slots.start_over();
-      for (const Span& span : spans) slots.find(span, detector, cloth, step, state);
+      for (const Span& span : spans) {
+        double nearest[Span::longest];
+        slots.find(span, detector, cloth, step, state, nearest);
+        for (int b = span.begin; b < span.end; ++b) {
+          const double least = nearest[b - span.begin];
+          if (!std::isfinite(least)) continue;  // a block with impulses
+          EXPECT_NEAR(least, least_distance(collider, b, cloth, start, state.positions), 1e-12);
+        }
+      }
       slots.close();
       slots.warm_start(cloth, scale, state.velocities);
       for (int pass = 0; pass < 3; ++pass) slots.solve_pass(friction, state.velocities);
@@ -187,8 +207,10 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   const Points at = Points::Constant(40, 3, offset), still = Points::Zero(40, 3);
   State state{at, still, 0};
   slots.start_over();
+  double nearest[1];
   slots.find({3, 4}, ContactSlots::Detector(plane, offset, {}), cloth,
-             {h, displacement_factor, at, still, Workers()}, state);
+             {h, displacement_factor, at, still, Workers()}, state, nearest);
+  EXPECT_TRUE(std::isinf(nearest[0])) << "a point with an impulse does not sleep";
   slots.close();
   slots.warm_start(cloth, 0.5, state.velocities);
   EXPECT_EQ(slots.count(), 1) << "the other two are in a block that nobody looked at";

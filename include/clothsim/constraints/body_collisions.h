@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace clothsim {
 
 /// A place where two colliders touch or come near each other.
 struct BodyTouch {
-  std::size_t a = 0;        // a rigid body
+  std::size_t a = 0;        // of a rigid body
   std::size_t b = 0;        // another collider
   Vector3 place{0, 0, 0};   // halfway between the surfaces, in the world [m]
   Vector3 normal{0, 0, 1};  // from b to a, unit
@@ -22,14 +23,15 @@ struct BodyTouch {
 /// alone.
 class BodyCollisions {
  public:
-  /// `colliders[k]` is a body where `is_body[k]`.
+  /// `colliders[k]` is a shape of a body where `is_body[k]`.
   BodyCollisions(const std::vector<MovingCollider>& colliders, const std::vector<char>& is_body);
   ~BodyCollisions();
   BodyCollisions(const BodyCollisions&) = delete;
   BodyCollisions& operator=(const BodyCollisions&) = delete;
 
-  /// All places with a gap of at most `reach` [m].
-  std::vector<BodyTouch> find(const std::vector<MovingCollider>&, double reach);
+  /// All places with a gap of at most `reach` [m] of pairs that `may_touch`.
+  std::vector<BodyTouch> find(const std::vector<MovingCollider>&, double reach,
+                              const std::function<bool(std::size_t, std::size_t)>& may_touch);
 
  private:
   struct World;

@@ -21,11 +21,15 @@ struct Overlap {
 /// Contact of rigid bodies with each other and with other colliders, by the same law as that of the
 /// cloth (ContactImpulse), so that passes over both converge together. Friction between two
 /// colliders is the geometric mean of theirs. Impulses are kept for places that have hardly moved.
+/// The limits of joints are unilateral rows, too. A body with a joint has no contact with colliders
+/// that it overlaps at the start, such as the rod of a ring.
 class BodyContacts {
  public:
   /// Detects the contacts of a step of h [s] after the bodies' free motion, and warm-starts them.
-  /// `gravity`: for the bound on their impulses, see strongest_squeeze [m/s^2].
-  void prepare(double h, double gravity, const std::vector<MovingCollider>&, RigidBodies&);
+  /// `gravity`: for the bound on their impulses, see strongest_squeeze [m/s^2]. `specs`: of the
+  /// scene.
+  void prepare(double h, double gravity, const std::vector<ColliderSpec>& specs,
+               const std::vector<MovingCollider>&, RigidBodies&);
 
   /// One pass. Returns the largest change of a relative velocity [m/s].
   double solve_pass(RigidBodies&);
@@ -49,13 +53,26 @@ class BodyContacts {
     ContactImpulse impulse = {};  // on a
   };
 
+  struct LimitContact {
+    std::size_t body;
+    RigidBodies::JointLimit limit;
+    double slowest;      // allowed rate along the limit's direction [m/s] or [rad/s]
+    double impulse = 0;  // >= 0, along it [N s] or [N m s]
+  };
+  struct Setup;  // found once for a scene
+
+  void prepare_contacts(double scale, double gravity, const std::vector<MovingCollider>&,
+                        RigidBodies&);
+  void prepare_limits(double scale, RigidBodies&);
+  static void give(const LimitContact&, double impulse, RigidBodies&);
   void warm_start(double scale, double radius, PairContact&);
   static void give(const BodyTouch&, const Vector3& impulse, RigidBodies&);
   static Vector3 relative_velocity(const BodyTouch&, const RigidBodies&);
 
-  std::shared_ptr<BodyCollisions> collisions_;  // without a state
+  std::shared_ptr<Setup> setup_;  // without a state
   std::vector<PairContact> contacts_;
   std::vector<PairContact> last_;
+  std::vector<LimitContact> limits_;
   double h_ = 0;
 };
 

@@ -51,6 +51,13 @@ struct Pin {
   std::optional<double> strength{};  // [N] largest force; empty: pin_strength
 };
 
+/// Grid points that are attached to a rigid body, by its name.
+struct BodyPoints {
+  std::string body;
+  std::vector<std::array<int, 2>> points;  // [column, row]
+  std::optional<double> tear_force{};      // [N] beyond which all let go; empty: never
+};
+
 enum class Orientation { horizontal, vertical };
 
 /// Contact of a cloth with itself: none, between its points, or between its surfaces; `automatic`
@@ -69,6 +76,7 @@ struct ClothSpec {
   Orientation orientation = Orientation::horizontal;
   Vector3 origin{0, 0, 1};  // [m] of point (0, 0)
   std::vector<Pin> pinned;
+  std::vector<BodyPoints> attached;
   std::optional<double> pin_strength;  // [N] of pins without a strength; empty: default_strength()
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
@@ -85,6 +93,10 @@ inline constexpr Range tear_force_range{0, 1e12, "N"};
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);
 void validate(const ClothSpec&);
+
+/// Throws InvalidValue unless the cloth has such a point.
+void check_grid_point(const ClothSpec&, int column, int row);
+std::string grid_point_text(int column, int row);
 
 /// The same for a thickness [m] and a friction coefficient of a cloth.
 void validate_contact(double thickness, double friction);

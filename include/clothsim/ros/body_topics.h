@@ -1,6 +1,8 @@
 #pragma once
 
+#include <clothsim/AttachBody.h>
 #include <clothsim/Bodies.h>
+#include <clothsim/DetachBody.h>
 #include <clothsim/SetBody.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -14,17 +16,18 @@
 #include <vector>
 
 #include "clothsim/ros/changes.h"
+#include "clothsim/ros/grasper.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim_ros {
 
-/// The rigid bodies of the scene: ~bodies, their tf frames and ~set_body. A scene without bodies
-/// has none of these.
+/// The rigid bodies of the scene: ~bodies, their tf frames, ~set_body, ~attach_body and
+/// ~detach_body. A scene without bodies has none of these.
 class BodyTopics {
  public:
   /// All arguments must outlive this. `redraw`: called when a body has been put elsewhere.
-  BodyTopics(const ros::NodeHandle&, clothsim::Simulator&, Changes&, std::string world_frame,
-             std::function<void()> redraw);
+  BodyTopics(const ros::NodeHandle&, clothsim::Simulator&, Grasper&, Changes&,
+             std::string world_frame, std::function<void()> redraw);
 
   /// Does the next frame need the forces of the cloth on bodies?
   bool asks_for_wrenches() const { return bodies_ && bodies_.getNumSubscribers() > 0; }
@@ -45,18 +48,21 @@ class BodyTopics {
   clothsim::Bodies message() const;
   tf2_msgs::TFMessage transforms() const;
   bool set_body(clothsim::SetBody::Request&, clothsim::SetBody::Response&);
+  bool attach_body(clothsim::AttachBody::Request&, clothsim::AttachBody::Response&);
+  bool detach_body(clothsim::DetachBody::Request&, clothsim::DetachBody::Response&);
   /// The collider of a body. Throws InvalidValue.
   int find(const std::string& name) const;
 
   ros::NodeHandle node_;
   clothsim::Simulator& simulator_;
+  Grasper& grasper_;
   Changes& changes_;
   std::string world_frame_;
   std::function<void()> redraw_;
   std::vector<Body> all_;
   ros::Publisher bodies_;
   ros::Publisher tf_;
-  ros::ServiceServer set_body_;
+  std::vector<ros::ServiceServer> services_;
   ros::Time stamp_;
   std::uint64_t step_ = 0;
 };

@@ -41,6 +41,11 @@ class Grasper {
   /// To be called when the simulator may have other grips without a frame in between.
   void follow_grips();
 
+  /// Holds a body with a tf frame. Throws InvalidValue.
+  void attach_body(int body, const std::string& frame);
+  /// Lets it go. Throws InvalidValue.
+  void detach_body(int body);
+
   /// The status of each frame that holds points.
   std::vector<FrameStatus> status() const;
 
@@ -62,6 +67,8 @@ class Grasper {
   /// Removes topics whose frames released their points a while ago.
   void end_old_topics();
 
+  /// The pose of a frame, which may be new to tf. Throws InvalidValue.
+  clothsim::Pose first_pose(TfFrame&) const;
   /// Throws InvalidValue where another frame that holds points has the topic of `frame`.
   void check_topic(const std::string& frame) const;
 

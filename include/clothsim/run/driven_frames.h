@@ -99,9 +99,12 @@ class DrivenFrames {
   std::map<std::string, Driven> driven_;  // by frame
 };
 
-/// The pose of a frame by the points attached to it, else by the first collider that follows it;
-/// empty: there is neither.
+/// The pose of a frame by the points attached to it, else by the first collider that follows it, or
+/// of the body of that name; empty: there is none.
 std::optional<Pose> followed_pose(const std::string& frame, const Simulator&);
+
+/// Throws InvalidValue for the name of a rigid body.
+void check_no_body(const std::string& frame, const Simulator&);
 
 /// The frames that the scene's colliders and pins follow, or that points are attached to.
 std::vector<std::string> followed_frames(const Simulator&);

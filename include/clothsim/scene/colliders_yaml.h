@@ -9,6 +9,12 @@ namespace clothsim {
 /// Range of a collider's friction.
 inline constexpr Range friction_range{0, 1e6, ""};
 
+/// Range of the places of colliders and joints.
+inline constexpr Range position_range{-1e6, 1e6, "m"};
+
+/// Reads a vector of any length from 1e-6 on as a unit vector. Throws InvalidValue.
+Vector3 read_direction(const YAML::Node&);
+
 /// Reads one item of a scene's list `colliders`. Throws InvalidValue.
 ColliderSpec read_collider(const YAML::Node&, const SceneSources&);
 

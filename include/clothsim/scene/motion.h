@@ -37,19 +37,21 @@ struct KeyFrameFile {
   std::string file;  // relative to the folder of the scene
 };
 
-/// Points follow a frame from this time on, as by Simulator::attach().
+/// Points, or a rigid body, follow a frame from this time on, as by Simulator::attach() and
+/// attach_body().
 struct AttachPoints {
   std::string frame;
   std::vector<int> points;           // empty: the free points within `radius` of the frame
   double radius = 0;                 // [m]
   std::optional<double> tear_force;  // [N]
   std::optional<double> strength;    // [N]
+  std::string body = {};             // empty: the points
 };
 
 /// A frame releases points.
 struct DetachPoints {
   std::string frame;
-  std::vector<int> points;  // empty: all
+  std::vector<int> points;  // empty: all, and its bodies
 };
 
 struct SwitchCollider {

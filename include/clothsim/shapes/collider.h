@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -47,6 +48,17 @@ inline Pose frame_of(const Pose& pose, const Pose& inner) {
   return {pose.position - turn * inner.position, turn};
 }
 
+/// A joint between a rigid body and the world, with one degree of freedom.
+struct Joint {
+  enum class Kind { slider, hinge };
+  Kind kind = Kind::slider;
+  Vector3 axis{0, 0, 1};   // unit, in the world
+  Vector3 point{0, 0, 0};  // of the axis of a hinge, in the world [m]
+  // Range of the displacement [m], or of the angle [rad], which are 0 at the start:
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+};
+
 /// The mass and the first motion of a collider that the cloth moves, a rigid body.
 struct BodySpec {
   double mass = 1;                        // [kg]
@@ -55,6 +67,7 @@ struct BodySpec {
   double damping = 0;                     // share of its velocities lost to air [1/s]
   Vector3 velocity{0, 0, 0};              // of the centre of mass at the start [m/s]
   Vector3 angular_velocity{0, 0, 0};      // the same, in the world [rad/s]
+  std::optional<Joint> joint = {};        // empty: it moves freely
 };
 
 /// A collider as a scene describes it.
@@ -67,6 +80,7 @@ struct ColliderSpec {
   bool enabled = true;                // false: no contact
   Pose offset = {};                   // of the shape in its frame
   std::optional<BodySpec> body = {};  // empty: it goes as it is told
+  std::string part_of = {};           // name of the body that it is a further shape of; or empty
 };
 
 }  // namespace clothsim

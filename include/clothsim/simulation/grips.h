@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "clothsim/constraints/body_attachments.h"
 #include "clothsim/constraints/holders.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
@@ -19,55 +21,80 @@ struct GripForces {
   std::optional<double> strength;    // [N]
 };
 
-/// Points of a cloth that move with a tf frame, such as a hand.
+/// Points of a cloth and rigid bodies that move with a tf frame, such as a hand; or points that
+/// pull on a rigid body.
 struct Grip {
   struct Held {
     int point;
     Vector3 offset;  // in the tf frame [m]
   };
+  struct HeldBody {
+    std::size_t leader;  // its collider
+    Pose offset;         // in the tf frame
+  };
   std::vector<Held> held;
+  std::vector<HeldBody> bodies;
   Pose pose;                         // of the tf frame, at the end of the next frame of simulation
   std::optional<double> tear_force;  // beyond which the grip lets go [N]; empty: never
   std::optional<double> strength;    // largest pull [N]; empty: default_strength()
+  std::optional<std::size_t> on_body;  // leader of the body that the points pull on; empty: the
+                                       // grip is that of a tf frame
   Wrench wrench;   // of the cloth on the tf frame, about its origin: mean of the last step
   double lag = 0;  // largest distance of a point from its place in the tf frame [m]
 };
 
-/// All grips of a simulation, by the name of their tf frame. Each of their points moves in a
-/// straight line through each frame of simulation.
+/// All grips of a simulation, by the name of their tf frame or body. Each point of a tf frame moves
+/// in a straight line through each frame of simulation.
 class Grips {
  public:
   const std::map<std::string, Grip>& all() const { return all_; }
   bool empty() const { return all_.empty(); }
 
-  /// Throws InvalidValue with the keys {"points", "3"}, {"tear_force"}, {"strength"} and changes
-  /// nothing: for no points, a point that is not of the cloth, that is given twice or that
-  /// `holders` hold already, and for a force out of range.
-  void attach(const std::string& frame, const Pose&, const std::vector<int>& points,
-              const GripForces&, const Holders& holders, const Points& positions);
+  /// Attaches points to a tf frame, or to the body of that name with this leader. Throws
+  /// InvalidValue with the keys {"points", "3"}, {"tear_force"}, {"strength"} and changes nothing:
+  /// for no points, a point that is not of the cloth, that is given twice or that `is_held`
+  /// already, and for a force out of range.
+  void attach(const std::string& frame, const Pose&, std::optional<std::size_t> body,
+              const std::vector<int>& points, const GripForces&,
+              const std::function<bool(int)>& is_held, const Points& positions);
 
   /// Throws InvalidValue with the key {"points", "3"} for a point that is not attached.
   void detach(const std::vector<int>& points);
+
+  /// Holds a body, now at `of_body`, with a tf frame, now at `pose`.
+  void attach_body(std::size_t leader, const Pose& of_body, const std::string& frame,
+                   const Pose& pose);
+  void detach_body(std::size_t leader);
+
+  /// The tf frame that holds a body; null: none.
+  const std::string* frame_of_body(std::size_t leader) const;
 
   void move(const std::string& frame, const Pose& pose) { all_.at(frame).pose = pose; }
 
   void clear() { all_.clear(); }
 
-  /// Calls visit(number of the grip, point, target [m]) for all points, in an order that is
-  /// constant while nothing is attached or detached.
+  /// Calls visit(number of the grip, point, target [m]) for all points of tf frames, in an order
+  /// that is constant while nothing is attached or detached.
   template <typename Visit>
   void for_each_held(Visit&& visit) const {
     int number = 0;
     for (const auto& [frame, grip] : all_) {
+      if (grip.on_body) continue;
       for (const Grip::Held& held : grip.held) visit(number, held.point, place(grip, held));
       ++number;
     }
   }
 
-  /// Sets wrenches and lags after a step of dt [s]. `first`: number in `holders` of the first point
-  /// of the grips.
+  /// The points of bodies, in a constant order as well.
+  std::vector<BodyAttachments::Attachment> on_bodies() const;
+
+  /// Sets wrenches and lags of tf frames after a step of dt [s]. `first`: number in `holders` of
+  /// the first point of the grips.
   void measure(const Cloth&, double dt, const Holders& holders, std::size_t first,
                const State& before, const State& after);
+  /// The same of bodies, and their poses.
+  void measure(double dt, const BodyAttachments&, const std::vector<MovingCollider>&,
+               const Points& positions);
 
   /// The points of the grips whose force exceeds their tear force.
   std::vector<int> torn() const;

@@ -159,16 +159,32 @@ class Simulator {
   /// is then pushed out gently.
   void place_collider(int index, const Pose& pose);
 
-  /// Whether collider `index` is a rigid body, which cloth and other bodies move. move_collider()
-  /// and place_collider() throw InvalidValue for a body, the next two functions for any other
-  /// collider.
+  /// Whether collider `index` is a rigid body, which cloth and other bodies move, or leads one of
+  /// several colliders. move_collider() and place_collider() throw InvalidValue for a body and
+  /// its parts, the next functions for any other collider.
   bool is_body(int index) const;
   BodyMotion body_motion(int index) const;
 
   /// Puts a body at `pose` at once, with these velocities: of its centre of mass [m/s], and angular
-  /// in the world [rad/s]. Throws InvalidValue beyond velocity_range and angular_velocity_range.
+  /// in the world [rad/s]. Throws InvalidValue beyond velocity_range and angular_velocity_range,
+  /// and with the key {"pose"} for a pose that its joint does not allow.
   void set_body(int index, const Pose& pose, const Vector3& velocity,
                 const Vector3& angular_velocity);
+
+  /// From the next frame of simulation on, and until reset(), a body follows a tf frame, now at
+  /// `pose`, with its present offset in it: see move_grip(). Throws InvalidValue for a body that a
+  /// tf frame holds already, and for the name of a body as `frame`.
+  void attach_body(int index, const std::string& frame, const Pose& pose);
+
+  /// Lets a body go, with its velocity of the last frame. Throws InvalidValue for a body that no tf
+  /// frame holds.
+  void detach_body(int index);
+
+  /// The tf frame that holds a body.
+  std::optional<std::string> frame_of_body(int index) const;
+
+  /// The index of the body of that name.
+  std::optional<int> body_named(const std::string& name) const;
 
   /// Enables or disables collider `index`, until reset(). A disabled collider moves but has no
   /// contact. Cloth inside a collider as it is enabled is pushed out as after place_collider().
@@ -184,9 +200,10 @@ class Simulator {
   /// name, now at `pose`, with their present offsets in it, as long as their load is below the
   /// grip's strength: see Holders. If the mean force on the tf frame in one step() exceeds the tear
   /// force, all its points are released. If attach() is called again for a tf frame, the `forces`
-  /// of the last call apply to all its points. Throws InvalidValue with the keys {"points", "3"},
-  /// {"tear_force"} or {"strength"} and changes nothing: without points, for points that do not
-  /// exist, given twice, pinned or attached.
+  /// of the last call apply to all its points. If `frame` is the name of a rigid body, the points
+  /// are attached to the body, which feels their pull; `pose` has no effect then. Throws
+  /// InvalidValue with the keys {"points", "3"}, {"tear_force"} or {"strength"} and changes
+  /// nothing: without points, for points that do not exist, given twice, pinned or attached.
   void attach(const std::string& frame, const Pose& pose, const std::vector<int>& points,
               const GripForces& forces = {});
 
@@ -199,7 +216,8 @@ class Simulator {
   void detach(const std::vector<int>& points);
 
   /// Moves the tf frame to `target` during the next frame of simulation, each of its points in a
-  /// straight line.
+  /// straight line, its bodies as by move_collider(). Throws InvalidValue where the points are
+  /// attached to a body.
   void move_grip(const std::string& frame, const Pose& target);
 
   /// All holders: pins as in the scene, then grips by tf frame. Zero forces before the first

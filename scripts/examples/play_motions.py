@@ -1,0 +1,117 @@
+#!/usr/bin/python3
+"""Plays the motions of the scene that a clothsim node has loaded: its key frames as tf frames, by the simulation's
+time, its attachments by the node's services. Key frames with velocities, files and changes of values are not played.
+
+    roslaunch clothsim bag.launch
+
+Parameter: ~speed (1), factor on the speed of the motions.
+"""
+
+import bisect
+import threading
+
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
+from std_msgs.msg import Header
+from tf.transformations import quaternion_from_euler, quaternion_slerp
+
+from clothsim.msg import ClothState
+from clothsim.srv import Attach, AttachBody, Detach
+
+RATE = 90  # [Hz] of the broadcasts
+
+
+class Track:
+    """The key frames of one tf frame."""
+
+    def __init__(self, entries):
+        entries = sorted(entries, key=lambda entry: entry.get("time", 0))
+        self.times = [entry.get("time", 0) for entry in entries]
+        self.places = [entry["position"] for entry in entries]
+        self.turns = [entry.get("orientation") or quaternion_from_euler(*entry.get("rpy", (0, 0, 0)))
+                      for entry in entries]
+
+    def pose(self, time):
+        """Position and quaternion at a time [s]: as of the scene's motions."""
+        after = bisect.bisect_right(self.times, time)
+        if after == 0 or after == len(self.times):
+            end = max(after - 1, 0)
+            return self.places[end], self.turns[end]
+        begin, end = self.times[after - 1], self.times[after]
+        share = (time - begin) / (end - begin)
+        place = [a + (b - a) * share for a, b in zip(self.places[after - 1], self.places[after])]
+        return place, quaternion_slerp(self.turns[after - 1], self.turns[after], share)
+
+
+class Player:
+    def __init__(self, motions):
+        names = {entry["frame"] for entry in motions if "frame" in entry and "file" not in entry}
+        self.tracks = {name: Track([e for e in motions if e.get("frame") == name]) for name in names}
+        self.events = sorted((e for e in motions if "attach" in e or "detach" in e), key=lambda e: e.get("time", 0))
+        self.speed = rospy.get_param("~speed", 1.0)
+        self.world = rospy.get_param("clothsim/world_frame", "map")
+        self.time = 0.0  # of the motions [s]
+        self.next_event = 0
+        self.stamp = rospy.Time()
+        self.lock = threading.Lock()
+        self.broadcaster = tf2_ros.TransformBroadcaster()
+        rospy.Subscriber("clothsim/state", ClothState, self.hear, queue_size=1)
+        self.timer = rospy.Timer(rospy.Duration(1 / RATE), self.send)  # also during a service call
+
+    def hear(self, state):
+        time = self.speed * state.time
+        if time < self.time:  # the run restarts, with nothing attached
+            self.next_event = 0
+        self.time = time
+
+    def send(self, _event=None):
+        with self.lock:
+            # Listeners drop a second transform with the same stamp.
+            self.stamp = max(rospy.Time.now(), self.stamp + rospy.Duration(0, 1000))
+            header = Header(0, self.stamp, self.world)
+            transforms = []
+            for name, track in self.tracks.items():
+                place, turn = track.pose(self.time)
+                transforms.append(TransformStamped(header, name, Transform(Vector3(*place), Quaternion(*turn))))
+            self.broadcaster.sendTransform(transforms)
+
+    def act(self):
+        """Makes the attachments that are due."""
+        while self.next_event < len(self.events) and self.events[self.next_event].get("time", 0) <= self.time:
+            event = self.events[self.next_event]
+            self.next_event += 1
+            if "body" in event:
+                answer = call("attach_body", AttachBody, event["body"], event["attach"])
+            elif "attach" in event:
+                answer = call("attach", Attach, event["attach"], event.get("points", []), event.get("radius", 0),
+                              event.get("tear_force", 0), event.get("strength", 0))
+            else:
+                answer = call("detach", Detach, event["detach"], event.get("points", []))
+            if not answer.success:
+                raise SystemExit(answer.message)
+
+
+def call(name, service_type, *arguments):
+    rospy.wait_for_service("clothsim/" + name)
+    return rospy.ServiceProxy("clothsim/" + name, service_type)(*arguments)
+
+
+def main():
+    rospy.init_node("play_motions")
+    rospy.wait_for_service("clothsim/attach")
+    motions = rospy.get_param("clothsim/scene/motions", [])
+    if not motions:
+        raise SystemExit("~scene/motions of clothsim: got none, expected some to play")
+    player = Player(motions)
+    rate = rospy.Rate(RATE)
+    while not rospy.is_shutdown():
+        player.act()
+        rate.sleep()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except rospy.ROSInterruptException:
+        pass  # Ctrl-C
