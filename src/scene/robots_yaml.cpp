@@ -11,6 +11,7 @@
 #include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/robot_models.h"
 #include "clothsim/scene/urdf.h"
+#include "clothsim/scene/urdf_bodies.h"
 #include "clothsim/scene/yaml_values.h"
 #include "clothsim/shapes/mesh_file.h"
 
@@ -27,7 +28,8 @@ struct Robot {
   bool has_all = true;
   double friction = 0.6;
   double padding = 0;
-  Pose pose;  // of its root, until frames are known
+  Pose pose;             // of its root, until frames are known
+  bool is_free = false;  // its links are rigid bodies
 
   Urdf urdf;
   std::filesystem::path folder;  // for relative paths of meshes
@@ -170,6 +172,7 @@ Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
                    [&](const YAML::Node& text) {
                      if (!is_word(text, "")) robot.prefix = read_text(text);
                    }},
+                  {"bodies", into(robot.is_free)},
                   {"pose", [&](const YAML::Node& pose) { read_pose(pose, robot.pose); }}});
   check_range("padding", robot.padding, padding_range);
   ColliderSpec any;  // of its links: values that are invalid for all of them are refused
@@ -186,15 +189,25 @@ Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
 
 void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scene) {
   const Robot robot = read_entry(node, sources);
+  const std::size_t first = scene.colliders.size();
   std::set<std::string> names;
   for (const ColliderSpec& collider : scene.colliders) names.insert(collider.name);
   bool has_collisions = false;
+  std::vector<std::pair<const Urdf::Link*, std::size_t>> links;  // by collider
   for (const Urdf::Link& link : robot.urdf.links) {
     const bool is_named =
         std::find(robot.links.begin(), robot.links.end(), link.name) != robot.links.end();
     if (!robot.has_all && !is_named) continue;
     has_collisions = has_collisions || !link.collisions.empty();
     add_link(link, robot, names, scene);
+    while (first + links.size() < scene.colliders.size()) {
+      links.emplace_back(&link, first + links.size());
+    }
+  }
+  if (robot.is_free) {
+    std::vector<LinkCollider> all;
+    for (const auto& [link, index] : links) all.push_back({link, &scene.colliders[index]});
+    make_bodies(robot.urdf, robot.pose, all);
   }
   if (has_collisions) return;
   scene.left_out.push_back(InvalidValue({name_of(robot)}, "links without <collision>",
@@ -209,6 +222,7 @@ std::vector<RobotModel> read_robot_models(const YAML::Node& scene, const SceneSo
     for (std::size_t i = 0; i < scene["robots"].size(); ++i) {
       inside(std::to_string(i), [&] {
         const Robot robot = read_entry(scene["robots"][i], sources);
+        if (robot.is_free) return;  // nobody drives its joints
         models.push_back({name_of(robot), robot.prefix, robot.pose, Kinematics(robot.urdf)});
       });
     }

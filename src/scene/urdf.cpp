@@ -92,11 +92,31 @@ void read_geometry(const XMLElement& element, Urdf::Collision& collision) {
   }
 }
 
+/// The <inertial> of a link, if it has a mass.
+std::optional<Urdf::Inertial> read_inertial(const XMLElement& element) {
+  const XMLElement* given = element.FirstChildElement("inertial");
+  const XMLElement* mass = given ? given->FirstChildElement("mass") : nullptr;
+  const XMLElement* inertia = given ? given->FirstChildElement("inertia") : nullptr;
+  if (!mass || !inertia) return {};
+  Urdf::Inertial inertial;
+  inertial.origin = origin_of(*given);
+  inertial.mass = size(*mass, "value");
+  const auto moment = [&](const char* name) { return numbers(*inertia, name, 1)[0]; };
+  const double xy = moment("ixy"), xz = moment("ixz"), yz = moment("iyz");
+  inertial.inertia << moment("ixx"), xy, xz, xy, moment("iyy"), yz, xz, yz, moment("izz");
+  return inertial;
+}
+
 Urdf::Link read_link(const XMLElement& element) {
   Urdf::Link link;
   const char* name = element.Attribute("name");
   if (!name || !*name) throw InvalidValue({}, "a link without a name", "a name for each link");
   link.name = name;
+  try {
+    link.inertial = read_inertial(element);
+  } catch (const Fault& fault) {
+    link.inertial_fault = fault.what();
+  }
   for (const XMLElement* each = element.FirstChildElement("collision"); each;
        each = each->NextSiblingElement("collision")) {
     Urdf::Collision collision;

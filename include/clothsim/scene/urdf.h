@@ -10,7 +10,7 @@
 
 namespace clothsim {
 
-/// The links of a robot with their collision geometries, as in a URDF.
+/// The links of a robot with their collision geometries and masses, as in a URDF.
 struct Urdf {
   struct Mesh {
     std::string file;        // as in the URDF
@@ -21,10 +21,17 @@ struct Urdf {
     std::variant<Sphere, Cuboid, Cylinder, Capsule, Mesh> geometry;
     std::string fault;  // why it cannot be used; empty: usable
   };
+  struct Inertial {
+    Pose origin;                        // of the centre of mass, in the link's frame
+    double mass = 0;                    // [kg]
+    Matrix3 inertia = Matrix3::Zero();  // about it, in the axes of `origin` [kg m^2]
+  };
   struct Link {
     std::string name;
     Pose pose;  // in the root's frame, all joints at 0
     std::vector<Collision> collisions;
+    std::optional<Inertial> inertial;
+    std::string inertial_fault;  // why it cannot be used; empty: usable, or none
   };
 
   struct Mimic {
