@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Plays the motions of the scene that a clothsim node has loaded: its key frames as tf frames, by the simulation's
-time, its attachments by the node's services. Key frames with velocities, files and changes of values are not played.
+"""Plays the motions of the scene that a clothsim node has loaded: its key frames as tf frames, in straight lines by the
+simulation's time, its attachments by the node's services, and all of them again after a reset. Velocities of key
+frames, files of key frames, switches of colliders and changes of values are not played.
 
     roslaunch clothsim bag.launch
 
@@ -9,17 +10,19 @@ Parameter: ~speed (1), factor on the speed of the motions.
 
 import bisect
 import threading
+import time
 
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from std_msgs.msg import Header
-from tf.transformations import quaternion_from_euler, quaternion_slerp
+from tf.transformations import quaternion_from_euler, quaternion_slerp, unit_vector
 
-from clothsim.msg import ClothState
-from clothsim.srv import Attach, AttachBody, Detach
+from clothsim.msg import Change, ClothState
+from clothsim.srv import Attach, AttachBody, Detach, DetachBody
 
-RATE = 90  # [Hz] of the broadcasts
+RATE = 90   # [Hz] of the broadcasts
+WAIT = 0.2  # [s] after a start, until the node has received the first frames
 
 
 class Track:
@@ -29,41 +32,47 @@ class Track:
         entries = sorted(entries, key=lambda entry: entry.get("time", 0))
         self.times = [entry.get("time", 0) for entry in entries]
         self.places = [entry["position"] for entry in entries]
-        self.turns = [entry.get("orientation") or quaternion_from_euler(*entry.get("rpy", (0, 0, 0)))
+        self.turns = [unit_vector(entry.get("orientation") or quaternion_from_euler(*entry.get("rpy", (0, 0, 0))))
                       for entry in entries]
 
-    def pose(self, time):
-        """Position and quaternion at a time [s]: as of the scene's motions."""
-        after = bisect.bisect_right(self.times, time)
+    def pose(self, now):
+        """Position and quaternion at the time `now` [s] of the motions."""
+        after = bisect.bisect_right(self.times, now)
         if after == 0 or after == len(self.times):
             end = max(after - 1, 0)
             return self.places[end], self.turns[end]
         begin, end = self.times[after - 1], self.times[after]
-        share = (time - begin) / (end - begin)
+        share = (now - begin) / (end - begin)
         place = [a + (b - a) * share for a, b in zip(self.places[after - 1], self.places[after])]
         return place, quaternion_slerp(self.turns[after - 1], self.turns[after], share)
 
 
 class Player:
     def __init__(self, motions):
-        names = {entry["frame"] for entry in motions if "frame" in entry and "file" not in entry}
-        self.tracks = {name: Track([e for e in motions if e.get("frame") == name]) for name in names}
+        keys = [entry for entry in motions if "frame" in entry and "file" not in entry]
+        self.tracks = {name: Track([key for key in keys if key["frame"] == name])
+                       for name in {key["frame"] for key in keys}}
         self.events = sorted((e for e in motions if "attach" in e or "detach" in e), key=lambda e: e.get("time", 0))
         self.speed = rospy.get_param("~speed", 1.0)
         self.world = rospy.get_param("clothsim/world_frame", "map")
         self.time = 0.0  # of the motions [s]
         self.next_event = 0
+        self.held = {}  # bodies by the frame that holds them
+        self.started = time.monotonic()
         self.stamp = rospy.Time()
         self.lock = threading.Lock()
         self.broadcaster = tf2_ros.TransformBroadcaster()
         rospy.Subscriber("clothsim/state", ClothState, self.hear, queue_size=1)
+        rospy.Subscriber("clothsim/changes", Change, self.hear_change, queue_size=100)
         self.timer = rospy.Timer(rospy.Duration(1 / RATE), self.send)  # also during a service call
 
     def hear(self, state):
-        time = self.speed * state.time
-        if time < self.time:  # the run restarts, with nothing attached
-            self.next_event = 0
-        self.time = time
+        self.time = self.speed * state.time
+
+    def hear_change(self, change):
+        if change.what in ("reset", "load_scene"):  # the run restarts, with nothing attached
+            self.time, self.next_event, self.held = 0.0, 0, {}
+            self.started = time.monotonic()
 
     def send(self, _event=None):
         with self.lock:
@@ -78,18 +87,29 @@ class Player:
 
     def act(self):
         """Makes the attachments that are due."""
+        if time.monotonic() < self.started + WAIT:
+            return
         while self.next_event < len(self.events) and self.events[self.next_event].get("time", 0) <= self.time:
             event = self.events[self.next_event]
             self.next_event += 1
-            if "body" in event:
-                answer = call("attach_body", AttachBody, event["body"], event["attach"])
-            elif "attach" in event:
-                answer = call("attach", Attach, event["attach"], event.get("points", []), event.get("radius", 0),
-                              event.get("tear_force", 0), event.get("strength", 0))
-            else:
-                answer = call("detach", Detach, event["detach"], event.get("points", []))
-            if not answer.success:
-                raise SystemExit(answer.message)
+            for answer in self.answers(event):
+                if not answer.success:
+                    rospy.logwarn("%s: %s", event, answer.message)
+
+    def answers(self, event):
+        """The answers of the services that an event calls."""
+        if "body" in event:
+            self.held.setdefault(event["attach"], []).append(event["body"])
+            yield call("attach_body", AttachBody, event["body"], event["attach"])
+        elif "attach" in event:
+            yield call("attach", Attach, event["attach"], event.get("points", []), event.get("radius", 0),
+                       event.get("tear_force", 0), event.get("strength", 0))
+        else:
+            bodies = [] if "points" in event else self.held.pop(event["detach"], [])
+            for body in bodies:
+                yield call("detach_body", DetachBody, body)
+            if not bodies:
+                yield call("detach", Detach, event["detach"], event.get("points", []))
 
 
 def call(name, service_type, *arguments):

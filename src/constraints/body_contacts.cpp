@@ -43,7 +43,9 @@ struct BodyContacts::Setup {
 
  private:
   static std::vector<MovingCollider> at_start(const std::vector<ColliderSpec>& specs) {
-    return {specs.begin(), specs.end()};
+    std::vector<MovingCollider> colliders(specs.begin(), specs.end());
+    for (MovingCollider& collider : colliders) collider.enable(true);
+    return colliders;
   }
   static std::vector<char> are_bodies(const std::vector<ColliderSpec>& specs,
                                       const RigidBodies& bodies) {
@@ -96,7 +98,9 @@ void BodyContacts::prepare_contacts(double scale, double gravity,
            setup_->may_touch(a, b);
   };
   const double reach = bodies.longest_way(h_) + may_sink;
-  for (const BodyTouch& t : setup_->collisions.find(colliders, reach, may_touch)) {
+  const std::vector<BodyTouch> touches = setup_->collisions.find(colliders, reach, may_touch);
+  for (const BodyTouch& t : touches) bodies.touch(t.a, t.b);
+  for (const BodyTouch& t : touches) {
     const double yield = inv_mass(t, bodies);
     if (yield == 0) continue;  // no joint is free along the normal
     PairContact c{t, to_local(colliders[t.a].pose(), t.place),
@@ -105,7 +109,8 @@ void BodyContacts::prepare_contacts(double scale, double gravity,
     c.impulse.normal = t.normal;
     c.impulse.friction = std::sqrt(colliders[t.a].friction() * colliders[t.b].friction());
     c.impulse.max_normal_impulse =
-        strongest_squeeze * bodies.mass() * gravity * h_ + 2 * c.mass * std::max(0.0, -c.approach);
+        strongest_squeeze * bodies.mass_touching(t.a, t.b) * gravity * h_ +
+        2 * c.mass * std::max(0.0, -c.approach);
     // The gap where impulses act.
     c.impulse.target_velocity =
         -std::max(0.0, t.gap - RigidBodies::displacement_factor * h_ * c.approach) / h_;

@@ -102,8 +102,8 @@ void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& c
 }
 
 void ColliderContacts::bound_coupled(const ContactStep& step, const Points& positions) {
-  const RigidBodies& bodies = *step.bodies;
-  const double at_rest = strongest_squeeze * bodies.mass() * step.gravity * step.h;
+  RigidBodies& bodies = *step.bodies;
+  for (const Coupled& c : coupled_) bodies.touch(c.a, c.b);
   for (Coupled& c : coupled_) {
     const Vector3 x = c.point < 0 ? faces_.place(c.face) : row(positions, c.point);
     const Vector3 normal =
@@ -111,6 +111,8 @@ void ColliderContacts::bound_coupled(const ContactStep& step, const Points& posi
     const RigidMotion &a = bodies.motion(c.a), &b = bodies.motion(c.b);
     const double approach = std::max(0.0, normal.dot(a.velocity_at(x) - b.velocity_at(x)));
     const double inv_mass = a.inv_mass_at(x, normal) + b.inv_mass_at(x, normal);
+    const double at_rest =
+        strongest_squeeze * bodies.mass_touching(c.a, c.b) * step.gravity * step.h;
     c.strongest = at_rest + (inv_mass > 0 ? 2 * approach / inv_mass : 0);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "clothsim/shapes/mass_properties.h"
 
@@ -36,7 +37,10 @@ RigidBodies::RigidBodies(const std::vector<ColliderSpec>& colliders)
     : bodies_(colliders.size()),
       leader_(colliders.size()),
       offsets_(colliders.size()),
-      motions_(colliders.size()) {
+      motions_(colliders.size()),
+      group_(colliders.size()) {
+  std::iota(group_.begin(), group_.end(), 0);
+  last_group_ = group_;
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     leader_[k] = k;
     if (colliders[k].body) add_body(k, colliders[k]);
@@ -82,6 +86,25 @@ void RigidBodies::add_body(std::size_t k, const ColliderSpec& collider) {
   ++bodies_in_scene_;
 }
 
+void RigidBodies::touch(std::size_t collider, std::size_t other) {
+  if (!is_body(collider) || !is_body(other)) return;
+  const std::size_t a = group_[leader_[collider]], b = group_[leader_[other]];
+  std::replace(group_.begin(), group_.end(), std::max(a, b), std::min(a, b));
+}
+
+double RigidBodies::mass_touching(std::size_t collider, std::size_t other) const {
+  double most = 0;
+  for (const std::size_t k : {leader_[collider], leader_[other]}) {
+    double mass = 0;
+    for (std::size_t l = 0; l < bodies_.size(); ++l) {
+      const bool touches = group_[l] == group_[k] || last_group_[l] == last_group_[k];
+      if (is_body(k) && is_body(l) && leads(l) && touches) mass += bodies_[l]->mass;
+    }
+    most = std::max(most, mass);
+  }
+  return most;
+}
+
 void RigidBodies::put(std::size_t leader, const Pose& pose,
                       std::vector<MovingCollider>& colliders) const {
   const RigidMotion& motion = motions_[leader];
@@ -98,6 +121,7 @@ void RigidBodies::start(const std::vector<ColliderSpec>& specs,
     if (!leads(k)) continue;
     bodies_[k]->held = false;
     bodies_[k]->displacement = 0;
+    group_[k] = k;
     set_velocity(k, specs[k].body->velocity, specs[k].body->angular_velocity, colliders);
   }
 }
@@ -131,21 +155,40 @@ Pose RigidBodies::on_joint(const Body& body, double displacement) {
   return moved(body.start, to_local(body.start, body.joint->point), Vector3::Zero(), way);
 }
 
-/// The displacement of a joint whose pose is nearest; of a hinge, also nearest to the present one.
+/// The displacement within its limits at which a joint is nearest to a pose; of the turns of a
+/// hinge the one that is nearest to the present displacement.
 double RigidBodies::nearest_displacement(const Body& body, const Pose& pose) {
-  const Vector3& axis = body.joint->axis;
-  if (is_slider(body.joint)) return axis.dot(pose.position - body.start.position);
-  const Eigen::Quaterniond turn = pose.orientation * body.start.orientation.conjugate();
-  const double angle = 2 * std::atan2(axis.dot(turn.vec()), turn.w());
-  return angle + 2 * M_PI * std::round((body.displacement - angle) / (2 * M_PI));
+  const Joint& joint = *body.joint;
+  if (is_slider(body.joint)) {
+    const double way = joint.axis.dot(pose.position - body.start.position);
+    return std::clamp(way, joint.lower, joint.upper);
+  }
+  constexpr double turn = 2 * M_PI;
+  const Eigen::Quaterniond turned = pose.orientation * body.start.orientation.conjugate();
+  const double angle = 2 * std::atan2(joint.axis.dot(turned.vec()), turned.w());
+  double nearest = angle + turn * std::round((body.displacement - angle) / turn);
+  if (nearest < joint.lower) nearest += turn * std::ceil((joint.lower - nearest) / turn);
+  if (nearest > joint.upper) nearest -= turn * std::ceil((nearest - joint.upper) / turn);
+  return std::clamp(nearest, joint.lower, joint.upper);
+}
+
+Pose RigidBodies::nearest_allowed(std::size_t leader, const Pose& pose) const {
+  const Body& body = *bodies_[leader];
+  return body.joint ? on_joint(body, nearest_displacement(body, pose)) : pose;
 }
 
 double RigidBodies::distance_from_joint(std::size_t leader, const Pose& pose) const {
-  const Body& body = *bodies_[leader];
-  if (!body.joint) return 0;
-  const Pose nearest = on_joint(body, nearest_displacement(body, pose));
+  const Pose nearest = nearest_allowed(leader, pose);
   return std::max((pose.position - nearest.position).norm(),
                   pose.orientation.angularDistance(nearest.orientation));
+}
+
+void RigidBodies::set_held(std::size_t leader, const Pose& pose, bool keeps_velocity) {
+  RigidMotion& motion = motions_[leader];
+  motion.center = pose.position;
+  if (keeps_velocity) return;
+  motion.velocity.setZero();
+  motion.angular_velocity.setZero();
 }
 
 void RigidBodies::move_freely(Body& body, RigidMotion& motion, double h, const Vector3& gravity,
@@ -194,6 +237,8 @@ void RigidBodies::swing(Body& body, RigidMotion& motion, double h, const Vector3
 void RigidBodies::begin_step(double h, const Vector3& gravity,
                              std::vector<MovingCollider>& colliders) {
   h_ = h;
+  last_group_ = group_;
+  std::iota(group_.begin(), group_.end(), 0);
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     MovingCollider& collider = colliders[k];
     RigidMotion& motion = motions_[k];
@@ -219,6 +264,9 @@ void RigidBodies::begin_step(double h, const Vector3& gravity,
       motion.center = collider.pose().position;
       motion.velocity = collider.velocity();
       motion.angular_velocity = collider.angular_velocity();
+      if (leads(k) && bodies_[k]->joint) {  // held
+        bodies_[k]->displacement = nearest_displacement(*bodies_[k], collider.pose());
+      }
     }
   }
   for (std::size_t k = 0; k < colliders.size(); ++k) {
@@ -305,6 +353,7 @@ void RigidBodies::write(MemoryWriter& memory) const {
     memory.add(motions_[k].velocity);
     memory.add(motions_[k].angular_velocity);
     memory.add(bodies_[k]->displacement);
+    memory.add(static_cast<double>(group_[k]));
   }
 }
 
@@ -314,6 +363,7 @@ void RigidBodies::read(MemoryReader& memory) {
     motions_[k].velocity = memory.vector();
     motions_[k].angular_velocity = memory.vector();
     bodies_[k]->displacement = memory.number();
+    group_[k] = static_cast<std::size_t>(memory.index(bodies_.size()));
   }
 }
 

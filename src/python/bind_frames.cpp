@@ -75,11 +75,11 @@ void detach(Simulation& simulation, const std::optional<std::string>& frame,
     std::vector<int> free;
     if (!points.is_none()) free = to_indices(points, "points");
     const auto& grips = run.simulator.grips();
-    if (frame && grips.count(*frame) == 0) {
+    if (frame && (grips.count(*frame) == 0 || grips.at(*frame).held.empty())) {
       throw InvalidValue({"frame"}, '"' + *frame + '"', "a frame that points are attached to");
     }
     for (const auto& [name, grip] : grips) {
-      const bool is_meant = frame ? *frame == name : points.is_none();
+      const bool is_meant = frame ? *frame == name : points.is_none() && !grip.on_body;
       if (!is_meant) continue;
       for (const int point : held_by(grip)) free.push_back(point);
     }
@@ -162,7 +162,7 @@ void bind_frames(SimulationClass& simulator) {
           "the points' springs to their limit. Returns the points. Raises InvalidValue and changes "
           "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),
-           "Lets go the points of a frame, or `points`; all that are attached where neither is "
+           "Lets go the points of a frame or body, or `points`; all of frames where neither is "
            "given. Raises InvalidValue for points that are not attached.")
       .def_property_readonly(
           "grips", &grips,

@@ -35,6 +35,12 @@ SavedState read_state(const std::string& bytes, Run& run) {
       saved->collider_wrenches.size() != saved->colliders.size()) {
     throw clothsim::InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
+  for (const auto& [frame, grip] : saved->grips.all()) {
+    for (const clothsim::Grip::Held& held : grip.held) {
+      if (held.point >= 0 && held.point < points) continue;
+      throw clothsim::InvalidValue({"state"}, "that of another scene", "one of this scene");
+    }
+  }
   saved->grips.for_each_held(
       [&](int, int point, const clothsim::Vector3&) { saved->cloth.inv_mass[point] = 0; });
   return state;

@@ -72,7 +72,7 @@ clothsim::Bodies BodyTopics::message() const {
     state.pose = to_pose_msg(motion.pose);
     state.twist.linear = to_vector_msg(motion.velocity);
     state.twist.angular = to_vector_msg(motion.angular_velocity);
-    state.wrench = to_wrench_msg(simulator_.collider_wrenches()[i]);
+    state.wrench = to_wrench_msg(simulator_.body_wrench(body.collider));
     msg.bodies.push_back(std::move(state));
   }
   return msg;

@@ -104,7 +104,9 @@ void Grasper::update(const ros::Time& stamp) {
 void Grasper::follow_grips() {
   const auto& grips = simulator_.grips();
   for (auto frame = frames_.begin(); frame != frames_.end();) {
-    frame = grips.count(frame->first) == 0 ? frames_.erase(frame) : std::next(frame);
+    const auto grip = grips.find(frame->first);
+    const bool is_held = grip != grips.end() && !grip->second.on_body;
+    frame = is_held ? std::next(frame) : frames_.erase(frame);
   }
   for (auto& [name, topic] : topics_) {
     if (!topic.let_go && grips.count(topic.frame) == 0) let_go(topic);
@@ -169,9 +171,19 @@ clothsim::Pose Grasper::first_pose(TfFrame& frame) const {
                      "a tf frame with a transform to " + tf_.world_frame());
 }
 
-void Grasper::attach_body(int body, const std::string& name) {
-  clothsim::check_frame(name);
-  if (name.empty()) throw InvalidValue({"frame"}, "nothing", "a tf frame");
+std::string Grasper::body_or_frame(const std::string& frame) const {
+  const std::vector<clothsim::ColliderSpec>& colliders = simulator_.scene().colliders;
+  const std::vector<std::string> in_tf = ros_names(colliders);
+  for (std::size_t i = 0; i < in_tf.size(); ++i) {
+    if (in_tf[i] == frame && simulator_.is_body(static_cast<int>(i))) return colliders[i].name;
+  }
+  return frame;
+}
+
+void Grasper::attach_body(int body, const std::string& frame_name) {
+  clothsim::check_frame(frame_name);
+  if (frame_name.empty()) throw InvalidValue({"frame"}, "nothing", "a tf frame");
+  const std::string name = body_or_frame(frame_name);
   check_topic(name);
   TfFrame frame(name, tf_);
   const clothsim::Pose pose =
@@ -191,7 +203,8 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
   try {
     // Check the request.
     clothsim::check_frame(request.frame);
-    check_topic(request.frame);
+    const std::string name = body_or_frame(request.frame);
+    check_topic(name);
     const std::string radius = clothsim::to_text(request.radius);
     if (request.points.empty() && !(request.radius > 0)) {  // true for NaN
       throw InvalidValue({"radius"}, radius + " and no points", "a number above 0 [m], or points");
@@ -201,8 +214,8 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     }
 
     // Find the frame's pose, and the points by it.
-    TfFrame frame(request.frame, tf_);
-    const std::optional<int> body = simulator_.body_named(request.frame);
+    TfFrame frame(name, tf_);
+    const std::optional<int> body = simulator_.body_named(name);
     const clothsim::Pose pose = body ? simulator_.collider_pose(*body) : first_pose(frame);
     std::vector<int> points(request.points.begin(), request.points.end());
     if (points.empty()) points = simulator_.free_points_near(pose.position, request.radius);
@@ -211,7 +224,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     if (request.tear_force != 0) tear_force = request.tear_force;
     std::optional<double> strength;
     if (request.strength != 0) strength = request.strength;
-    simulator_.attach(request.frame, pose, points, {tear_force, strength});
+    simulator_.attach(name, pose, points, {tear_force, strength});
     follow_grips();
     look_up();
     if (!body) changes_.follow(frame);
@@ -233,8 +246,9 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
 bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Response& response) {
   try {
     std::vector<int> held;
+    const std::string named = body_or_frame(request.frame);
     for (const auto& [name, grip] : simulator_.grips()) {
-      if (!request.frame.empty() && name != request.frame) continue;
+      if (request.frame.empty() ? grip.on_body.has_value() : name != named) continue;
       for (const clothsim::Grip::Held& h : grip.held) held.push_back(h.point);
     }
     if (held.empty()) {

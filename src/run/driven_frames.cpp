@@ -114,7 +114,7 @@ const Pose* DrivenFrames::pose(const std::string& frame) const {
 
 std::optional<Pose> followed_pose(const std::string& frame, const Simulator& simulator) {
   const auto grip = simulator.grips().find(frame);
-  if (grip != simulator.grips().end()) return grip->second.pose;
+  if (grip != simulator.grips().end() && !grip->second.on_body) return grip->second.pose;
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const auto index = static_cast<int>(i);

@@ -28,8 +28,8 @@ struct Robot {
   bool has_all = true;
   double friction = 0.6;
   double padding = 0;
-  Pose pose;             // of its root, until frames are known
-  bool is_free = false;  // its links are rigid bodies
+  Pose pose;                // of its root, until frames are known
+  bool has_bodies = false;  // its links are rigid bodies
 
   Urdf urdf;
   std::filesystem::path folder;  // for relative paths of meshes
@@ -172,7 +172,7 @@ Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
                    [&](const YAML::Node& text) {
                      if (!is_word(text, "")) robot.prefix = read_text(text);
                    }},
-                  {"bodies", into(robot.is_free)},
+                  {"bodies", into(robot.has_bodies)},
                   {"pose", [&](const YAML::Node& pose) { read_pose(pose, robot.pose); }}});
   check_range("padding", robot.padding, padding_range);
   ColliderSpec any;  // of its links: values that are invalid for all of them are refused
@@ -204,7 +204,7 @@ void read_robot(const YAML::Node& node, const SceneSources& sources, Scene& scen
       links.emplace_back(&link, first + links.size());
     }
   }
-  if (robot.is_free) {
+  if (robot.has_bodies) {
     std::vector<LinkCollider> all;
     for (const auto& [link, index] : links) all.push_back({link, &scene.colliders[index]});
     make_bodies(robot.urdf, robot.pose, all);
@@ -222,7 +222,7 @@ std::vector<RobotModel> read_robot_models(const YAML::Node& scene, const SceneSo
     for (std::size_t i = 0; i < scene["robots"].size(); ++i) {
       inside(std::to_string(i), [&] {
         const Robot robot = read_entry(scene["robots"][i], sources);
-        if (robot.is_free) return;  // nobody drives its joints
+        if (robot.has_bodies) return;  // nobody drives its joints
         models.push_back({name_of(robot), robot.prefix, robot.pose, Kinematics(robot.urdf)});
       });
     }

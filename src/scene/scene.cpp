@@ -118,6 +118,10 @@ void validate(const AttachPoints& attach, const Scene& scene) {
   check_range("radius", attach.radius, radius_range);
   if (!attach.body.empty()) {
     inside("body", [&] { check_names_body(attach.body, scene.colliders); });
+    if (attach.tear_force || attach.strength) {
+      throw InvalidValue({attach.tear_force ? "tear_force" : "strength"}, "a force",
+                         "none with a body");
+    }
     if (attach.points.empty() && attach.radius == 0) return;
     throw InvalidValue({"body"}, attach.body + " and points", "one of the two");
   }

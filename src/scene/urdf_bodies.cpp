@@ -109,12 +109,13 @@ Joint joint_in_world(const Urdf::Joint& joint, const Pose& parent) {
 }  // namespace
 
 void make_bodies(const Urdf& urdf, const Pose& root, const std::vector<LinkCollider>& colliders) {
+  const Groups groups(urdf);
   for (const Urdf::Link& link : urdf.links) {
-    if (link.inertial_fault.empty()) continue;
+    const bool is_lone_root = !groups.joint_of(link) && urdf.joints.empty();
+    if (link.inertial_fault.empty() || !(is_lone_root || groups.leader_of(link))) continue;
     throw InvalidValue({"bodies"}, "link " + link.name + ": " + link.inertial_fault,
                        "an <inertial> without a fault");
   }
-  const Groups groups(urdf);
   std::map<const Urdf::Link*, std::string> names;  // of leading colliders, by leading link
   for (const auto& [link, collider] : colliders) {
     collider->frame.clear();

@@ -40,8 +40,12 @@ void Simulator::Impl::place_body(std::size_t leader, const Pose& pose) {
 
 void Simulator::Impl::restore_velocities(bool of_memory) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
-    if (!bodies.leads(k) || bodies.is_held(k)) continue;
+    if (!bodies.leads(k)) continue;
     const MovingCollider& c = colliders[k];
+    if (bodies.is_held(k)) {
+      bodies.set_held(k, c.pose(), of_memory);
+      continue;
+    }
     if (!of_memory) {
       bodies.set_velocity(k, c.velocity_at(to_world(c.pose(), bodies.center_of(k))),
                           c.angular_velocity(), colliders);

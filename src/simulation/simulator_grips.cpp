@@ -182,7 +182,8 @@ void Simulator::move_grip(const std::string& frame, const Pose& target) {
   if (grip.on_body) throw InvalidValue({"frame"}, frame + ", a rigid body", "a tf frame");
   impl_->grips.move(frame, target);
   for (const Grip::HeldBody& body : grip.bodies) {
-    impl_->move_body(body.leader, target * body.offset);
+    // A frame moves a body with a joint along the joint.
+    impl_->move_body(body.leader, impl_->bodies.nearest_allowed(body.leader, target * body.offset));
   }
 }
 
@@ -196,5 +197,22 @@ void Simulator::measure_wrenches(bool asks) {
 bool Simulator::measures_wrenches() const { return impl_->measures_wrenches; }
 
 const std::vector<Wrench>& Simulator::collider_wrenches() const { return impl_->collider_wrenches; }
+
+Wrench Simulator::body_wrench(int index) const {
+  const std::size_t leader = impl_->body_index(index);
+  const Vector3& origin = impl_->colliders[leader].pose().position;
+  Wrench sum;
+  for (std::size_t k = 0; k < impl_->colliders.size(); ++k) {
+    if (impl_->bodies.leader(k) != leader) continue;
+    sum.add(impl_->colliders[k].pose().position - origin, impl_->collider_wrenches[k].force);
+    sum.torque += impl_->collider_wrenches[k].torque;
+  }
+  const auto attached = grips().find(scene().colliders[leader].name);
+  if (attached != grips().end() && attached->second.on_body) {
+    sum.force += attached->second.wrench.force;
+    sum.torque += attached->second.wrench.torque;
+  }
+  return sum;
+}
 
 }  // namespace clothsim

@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Increases when the numbers that make up a memory change.
-enum { memory_version = 15 };
+enum { memory_version = 16 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -241,7 +241,7 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   const Cloth& cloth = saved.cloth;
   std::size_t held = 0;
   for (const auto& [frame, grip] : saved.grips.all()) {
-    held += sizeof(Grip) + bytes(frame) + bytes(grip.held);
+    held += sizeof(Grip) + bytes(frame) + bytes(grip.held) + bytes(grip.bodies);
   }
   std::size_t bytes_of_pairs = bytes(cloth.pairs);
   for (const PairBand& band : cloth.pairs) bytes_of_pairs += bytes(band.spring) + bytes(band.bend);
@@ -264,12 +264,13 @@ void Simulator::restore(const Saved& saved) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
   for (const auto& [frame, grip] : saved.grips.all()) {
-    bool has_bodies = !grip.on_body || impl_->bodies.leads(*grip.on_body);
-    for (const Grip::HeldBody& b : grip.bodies) {
-      has_bodies = has_bodies && impl_->bodies.leads(b.leader);
+    bool fits = !grip.on_body || impl_->bodies.leads(*grip.on_body);
+    for (const Grip::HeldBody& b : grip.bodies) fits = fits && impl_->bodies.leads(b.leader);
+    for (const Grip::Held& h : grip.held) {
+      fits = fits && h.point >= 0 && h.point < cloth.num_points();
     }
-    if (has_bodies) continue;
-    throw InvalidValue({"state"}, "a body that the scene has not", "one of this scene");
+    if (fits) continue;
+    throw InvalidValue({"state"}, "points or bodies that the scene has not", "one of this scene");
   }
   impl_->grips = saved.grips;
   impl_->hold_points();

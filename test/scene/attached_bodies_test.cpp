@@ -186,6 +186,58 @@ TEST(HeldBodies, FollowTheirFrameAndKeepItsVelocity) {
   EXPECT_NEAR(simulator.body_motion(0).pose.position.z(), 0.94 - g * t * t / 2, 3e-3);
 }
 
+TEST(HeldBodies, KeepTheirVelocityThroughASavedState) {
+  Scene scene = hanging(0.2);
+  scene.cloth.attached.clear();
+  Simulator simulator(scene);
+  simulator.attach_body(0, "hand", {});
+  for (int k = 1; k <= 10; ++k) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.05 * k, Vector3::UnitY()));
+    simulator.move_grip("hand", {Vector3(0, -0.3 * k, 0), turn});
+    simulator.step();
+  }
+  const auto saved = simulator.save();
+  const BodyMotion motion = simulator.body_motion(0);
+  Simulator other(scene);
+  other.restore(*saved);
+  EXPECT_LT((other.body_motion(0).velocity - motion.velocity).norm(), 1e-9);
+  for (Simulator* each : {&simulator, &other}) {
+    each->detach_body(0);
+    each->step();
+  }
+  EXPECT_EQ(simulator.body_motion(0).pose.position, other.body_motion(0).pose.position);
+}
+
+TEST(HeldBodies, StayOnTheirJoint) {
+  Simulator simulator(shipped_scene("rings"));
+  const int ring = *simulator.body_named("ring_0");
+  simulator.attach_body(ring, "hand", {Vector3(0, 0, 2)});
+  for (int k = 1; k <= 30; ++k) {
+    simulator.move_grip("hand", {Vector3(0.01 * k, 0.02 * k, 2 - 0.01 * k)});
+    simulator.step();
+    const Vector3 expected(0.01 * k, 0, 2);
+    ASSERT_LT((simulator.body_motion(ring).pose.position - expected).norm(), 1e-12);
+  }
+  simulator.detach_body(ring);
+  simulator.step();
+  EXPECT_NEAR(simulator.body_motion(ring).pose.position.x(), 0.31, 0.01);
+}
+
+TEST(AttachedBodies, FeelTheWholeLoadOfTheCloth) {
+  // A ring at the end of its rod carries the strip that hangs on it and lies on its shelf.
+  Scene scene = hanging(1, false);
+  scene.colliders[0].pose.position.z() = 1.46;
+  scene.colliders[0].body->joint = Joint{};
+  scene.colliders[0].body->joint->lower = 0;
+  for (auto& [column, r] : scene.cloth.attached[0].points) r = 8;
+  Simulator simulator(scene);
+  simulator.measure_wrenches(true);
+  run(simulator, 5);
+  const double weight = simulator.cloth().mass.sum() * g;
+  EXPECT_NEAR(simulator.body_wrench(0).force.z(), -weight, 0.02 * weight);
+  EXPECT_THROW(simulator.body_wrench(-1), std::out_of_range);
+}
+
 TEST(HeldBodies, CarryTheClothThatIsAttachedToThem) {
   Scene scene = hanging(0.2, false);
   Simulator simulator(scene);

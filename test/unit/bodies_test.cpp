@@ -130,6 +130,21 @@ TEST(RigidBodies, StandInAStack) {
   }
 }
 
+TEST(RigidBodies, CarryThoseThatTheyTouch) {
+  const auto at = [](double z, double mass) { return body(Sphere{0.1}, {0, 0, z}, mass); };
+  World world({slope(0), at(0.1, 1), at(0.3, 2), at(2, 40)});
+  world.step(1e-3);
+  EXPECT_EQ(world.bodies.mass_touching(1, 0), 3);
+  EXPECT_EQ(world.bodies.mass_touching(0, 2), 3);
+  EXPECT_EQ(world.bodies.mass_touching(3, 0), 40);
+  world.bodies.touch(2, 3);  // through cloth
+  EXPECT_EQ(world.bodies.mass_touching(1, 0), 43);
+  world.step(1e-3);
+  EXPECT_EQ(world.bodies.mass_touching(1, 0), 43) << "those of the last step count";
+  world.step(1e-3);
+  EXPECT_EQ(world.bodies.mass_touching(1, 0), 3);
+}
+
 TEST(RigidBodies, LieAcrossTheEdgeOfATable) {
   ColliderSpec table;
   table.name = "table";

@@ -162,6 +162,20 @@ TEST(Joints, KnowTheirDistanceFromAPose) {
   EXPECT_EQ(World({body(Sphere{0.1}, {0, 0, 0})}).bodies.distance_from_joint(0, start), 0);
 }
 
+TEST(Joints, AllowNoPoseBeyondTheirLimits) {
+  ColliderSpec box = pendulum(0);
+  box.body->joint->lower = 0;
+  box.body->joint->upper = 4;
+  World world({box});
+  const auto at = [&](double angle) { return pendulum(-angle).pose; };  // by y, as the joint
+  EXPECT_LT(world.bodies.distance_from_joint(0, at(3.5)), 1e-12);       // a turn of -2.78, too
+  EXPECT_GT(world.bodies.distance_from_joint(0, at(-1)), 0.5);
+  world.colliders[0].place(at(3.5));
+  world.bodies.set_velocity(0, {0, 0, 0}, {0, 0, 0}, world.colliders);
+  world.step(1e-4);
+  EXPECT_LT((world.colliders[0].pose().position - at(3.5).position).norm(), 1e-6);
+}
+
 /// A hammer of two boxes that falls on the ground.
 std::vector<ColliderSpec> hammer() {
   ColliderSpec shaft = body(Cuboid{{0.05, 0.05, 0.4}}, {0, 0, 0.5}, 1);

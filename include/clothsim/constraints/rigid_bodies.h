@@ -42,6 +42,11 @@ class RigidBodies {
   }
   /// The leader of the collider's body; any other collider itself.
   std::size_t leader(std::size_t collider) const { return leader_[collider]; }
+  /// Two colliders touch in this step, perhaps through the cloth.
+  void touch(std::size_t collider, std::size_t other);
+  /// Mass of the bodies that either of two colliders carries: those that it touches in this step or
+  /// the last one, directly or through other bodies [kg].
+  double mass_touching(std::size_t collider, std::size_t other) const;
   /// Mass of all bodies [kg].
   double mass() const { return mass_; }
   /// Centre of mass in the frame of a leader [m].
@@ -60,14 +65,18 @@ class RigidBodies {
   void set_velocity(std::size_t leader, const Vector3& velocity, const Vector3& angular_velocity,
                     std::vector<MovingCollider>&);
 
-  /// Distance [m], or angle [rad], of a pose from the nearest one that the joint of a body allows;
-  /// 0 without a joint.
+  /// The pose nearest to one that the joint of a body and its limits allow.
+  Pose nearest_allowed(std::size_t leader, const Pose&) const;
+  /// Distance from it [m] or [rad], the larger number.
   double distance_from_joint(std::size_t leader, const Pose&) const;
 
   /// The pose of a collider of a body whose leader is at `pose`.
   Pose pose_of(std::size_t collider, const Pose& pose) const {
     return leader_[collider] == collider ? pose : pose * offsets_[collider];
   }
+
+  /// Sets the pose of a held body, without a velocity unless it keeps that of the memory.
+  void set_held(std::size_t leader, const Pose&, bool keeps_velocity);
 
   /// Moves all bodies freely through a step of h [s]. The other colliders have moved.
   void begin_step(double h, const Vector3& gravity, std::vector<MovingCollider>&);
@@ -99,7 +108,8 @@ class RigidBodies {
   /// velocities are displacements, by leader. Empty: none.
   void end_step(const std::vector<RigidMotion>& pushes, std::vector<MovingCollider>&);
 
-  /// The velocities and joints. `read` throws InvalidValue for data that is not from `write`.
+  /// The velocities, joints and groups. `read` throws InvalidValue for data that is not from
+  /// `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
@@ -138,6 +148,8 @@ class RigidBodies {
   std::vector<RigidMotion> motions_;         // by leader
   std::vector<double> radii_;  // by collider: of balls about the motion's centre that hold them;
                                // 0 for planes [m]
+  std::vector<std::size_t> group_;       // by leader: the first of the bodies that touch
+  std::vector<std::size_t> last_group_;  // the same in the last step
   std::size_t bodies_in_scene_ = 0;
   double mass_ = 0;
   double least_depth_ = std::numeric_limits<double>::infinity();

@@ -67,6 +67,8 @@ class Grasper {
   /// Removes topics whose frames released their points a while ago.
   void end_old_topics();
 
+  /// The body whose tf frame this is, by its name in the scene; else the frame itself.
+  std::string body_or_frame(const std::string& frame) const;
   /// The pose of a frame, which may be new to tf. Throws InvalidValue.
   clothsim::Pose first_pose(TfFrame&) const;
   /// Throws InvalidValue where another frame that holds points has the topic of `frame`.

@@ -159,9 +159,9 @@ class Simulator {
   /// is then pushed out gently.
   void place_collider(int index, const Pose& pose);
 
-  /// Whether collider `index` is a rigid body, which cloth and other bodies move, or leads one of
-  /// several colliders. move_collider() and place_collider() throw InvalidValue for a body and
-  /// its parts, the next functions for any other collider.
+  /// Whether collider `index` has the mass of a rigid body; its parts have not. move_collider() and
+  /// place_collider() throw InvalidValue for a body and its parts, the next functions for any other
+  /// collider.
   bool is_body(int index) const;
   BodyMotion body_motion(int index) const;
 
@@ -216,7 +216,8 @@ class Simulator {
   void detach(const std::vector<int>& points);
 
   /// Moves the tf frame to `target` during the next frame of simulation, each of its points in a
-  /// straight line, its bodies as by move_collider(). Throws InvalidValue where the points are
+  /// straight line, its bodies as by move_collider(), and along
+  /// their joints. Throws InvalidValue where the points are
   /// attached to a body.
   void move_grip(const std::string& frame, const Pose& target);
 
@@ -238,6 +239,10 @@ class Simulator {
   /// of points, edges and faces. Not included are projections of positions and, at pinched points,
   /// the pressure of both colliders on each other. Zero unless measured, and after reset().
   const std::vector<Wrench>& collider_wrenches() const;
+
+  /// The same on a body, with all of its colliders and the points that are attached to it, about
+  /// the origin of its frame. Throws InvalidValue for any other collider.
+  Wrench body_wrench(int index) const;
 
   const Scene& scene() const;  // with the present material and simulation values
   const Cloth& cloth() const;
