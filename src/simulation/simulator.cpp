@@ -112,6 +112,7 @@ void Simulator::Impl::snap_to_targets() {
   }
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     bodies.is_body(k) ? colliders[k].begin_step() : colliders[k].snap_to_target();
+    if (bodies.leads(k) && bodies.is_held(k)) bodies.set_held(k, colliders[k].pose(), true);
   }
 }
 
