@@ -35,6 +35,8 @@ class BodiesTest(unittest.TestCase):
         cls.tf = Recorder("/tf", TFMessage)
         for recorder in (cls.cloth.states, cls.bodies, cls.tf):
             wait_for(recorder.all, "the first messages")
+        cls.frames = Frames()
+        wait_for(lambda: cls.frames.count() == 2, "the node and this one to listen to tf")
 
     def setUp(self):
         self.cloth.reset()
@@ -87,14 +89,13 @@ class BodiesTest(unittest.TestCase):
         self.assertAlmostEqual(self.step(1)["ball"].pose.position.z, 1.7, delta=1e-2)
 
     def test_a_frame_holds_one_and_lets_it_go(self):
-        frames = Frames()
-        frames.send(make_transform("hand", (0, 0, 0)))
+        self.frames.send(make_transform("hand", (0, 0, 0), stamp=rospy.Time.now()))
         self.assertTrue(call("/clothsim/attach_body", AttachBody, "ball", "hand").success)
         ball = self.step(5)["ball"]
         self.assertEqual(ball.frame, "hand")
         start = ball.pose.position
         for k in range(1, 10):
-            frames.send(make_transform("hand", (0, -0.01 * k, 0)))
+            self.frames.send(make_transform("hand", (0, -0.01 * k, 0), stamp=rospy.Time.now()))
             ball = self.step(1)["ball"]
         self.assertAlmostEqual(ball.pose.position.y, start.y - 0.09, delta=1e-9)
         self.assertAlmostEqual(ball.twist.linear.y, -0.9, delta=1e-6)
@@ -136,8 +137,9 @@ class BodiesTest(unittest.TestCase):
         self.step(20)
         self.assertTrue(self.put(there(0.6, 0.5, 1.15), Twist(Vector3(0, 0, -1), Vector3())).success)
         self.step(10)
-        Frames().send(make_transform("bagged", (0, 0, 1)))
-        self.assertTrue(call("/clothsim/attach_body", AttachBody, "box", "bagged").success)
+        self.frames.send(make_transform("bagged", (0, 0, 1), stamp=rospy.Time.now()))
+        answer = call("/clothsim/attach_body", AttachBody, "box", "bagged")
+        self.assertTrue(answer.success, answer.message)
         self.step(10)
         self.assertTrue(call("/clothsim/detach_body", DetachBody, "box").success)
         self.step(20)
