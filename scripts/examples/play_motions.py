@@ -15,8 +15,8 @@ import time
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
+from scipy.spatial.transform import Rotation, Slerp
 from std_msgs.msg import Header
-from tf.transformations import quaternion_from_euler, quaternion_slerp, unit_vector
 
 from clothsim.msg import Change, ClothState
 from clothsim.srv import Attach, AttachBody, Detach, DetachBody
@@ -32,8 +32,10 @@ class Track:
         entries = sorted(entries, key=lambda entry: entry.get("time", 0))
         self.times = [entry.get("time", 0) for entry in entries]
         self.places = [entry["position"] for entry in entries]
-        self.turns = [unit_vector(entry.get("orientation") or quaternion_from_euler(*entry.get("rpy", (0, 0, 0))))
-                      for entry in entries]
+        turns = [Rotation.from_quat(entry["orientation"]) if "orientation" in entry
+                 else Rotation.from_euler("xyz", entry.get("rpy", (0, 0, 0))) for entry in entries]
+        self.turns = [turn.as_quat() for turn in turns]
+        self.turn_at = Slerp(self.times, Rotation.from_quat(self.turns)) if len(turns) > 1 else None
 
     def pose(self, now):
         """Position and quaternion at the time `now` [s] of the motions."""
@@ -44,7 +46,7 @@ class Track:
         begin, end = self.times[after - 1], self.times[after]
         share = (now - begin) / (end - begin)
         place = [a + (b - a) * share for a, b in zip(self.places[after - 1], self.places[after])]
-        return place, quaternion_slerp(self.turns[after - 1], self.turns[after], share)
+        return place, self.turn_at(now).as_quat()
 
 
 class Player:
@@ -56,9 +58,11 @@ class Player:
         self.speed = rospy.get_param("~speed", 1.0)
         self.world = rospy.get_param("clothsim/world_frame", "map")
         self.time = 0.0  # of the motions [s]
+        self.begin = None  # simulated time at which the motions begin [s]; None: they have not begun
         self.next_event = 0
         self.held = {}  # bodies by the frame that holds them
         self.started = time.monotonic()
+        self.now = 0.0  # simulated time [s]
         self.stamp = rospy.Time()
         self.lock = threading.Lock()
         self.broadcaster = tf2_ros.TransformBroadcaster()
@@ -67,11 +71,13 @@ class Player:
         self.timer = rospy.Timer(rospy.Duration(1 / RATE), self.send)  # also during a service call
 
     def hear(self, state):
-        self.time = self.speed * state.time
+        self.now = state.time
+        if self.begin is not None:
+            self.time = self.speed * (state.time - self.begin)
 
     def hear_change(self, change):
         if change.what in ("reset", "load_scene"):  # the run restarts, with nothing attached
-            self.time, self.next_event, self.held = 0.0, 0, {}
+            self.time, self.begin, self.next_event, self.held = 0.0, None, 0, {}
             self.started = time.monotonic()
 
     def send(self, _event=None):
@@ -87,7 +93,7 @@ class Player:
 
     def act(self):
         """Makes the attachments that are due."""
-        if time.monotonic() < self.started + WAIT:
+        if self.begin is None and time.monotonic() < self.started + WAIT:
             return
         while self.next_event < len(self.events) and self.events[self.next_event].get("time", 0) <= self.time:
             event = self.events[self.next_event]
@@ -95,6 +101,8 @@ class Player:
             for answer in self.answers(event):
                 if not answer.success:
                     rospy.logwarn("%s: %s", event, answer.message)
+        if self.begin is None:
+            self.begin = self.now
 
     def answers(self, event):
         """The answers of the services that an event calls."""
