@@ -27,7 +27,8 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 }
 
 constexpr const char* cloth_keys =
-    "width, height, columns, rows, orientation, origin, pinned, pin_strength, springs, ks, "
+    "width, height, columns, rows, orientation, origin, pinned, attached, pin_strength, springs, "
+    "ks, "
     "untangle, fabric, self_collision, density, damping, drag, strain_limit, thickness, friction, "
     "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
 
@@ -42,9 +43,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.1.link: got ... unknown ... point, frame, strength"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got ... unknown ... name, shape, friction, frame, enabled, "
+                "part_of, "
                 "pose, mass, point, normal, two_sided"},
         Mistake{"colliders.0.normal=[0, 0, 1]",
                 "colliders.0.normal: got ... unknown ... name, shape, friction, frame, enabled, "
+                "part_of, "
                 "pose, mass, center, radius"},
         Mistake{"simulation.fps=30",
                 "simulation.fps: got ... unknown ... gravity, wind, gusts, frames_per_second, "
@@ -103,11 +106,13 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     CapsuleAndBox, SceneMistake,
     testing::Values(
-        Mistake{"colliders.0={shape: capsule, size: 1}",
-                "colliders.0.size: got ... unknown ... name, shape, friction, frame, enabled, "
-                "pose, mass, center, axis, length, radius"},
+        Mistake{
+            "colliders.0={shape: capsule, size: 1}",
+            "colliders.0.size: got ... unknown ... name, shape, friction, frame, enabled, part_of, "
+            "pose, mass, center, axis, length, radius"},
         Mistake{"colliders.0={shape: box, radius: 1}",
                 "colliders.0.radius: got ... unknown ... name, shape, friction, frame, enabled, "
+                "part_of, "
                 "pose, mass, center, size, rpy"},
         Mistake{"colliders.0={shape: capsule, radius: 0}",
                 "colliders.0.radius: got 0 ... least 1e-06 [m]"},

@@ -72,6 +72,10 @@ std::string urdf_file() {
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
     {{"cloth.pinned"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
+    {{"cloth.attached"},
+     "{colliders: [{shape: box, name: a, mass: 1}], "
+     "cloth: {attached: [{body: a, points: [[0, 0]], ",
+     "}]}}"},
     {{"cloth.springs"}, "cloth: {springs: {", "}}"},
     {{"colliders", "colliders: sphere"}, "{cloth: {}, colliders: [{shape: sphere, ", "}]}"},
     {{"colliders", "colliders: plane"}, "{cloth: {}, colliders: [{shape: plane, ", "}]}"},
@@ -84,6 +88,9 @@ const std::vector<Map> fixed_maps = {
     {{"colliders", "colliders: box", "colliders: body"},
      "{cloth: {}, colliders: [{shape: box, mass: 1, ",
      "}]}"},
+    {{"colliders: joint"},
+     "{cloth: {}, colliders: [{shape: box, mass: 1, joint: {type: slider, ",
+     "}}]}"},
     {{"colliders: pose"}, "{cloth: {}, colliders: [{shape: sphere, pose: {", "}}]}"},
     {{"robots"}, "{cloth: {}, robots: [{file: " + urdf_file() + ", ", "}]}"},
     {{"simulation"}, "{cloth: {}, simulation: {", "}}"},
