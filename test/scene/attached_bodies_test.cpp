@@ -268,7 +268,8 @@ TEST(HeldBodies, RingsFollowTheOneThatAHandDraws) {
     const BodyMotion motion =
         simulator.body_motion(*simulator.body_named("ring_" + std::to_string(ring)));
     EXPECT_GE(motion.pose.position.x(), last) << ring;  // none has passed another
-    EXPECT_LT(std::abs(motion.pose.position.y()) + std::abs(motion.pose.position.z() - 1.08), 1e-12);
+    EXPECT_LT(std::abs(motion.pose.position.y()) + std::abs(motion.pose.position.z() - 1.08),
+              1e-12);
     last = motion.pose.position.x() + 0.0139;
   }
   EXPECT_LT(simulator.state().positions.col(2).maxCoeff(), 1.13);
