@@ -8,10 +8,10 @@ frames, files of key frames, switches of colliders and changes of values are not
 Parameter: ~speed (1), factor on the speed of the motions.
 """
 
-import bisect
 import threading
 import time
 
+import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
@@ -29,24 +29,18 @@ class Track:
     """The key frames of one tf frame."""
 
     def __init__(self, entries):
-        entries = sorted(entries, key=lambda entry: entry.get("time", 0))
-        self.times = [entry.get("time", 0) for entry in entries]
-        self.places = [entry["position"] for entry in entries]
-        turns = [Rotation.from_quat(entry["orientation"]) if "orientation" in entry
-                 else Rotation.from_euler("xyz", entry.get("rpy", (0, 0, 0))) for entry in entries]
-        self.turns = [turn.as_quat() for turn in turns]
-        self.turn_at = Slerp(self.times, Rotation.from_quat(self.turns)) if len(turns) > 1 else None
+        keys = sorted(entries, key=lambda entry: entry.get("time", 0))
+        self.times = [key.get("time", 0) for key in keys]
+        self.axes = list(zip(*(key["position"] for key in keys)))
+        self.turns = Rotation.concatenate([
+            Rotation.from_quat(key["orientation"]) if "orientation" in key
+            else Rotation.from_euler("xyz", key.get("rpy", (0, 0, 0))) for key in keys])
 
     def pose(self, now):
         """Position and quaternion at the time `now` [s] of the motions."""
-        after = bisect.bisect_right(self.times, now)
-        if after == 0 or after == len(self.times):
-            end = max(after - 1, 0)
-            return self.places[end], self.turns[end]
-        begin, end = self.times[after - 1], self.times[after]
-        share = (now - begin) / (end - begin)
-        place = [a + (b - a) * share for a, b in zip(self.places[after - 1], self.places[after])]
-        return place, self.turn_at(now).as_quat()
+        now = min(max(now, self.times[0]), self.times[-1])
+        turn = Slerp(self.times, self.turns)(now) if len(self.times) > 1 else self.turns[0]
+        return [np.interp(now, self.times, axis) for axis in self.axes], turn.as_quat()
 
 
 class Player:

@@ -24,8 +24,8 @@ constexpr double skin = may_sink;
 /// Corners of a cylinder's end that may touch a plane, the lowest first.
 enum { rim_points = 8 };
 
-/// Places are the same within this share of the smaller bounding radius.
-constexpr double same_place = 0.05;
+/// Bullet's places within this share of the smaller bounding radius from another one are that one.
+constexpr double known_place = 0.05;
 
 /// Most places of a hull above a plane: as many as keep it from rocking.
 enum { hull_places = 8 };
@@ -341,7 +341,7 @@ std::vector<BodyTouch> BodyCollisions::find(
         !is_plane && w.shapes[a].shape->isPolyhedral() && w.shapes[b].shape->isPolyhedral();
     if (!are_polyhedra) places = above_each_other(a, b, colliders, reach);
     if (!is_plane && (places.empty() || may_miss_edges(body.shape(), other.shape()))) {
-      const double near = same_place * std::min(radius, bounding_radius(other.shape()));
+      const double near = known_place * std::min(radius, bounding_radius(other.shape()));
       add_new(w.by_bullet(a, b, body.pose(), other.pose(), reach), near, places);
     }
     all.insert(all.end(), places.begin(), places.end());

@@ -68,7 +68,7 @@ class Groups {
 
   const Urdf::Link& link(const std::string& name) const { return *links_.at(name); }
 
-  /// Of all links that move with a leader.
+  /// The sum over all links that move with a leader.
   Inertial inertial_of(const Urdf::Link& leader, const Pose& root) const {
     Inertial sum;
     for (const Urdf::Link& link : urdf_.links) {

@@ -55,7 +55,6 @@ class BodyAttachments {
   double work() const;
 
   void reset();
-  std::size_t memory_size() const { return 1 + 3 * rows_.size(); }
   void write(MemoryWriter&) const;
   void read(MemoryReader&);
 
