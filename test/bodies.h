@@ -32,7 +32,8 @@ struct World {
 
   void step(double h, const Vector3& gravity = {0, 0, -g}) {
     bodies.begin_step(h, gravity, colliders);
-    contacts.prepare(h, g, specs, colliders, bodies);
+    contacts.prepare(
+        h, g, specs, colliders, [](double) { return std::vector<BodyTouch>(); }, bodies);
     for (int pass = 0; pass < 200 && contacts.solve_pass(bodies) > 1e-5; ++pass) {
     }
     bodies.end_step(contacts.pushes(bodies, {}), colliders);

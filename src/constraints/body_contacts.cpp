@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -80,26 +81,42 @@ void BodyContacts::give(const LimitContact& c, double impulse, RigidBodies& bodi
 }
 
 void BodyContacts::prepare(double h, double gravity, const std::vector<ColliderSpec>& specs,
-                           const std::vector<MovingCollider>& colliders, RigidBodies& bodies) {
+                           const std::vector<MovingCollider>& colliders,
+                           const FindPlaces& find_places, RigidBodies& bodies) {
   if (!setup_) setup_ = std::make_shared<Setup>(specs, bodies);
   const double scale = h_ > 0 ? h / h_ : 0;
   h_ = h;
-  prepare_contacts(scale, gravity, colliders, bodies);
+  prepare_contacts(scale, gravity, colliders, find_places, bodies);
   prepare_limits(scale, bodies);
 }
 
-void BodyContacts::prepare_contacts(double scale, double gravity,
-                                    const std::vector<MovingCollider>& colliders,
-                                    RigidBodies& bodies) {
-  last_.swap(contacts_);
-  contacts_.clear();
+std::vector<BodyTouch> BodyContacts::find(const std::vector<MovingCollider>& colliders,
+                                          const FindPlaces& find_places,
+                                          const RigidBodies& bodies) const {
   const auto may_touch = [&](std::size_t a, std::size_t b) {
     return (bodies.is_body(a) || bodies.is_body(b)) && !bodies.are_of_one(a, b) &&
            setup_->may_touch(a, b);
   };
   const double reach = bodies.longest_way(h_) + may_sink;
-  const std::vector<BodyTouch> touches = setup_->collisions.find(colliders, reach, may_touch);
-  for (const BodyTouch& t : touches) bodies.touch(t.a, t.b);
+  std::vector<BodyTouch> touches = setup_->collisions.find(colliders, reach, may_touch);
+  for (const BodyTouch& t : find_places(reach)) {
+    if (may_touch(t.a, t.b)) touches.push_back(t);
+  }
+  return touches;
+}
+
+void BodyContacts::prepare_contacts(double scale, double gravity,
+                                    const std::vector<MovingCollider>& colliders,
+                                    const FindPlaces& find_places, RigidBodies& bodies) {
+  last_.swap(contacts_);
+  contacts_.clear();
+  const std::vector<BodyTouch> touches = find(colliders, find_places, bodies);
+  const auto pair = [](const BodyTouch& t) { return std::pair(t.a, t.b); };
+  std::map<std::pair<std::size_t, std::size_t>, int> places;
+  for (const BodyTouch& t : touches) {
+    bodies.touch(t.a, t.b);
+    ++places[pair(t)];
+  }
   for (const BodyTouch& t : touches) {
     const double yield = inv_mass(t, bodies);
     if (yield == 0) continue;  // no joint is free along the normal
@@ -107,16 +124,18 @@ void BodyContacts::prepare_contacts(double scale, double gravity,
                   t.normal.dot(relative_velocity(t, bodies)), 1 / yield,
                   mass_or_zero(inv_mass_across(t, bodies))};
     c.impulse.normal = t.normal;
-    c.impulse.friction = std::sqrt(colliders[t.a].friction() * colliders[t.b].friction());
-    c.impulse.max_normal_impulse =
-        strongest_squeeze * bodies.mass_touching(t.a, t.b) * gravity * h_ +
-        2 * c.mass * std::max(0.0, -c.approach);
+    c.impulse.friction =
+        t.friction.value_or(std::sqrt(colliders[t.a].friction() * colliders[t.b].friction()));
+    c.impulse.max_normal_impulse = bodies.strongest_force(t.a, t.b, places[pair(t)], gravity) * h_ +
+                                   2 * c.mass * std::max(0.0, -c.approach);
     // The gap where impulses act.
     c.impulse.target_velocity =
         -std::max(0.0, t.gap - RigidBodies::displacement_factor * h_ * c.approach) / h_;
-    warm_start(scale, bounding_radius(colliders[t.a].shape()), c);
-    give(t, c.impulse.total(), bodies);
     contacts_.push_back(c);
+  }
+  for (PairContact& c : contacts_) {  // once all motions are known that are free
+    warm_start(scale, bounding_radius(colliders[c.touch.a].shape()), c);
+    give(c.touch, c.impulse.total(), bodies);
   }
 }
 

@@ -1,6 +1,8 @@
 // Contact of points with rigid bodies, and of points between a body and another collider.
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "clothsim/constraints/collider_contacts.h"
 
@@ -104,6 +106,9 @@ void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& c
 void ColliderContacts::bound_coupled(const ContactStep& step, const Points& positions) {
   RigidBodies& bodies = *step.bodies;
   for (const Coupled& c : coupled_) bodies.touch(c.a, c.b);
+  const auto pair = [](const Coupled& c) { return std::pair(c.a, c.b); };
+  std::map<std::pair<std::size_t, std::size_t>, int> places;
+  for (const Coupled& c : coupled_) ++places[pair(c)];
   for (Coupled& c : coupled_) {
     const Vector3 x = c.point < 0 ? faces_.place(c.face) : row(positions, c.point);
     const Vector3 normal =
@@ -111,8 +116,7 @@ void ColliderContacts::bound_coupled(const ContactStep& step, const Points& posi
     const RigidMotion &a = bodies.motion(c.a), &b = bodies.motion(c.b);
     const double approach = std::max(0.0, normal.dot(a.velocity_at(x) - b.velocity_at(x)));
     const double inv_mass = a.inv_mass_at(x, normal) + b.inv_mass_at(x, normal);
-    const double at_rest =
-        strongest_squeeze * bodies.mass_touching(c.a, c.b) * step.gravity * step.h;
+    const double at_rest = bodies.strongest_force(c.a, c.b, places[pair(c)], step.gravity) * step.h;
     c.strongest = at_rest + (inv_mass > 0 ? 2 * approach / inv_mass : 0);
   }
 }

@@ -9,6 +9,12 @@
 namespace clothsim {
 namespace {
 
+/// Largest force between two colliders, in weights of the bodies that they carry.
+constexpr double strongest_squeeze = 100;
+
+/// The same at one of many places, where all of a body may stand that leans or rocks.
+constexpr double strongest_at_a_place = 5;
+
 Matrix3 in_world(const Matrix3& tensor, const Eigen::Quaterniond& orientation) {
   const Matrix3 turn = orientation.toRotationMatrix();
   return turn * tensor * turn.transpose();
@@ -103,6 +109,12 @@ double RigidBodies::mass_touching(std::size_t collider, std::size_t other) const
     most = std::max(most, mass);
   }
   return most;
+}
+
+double RigidBodies::strongest_force(std::size_t collider, std::size_t other, int places,
+                                    double gravity) const {
+  return std::max(strongest_squeeze / places, strongest_at_a_place) *
+         mass_touching(collider, other) * gravity;
 }
 
 void RigidBodies::put(std::size_t leader, const Pose& pose,

@@ -9,6 +9,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/scene/scene.h"
+#include "clothsim/scene/sdf.h"
 
 namespace clothsim {
 namespace {
@@ -210,6 +211,25 @@ Pose pose_of(const std::string& link, const std::map<std::string, const Urdf::Jo
   return pose;
 }
 
+Urdf read_robot(const XMLElement& robot) {
+  Urdf urdf;
+  const char* name = robot.Attribute("name");
+  urdf.name = name && *name ? name : "robot";
+  std::set<std::string> names;
+  for (const XMLElement* each = robot.FirstChildElement("link"); each;
+       each = each->NextSiblingElement("link")) {
+    urdf.links.push_back(read_link(*each));
+    if (names.insert(urdf.links.back().name).second) continue;
+    throw InvalidValue({}, "two links called " + quoted(urdf.links.back().name.c_str()),
+                       "a name of its own for each link");
+  }
+  for (const XMLElement* each = robot.FirstChildElement("joint"); each;
+       each = each->NextSiblingElement("joint")) {
+    urdf.joints.push_back(read_joint(*each, names));
+  }
+  return urdf;
+}
+
 }  // namespace
 
 Urdf read_urdf(const std::string& text) {
@@ -222,22 +242,11 @@ Urdf read_urdf(const std::string& text) {
     throw InvalidValue({}, shortened(document.ErrorStr(), 200), "the XML of a URDF");
   }
   const XMLElement* robot = document.FirstChildElement("robot");
-  if (!robot) throw InvalidValue({}, "XML without <robot>", "a URDF");
-  Urdf urdf;
-  const char* name = robot->Attribute("name");
-  urdf.name = name && *name ? name : "robot";
-  std::set<std::string> names;
-  for (const XMLElement* each = robot->FirstChildElement("link"); each;
-       each = each->NextSiblingElement("link")) {
-    urdf.links.push_back(read_link(*each));
-    if (names.insert(urdf.links.back().name).second) continue;
-    throw InvalidValue({}, "two links called " + quoted(urdf.links.back().name.c_str()),
-                       "a name of its own for each link");
+  const bool is_sdf = document.FirstChildElement("sdf");
+  if (!robot && !is_sdf) {
+    throw InvalidValue({}, "XML without <robot> and <sdf>", "a URDF or an SDF");
   }
-  for (const XMLElement* each = robot->FirstChildElement("joint"); each;
-       each = each->NextSiblingElement("joint")) {
-    urdf.joints.push_back(read_joint(*each, names));
-  }
+  Urdf urdf = is_sdf ? read_sdf(text) : read_robot(*robot);
   const std::map<std::string, const Urdf::Joint*> joints = by_child(urdf.joints);
   for (Urdf::Link& link : urdf.links) link.pose = pose_of(link.name, joints);
   return urdf;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "clothsim/constraints/body_collisions.h"
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/constraints/rigid_bodies.h"
 #include "clothsim/model/cloth.h"
@@ -32,6 +33,11 @@ class BodyAttachments {
 
   /// Begins a frame: clears the sums below.
   void begin_frame();
+
+  /// The places of attached points within `reach` [m] of other colliders: there the cloth touches
+  /// them with the mass of its body.
+  std::vector<BodyTouch> touches(const Cloth&, const std::vector<MovingCollider>&,
+                                 double reach) const;
 
   /// To be called with the bodies after their free motion and the points after their forces.
   /// Applies the impulses of the last step.

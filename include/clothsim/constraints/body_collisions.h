@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "clothsim/shapes/moving_collider.h"
@@ -10,11 +11,12 @@ namespace clothsim {
 
 /// A place where two colliders touch or come near each other.
 struct BodyTouch {
-  std::size_t a = 0;        // of a rigid body
-  std::size_t b = 0;        // another collider
-  Vector3 place{0, 0, 0};   // halfway between the surfaces, in the world [m]
-  Vector3 normal{0, 0, 1};  // from b to a, unit
-  double gap = 0;           // between the surfaces, below 0 where they overlap [m]
+  std::size_t a = 0;                    // of a rigid body
+  std::size_t b = 0;                    // another collider
+  Vector3 place{0, 0, 0};               // halfway between the surfaces, in the world [m]
+  Vector3 normal{0, 0, 1};              // from b to a, unit
+  double gap = 0;                       // between the surfaces, below 0 where they overlap [m]
+  std::optional<double> friction = {};  // Coulomb's coefficient; none: by those of a and b
 };
 
 /// Finds the places where rigid bodies come near each other and other colliders: by the signed

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,11 +26,14 @@ struct Overlap {
 /// that it overlaps at the start, such as the rod of a ring.
 class BodyContacts {
  public:
+  /// Finds places of bodies, other than those of their shapes, within a distance [m] of colliders.
+  using FindPlaces = std::function<std::vector<BodyTouch>(double reach)>;
+
   /// Detects the contacts of a step of h [s] after the bodies' free motion, and warm-starts them.
-  /// `gravity`: for the bound on their impulses, see strongest_squeeze [m/s^2]. `specs`: of the
-  /// scene.
+  /// `gravity`: for the bound on their impulses, see RigidBodies::strongest_force() [m/s^2].
+  /// `specs`: of the scene.
   void prepare(double h, double gravity, const std::vector<ColliderSpec>& specs,
-               const std::vector<MovingCollider>&, RigidBodies&);
+               const std::vector<MovingCollider>&, const FindPlaces&, RigidBodies&);
 
   /// One pass. Returns the largest change of a relative velocity [m/s].
   double solve_pass(RigidBodies&);
@@ -61,8 +65,10 @@ class BodyContacts {
   };
   struct Setup;  // found once for a scene
 
+  std::vector<BodyTouch> find(const std::vector<MovingCollider>&, const FindPlaces&,
+                              const RigidBodies&) const;
   void prepare_contacts(double scale, double gravity, const std::vector<MovingCollider>&,
-                        RigidBodies&);
+                        const FindPlaces&, RigidBodies&);
   void prepare_limits(double scale, RigidBodies&);
   static void give(const LimitContact&, double impulse, RigidBodies&);
   void warm_start(double scale, double radius, PairContact&);

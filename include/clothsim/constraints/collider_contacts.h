@@ -191,7 +191,7 @@ class ColliderContacts {
   /// Finds the places of the cloth between a body and another collider.
   void couple(const std::vector<MovingCollider>&, const Cloth&, const ContactStep&,
               const Points& positions);
-  /// Bounds their impulses, see strongest_squeeze.
+  /// Bounds their impulses, see RigidBodies::strongest_force().
   void bound_coupled(const ContactStep&, const Points& positions);
   void couple_points(std::size_t a, std::size_t b);
   void couple_faces(std::size_t a, std::size_t b, const Cloth&);

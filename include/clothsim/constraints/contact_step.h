@@ -19,11 +19,6 @@ inline constexpr double min_gravity = 9.81;
 /// a tip would shake for ever, and so would piles, whose warm-started impulses integrate it.
 inline constexpr double overlap_share = 0.01;
 
-/// Largest force of a contact between a rigid body and another collider, in weights of the bodies
-/// that touch each other there, beyond the impulse that stops their approach: fingers that close on
-/// a body leave no room.
-inline constexpr double strongest_squeeze = 100;
-
 /// Contact is solved at least to this speed [m/s], however short the steps: the residual of each
 /// step shakes a cloth at rest, and a residual of friction lets it creep.
 inline constexpr double rest_speed = 5e-4;

@@ -47,6 +47,9 @@ class RigidBodies {
   /// Mass of the bodies that either of two colliders carries: those that it touches in this step or
   /// the last one, directly or through other bodies [kg].
   double mass_touching(std::size_t collider, std::size_t other) const;
+  /// Largest force at one of the `places` where two colliders touch [N], beyond the impulse that
+  /// stops their approach: fingers that close on a body leave no room. `gravity`: [m/s^2].
+  double strongest_force(std::size_t collider, std::size_t other, int places, double gravity) const;
   /// Mass of all bodies [kg].
   double mass() const { return mass_; }
   /// Centre of mass in the frame of a leader [m].

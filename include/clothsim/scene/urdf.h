@@ -59,10 +59,10 @@ struct Urdf {
   std::vector<Joint> joints;
 };
 
-/// Reads the links, their collisions and the tree of joints from the text of a URDF. An error in
-/// one collision, or in the motion of a joint, goes into its `fault`. Throws InvalidValue, without
-/// a key, for text that is no URDF, links without a name or with equal names, joints to unknown
-/// links or in a cycle.
+/// Reads the links, their collisions and the tree of joints from the text of a URDF or of an SDF.
+/// An error in one collision, or in the motion of a joint, goes into its `fault`. Throws
+/// InvalidValue, without a key, for text that is neither, links without a name or with equal names,
+/// joints to unknown links or in a cycle.
 Urdf read_urdf(const std::string& text);
 
 }  // namespace clothsim
