@@ -18,7 +18,7 @@ from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from scipy.spatial.transform import Rotation, Slerp
 from std_msgs.msg import Header
 
-from clothsim.msg import Change, ClothState
+from clothsim.msg import Change, ClothState, ClothTopology
 from clothsim.srv import Attach, AttachBody, Detach, DetachBody
 
 RATE = 90   # [Hz] of the broadcasts
@@ -104,14 +104,34 @@ class Player:
             self.held.setdefault(event["attach"], []).append(event["body"])
             yield call("attach_body", AttachBody, event["body"], event["attach"])
         elif "attach" in event:
-            yield call("attach", Attach, event["attach"], event.get("points", []), event.get("radius", 0),
+            yield call("attach", Attach, event["attach"], numbers(event.get("points", [])), event.get("radius", 0),
                        event.get("tear_force", 0), event.get("strength", 0))
         else:
             bodies = [] if "points" in event else self.held.pop(event["detach"], [])
             for body in bodies:
                 yield call("detach_body", DetachBody, body)
             if not bodies:
-                yield call("detach", Detach, event["detach"], event.get("points", []))
+                yield call("detach", Detach, event["detach"], numbers(event.get("points", [])))
+
+
+def numbers(points):
+    """The numbers of points that a scene names by number, as [column, row] or by their place at the start."""
+    if not points:
+        return []
+    cloth = rospy.wait_for_message("clothsim/topology", ClothTopology)
+    rest, uv = np.reshape(cloth.rest_positions, (-1, 3)), np.reshape(cloth.uv, (-1, 2))
+    found = []
+    for point in points:
+        if isinstance(point, int):
+            found.append(point)
+        elif isinstance(point, list):
+            found.append(point[1] * cloth.columns + point[0])
+        elif "within" in point:
+            found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"]))
+        else:
+            away = rest - point["near"] if "near" in point else uv - point["uv"]
+            found.append(np.linalg.norm(away, axis=1).argmin())
+    return found
 
 
 def call(name, service_type, *arguments):

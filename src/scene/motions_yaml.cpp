@@ -1,15 +1,18 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/points_yaml.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/scene/yaml_values.h"
 
 namespace clothsim {
 namespace {
 
-ReadValue into_points(std::vector<int>& points) {
-  return [&points](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) { points.push_back(read_int(item)); });
+ReadValue into_points(PointReader& reader, std::vector<int>& points) {
+  return [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) {
+      for (const int point : reader.read_indices(item)) points.push_back(point);
+    });
   };
 }
 
@@ -27,7 +30,7 @@ Eigen::Quaterniond read_quaternion(const YAML::Node& node) {
 
 // The keys of each kind of entry, apart from its own key and `time`.
 
-std::vector<Field> fields(KeyFrame& key) {
+std::vector<Field> fields(KeyFrame& key, PointReader&) {
   FrameTarget& target = key.target;
   const auto twist = [&target](Vector3 Twist::*part) {
     return [&target, part](const YAML::Node& node) {
@@ -44,20 +47,24 @@ std::vector<Field> fields(KeyFrame& key) {
       {"angular", twist(&Twist::angular)}};
 }
 
-std::vector<Field> fields(KeyFrameFile& file) { return {{"frame", into(file.frame)}}; }
+std::vector<Field> fields(KeyFrameFile& file, PointReader&) {
+  return {{"frame", into(file.frame)}};
+}
 
-std::vector<Field> fields(AttachPoints& attach) {
-  return {{"points", into_points(attach.points)},
+std::vector<Field> fields(AttachPoints& attach, PointReader& points) {
+  return {{"points", into_points(points, attach.points)},
           {"radius", into(attach.radius)},
           {"tear_force", into(attach.tear_force)},
           {"strength", into(attach.strength)},
           {"body", into(attach.body)}};
 }
 
-std::vector<Field> fields(DetachPoints& detach) { return {{"points", into_points(detach.points)}}; }
+std::vector<Field> fields(DetachPoints& detach, PointReader& points) {
+  return {{"points", into_points(points, detach.points)}};
+}
 
-std::vector<Field> fields(SwitchCollider&) { return {}; }
-std::vector<Field> fields(ChangeValues&) { return {}; }
+std::vector<Field> fields(SwitchCollider&, PointReader&) { return {}; }
+std::vector<Field> fields(ChangeValues&, PointReader&) { return {}; }
 
 /// A kind of entry: the key that identifies it, and its reader.
 struct Kind {
@@ -90,14 +97,15 @@ std::vector<Kind> kinds() {
           {"set", ChangeValues(), read_set}};
 }
 
-MotionEntry read_entry(const YAML::Node& node) {
+MotionEntry read_entry(const YAML::Node& node, PointReader& points) {
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
   std::vector<std::string> known;
   for (Kind& kind : kinds()) {
     known.push_back(kind.key);
     if (!node[kind.key].IsDefined()) continue;
     MotionEntry entry{0, std::move(kind.action)};
-    std::vector<Field> all = std::visit([](auto& action) { return fields(action); }, entry.action);
+    std::vector<Field> all =
+        std::visit([&](auto& action) { return fields(action, points); }, entry.action);
     all.push_back({kind.key, [&](const YAML::Node& value) { kind.read(value, entry.action); }});
     if (kind.key != "file") all.push_back({"time", into(entry.time)});
     read_map(node, all);
@@ -114,9 +122,10 @@ MotionEntry read_entry(const YAML::Node& node) {
 
 }  // namespace
 
-std::vector<MotionEntry> read_motions(const YAML::Node& node) {
+std::vector<MotionEntry> read_motions(const YAML::Node& node, const ClothSpec& cloth) {
+  PointReader points(cloth);
   std::vector<MotionEntry> motions;
-  read_list(node, [&](const YAML::Node& item) { motions.push_back(read_entry(item)); });
+  read_list(node, [&](const YAML::Node& item) { motions.push_back(read_entry(item, points)); });
   return motions;
 }
 

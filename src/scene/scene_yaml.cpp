@@ -1,10 +1,12 @@
 #include "clothsim/scene/scene_yaml.h"
 
+#include <optional>
 #include <utility>
 
 #include "clothsim/model/checks.h"
 #include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/fabric_yaml.h"
+#include "clothsim/scene/points_yaml.h"
 #include "clothsim/scene/yaml_values.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and the targets of their values.
@@ -27,43 +29,41 @@ void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) 
   }
 }
 
-void read_grid_point(const YAML::Node& node, Pin& pin) {
-  if (!node.IsSequence() || node.size() != 2) {
-    throw InvalidValue({}, describe(node), "[column, row]");
-  }
-  bool is_column = true;
-  read_list(node, [&](const YAML::Node& item) {
-    into(is_column ? pin.column : pin.row)(item);
-    is_column = false;
-  });
+void append(std::vector<Field> more, std::vector<Field>& fields) {
+  for (Field& field : more) fields.push_back(std::move(field));
 }
 
-/// [column, row], or a map with the tf frame that moves the point.
-Pin read_pin(const YAML::Node& node) {
+/// A point, or a map with points and the tf frame that moves them.
+void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pins) {
   Pin pin;
+  PointPlace place;
+  std::vector<std::array<int, 2>> points;
+  const auto read_point = [&](const YAML::Node& point) { points = reader.read(point); };
   if (!node.IsMap()) {
-    read_grid_point(node, pin);
-    return pin;
+    read_point(node);
+  } else {
+    std::vector<Field> all = fields(place);
+    append({{"point", read_point}, {"frame", into(pin.frame)}, {"strength", into(pin.strength)}},
+           all);
+    read_map(node, all);
+    if (points.empty() == place.empty()) {
+      throw InvalidValue({"point"}, points.empty() ? "nothing" : "a place, too",
+                         "[column, row], or near, within and of, or uv instead");
+    }
+    if (points.empty()) points = reader.find(place);
   }
-  bool has_point = false;
-  read_map(node, {{"point",
-                   [&](const YAML::Node& point) {
-                     read_grid_point(point, pin);
-                     has_point = true;
-                   }},
-                  {"frame", into(pin.frame)},
-                  {"strength", into(pin.strength)}});
-  if (!has_point) throw InvalidValue({"point"}, "nothing", "[column, row]");
-  return pin;
+  for (const auto& [column, row] : points) {
+    pin.column = column;
+    pin.row = row;
+    pins.push_back(pin);
+  }
 }
 
-BodyPoints read_attached(const YAML::Node& node) {
+BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
   BodyPoints attached;
   const auto read_points = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) {
-      Pin point;
-      read_grid_point(item, point);
-      attached.points.push_back({point.column, point.row});
+      for (const auto& point : points.read(item)) attached.points.push_back(point);
     });
   };
   read_map(node, {{"body", into(attached.body)},
@@ -72,8 +72,16 @@ BodyPoints read_attached(const YAML::Node& node) {
   return attached;
 }
 
-void append(std::vector<Field> more, std::vector<Field>& fields) {
-  for (Field& field : more) fields.push_back(std::move(field));
+/// Reads the pins and the points on bodies of a cloth that is known otherwise.
+void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YAML::Node>& attached,
+                 ClothSpec& cloth) {
+  PointReader points(cloth);
+  const auto read_pin = [&](const YAML::Node& item) { read_pins(item, points, cloth.pinned); };
+  const auto read_body = [&](const YAML::Node& item) {
+    cloth.attached.push_back(read_attached(item, points));
+  };
+  if (pinned) inside("pinned", [&] { read_list(*pinned, read_pin); });
+  if (attached) inside("attached", [&] { read_list(*attached, read_body); });
 }
 
 ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
@@ -82,12 +90,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
   const auto read_orientation = [&](const YAML::Node& value) {
     cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
   };
-  const auto read_pins = [&](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) { cloth.pinned.push_back(read_pin(item)); });
-  };
-  const auto read_all_attached = [&](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) { cloth.attached.push_back(read_attached(item)); });
-  };
+  std::optional<YAML::Node> pinned, attached;  // read when the cloth is known
   std::vector<Field> fields = {
       {"width", into(cloth.width)},
       {"height", into(cloth.height)},
@@ -95,8 +98,8 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
       {"rows", into(cloth.rows)},
       {"orientation", read_orientation},
       {"origin", into(cloth.origin)},
-      {"pinned", read_pins},
-      {"attached", read_all_attached},
+      {"pinned", [&](const YAML::Node& list) { pinned = list; }},
+      {"attached", [&](const YAML::Node& list) { attached = list; }},
       {"pin_strength", into(cloth.pin_strength)},
       {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
       {"ks", into(material.ks)},
@@ -111,6 +114,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
   append(fabric_fields(*material.fabric), fields);
   read_map(node, fields);
   if (!is_fabric) material.fabric.reset();
+  read_points(pinned, attached, cloth);
   return cloth;
 }
 
@@ -235,6 +239,7 @@ ChangeValues read_change(const YAML::Node& node) {
 Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   Scene scene;
   bool has_cloth = false;
+  std::optional<YAML::Node> motions;  // read when the cloth is known
   const auto read_colliders = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) {
       scene.colliders.push_back(read_collider(item, sources));
@@ -243,20 +248,20 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   const auto read_robots = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { read_robot(item, sources, scene); });
   };
-  read_map(root,
-           {{"cloth",
-             [&](const YAML::Node& node) {
-               scene.cloth = read_cloth(node, sources);
-               has_cloth = true;
-             }},
-            {"colliders", read_colliders},
-            {"robots", read_robots},
-            {"simulation",
-             [&spec = scene.simulation](const YAML::Node& node) {
-               read_simulation(node, {{"seed", into(spec.seed)}}, spec);
-             }},
-            {"motions", [&](const YAML::Node& list) { scene.motions = read_motions(list); }}});
+  read_map(root, {{"cloth",
+                   [&](const YAML::Node& node) {
+                     scene.cloth = read_cloth(node, sources);
+                     has_cloth = true;
+                   }},
+                  {"colliders", read_colliders},
+                  {"robots", read_robots},
+                  {"simulation",
+                   [&spec = scene.simulation](const YAML::Node& node) {
+                     read_simulation(node, {{"seed", into(spec.seed)}}, spec);
+                   }},
+                  {"motions", [&](const YAML::Node& list) { motions = list; }}});
   if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
+  if (motions) inside("motions", [&] { scene.motions = read_motions(*motions, scene.cloth); });
 
   validate(scene);
   return scene;

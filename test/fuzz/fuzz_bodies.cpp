@@ -16,7 +16,7 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 10;
+const int testing::usual_count = 8;
 
 namespace {
 

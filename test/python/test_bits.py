@@ -19,10 +19,8 @@ SIMULATE = pathlib.Path(clothsim.__file__).resolve().parents[3] / "clothsim/simu
 @pytest.mark.parametrize("scene", [
     *sorted(path.name for path in scenes.SCENES.glob("*.yaml"))])
 def test_a_run_is_that_of_simulate(scene, tmp_path):
-    text = (scenes.SCENES / scene).read_text()
-    # A scene that names points of its grid keeps its size.
-    overrides = {} if "points:" in text else {"cloth.columns": 12, "cloth.rows": 12}
-    if overrides and "pinned:" in text:
+    overrides = {"cloth.columns": 12, "cloth.rows": 12}
+    if "pinned:" in (scenes.SCENES / scene).read_text():
         overrides["cloth.pinned"] = [[0, 0], [11, 0]]
     frames = 60
     simulator = Simulator(clothsim.Scene(scenes.SCENES / scene, overrides))

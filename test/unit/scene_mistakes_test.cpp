@@ -40,7 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"cloth.springs.bend=true",
                 "cloth.springs.bend: got ... unknown ... structural, shear, bending"},
         Mistake{"cloth.pinned.1.link=hand",
-                "cloth.pinned.1.link: got ... unknown ... point, frame, strength"},
+                "cloth.pinned.1.link: got ... unknown ... near, within, of, uv, point, frame, "
+                "strength"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got ... unknown ... name, shape, friction, frame, enabled, "
                 "part_of, "
@@ -275,16 +276,27 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     WrongPin, SceneMistake,
-    testing::Values(Mistake{"cloth.pinned.0=[5, 0]",
-                            "cloth.pinned.0: got [5, 0] ... [column, row] ... 0 to 4 ... 0 to 3"},
-                    Mistake{"cloth.pinned.0=[0, -1]",
-                            "cloth.pinned.0: got [0, -1] ... [column, row] ... 0 to 4 ... 0 to 3"},
-                    Mistake{"cloth.pinned=[[1, 2], [0, 0], [1, 2]]",
-                            "cloth.pinned.2: got [1, 2] ... again ... item 0"},
-                    Mistake{"cloth.pinned.1={frame: hand}",
-                            "cloth.pinned.1.point: got nothing ... [column, row]"},
-                    Mistake{"cloth.pinned.1.frame=/hand",
-                            "cloth.pinned.1.frame: got \"/hand\" ... slash"}));
+    testing::Values(
+        Mistake{"cloth.pinned.0=[5, 0]",
+                "cloth.pinned.0: got [5, 0] ... [column, row] ... 0 to 4 ... 0 to 3"},
+        Mistake{"cloth.pinned.0=[0, -1]",
+                "cloth.pinned.0: got [0, -1] ... [column, row] ... 0 to 4 ... 0 to 3"},
+        Mistake{"cloth.pinned=[[1, 2], [0, 0], [1, 2]]",
+                "cloth.pinned.2: got [1, 2] ... again ... item 0"},
+        Mistake{"cloth.pinned.1={frame: hand}",
+                "cloth.pinned.1.point: got nothing ... [column, row]"},
+        Mistake{"cloth.pinned.0={point: [0, 0], uv: [0, 0]}",
+                "cloth.pinned.0.point: got a place, too ... instead"},
+        Mistake{"cloth.pinned.0={near: [0, 0, 0], uv: [0, 0]}",
+                "cloth.pinned.0: got a part of a place, or two ... near"},
+        Mistake{"cloth.pinned.0={within: 1}",
+                "cloth.pinned.0: got a part of a place, or two ... within and of"},
+        Mistake{"cloth.pinned.0={within: 0.1, of: [9, 9, 9]}",
+                "cloth.pinned.0.within: got 0.1 ... with points of the cloth"},
+        Mistake{"cloth.pinned.0={uv: [0, 1.5]}", "cloth.pinned.0.uv.1: got 1.5 ... 0 to 1"},
+        Mistake{"cloth.pinned.0={uv: [1]}", "cloth.pinned.0.uv: got [1] ... [u, v]"},
+        Mistake{"cloth.pinned.0={}", "cloth.pinned.0.point: got nothing ... near"},
+        Mistake{"cloth.pinned.1.frame=/hand", "cloth.pinned.1.frame: got \"/hand\" ... slash"}));
 
 INSTANTIATE_TEST_SUITE_P(
     WrongName, SceneMistake,

@@ -71,7 +71,8 @@ std::string urdf_file() {
 
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
-    {{"cloth.pinned"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
+    {{"cloth.pinned", "Points by place"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
+    {{"Points by place"}, "{cloth: {}, motions: [{attach: a, points: [{", "}]}]}"},
     {{"cloth.attached"},
      "{colliders: [{shape: box, name: a, mass: 1}], "
      "cloth: {attached: [{body: a, points: [[0, 0]], ",

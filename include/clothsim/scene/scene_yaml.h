@@ -29,8 +29,9 @@ Scene read_scene(const YAML::Node& root, const SceneSources& = {});
 /// InvalidValue.
 void read_springs(const YAML::Node&, std::array<bool, 3>& springs);
 
-/// Reads the list `motions` of a scene, without the files it names. Throws InvalidValue.
-std::vector<MotionEntry> read_motions(const YAML::Node&);
+/// Reads the list `motions` of a scene with this cloth, without the files it names. Throws
+/// InvalidValue.
+std::vector<MotionEntry> read_motions(const YAML::Node&, const ClothSpec&);
 
 /// Reads a rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, as
 /// in URDF. Throws InvalidValue.

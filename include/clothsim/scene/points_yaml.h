@@ -1,0 +1,50 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/cloth_spec.h"
+#include "clothsim/scene/yaml_values.h"
+
+namespace clothsim {
+
+/// Points of a cloth by their place at the start: one of `near`, `within` with `of`, and `uv`.
+struct PointPlace {
+  std::optional<Vector3> near;        // the nearest point [m]
+  std::optional<double> within;       // all points within this distance [m] ...
+  std::optional<Vector3> of;          // ... of this place [m]
+  std::optional<Eigen::Vector2d> uv;  // the point with the nearest texture coordinates, 0 to 1
+
+  bool empty() const { return !near && !within && !of && !uv; }
+};
+
+/// Its keys, for read_map().
+std::vector<Field> fields(PointPlace&);
+
+/// Reads which points of a cloth a scene names, as [column, row] or by their place. Points that are
+/// equally near: the first. Throws InvalidValue, also for an invalid cloth.
+class PointReader {
+ public:
+  /// For the cloth of `spec`, whose other values have been read.
+  explicit PointReader(const ClothSpec& spec) : spec_(spec) {}
+
+  /// [column, row], as it is given, or a map with a place.
+  std::vector<std::array<int, 2>> read(const YAML::Node&);
+  std::vector<std::array<int, 2>> find(const PointPlace&);
+
+  /// The same as indices; also a number, as it is given. Throws for [column, row] outside the grid.
+  std::vector<int> read_indices(const YAML::Node&);
+
+ private:
+  const Cloth& cloth();
+  std::vector<int> within(double radius, const Vector3& center);
+
+  const ClothSpec& spec_;
+  std::optional<Cloth> cloth_;  // once a place is named
+};
+
+}  // namespace clothsim

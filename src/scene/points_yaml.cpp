@@ -1,0 +1,98 @@
+#include "clothsim/scene/points_yaml.h"
+
+#include <algorithm>
+
+#include "clothsim/model/grid.h"
+#include "clothsim/scene/yaml_values.h"
+
+namespace clothsim {
+namespace {
+
+const char* const ways_to_name = "[column, row], or a map with near, within and of, or uv";
+
+/// The first of the nearest rows.
+template <class Differences>
+int nearest_row(const Differences& differences) {
+  const Eigen::VectorXd distances = differences.rowwise().squaredNorm();
+  const double* first = distances.data();
+  return static_cast<int>(std::min_element(first, first + distances.size()) - first);
+}
+
+}  // namespace
+
+std::vector<Field> fields(PointPlace& place) {
+  const auto read_uv = [&](const YAML::Node& list) {
+    if (!list.IsSequence() || list.size() != 2) throw InvalidValue({}, describe(list), "[u, v]");
+    Eigen::Index k = 0;
+    place.uv.emplace();
+    read_list(list, [&](const YAML::Node& item) {
+      const double value = read_number(item);
+      if (!(value >= 0 && value <= 1)) throw InvalidValue({}, to_text(value), "0 to 1");
+      (*place.uv)[k++] = value;
+    });
+  };
+  return {{"near", [&](const YAML::Node& node) { place.near = read_vector(node); }},
+          {"within", [&](const YAML::Node& node) { place.within = read_number(node); }},
+          {"of", [&](const YAML::Node& node) { place.of = read_vector(node); }},
+          {"uv", read_uv}};
+}
+
+std::vector<std::array<int, 2>> PointReader::read(const YAML::Node& node) {
+  if (node.IsMap()) {
+    PointPlace place;
+    read_map(node, fields(place));
+    return find(place);
+  }
+  if (!node.IsSequence() || node.size() != 2) throw InvalidValue({}, describe(node), ways_to_name);
+  std::array<int, 2> point{};
+  std::size_t k = 0;
+  read_list(node, [&](const YAML::Node& item) { point[k++] = read_int(item); });
+  return {point};
+}
+
+std::vector<int> PointReader::read_indices(const YAML::Node& node) {
+  if (node.IsScalar()) return {read_int(node)};
+  std::vector<int> indices;
+  for (const auto& [column, row] : read(node)) {
+    check_grid_point(spec_, column, row);
+    indices.push_back(row * spec_.columns + column);
+  }
+  return indices;
+}
+
+const Cloth& PointReader::cloth() {
+  if (!cloth_) {
+    ClothSpec free = spec_;  // its points may be invalid yet
+    free.pinned.clear();
+    cloth_ = make_grid(free);
+  }
+  return *cloth_;
+}
+
+std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
+  const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value();
+  if (ways != 1 || place.within.has_value() != place.of.has_value()) {
+    throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two", ways_to_name);
+  }
+  std::vector<int> found;
+  if (place.near) found = {nearest_row(cloth().rest_positions.rowwise() - place.near->transpose())};
+  if (place.uv) found = {nearest_row(cloth().uv.rowwise() - place.uv->transpose())};
+  if (place.of) found = within(*place.within, *place.of);
+  std::vector<std::array<int, 2>> points;
+  for (const int i : found) points.push_back({i % spec_.columns, i / spec_.columns});
+  return points;
+}
+
+std::vector<int> PointReader::within(double radius, const Vector3& center) {
+  std::vector<int> found;
+  const Points& points = cloth().rest_positions;
+  for (int i = 0; i < static_cast<int>(points.rows()); ++i) {
+    if ((points.row(i) - center.transpose()).norm() <= radius) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw InvalidValue({"within"}, to_text(radius), "a distance with points of the cloth");
+  }
+  return found;
+}
+
+}  // namespace clothsim
