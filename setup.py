@@ -34,6 +34,7 @@ class BuildByCMake(build_ext):
         for module in MODULES:
             built = pathlib.Path(self.get_ext_filename(module)).name
             shutil.copy2(build / built, package / built)
+        shutil.copy2(build / "libclothsim_sdf.so", package)  # which _core loads for an SDF
         for folder in DATA:
             shutil.copytree(CLONE / folder, package / "share/clothsim" / folder, dirs_exist_ok=True)
 

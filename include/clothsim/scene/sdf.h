@@ -14,4 +14,13 @@ namespace clothsim {
 /// that libsdformat refuses, and for one with worlds or models inside a model.
 Urdf read_sdf(const std::string& text);
 
+/// What the reader got and what it expected.
+struct SdfRefusal {
+  std::string got;
+  std::string expected;
+};
+
 }  // namespace clothsim
+
+/// The reader in the library clothsim_sdf, which read_sdf() loads. Returns false for a refusal.
+extern "C" bool clothsim_read_sdf(const std::string& text, clothsim::Urdf&, clothsim::SdfRefusal&);
