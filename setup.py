@@ -14,6 +14,7 @@ from setuptools.command.build_ext import build_ext
 CLONE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path("build/pip")  # beside what scripts/build makes
 MODULES = ("_core", "_render")
+LOADED = ("libclothsim_bullet.so", "libclothsim_sdf.so")  # by _core, where a scene needs them
 DATA = ("shaders", "config/textures", "config/fabrics")  # that pictures and fabrics need
 
 
@@ -34,7 +35,8 @@ class BuildByCMake(build_ext):
         for module in MODULES:
             built = pathlib.Path(self.get_ext_filename(module)).name
             shutil.copy2(build / built, package / built)
-        shutil.copy2(build / "libclothsim_sdf.so", package)  # which _core loads for an SDF
+        for library in LOADED:
+            shutil.copy2(build / library, package)
         for folder in DATA:
             shutil.copytree(CLONE / folder, package / "share/clothsim" / folder, dirs_exist_ok=True)
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "clothsim/shapes/moving_collider.h"
@@ -18,6 +19,8 @@ struct BodyTouch {
   double gap = 0;                       // between the surfaces, below 0 where they overlap [m]
   std::optional<double> friction = {};  // Coulomb's coefficient; none: by those of a and b
 };
+
+class BulletWorld;
 
 /// Finds the places where rigid bodies come near each other and other colliders: by the signed
 /// distances of corners and round parts where these touch, else with the collision detection of
@@ -36,8 +39,8 @@ class BodyCollisions {
                               const std::function<bool(std::size_t, std::size_t)>& may_touch);
 
  private:
-  struct World;
-  std::unique_ptr<World> world_;
+  std::unique_ptr<BulletWorld> world_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // a body and another collider
 };
 
 }  // namespace clothsim
