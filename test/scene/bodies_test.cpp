@@ -257,36 +257,49 @@ TEST(Bodies, PinchAClothBetweenThem) {
   EXPECT_LT(simulator.body_motion(2).velocity.norm(), 2e-3);
 }
 
-TEST(Bodies, ComeToRestWhateverTheirMassAndShape) {
+/// Drops bodies of five shapes and of 1/1000 to `heaviest` times the mass of the cloth on it. No
+/// point enters them. Returns the number of bodies that do not lie on the cloth after 5 s.
+int dropped_without_rest(int seeds, double heaviest) {
   const std::vector<Shape> shapes = {Sphere{0.08}, Cuboid{{0.15, 0.1, 0.2}}, Cylinder{0.15, 0.06},
                                      Capsule{0.12, 0.05}, Cuboid{{0.3, 0.02, 0.1}}};
   std::mt19937 random(7);
   std::uniform_real_distribution<double> one(-1, 1);
-  for (int seed = 0; seed < 10; ++seed) {
+  int without_rest = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     Scene scene = trampoline(21, 0.3, 1000);
     scene.cloth.material.damping = 3;
     const double cloth_mass = 0.3, ratio = std::pow(10, 3 * one(random));
     const auto shape = static_cast<std::size_t>(seed) % shapes.size();
     scene.colliders = {body(shapes[shape], {0.1 * one(random), 0.1 * one(random), 1.25},
-                            cloth_mass * std::min(ratio, 100.0))};
+                            cloth_mass * std::min(ratio, heaviest))};
     scene.colliders[0].pose.orientation =
         Eigen::Quaterniond(1, one(random), one(random), one(random)).normalized();
     scene.colliders[0].body->damping = 3;
     Simulator simulator(scene);
     for (int k = 0; k < 450; ++k) {
       simulator.step();
-      ASSERT_TRUE(simulator.state().positions.allFinite()) << k;
+      EXPECT_TRUE(simulator.state().positions.allFinite()) << k;
       const Pose& pose = simulator.collider_pose(0);
+      double least = 1;
       for (int i = 0; i < simulator.cloth().num_points(); ++i) {
         const Vector3 x = to_local(pose, row(simulator.state().positions, i));
-        ASSERT_GT(signed_distance(shapes[shape], x, x).value, -1e-4) << k;
+        least = std::min(least, signed_distance(shapes[shape], x, x).value);
       }
+      EXPECT_GT(least, -1e-4) << k;
     }
     const BodyMotion motion = simulator.body_motion(0);
-    EXPECT_GT(motion.pose.position.z(), -1) << "it has fallen off";
-    EXPECT_LT(motion.velocity.norm(), 0.05);
+    without_rest += motion.pose.position.z() < -1 || motion.velocity.norm() > 0.05;
   }
+  return without_rest;
+}
+
+TEST(Bodies, ComeToRestWhateverTheirMassAndShape) { EXPECT_EQ(dropped_without_rest(10, 100), 0); }
+
+TEST(DISABLED_Survey, FortyBodiesOfAllMasses) {
+  const int without_rest = dropped_without_rest(40, 1000);
+  RecordProperty("without_rest", without_rest);
+  EXPECT_LE(without_rest, 2);  // a heavy one slides off a cloth that sags by its size
 }
 
 TEST(Bodies, AreLiftedThroughTheClothByFingersThatCloseTooFar) {
