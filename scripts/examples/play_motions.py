@@ -116,8 +116,8 @@ class Player:
 
 def numbers(points):
     """The numbers of points that a scene names by number, as [column, row] or by their place at the start."""
-    if not points:
-        return []
+    if all(isinstance(point, int) for point in points):
+        return points
     cloth = rospy.wait_for_message("clothsim/topology", ClothTopology)
     rest, uv = np.reshape(cloth.rest_positions, (-1, 3)), np.reshape(cloth.uv, (-1, 2))
     found = []
@@ -127,7 +127,7 @@ def numbers(points):
         elif isinstance(point, list):
             found.append(point[1] * cloth.columns + point[0])
         elif "within" in point:
-            found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"]))
+            found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"] + 1e-6))
         else:
             away = rest - point["near"] if "near" in point else uv - point["uv"]
             found.append(np.linalg.norm(away, axis=1).argmin())

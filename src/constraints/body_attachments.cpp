@@ -52,15 +52,17 @@ void BodyAttachments::begin_frame() {
 
 std::vector<BodyTouch> BodyAttachments::touches(const Cloth& cloth,
                                                 const std::vector<MovingCollider>& colliders,
-                                                double reach) const {
+                                                const Points& start, double reach) const {
   std::vector<BodyTouch> result;
   for (std::size_t k = 0; k < colliders.size() && !rows_.empty(); ++k) {
     if (!colliders[k].enabled()) continue;
     const double keeps = clearance(colliders[k].shape(), cloth).points;
     for (const Row& r : rows_) {
       const Vector3 x = to_world(colliders[r.attachment.body].pose(), r.attachment.place);
-      const Vector3 local = to_local(colliders[k].pose(), x);
-      const Distance distance = signed_distance(colliders[k].shape(), local, local);
+      if (!colliders[k].reaches({x, x}, reach + keeps)) continue;
+      const Vector3 side = to_local(colliders[k].previous(), row(start, r.attachment.point));
+      const Distance distance =
+          signed_distance(colliders[k].shape(), to_local(colliders[k].pose(), x), side);
       const double gap = distance.value - keeps;
       if (gap > reach) continue;
       result.push_back({r.attachment.body, k, x, colliders[k].pose().orientation * distance.normal,

@@ -111,7 +111,9 @@ void BodyContacts::prepare_contacts(double scale, double gravity,
   last_.swap(contacts_);
   contacts_.clear();
   const std::vector<BodyTouch> touches = find(colliders, find_places, bodies);
-  const auto pair = [](const BodyTouch& t) { return std::pair(t.a, t.b); };
+  const auto pair = [](const BodyTouch& t) {
+    return std::pair(std::min(t.a, t.b), std::max(t.a, t.b));
+  };
   std::map<std::pair<std::size_t, std::size_t>, int> places;
   for (const BodyTouch& t : touches) {
     bodies.touch(t.a, t.b);

@@ -106,7 +106,9 @@ void ColliderContacts::couple_faces(std::size_t a, std::size_t b, const Cloth& c
 void ColliderContacts::bound_coupled(const ContactStep& step, const Points& positions) {
   RigidBodies& bodies = *step.bodies;
   for (const Coupled& c : coupled_) bodies.touch(c.a, c.b);
-  const auto pair = [](const Coupled& c) { return std::pair(c.a, c.b); };
+  const auto pair = [](const Coupled& c) {
+    return std::pair(std::min(c.a, c.b), std::max(c.a, c.b));
+  };
   std::map<std::pair<std::size_t, std::size_t>, int> places;
   for (const Coupled& c : coupled_) ++places[pair(c)];
   for (Coupled& c : coupled_) {

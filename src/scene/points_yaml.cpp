@@ -10,6 +10,9 @@ namespace {
 
 const char* const ways_to_name = "[column, row], or a map with near, within and of, or uv";
 
+/// Points on the rim of a distance are within it [m].
+constexpr double rounding = 1e-6;
+
 /// The first of the nearest rows.
 template <class Differences>
 int nearest_row(const Differences& differences) {
@@ -47,6 +50,7 @@ std::vector<std::array<int, 2>> PointReader::read(const YAML::Node& node) {
   std::array<int, 2> point{};
   std::size_t k = 0;
   read_list(node, [&](const YAML::Node& item) { point[k++] = read_int(item); });
+  check_grid_point(spec_, point[0], point[1]);
   return {point};
 }
 
@@ -54,7 +58,6 @@ std::vector<int> PointReader::read_indices(const YAML::Node& node) {
   if (node.IsScalar()) return {read_int(node)};
   std::vector<int> indices;
   for (const auto& [column, row] : read(node)) {
-    check_grid_point(spec_, column, row);
     indices.push_back(row * spec_.columns + column);
   }
   return indices;
@@ -87,7 +90,7 @@ std::vector<int> PointReader::within(double radius, const Vector3& center) {
   std::vector<int> found;
   const Points& points = cloth().rest_positions;
   for (int i = 0; i < static_cast<int>(points.rows()); ++i) {
-    if ((points.row(i) - center.transpose()).norm() <= radius) found.push_back(i);
+    if ((points.row(i) - center.transpose()).norm() <= radius + rounding) found.push_back(i);
   }
   if (found.empty()) {
     throw InvalidValue({"within"}, to_text(radius), "a distance with points of the cloth");

@@ -50,7 +50,7 @@ std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!std::filesystem::is_regular_file(path, error) || !file) {
     throw InvalidValue({}, '"' + shortened(path.string(), 200) + "\", which cannot be read",
-                       "a URDF file");
+                       "a URDF or SDF file");
   }
   std::stringstream text;
   text << file.rdbuf();

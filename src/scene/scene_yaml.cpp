@@ -38,7 +38,10 @@ void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pi
   Pin pin;
   PointPlace place;
   std::vector<std::array<int, 2>> points;
-  const auto read_point = [&](const YAML::Node& point) { points = reader.read(point); };
+  const auto read_point = [&](const YAML::Node& point) {
+    if (point.IsMap()) throw InvalidValue({}, describe(point), "[column, row]");
+    points = reader.read(point);
+  };
   if (!node.IsMap()) {
     read_point(node);
   } else {
@@ -75,6 +78,7 @@ BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
 /// Reads the pins and the points on bodies of a cloth that is known otherwise.
 void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YAML::Node>& attached,
                  ClothSpec& cloth) {
+  if (pinned || attached) validate(cloth);
   PointReader points(cloth);
   const auto read_pin = [&](const YAML::Node& item) { read_pins(item, points, cloth.pinned); };
   const auto read_body = [&](const YAML::Node& item) {
@@ -261,6 +265,7 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
                    }},
                   {"motions", [&](const YAML::Node& list) { motions = list; }}});
   if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
+  if (motions) inside("cloth", [&] { validate(scene.cloth); });
   if (motions) inside("motions", [&] { scene.motions = read_motions(*motions, scene.cloth); });
 
   validate(scene);

@@ -1,13 +1,25 @@
 #include "clothsim/scene/sdf.h"
 
+#include <stdexcept>
+
 #include "clothsim/model/checks.h"
 #include "clothsim/model/module.h"
 
 namespace clothsim {
 
-Urdf read_sdf(const std::string& text) {
-  static const auto reader = reinterpret_cast<decltype(&clothsim_read_sdf)>(
+namespace {
+
+decltype(&clothsim_read_sdf) load_reader() try {
+  return reinterpret_cast<decltype(&clothsim_read_sdf)>(
       load_function("clothsim_sdf", "clothsim_read_sdf"));
+} catch (const std::runtime_error& error) {
+  throw InvalidValue({}, std::string("an SDF; ") + error.what(), "a URDF");
+}
+
+}  // namespace
+
+Urdf read_sdf(const std::string& text) {
+  static const auto reader = load_reader();
   Urdf urdf;
   SdfRefusal refusal;
   if (reader(text, urdf, refusal)) return urdf;

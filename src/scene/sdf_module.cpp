@@ -71,7 +71,10 @@ void read_geometry(const sdf::Geometry& geometry, Urdf::Collision& collision) {
 }
 
 std::optional<Urdf::Inertial> inertial_of(const sdf::Link& link) {
-  if (!link.Element()->HasElement("inertial")) return {};  // the default of 1 kg is nobody's
+  // The defaults, 1 kg and 1 kg m^2, are nobody's.
+  if (!link.Element()->HasElement("inertial")) return {};
+  const sdf::ElementPtr element = link.Element()->GetElement("inertial");
+  if (!element->HasElement("mass") || !element->HasElement("inertia")) return {};
   const auto& given = link.Inertial();
   Urdf::Inertial inertial;
   inertial.origin = pose_of(given.Pose());
@@ -189,6 +192,9 @@ Urdf urdf_of(const std::string& text) {
   refuse_first(root.LoadSdfString(text));
   const sdf::Model* model = root.Model();
   if (!model || root.WorldCount() > 0) throw SdfRefusal{"an SDF without <model>", "a model"};
+  if (!model->PlacementFrameName().empty() || !model->PoseRelativeTo().empty()) {
+    throw SdfRefusal{"a model placed by another frame", "a <pose> of the model itself"};
+  }
   if (model->ModelCount() > 0) {
     throw SdfRefusal{"a model inside the model " + model->Name(), "links and joints alone"};
   }
@@ -219,6 +225,8 @@ bool clothsim_read_sdf(const std::string& text, clothsim::Urdf& urdf,
     return true;
   } catch (const clothsim::SdfRefusal& error) {
     refusal = error;
-    return false;
+  } catch (...) {  // assertions of libsdformat, which are no std::exception
+    refusal = {"a text at which libsdformat fails", "an SDF"};
   }
+  return false;
 }

@@ -59,7 +59,9 @@ void Simulator::Impl::restore_velocities(bool of_memory) {
 void Simulator::Impl::begin_bodies(double h) {
   const Vector3& gravity = scene.simulation.gravity;
   bodies.begin_step(h, gravity, colliders);
-  const auto attached = [&](double reach) { return attachments.touches(cloth, colliders, reach); };
+  const auto attached = [&](double reach) {
+    return attachments.touches(cloth, colliders, state.positions, reach);
+  };
   body_contacts.prepare(h, std::max(gravity.norm(), min_gravity), scene.colliders, colliders,
                         attached, bodies);
 }

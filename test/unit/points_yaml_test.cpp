@@ -33,11 +33,12 @@ TEST(PointsByPlace, AreTheNearest) {
   EXPECT_EQ(points("{uv: [0, 1]}"), (GridPoints{{0, 4}}));
   EXPECT_EQ(points("{uv: [0.52, 0.24]}"), (GridPoints{{3, 1}}));
   EXPECT_EQ(points("{uv: [0.5, 0.125]}"), (GridPoints{{3, 0}})) << "between two: the first";
-  EXPECT_EQ(points("[2, 9]"), (GridPoints{{2, 9}})) << "as given";
+  EXPECT_EQ(points("[2, 4]"), (GridPoints{{2, 4}}));
 }
 
 TEST(PointsByPlace, AreAllWithinADistance) {
   EXPECT_EQ(points("{within: 0.105, of: [1, 2, 3]}"), (GridPoints{{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_EQ(points("{within: 0.2, of: [1.3, 2, 3]}").size(), 9u) << "on the rim";
   EXPECT_EQ(points("{within: 10, of: [1, 2, 3]}").size(), 35u);
   const ClothSpec cloth = spec();
   const Cloth grid = make_grid(cloth);
@@ -83,8 +84,13 @@ TEST(PointsByPlace, AreRefusedWithTheCloth) {
     }
     return "accepted";
   };
-  EXPECT_NE(refusal("{columns: 0, pinned: [{uv: [0, 0]}]}").find("columns: got 0"),
-            std::string::npos);
+  EXPECT_EQ(refusal("{columns: 0, pinned: [{uv: [0, 0]}]}").rfind("cloth.columns: got 0", 0), 0u);
+  EXPECT_EQ(refusal("{columns: 100000}, motions: [{attach: a, points: [[9, 9]]}]")
+                .rfind("cloth.columns: got 100000", 0),
+            0u);
+  EXPECT_EQ(refusal("{pinned: [{within: 0.1, of: [0, 0, 1]}, [99, 0]]}")
+                .rfind("cloth.pinned.1: got [99, 0]", 0),
+            0u);
   EXPECT_NE(refusal("{pinned: [{uv: [0, 0]}, [0, 0]]}").find("again"), std::string::npos);
   EXPECT_EQ(refusal("{pinned: [{within: 0, of: [0, 0, 1]}]}"), "accepted");
 }

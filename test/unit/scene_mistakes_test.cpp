@@ -287,6 +287,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.pinned.1.point: got nothing ... [column, row]"},
         Mistake{"cloth.pinned.0={point: [0, 0], uv: [0, 0]}",
                 "cloth.pinned.0.point: got a place, too ... instead"},
+        Mistake{"cloth.pinned.0={point: {uv: [0, 0]}}",
+                "cloth.pinned.0.point: got ... [column, row]"},
         Mistake{"cloth.pinned.0={near: [0, 0, 0], uv: [0, 0]}",
                 "cloth.pinned.0: got a part of a place, or two ... near"},
         Mistake{"cloth.pinned.0={within: 1}",

@@ -147,6 +147,13 @@ TEST(Sdf, IsRefusedWithTheReason) {
   EXPECT_EQ(refusal(sdf(link("a", box("1 1 1")))),
             "robots.0.bodies: got link a without <inertial>, expected a mass for each link that "
             "moves");
+  EXPECT_EQ(refusal(sdf(link("a", "<inertial><mass>0.3</mass></inertial>" + box("1 1 1")))),
+            "robots.0.bodies: got link a without <inertial>, expected a mass for each link that "
+            "moves");
+  EXPECT_EQ(refusal("<sdf version='1.7'><model name='m' placement_frame='a'>" + link("a", part) +
+                    "</model></sdf>"),
+            "robots.0.file: got a model placed by another frame, expected a <pose> of the model "
+            "itself");
   const auto joint = [](const std::string& type, const std::string& parent) {
     return "<joint name='j' type='" + type + "'><parent>" + parent +
            "</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>";

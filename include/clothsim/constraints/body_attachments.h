@@ -35,9 +35,9 @@ class BodyAttachments {
   void begin_frame();
 
   /// The places of attached points within `reach` [m] of other colliders: there the cloth touches
-  /// them with the mass of its body.
+  /// them with the mass of its body. `start`: positions of the points before the step.
   std::vector<BodyTouch> touches(const Cloth&, const std::vector<MovingCollider>&,
-                                 double reach) const;
+                                 const Points& start, double reach) const;
 
   /// To be called with the bodies after their free motion and the points after their forces.
   /// Applies the impulses of the last step.

@@ -26,17 +26,17 @@ struct PointPlace {
 std::vector<Field> fields(PointPlace&);
 
 /// Reads which points of a cloth a scene names, as [column, row] or by their place. Points that are
-/// equally near: the first. Throws InvalidValue, also for an invalid cloth.
+/// equally near: the first. Throws InvalidValue.
 class PointReader {
  public:
-  /// For the cloth of `spec`, whose other values have been read.
+  /// For the cloth of `spec`, which is valid apart from its pins.
   explicit PointReader(const ClothSpec& spec) : spec_(spec) {}
 
-  /// [column, row], as it is given, or a map with a place.
+  /// [column, row] in the grid, or a map with a place.
   std::vector<std::array<int, 2>> read(const YAML::Node&);
   std::vector<std::array<int, 2>> find(const PointPlace&);
 
-  /// The same as indices; also a number, as it is given. Throws for [column, row] outside the grid.
+  /// The same as indices; also a number, as it is given.
   std::vector<int> read_indices(const YAML::Node&);
 
  private:
