@@ -6,9 +6,9 @@
 #include "clothsim/model/module.h"
 
 namespace clothsim {
-
 namespace {
 
+/// Throws InvalidValue where the library cannot be loaded.
 decltype(&clothsim_read_sdf) load_reader() try {
   return reinterpret_cast<decltype(&clothsim_read_sdf)>(
       load_function("clothsim_sdf", "clothsim_read_sdf"));
