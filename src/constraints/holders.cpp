@@ -5,8 +5,10 @@
 #include <limits>
 
 #include "clothsim/constraints/local_cloth.h"
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 namespace {
@@ -84,9 +86,18 @@ void Holders::hold(const std::vector<Hold>& holds,
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
   list_springs(cloth);
   std::vector<double> usual(strengths.size(), borne_weights * weight);
-  for (const Spring& s : springs_) {
-    const auto holder = static_cast<std::size_t>(points_[s.point].hold.holder);
-    usual[holder] += s.stiffness * cloth.strain_limit.value_or(usual_stretch) * s.rest_length;
+  const double stretch = cloth.strain_limit.value_or(usual_stretch);
+  const auto add_usual = [&](std::size_t point, double stiffness, double rest_length) {
+    usual[static_cast<std::size_t>(points_[point].hold.holder)] +=
+        stiffness * stretch * rest_length;
+  };
+  for (const Spring& s : springs_) add_usual(s.point, s.stiffness, s.rest_length);
+  for (std::size_t k = 0; k < points_.size() && cloth.is_mesh(); ++k) {
+    for (const SpringRun& run : cloth.springs) {
+      const int i = points_[k].hold.point;
+      if (run.first != i && run.first + run.offset != i) continue;
+      add_usual(k, run.stiffness, run.rest_length);
+    }
   }
   strengths_.clear();
   for (std::size_t k = 0; k < strengths.size(); ++k) {
@@ -120,8 +131,29 @@ std::vector<int> Holders::holder_of_points(const Cloth& cloth) const {
   return holders;
 }
 
+/// The triangles and the bends of a mesh at held points.
+void Holders::list_corners(const Cloth& cloth) {
+  std::vector<int> number(static_cast<std::size_t>(cloth.num_points()), -1);  // in points_
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    number[static_cast<std::size_t>(points_[k].hold.point)] = static_cast<int>(k);
+  }
+  const auto held = [&](int point) { return number[static_cast<std::size_t>(point)]; };
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int k = held(cloth.triangles[t][c]);
+      if (k >= 0) corners_.push_back({static_cast<std::size_t>(k), t, c});
+    }
+  }
+  for_each_bent_pair(cloth, [&](double weight, int i, int j) {
+    if (held(i) >= 0) springs_.push_back({static_cast<std::size_t>(held(i)), j, 0, 0, weight});
+    if (held(j) >= 0) springs_.push_back({static_cast<std::size_t>(held(j)), i, 0, 0, weight});
+  });
+}
+
 void Holders::list_springs(const Cloth& cloth) {
   springs_.clear();
+  corners_.clear();
+  if (cloth.is_mesh()) return list_corners(cloth);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const int i = points_[k].hold.point;
     for (const PairBand& band : cloth.pairs) {
@@ -160,6 +192,21 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
       force += s.stiffness * (length - s.rest_length + of_springs * u.dot(rate)) * u;
     }
     impulses.row(i) += h * force.transpose();
+  }
+  const Points* const velocities = is_damped(cloth) ? &state.velocities : nullptr;
+  for (const HeldCorner& held : corners_) {
+    if (points_[held.point].slips) continue;
+    const std::array<int, 3>& corners = cloth.triangles[held.triangle];
+    const Vector3 pulls = triangle_pulls(cloth, held.triangle, state.positions, velocities);
+    const std::size_t next = (held.corner + 1) % 3, last = (held.corner + 2) % 3;
+    const int i = corners[held.corner];
+    const auto pull = [&](std::size_t edge, std::size_t other) {
+      const double strength = 2 * pulls[static_cast<Eigen::Index>(edge)];
+      impulses.row(i) +=
+          h * strength * (state.positions.row(corners[other]) - state.positions.row(i));
+    };
+    pull(held.corner, next);
+    pull(last, last);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "clothsim/constraints/strain_limit.h"
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/signed_distances.h"
 
@@ -49,6 +50,12 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   if (cloth.triangles.empty()) return std::numeric_limits<double>::infinity();
+  // A cloth without limit gets the usual one: the distance of points changes with their springs
+  // only where these stretch further.
+  static const double usual_limit = Material().strain_limit.value();
+  const double longest =
+      1 + std::max(cloth.strain_limit.value_or(usual_limit) + usual_excess, stretch);
+  if (cloth.is_mesh()) return longest * longest_rest_length(cloth);
   // All triangles of a grid are alike. Without shear springs only its sides hold a cell.
   const auto& [a, b, c] = cloth.triangles.front();
   const auto length = [&](int i, int j) {
@@ -59,11 +66,7 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   });
   const double edge =
       sheared ? std::max({length(a, b), length(b, c), length(c, a)}) : length(a, b) + length(b, c);
-  // A cloth without limit gets the usual one: the distance of points changes with their springs
-  // only where these stretch further.
-  static const double usual_limit = Material().strain_limit.value();
-  const double limit = cloth.strain_limit.value_or(usual_limit);
-  return (1 + std::max(limit + usual_excess, stretch)) * edge;
+  return longest * edge;
 }
 
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch, bool pinched) {

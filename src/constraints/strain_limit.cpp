@@ -55,7 +55,9 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
   int direction = -1;
   const SpringRun* last = nullptr;
   for (const SpringRun& run : cloth.springs) {
-    const bool new_direction = !last || last->offset != run.offset || last->family != run.family;
+    const bool new_direction = !last || last->batch != run.batch ||
+                               (!cloth.is_mesh() && last->offset != run.offset) ||
+                               last->family != run.family;
     if (new_direction) ++direction;
     last = &run;
     for (int done = 0; done < run.count; done += Piece::length) {
@@ -63,7 +65,7 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
       Piece piece{run.first + done, count, run.offset, direction, run.rest_length, 0};
       // Springs of one offset share a point only where their first points differ by that offset.
       for (int i = 0; i < count; ++i) {
-        const bool second = (piece.first + i) / run.offset % 2 == 1;
+        const bool second = !cloth.is_mesh() && (piece.first + i) / run.offset % 2 == 1;
         piece.second |= std::uint64_t{second} << i;
       }
       pieces_.push_back(piece);

@@ -57,6 +57,17 @@ void add_forces(Columns p, Columns v, int b, int c, int count, double across, do
   }
 }
 
+/// Adds the forces of a mesh's triangles, one after the other.
+void add_mesh_forces(const Cloth& cloth, double across, double along, const Vector3& wind,
+                     const State& state, Points& forces) {
+  for (const auto& [a, b, c] : cloth.triangles) {
+    double fx = 0, fy = 0, fz = 0;
+    add_forces(columns_of(state.positions, a), columns_of(state.velocities, a), b - a, c - a, 1,
+               across, along, wind.x(), wind.y(), wind.z(), &fx, &fy, &fz);
+    for (const int i : {a, b, c}) forces.row(i) += Eigen::RowVector3d(fx, fy, fz);
+  }
+}
+
 /// Sums the forces of triangles on points [0, count), of which columns of cells begin there.
 CLOTHSIM_TARGET_CLONES
 void gather(const double* lower, const double* upper, int columns, int count,
@@ -93,6 +104,12 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   const int columns = cloth.columns;
   forces_.setZero(n, 3);
   if (cloth.triangles.empty()) return forces_;
+  const double across = air_density / 2 * drag[0] / 3;
+  const double along = air_density / 2 * drag[1] / 3;
+  if (cloth.is_mesh()) {
+    add_mesh_forces(cloth, across, along, wind, state, forces_);
+    return forces_;
+  }
 
   // Triangles by the first point of their cell; entries before them stay zero for points without
   // one.
@@ -100,8 +117,6 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   for (Points* points : {&lower_, &upper_}) {
     if (points->rows() != before + n) points->setZero(before + n, 3);
   }
-  const double across = air_density / 2 * drag[0] / 3;
-  const double along = air_density / 2 * drag[1] / 3;
   const auto add_rows = [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       const int i = row * columns;
@@ -129,11 +144,16 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
 
 double air_rate(const Cloth& cloth, const std::array<double, 2>& drag, double speed) {
   if (cloth.triangles.empty()) return 0;
-  const auto& [a, b, c] = cloth.triangles.front();
-  const Vector3 corner = row(cloth.rest_positions, a);
-  const double cell =
-      (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
-  const double area = cell * (cloth.rows - 1) * (cloth.columns - 1);
+  double area = 0;
+  if (cloth.is_mesh()) {
+    for (const TriangleFabric::Triangle& t : cloth.triangle_fabric->triangles) area += t.area;
+  } else {
+    const auto& [a, b, c] = cloth.triangles.front();
+    const Vector3 corner = row(cloth.rest_positions, a);
+    const double cell =
+        (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
+    area = cell * (cloth.rows - 1) * (cloth.columns - 1);
+  }
   const double mass_per_area = cloth.mass.sum() / area;
   // The factor 2 is that of the derivative of the square.
   return air_density * std::max(drag[0], drag[1]) * speed / mass_per_area;

@@ -27,6 +27,7 @@ bool same(const Scalars& a, const Scalars& b) { return a.size() == b.size() && a
 
 bool ClothWatch::differs(const Cloth& cloth, double h) const {
   const bool same_forces = same(cloth.springs, springs_) && same(cloth.bends, bends_) &&
+                           cloth.triangle_fabric == triangle_fabric_ &&
                            cloth.internal_damping == internal_damping_;
   return !(same_forces && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
            same(cloth.inv_mass, inv_mass_));
@@ -40,6 +41,7 @@ bool ClothWatch::changed(const Cloth& cloth, double h) {
   inv_mass_ = cloth.inv_mass;
   springs_ = cloth.springs;
   bends_ = cloth.bends;
+  triangle_fabric_ = cloth.triangle_fabric;
   internal_damping_ = cloth.internal_damping;
   return true;
 }

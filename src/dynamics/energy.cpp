@@ -4,6 +4,7 @@
 
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
@@ -42,11 +43,15 @@ double kinetic_energy(const Cloth& cloth, const State& state) {
 
 double elastic_energy(const Cloth& cloth, const Points& positions) {
   double energy = 0;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const double stretch = (positions.row(b) - positions.row(a)).norm() - run.rest_length;
-    energy += run.stiffness * stretch * stretch / 2;
-  });
-  for_each_bend(cloth, [&](const Bend& bend) {
+  if (cloth.is_mesh()) {
+    energy = membrane_energy(cloth, positions);
+  } else {
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      const double stretch = (positions.row(b) - positions.row(a)).norm() - run.rest_length;
+      energy += run.stiffness * stretch * stretch / 2;
+    });
+  }
+  for_each_bend(cloth, [&](const auto& bend) {
     energy += bend.stiffness * bend.of(positions).squaredNorm() / 2;
   });
   return energy;

@@ -2,6 +2,7 @@
 
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 namespace {
@@ -10,11 +11,44 @@ double length_of(const Points& positions, int a, int b) {
   return (positions.row(b) - positions.row(a)).norm();
 }
 
+/// Change of a triangle's squared edges since the past [m^2].
+Vector3 change_of(const Cloth& cloth, std::size_t triangle, const Past& past,
+                  const Points& positions) {
+  Vector3 change = squared_edges(cloth.triangles[triangle], positions);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int edge = cloth.triangle_fabric->triangles[triangle].edges[k];
+    change[static_cast<Eigen::Index>(k)] -= past.squares[static_cast<std::size_t>(edge)];
+  }
+  return change;
+}
+
+void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& positions,
+                           Points& gradient) {
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    const Vector3 pulls =
+        cloth.internal_damping[0] / past.time *
+        (cloth.triangle_fabric->triangles[t].stretch * change_of(cloth, t, past, positions));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = cloth.triangles[t][k], b = cloth.triangles[t][(k + 1) % 3];
+      const Eigen::RowVector3d pull =
+          2 * pulls[static_cast<Eigen::Index>(k)] * (positions.row(b) - positions.row(a));
+      gradient.row(a) -= pull;
+      gradient.row(b) += pull;
+    }
+  }
+}
+
 }  // namespace
 
 Past past_of(const Cloth& cloth, const Points& positions, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{h, {}, positions};
+  Past past{h, {}, {}, positions};
+  if (cloth.is_mesh()) {
+    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+      past.squares.push_back((positions.row(b) - positions.row(a)).squaredNorm());
+    });
+    return past;
+  }
   for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
     past.lengths.push_back(length_of(positions, a, b));
   });
@@ -23,7 +57,15 @@ Past past_of(const Cloth& cloth, const Points& positions, double h) {
 
 Past past_of(const Cloth& cloth, const Points& positions, const Points& last, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{2 * h / 3, {}, (4 * positions - last) / 3};
+  Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3};
+  if (cloth.is_mesh()) {
+    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+      past.squares.push_back((4 * (positions.row(b) - positions.row(a)).squaredNorm() -
+                              (last.row(b) - last.row(a)).squaredNorm()) /
+                             3);
+    });
+    return past;
+  }
   for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
     past.lengths.push_back((4 * length_of(positions, a, b) - length_of(last, a, b)) / 3);
   });
@@ -34,12 +76,19 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
   if (past.empty()) return 0;
   double of_springs = 0;
   std::size_t id = 0;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const double change = length_of(positions, a, b) - past.lengths[id++];
-    of_springs += run.stiffness * change * change / 2;
-  });
+  if (!cloth.is_mesh()) {
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      const double change = length_of(positions, a, b) - past.lengths[id++];
+      of_springs += run.stiffness * change * change / 2;
+    });
+  } else {
+    for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+      const Vector3 change = change_of(cloth, t, past, positions);
+      of_springs += change.dot(cloth.triangle_fabric->triangles[t].stretch * change) / 2;
+    }
+  }
   double of_bends = 0;
-  for_each_bend(cloth, [&](const Bend& bend) {
+  for_each_bend(cloth, [&](const auto& bend) {
     of_bends += bend.stiffness * (bend.of(positions) - bend.of(past.points)).squaredNorm() / 2;
   });
   const auto& [springs, bends] = cloth.internal_damping;
@@ -55,12 +104,16 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
   };
   const auto& [springs, bends] = cloth.internal_damping;
   std::size_t id = 0;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const Eigen::RowVector3d d = positions.row(b) - positions.row(a);
-    const double length = d.norm();
-    const double change = length - past.lengths[id++];
-    if (length > 0) add(a, b, springs / past.time * run.stiffness * change / length * d);
-  });
+  if (cloth.is_mesh()) {
+    add_membrane_gradient(cloth, past, positions, gradient);
+  } else {
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      const Eigen::RowVector3d d = positions.row(b) - positions.row(a);
+      const double length = d.norm();
+      const double change = length - past.lengths[id++];
+      if (length > 0) add(a, b, springs / past.time * run.stiffness * change / length * d);
+    });
+  }
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
     const Eigen::RowVector3d change =
         (positions.row(b) - positions.row(a)) - (past.points.row(b) - past.points.row(a));

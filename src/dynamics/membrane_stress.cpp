@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 namespace {
@@ -36,9 +38,34 @@ std::array<int, 2> cells_at(const Cells& cells, int column, int row, int right, 
   return {cells.below_diagonal(left, row), cells.above_diagonal(left, row)};
 }
 
+/// A pull s on an edge D at rest adds 2 s / A D D^T.
+Points stress_of_mesh(const Cloth& cloth, const State& state, const std::vector<double>& tensions) {
+  const TriangleFabric& fabric = *cloth.triangle_fabric;
+  const Points* const velocities = is_damped(cloth) ? &state.velocities : nullptr;
+  const std::vector<double> of_membrane = edge_tensions(cloth, state.positions, velocities);
+  Points stress(static_cast<Eigen::Index>(cloth.triangles.size()), 3);
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    const TriangleFabric::Triangle& triangle = fabric.triangles[t];
+    Vector3 pulls = triangle_pulls(cloth, t, state.positions, velocities);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto e = static_cast<std::size_t>(triangle.edges[k]);
+      const auto i = static_cast<Eigen::Index>(k);
+      const bool has_both = std::max(fabric.pulls_of[e][0], fabric.pulls_of[e][1]) <
+                            3 * static_cast<int>(cloth.triangles.size());
+      const double beyond = (tensions.at(e) - of_membrane[e]) / (has_both ? 2 : 1);
+      pulls[i] += beyond / (2 * std::sqrt(triangle.rest2[i]));
+    }
+    stress.row(static_cast<Eigen::Index>(t)) =
+        2 / triangle.area * pulls.transpose() * triangle.products;
+  }
+  return stress;
+}
+
 }  // namespace
 
-Points membrane_stress(const Cloth& cloth, const std::vector<double>& tensions) {
+Points membrane_stress(const Cloth& cloth, const State& state,
+                       const std::vector<double>& tensions) {
+  if (cloth.is_mesh()) return stress_of_mesh(cloth, state, tensions);
   Points stress = Points::Zero(static_cast<Eigen::Index>(cloth.triangles.size()), 3);
   if (cloth.triangles.empty()) return stress;
   const Cells cells(cloth);

@@ -1,5 +1,6 @@
 #include "clothsim/dynamics/newton_solver.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "clothsim/dynamics/bends.h"
@@ -7,6 +8,7 @@
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/spring_system.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 namespace {
@@ -30,7 +32,9 @@ struct NewtonSolver::Impl {
             Points& d);
   void share_inertia(const Cloth& cloth, const Scalars& weights);
   bool find_step(const Cloth& cloth, const Scalars& weights, const Past& past);
+  double bearable(int a, int b) const { return 1 / (1 / spare[a] + 1 / spare[b]); }
   void add_springs(const Cloth& cloth, const Past& past);
+  void add_triangles(const Cloth& cloth, const Past& past);
   void add_bends(const Cloth& cloth, const Past& past);
   void add_between(const Cloth& cloth, int id, int a, int b, const Eigen::Matrix3d& block);
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
@@ -83,12 +87,56 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
                       past.time);
     }
     // The share of the ends' inertia for each spring permits some negative stiffness across it.
-    const double bearable = 1 / (1 / spare[a] + 1 / spare[b]);
-    const double min_across = spring.stiffness > 0 ? -bearable / spring.stiffness : 0;
+    const double min_across = spring.stiffness > 0 ? -bearable(a, b) / spring.stiffness : 0;
     add_between(cloth, id, a, b,
                 spring_hessian(spring.stiffness, spring.rest_length, between, min_across));
     ++id;
   });
+}
+
+/// The Hessian of a triangle: 4 J K J^T, with the columns J of half the derivatives of q, and a
+/// stiffness 2 s across each edge, which an edge of two triangles bears half of from each.
+void NewtonSolver::Impl::add_triangles(const Cloth& cloth, const Past& past) {
+  const double share = past.empty() ? 0 : cloth.internal_damping[0] / past.time;
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    const std::array<int, 3>& corners = cloth.triangles[t];
+    const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
+    const Vector3 q = squared_edges(corners, positions);
+    Vector3 change = q - triangle.rest2;
+    Eigen::Matrix<double, 9, 3> j = Eigen::Matrix<double, 9, 3>::Zero();
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const int a = corners[static_cast<std::size_t>(k)];
+      const int b = corners[static_cast<std::size_t>((k + 1) % 3)];
+      const Vector3 d = row(positions, b) - row(positions, a);
+      j.block<3, 1>(3 * k, k) = -d;
+      j.block<3, 1>(3 * ((k + 1) % 3), k) = d;
+      if (past.empty()) continue;
+      const int edge = triangle.edges[static_cast<std::size_t>(k)];
+      change[k] += share * (q[k] - past.squares[static_cast<std::size_t>(edge)]);
+    }
+    Eigen::Matrix<double, 9, 9> hessian = 4 * (1 + share) * j * triangle.stretch * j.transpose();
+    const Vector3 pulls = triangle.stretch * change;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Eigen::Index l = (k + 1) % 3;
+      const double most =
+          bearable(corners[static_cast<std::size_t>(k)], corners[static_cast<std::size_t>(l)]) / 2;
+      const Eigen::Matrix3d across = std::max(2 * pulls[k], -most) * Eigen::Matrix3d::Identity();
+      hessian.block<3, 3>(3 * k, 3 * k) += across;
+      hessian.block<3, 3>(3 * l, 3 * l) += across;
+      hessian.block<3, 3>(3 * k, 3 * l) -= across;
+      hessian.block<3, 3>(3 * l, 3 * k) -= across;
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Eigen::Index l = (k + 1) % 3;
+      const int a = corners[static_cast<std::size_t>(k)], b = corners[static_cast<std::size_t>(l)];
+      if (cloth.inv_mass[a] > 0) system.add_to_point(a, hessian.block<3, 3>(3 * k, 3 * k));
+      if (cloth.inv_mass[a] == 0 || cloth.inv_mass[b] == 0) continue;
+      const int id = triangle.edges[static_cast<std::size_t>(k)];
+      const auto block =
+          a < b ? hessian.block<3, 3>(3 * l, 3 * k) : hessian.block<3, 3>(3 * k, 3 * l);
+      system.add_between(id, std::min(a, b), block);
+    }
+  }
 }
 
 /// Their pairs follow the springs. Some are negative, but all together are positive semidefinite.
@@ -108,7 +156,11 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
     const double inertia = cloth.inv_mass[i] > 0 ? weights[i] : 1.0;
     system.add_to_point(i, inertia * Eigen::Matrix3d::Identity());
   }
-  add_springs(cloth, past);
+  if (cloth.is_mesh()) {
+    add_triangles(cloth, past);
+  } else {
+    add_springs(cloth, past);
+  }
   add_bends(cloth, past);
   if (!system.factorize()) return false;
 

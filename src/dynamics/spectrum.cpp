@@ -10,6 +10,7 @@
 
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
@@ -208,6 +209,12 @@ double largest_eigenvalue(const Matrices<double>& s, int i) {
 /// omega_b^2 of the bends.
 double bends_omega2(const Cloth& cloth) {
   Scalars sums = Scalars::Zero(cloth.num_points());
+  if (cloth.is_mesh()) {
+    for (const auto& [i, j, weight] : cloth.triangle_fabric->pairs) {
+      sums[i] += std::abs(weight) + weight;
+      sums[j] += std::abs(weight) + weight;
+    }
+  }
   for (const PairBand& band : cloth.pairs) {  // entries off the diagonal, and their part of it
     const auto count = band.bend.size();
     sums.head(count) += band.bend.cwiseAbs() + band.bend;
@@ -219,7 +226,7 @@ double bends_omega2(const Cloth& cloth) {
 /// The effect of bends and internal damping on the springs' frequencies.
 struct BendsAndDamping {
   explicit BendsAndDamping(const Cloth& cloth)
-      : bends(cloth.bends.empty() ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
+      : bends(cloth.num_bends() == 0 ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
 
   /// Is there any effect?
   bool any() const { return bends > 0 || damping != std::array<double, 2>{}; }
@@ -243,6 +250,7 @@ struct BendsAndDamping {
 
 double springs_bound(const Cloth& cloth, const Points& positions, double min_omega,
                      const Workers& workers) {
+  if (cloth.is_mesh()) return membrane_bound(cloth, positions, min_omega);
   if (min_omega > 0 && are_surely_below(cloth, positions, min_omega, workers)) return min_omega;
 
   const int n = cloth.num_points();
@@ -265,6 +273,7 @@ double springs_bound(const Cloth& cloth, const Points& positions, double min_ome
 }
 
 double springs_bound(const Cloth& cloth) {
+  if (cloth.is_mesh()) return membrane_bound_at(cloth, cloth.strain_limit.value_or(0));
   Scalars stiffness = Scalars::Zero(cloth.num_points());
   for_each_band(cloth, [&](const SpringBand& band) {  // gaps between runs included
     stiffness.segment(band.first(), band.count()).array() += band.begin->stiffness;

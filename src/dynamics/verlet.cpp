@@ -2,6 +2,7 @@
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/force_blocks.h"
+#include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -80,11 +81,32 @@ double VelocityVerlet::displacement_factor(double damping, double h) {
 
 void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                           const Workers& workers) {
-  if (parameters_.precision == Parameters::single_precision) {
+  if (cloth.is_mesh()) {
+    step_mesh(cloth, loads, h, state, workers);
+  } else if (parameters_.precision == Parameters::single_precision) {
     step_by(single_forces_, cloth, loads, h, state, workers);
   } else {
     step_by(forces_, cloth, loads, h, state, workers);
   }
+}
+
+void VelocityVerlet::step_mesh(const Cloth& cloth, const Loads& loads, double h, State& state,
+                               const Workers& workers) {
+  const Kick kick(cloth.damping, h);
+  const int n = cloth.num_points();
+  mesh_forces_.resize(n, 3);
+  workers.parallel_for(n, [&](int begin, int end) {
+    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
+          {state.positions, begin}, {state.positions, begin});
+  });
+  compute_triangle_forces(cloth, loads, state.positions, mesh_forces_, workers, &state.velocities);
+  workers.parallel_for(n, [&](int begin, int end) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double* const x = &state.positions(begin, axis);
+      kick_and_drift(end - begin, kick, &cloth.inv_mass[begin], &mesh_forces_(begin, axis), x, x,
+                     &state.velocities(begin, axis));
+    }
+  });
 }
 
 template <typename Forces>

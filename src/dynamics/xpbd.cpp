@@ -1,19 +1,19 @@
 #include "clothsim/dynamics/xpbd.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 
 namespace {
 
-/// Sorts constraints by colour, each with the first colour that none of its points has yet: for
-/// springs at most twice those of a point, less one; for bends, of which a point has ten, no more
-/// than the bits of a word.
+/// Sorts constraints by colour, each with the first colour that none of its points has yet.
 template <typename Constraint>
 class Colouring {
  public:
@@ -21,11 +21,17 @@ class Colouring {
 
   template <typename Ids>
   void add(const Constraint& constraint, const Ids& points) {
-    std::uint64_t taken = 0;
-    for (const int i : points) taken |= taken_[static_cast<std::size_t>(i)];
     std::size_t colour = 0;
-    while (taken >> colour & 1) ++colour;
-    for (const int i : points) taken_[static_cast<std::size_t>(i)] |= std::uint64_t{1} << colour;
+    const auto is_taken = [&](int i) {
+      const std::vector<bool>& taken = taken_[static_cast<std::size_t>(i)];
+      return colour < taken.size() && taken[colour];
+    };
+    while (std::any_of(points.begin(), points.end(), is_taken)) ++colour;
+    for (const int i : points) {
+      std::vector<bool>& taken = taken_[static_cast<std::size_t>(i)];
+      if (taken.size() <= colour) taken.resize(colour + 1, false);
+      taken[colour] = true;
+    }
     if (colour == colours_.size()) colours_.emplace_back();
     colours_[colour].push_back(constraint);
   }
@@ -40,7 +46,7 @@ class Colouring {
   }
 
  private:
-  std::vector<std::uint64_t> taken_;  // by point, a bit for each colour
+  std::vector<std::vector<bool>> taken_;  // by point, for each colour
   std::vector<std::vector<Constraint>> colours_;
 };
 
@@ -60,8 +66,29 @@ void parallel_for_colours(const std::vector<int>& ends, bool back, const Workers
 }  // namespace
 
 void Xpbd::build(const Cloth& cloth, double h) {
-  build_springs(cloth, h);
-  build_bends(cloth, h);
+  if (cloth.is_mesh()) {
+    constraints_.clear();
+    colour_ends_.clear();
+    build_membranes(cloth, h);
+  } else {
+    membranes_ = {};
+    build_springs(cloth, h);
+  }
+  build_bends(cloth, h, bends_);
+  build_bends(cloth, h, patch_bends_);
+}
+
+void Xpbd::build_membranes(const Cloth& cloth, double h) {
+  const double time2 = h * Drag(cloth.damping, h).distance;
+  const double damped = 1 + cloth.internal_damping[0] / h;
+  Colouring<MembraneConstraint> colouring(cloth);
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
+    colouring.add({cloth.triangles[t], triangle.rest2, damped * time2 * triangle.stretch,
+                   triangle.rest2, Vector3::Zero()},
+                  cloth.triangles[t]);
+  }
+  colouring.move_to(membranes_.list, membranes_.colour_ends);
 }
 
 void Xpbd::build_springs(const Cloth& cloth, double h) {
@@ -78,23 +105,27 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
   colouring.move_to(constraints_, colour_ends_);
 }
 
-void Xpbd::build_bends(const Cloth& cloth, double h) {
+template <typename Stencil>
+void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
   const double time2 = h * Drag(cloth.damping, h).distance;
   const double damped = 1 + cloth.internal_damping[1] / h;
-  Colouring<BendConstraint> colouring(cloth);
-  for_each_bend(cloth, [&](const Bend& bend) {
-    double inv_mass = 0;
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
-        if (bend.points[k] != bend.points[l]) continue;
-        inv_mass += cloth.inv_mass[bend.points[k]] * Bend::coefficient(k) * Bend::coefficient(l);
+  Colouring<BendConstraint<Stencil>> colouring(cloth);
+  for_each_bend(cloth, [&](const auto& bend) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Stencil>) {
+      double inv_mass = 0;
+      for (std::size_t k = 0; k < bend.points.size(); ++k) {
+        for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
+          if (bend.points[k] != bend.points[l]) continue;
+          inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
+        }
       }
+      const double compliance = 1 / (bend.stiffness * damped * time2);
+      colouring.add(
+          {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
+          bend.points);
     }
-    const double compliance = 1 / (bend.stiffness * damped * time2);
-    colouring.add({bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
-                  bend.points);
   });
-  colouring.move_to(bends_, bend_colour_ends_);
+  colouring.move_to(bends.list, bends.colour_ends);
 }
 
 /// Sets the targets of constraints in a step from `positions`, between their rest values and the
@@ -105,9 +136,17 @@ void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
     const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
     spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
   }
-  for (BendConstraint& c : bends_) {
-    c.target = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
+  for (MembraneConstraint& c : membranes_.list) {
+    c.target =
+        (c.rest2 + of_springs / h * squared_edges(c.corners, positions)) / (1 + of_springs / h);
   }
+  const auto set_targets = [&](auto& bends) {
+    for (auto& c : bends.list) {
+      c.target = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
+    }
+  };
+  set_targets(bends_);
+  set_targets(patch_bends_);
 }
 
 void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
@@ -127,14 +166,52 @@ void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const
   parallel_for_colours(colour_ends_, back, workers, solve_one);
 }
 
-void Xpbd::solve_bends(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  parallel_for_colours(bend_colour_ends_, back, workers, [&](std::size_t id) {
-    BendConstraint& c = bends_[id];
+/// A pass over triangles, each with its three squared lengths at once: multipliers change by
+///   (I + h^2 K G)^-1 (-h^2 K (q - Q) - lambda),  G = 4 J^T w J
+/// with J as in NewtonSolver: no inverse of K, which a fabric without shear stiffness lacks.
+void Xpbd::solve_membranes(const Cloth& cloth, bool back, Points& positions,
+                           const Workers& workers) {
+  parallel_for_colours(membranes_.colour_ends, back, workers, [&](std::size_t id) {
+    MembraneConstraint& c = membranes_.list[id];
+    std::array<Vector3, 3> edges;
+    Vector3 q, w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      edges[k] = row(positions, c.corners[(k + 1) % 3]) - row(positions, c.corners[k]);
+      q[i] = edges[k].squaredNorm();
+      w[i] = cloth.inv_mass[c.corners[k]];
+    }
+    Eigen::Matrix3d g;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<Eigen::Index>(k), j = static_cast<Eigen::Index>((k + 1) % 3);
+      g(i, i) = 4 * q[i] * (w[i] + w[j]);
+      g(i, j) = g(j, i) = -4 * edges[k].dot(edges[(k + 1) % 3]) * w[j];
+    }
+    const Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity() + c.stiffness * g;
+    const Vector3 change = matrix.inverse() * (c.stiffness * (c.target - q) - c.lambda);
+    c.lambda += change;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::RowVector3d pull =
+          2 * change[static_cast<Eigen::Index>(k)] * edges[k].transpose();
+      const int a = c.corners[k], b = c.corners[(k + 1) % 3];
+      positions.row(a) -= cloth.inv_mass[a] * pull;
+      positions.row(b) += cloth.inv_mass[b] * pull;
+      react(cloth, a, -pull);
+      react(cloth, b, pull);
+    }
+  });
+}
+
+template <typename Stencil>
+void Xpbd::solve_bends(const Cloth& cloth, bool back, Bends<Stencil>& bends, Points& positions,
+                       const Workers& workers) {
+  parallel_for_colours(bends.colour_ends, back, workers, [&](std::size_t id) {
+    BendConstraint<Stencil>& c = bends.list[id];
     const Vector3 change = c.share * (c.target - c.bend.of(positions) - c.compliance * c.lambda);
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];
-      const Eigen::RowVector3d correction = Bend::coefficient(k) * change.transpose();
+      const Eigen::RowVector3d correction = c.bend.coefficient(k) * change.transpose();
       positions.row(i) += cloth.inv_mass[i] * correction;
       react(cloth, i, correction);
     }
@@ -163,14 +240,31 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
     turn_[spring.a] += 2 * w_a * std::abs(correction);
     turn_[spring.b] += 2 * w_b * std::abs(correction);
   }
-  for (const BendConstraint& c : bends_) {
-    for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
-      const int i = c.bend.points[k];
-      const Eigen::RowVector3d correction = Bend::coefficient(k) * c.lambda.transpose();
-      target_.row(i) += cloth.inv_mass[i] * correction;
-      react(cloth, i, correction);
+  for (const MembraneConstraint& c : membranes_.list) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = c.corners[k], b = c.corners[(k + 1) % 3];
+      const double lambda = 2 * c.lambda[static_cast<Eigen::Index>(k)];
+      const Eigen::RowVector3d pull = lambda * (positions.row(b) - positions.row(a));
+      target_.row(a) -= cloth.inv_mass[a] * pull;
+      target_.row(b) += cloth.inv_mass[b] * pull;
+      react(cloth, a, -pull);
+      react(cloth, b, pull);
+      turn_[a] += 2 * cloth.inv_mass[a] * std::abs(lambda);
+      turn_[b] += 2 * cloth.inv_mass[b] * std::abs(lambda);
     }
   }
+  const auto add_bends = [&](const auto& bends) {
+    for (const auto& c : bends.list) {
+      for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
+        const int i = c.bend.points[k];
+        const Eigen::RowVector3d correction = c.bend.coefficient(k) * c.lambda.transpose();
+        target_.row(i) += cloth.inv_mass[i] * correction;
+        react(cloth, i, correction);
+      }
+    }
+  };
+  add_bends(bends_);
+  add_bends(patch_bends_);
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
 }
 
@@ -187,12 +281,18 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   start_ = state.positions;
   reactions_.setZero(cloth.num_points(), 3);
   lambda_.assign(constraints_.size(), 0);
-  for (BendConstraint& c : bends_) c.lambda.setZero();
+  for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
+  for (auto& c : bends_.list) c.lambda.setZero();
+  for (auto& c : patch_bends_.list) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
     solve_springs(cloth, false, state.positions, workers);
-    solve_bends(cloth, false, state.positions, workers);
-    solve_bends(cloth, true, state.positions, workers);
+    solve_membranes(cloth, false, state.positions, workers);
+    for (const bool back : {false, true}) {
+      solve_bends(cloth, back, bends_, state.positions, workers);
+      solve_bends(cloth, back, patch_bends_, state.positions, workers);
+    }
+    solve_membranes(cloth, true, state.positions, workers);
     solve_springs(cloth, true, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;

@@ -44,6 +44,7 @@ int Cloth::num_springs() const {
 }
 
 int Cloth::num_bends() const {
+  if (is_mesh()) return static_cast<int>(triangle_fabric->bends.size());
   int count = 0;
   for (const BendRun& run : bends) count += run.count;
   return count;

@@ -81,7 +81,7 @@ void validate(const Fabric& fabric) {
 /// The diagonals of a cell of w x h add G w^2 / h^2 to the stiffness along w. Springs along w have
 /// the rest, which must not be negative; where the stretch stiffness is 0, there are none.
 void check_shear(const ClothSpec& spec) {
-  if (!spec.material.fabric || spec.columns < 2 || spec.rows < 2) return;
+  if (!spec.material.fabric || spec.mesh || spec.columns < 2 || spec.rows < 2) return;
   if (!spec.material.springs[static_cast<std::size_t>(SpringFamily::shear)]) return;
   const Fabric& fabric = *spec.material.fabric;
   const double ratio =
@@ -106,6 +106,10 @@ std::string grid_point_text(int column, int row) {
 
 void check_grid_point(const ClothSpec& spec, int column, int row) {
   if (column >= 0 && column < spec.columns && row >= 0 && row < spec.rows) return;
+  if (spec.mesh) {
+    throw InvalidValue({}, std::to_string(column),
+                       "a point of the mesh, from 0 to " + std::to_string(spec.columns - 1));
+  }
   throw InvalidValue({}, grid_point_text(column, row),
                      "[column, row] with column 0 to " + std::to_string(spec.columns - 1) +
                          " and row 0 to " + std::to_string(spec.rows - 1));
@@ -136,6 +140,12 @@ void validate(const ClothSpec& spec) {
   validate(spec.material);
   check_shear(spec);
   validate_contact(spec.thickness, spec.friction);
+  if (spec.mesh) {
+    if (!spec.material.fabric) {
+      throw InvalidValue({"fabric"}, "none", "a fabric, which a mesh needs");
+    }
+    return;
+  }
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {
     throw InvalidValue({"self_collision"}, "surface",
                        "points: a cloth of one column or row has no surface");

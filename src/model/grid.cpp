@@ -123,6 +123,20 @@ void add_triangles(const ClothSpec& spec, Cloth& cloth) {
 
 }  // namespace
 
+void set_common(const ClothSpec& spec, Cloth& cloth) {
+  cloth.damping = spec.material.damping;
+  cloth.strain_limit = spec.material.strain_limit;
+  cloth.thickness = spec.thickness;
+  if (spec.material.fabric) cloth.offset = std::max(surface_offset, spec.thickness);
+  cloth.friction = spec.friction;
+  // A pin is a point of infinite mass.
+  for (const Pin& pin : spec.pinned) {
+    cloth.pinned.push_back(pin.row * spec.columns + pin.column);
+    cloth.inv_mass[cloth.pinned.back()] = 0;
+  }
+  std::sort(cloth.pinned.begin(), cloth.pinned.end());
+}
+
 Cloth make_grid(const ClothSpec& spec, double gravity) {
   validate(spec);
   const int n = spec.columns * spec.rows;
@@ -132,12 +146,7 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   Cloth cloth;
   cloth.columns = spec.columns;
   cloth.rows = spec.rows;
-  cloth.damping = spec.material.damping;
-  cloth.strain_limit = spec.material.strain_limit;
-  cloth.thickness = spec.thickness;
-  if (spec.material.fabric) cloth.offset = std::max(surface_offset, spec.thickness);
   cloth.self_collision = resolve_self_collision(spec, spacing, gravity);
-  cloth.friction = spec.friction;
 
   add_points(spec, spacing, cloth);
   add_triangles(spec, cloth);
@@ -149,18 +158,18 @@ Cloth make_grid(const ClothSpec& spec, double gravity) {
   } else {
     add_classic(spec, spacing, cloth);
   }
-
-  // A pin is a point of infinite mass.
-  for (const Pin& pin : spec.pinned) {
-    cloth.pinned.push_back(pin.row * spec.columns + pin.column);
-    cloth.inv_mass[cloth.pinned.back()] = 0;
-  }
-  std::sort(cloth.pinned.begin(), cloth.pinned.end());
+  set_common(spec, cloth);
   return cloth;
 }
 
 double unevenness(const Cloth& cloth) {
   double most = max_unevenness;
+  if (cloth.is_mesh()) {
+    for (const SpringRun& run : cloth.springs) {
+      most = std::min(most, uneven_share * run.rest_length);
+    }
+    return most;
+  }
   for (const auto& [count, next] : {std::pair(cloth.columns, 1), {cloth.rows, cloth.columns}}) {
     if (count < 2) continue;
     const double side = (cloth.rest_positions.row(next) - cloth.rest_positions.row(0)).norm();
@@ -173,7 +182,7 @@ State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed)
   State state;
   state.positions = cloth.rest_positions;
   state.velocities = Points::Zero(cloth.num_points(), 3);
-  if (spec.orientation == Orientation::vertical) {
+  if (spec.orientation == Orientation::vertical && !cloth.is_mesh()) {
     // The standard fixes the bits of the engine but not those of a distribution: scale them here.
     std::mt19937_64 engine(seed);
     const double most = unevenness(cloth);

@@ -28,7 +28,8 @@ py::array tensions(Simulation& simulation) {
 
 py::array stress(Simulation& simulation) {
   const auto stress = std::make_shared<clothsim::Points>(simulation.with([](Run& run) {
-    return clothsim::membrane_stress(run.simulator.cloth(), run.simulator.tensions());
+    return clothsim::membrane_stress(run.simulator.cloth(), run.simulator.state(),
+                                     run.simulator.tensions());
   }));
   return view(*stress, stress);
 }

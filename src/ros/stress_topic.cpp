@@ -37,7 +37,7 @@ void StressTopic::publish(const ros::Time& stamp, std::uint64_t step) const {
   clothsim::for_each_spring(cloth, [&](const clothsim::SpringRun& run, int, int) {
     families[static_cast<std::size_t>(run.family)]->push_back(static_cast<float>(*tension++));
   });
-  const clothsim::Points stress = clothsim::membrane_stress(cloth, tensions);
+  const clothsim::Points stress = clothsim::membrane_stress(cloth, simulator_.state(), tensions);
   for (Eigen::Index i = 0; i < stress.rows(); ++i) {
     for (int part = 0; part < 3; ++part) {
       msg.triangles.push_back(static_cast<float>(stress(i, part)));

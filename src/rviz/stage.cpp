@@ -32,6 +32,10 @@ Vector3 place(const clothsim::ClothSpec& cloth, double u, double v) {
 
 std::vector<Vector3> places(const clothsim::ClothSpec& cloth) {
   std::vector<Vector3> all;
+  for (int i = 0; cloth.mesh && i < cloth.columns; ++i) {
+    all.push_back(clothsim::row(cloth.mesh->positions, i));
+  }
+  if (cloth.mesh) return all;
   for (int i = 0; i <= samples; ++i) {
     for (int j = 0; j <= samples; ++j) {
       all.push_back(place(cloth, double(i) / samples, double(j) / samples));
@@ -43,6 +47,10 @@ std::vector<Vector3> places(const clothsim::ClothSpec& cloth) {
 std::vector<Vector3> pins(const clothsim::ClothSpec& cloth) {
   std::vector<Vector3> all;
   for (const clothsim::Pin& pin : cloth.pinned) {
+    if (cloth.mesh) {
+      all.push_back(clothsim::row(cloth.mesh->positions, pin.column));
+      continue;
+    }
     all.push_back(place(cloth, double(pin.column) / std::max(cloth.columns - 1, 1),
                         double(pin.row) / std::max(cloth.rows - 1, 1)));
   }

@@ -7,6 +7,7 @@
 
 #include "clothsim/model/checks.h"
 #include "clothsim/model/grid.h"
+#include "clothsim/model/make_cloth.h"
 #include "clothsim/shapes/face_distance.h"
 #include "clothsim/shapes/signed_distances.h"
 
@@ -60,6 +61,7 @@ void doubt_angles(const YAML::Node& node, const std::string& path, Lines& lines)
 }
 
 void doubt_size(const ClothSpec& cloth, Lines& lines) {
+  if (cloth.mesh) return;
   const auto doubt = [&](const std::string& key, double size, int points) {
     const double cell = size / std::max(1, points - 1);
     if (size < large_size || cell < coarse_cell) return;
@@ -124,7 +126,7 @@ int count_crossed(const ColliderSpec& collider, const Cloth& cloth, const Points
 
 void doubt_start(const Scene& scene, Lines& lines) {
   if (scene.colliders.empty()) return;
-  const Cloth cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
+  const Cloth cloth = make_cloth(scene.cloth, scene.simulation.gravity.norm());
   const Points points = start_state(scene.cloth, cloth, scene.simulation.seed).positions;
   for (const ColliderSpec& collider : scene.colliders) {
     if (!collider.enabled || !may_reach(collider, points)) continue;

@@ -41,6 +41,12 @@ class Lines {
 };
 
 void add(const ClothSpec& cloth, Lines& lines) {
+  if (cloth.mesh) {
+    lines.add("cloth.mesh", std::to_string(cloth.mesh->triangles.size()) + " triangles of " +
+                                std::to_string(cloth.columns) + " points, " +
+                                text(Vector3(cloth.mesh->positions.colwise().mean())) + ", " +
+                                text(cloth.mesh->positions.squaredNorm()));
+  }
   lines.add("cloth.columns", std::to_string(cloth.columns));
   lines.add("cloth.rows", std::to_string(cloth.rows));
   lines.add("cloth.width", text(cloth.width));

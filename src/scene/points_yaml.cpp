@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
-#include "clothsim/model/grid.h"
+#include "clothsim/model/make_cloth.h"
 #include "clothsim/scene/yaml_values.h"
 
 namespace clothsim {
 namespace {
 
 const char* const ways_to_name = "[column, row], or a map with near, within and of, or uv";
+const char* const ways_to_name_on_mesh =
+    "the number of a point, or a map with near, within and of, or uv";
 
 /// Points on the rim of a distance are within it [m].
 constexpr double rounding = 1e-6;
@@ -46,6 +48,11 @@ std::vector<std::array<int, 2>> PointReader::read(const YAML::Node& node) {
     read_map(node, fields(place));
     return find(place);
   }
+  if (spec_.mesh) {
+    const int point = read_int(node, ways_to_name_on_mesh);
+    check_grid_point(spec_, point, 0);
+    return {{{point, 0}}};
+  }
   if (!node.IsSequence() || node.size() != 2) throw InvalidValue({}, describe(node), ways_to_name);
   std::array<int, 2> point{};
   std::size_t k = 0;
@@ -67,7 +74,7 @@ const Cloth& PointReader::cloth() {
   if (!cloth_) {
     ClothSpec free = spec_;  // its points may be invalid yet
     free.pinned.clear();
-    cloth_ = make_grid(free);
+    cloth_ = make_cloth(free);
   }
   return *cloth_;
 }

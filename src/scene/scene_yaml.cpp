@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/cloth_mesh_yaml.h"
 #include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/fabric_yaml.h"
 #include "clothsim/scene/points_yaml.h"
@@ -88,7 +89,18 @@ void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YA
   if (attached) inside("attached", [&] { read_list(*attached, read_body); });
 }
 
+/// Throws InvalidValue where a cloth with a mesh has a key of grids.
+void check_no_grid(const YAML::Node& node) {
+  if (!node.IsMap() || !node["mesh"]) return;
+  for (const char* key : {"width", "height", "columns", "rows", "orientation", "origin"}) {
+    if (node[key]) {
+      throw InvalidValue({key}, describe(node[key]), "none with a mesh, which mesh.pose places");
+    }
+  }
+}
+
 ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
+  check_no_grid(node);
   ClothSpec cloth;
   Material& material = cloth.material;
   const auto read_orientation = [&](const YAML::Node& value) {
@@ -96,6 +108,7 @@ ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
   };
   std::optional<YAML::Node> pinned, attached;  // read when the cloth is known
   std::vector<Field> fields = {
+      {"mesh", [&](const YAML::Node& map) { read_cloth_mesh(map, sources.folder, cloth); }},
       {"width", into(cloth.width)},
       {"height", into(cloth.height)},
       {"columns", into(cloth.columns)},

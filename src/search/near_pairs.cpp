@@ -38,7 +38,10 @@ NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& res
 }
 
 NearPairs::NearPairs(const Cloth& cloth, const Tiling::Range& stencils)
-    : NearPairs(of_grid(cloth, stencils), stencils) {}
+    : NearPairs(cloth.is_mesh()
+                    ? of_mesh(SurfaceMesh(cloth), cloth.rest_positions, cloth.thickness, stencils)
+                    : of_grid(cloth, stencils),
+                stencils) {}
 
 NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickness,
                      const Tiling::Range& stencils)

@@ -7,8 +7,10 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -34,11 +36,13 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
-void check_file(const fs::path& path) {
+void check_file(const fs::path& path, bool may_be_ply = false) {
   const std::string extension = extension_of(path);
-  if (extension != ".stl" && extension != ".obj" && extension != ".dae") {
+  const bool is_ply = may_be_ply && extension == ".ply";
+  if (extension != ".stl" && extension != ".obj" && extension != ".dae" && !is_ply) {
     throw InvalidValue({}, '"' + shortened(path.string(), 200) + '"',
-                       "a file that ends in .stl, .obj or .dae");
+                       may_be_ply ? "a file that ends in .stl, .obj, .dae or .ply"
+                                  : "a file that ends in .stl, .obj or .dae");
   }
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
@@ -51,11 +55,25 @@ void check_file(const fs::path& path) {
   }
 }
 
+/// Throws InvalidValue where the header of a PLY file promises more elements than the file can
+/// have: Assimp would count them all.
+void check_ply_header(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  for (std::string line; std::getline(file, line) && line.rfind("end_header", 0) != 0;) {
+    std::istringstream words(line);
+    std::string element, name;
+    double count = 0;
+    if (!(words >> element >> name >> count) || element != "element") continue;
+    if (count <= static_cast<double>(fs::file_size(path))) continue;
+    throw InvalidValue({}, "a header with " + shortened(line, 100), "as many as the file has");
+  }
+}
+
 Vector3 to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
 /// Adds the triangles of a node and those below it.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
-              const Vector3& scale, int depth, TriangleSoup& soup) {
+              const Vector3& scale, int depth, MeshTriangles& soup) {
   if (depth > deepest_nodes) throw InvalidValue({}, "nodes within nodes", "fewer of them");
   const aiMatrix4x4 pose = depth == 0 ? parent : parent * node.mTransformation;
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
@@ -69,6 +87,8 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
       for (int axis = 0; axis < 3; ++axis) {
         check_range("vertex", soup.vertices.back()[axis], coordinate_range);
       }
+      if (!mesh.HasTextureCoords(0)) continue;
+      soup.uv.emplace_back(mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y);
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
@@ -94,8 +114,9 @@ aiMatrix4x4 unit_of(const aiNode& root) {
 
 }  // namespace
 
-TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
-  check_file(path);
+MeshTriangles read_mesh_triangles(const fs::path& path, const Vector3& scale) {
+  check_file(path, true);
+  if (extension_of(path) == ".ply") check_ply_header(path);
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -104,10 +125,17 @@ TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
   if (!scene || !scene->mRootNode) {
     throw InvalidValue({}, shortened(importer.GetErrorString(), 200), "a mesh");
   }
-  TriangleSoup soup;
+  MeshTriangles soup;
   add_node(*scene, *scene->mRootNode, unit_of(*scene->mRootNode), scale, 0, soup);
   if (soup.triangles.empty()) throw InvalidValue({}, "no triangles", "a surface");
+  if (soup.uv.size() != soup.vertices.size()) soup.uv.clear();  // a part has none
   return soup;
+}
+
+TriangleSoup read_triangles(const fs::path& path, const Vector3& scale) {
+  check_file(path);
+  MeshTriangles read = read_mesh_triangles(path, scale);
+  return {std::move(read.vertices), std::move(read.triangles)};
 }
 
 std::vector<std::shared_ptr<const MeshFile>> read_mesh_files(const fs::path& path,

@@ -86,9 +86,11 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
 /// Work [J] against bends when points are driven by these lengths [m], as in work_on_springs().
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
-  for_each_bend(cloth, [&](const Bend& bend) {
+  for_each_bend(cloth, [&](const auto& bend) {
     double way = 0;  // of the stencil
-    for (const int i : bend.points) way += lengths[i];
+    for (std::size_t k = 0; k < bend.points.size(); ++k) {
+      way += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
+    }
     if (way == 0) return;
     work += bend.stiffness * (bend.of(before.positions).norm() * way + way * way / 2);
   });

@@ -94,6 +94,14 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
 /// number is measured.
 constexpr double onset = 30000;
 
+/// Cells along the longer side of a cloth, or along the extent of a mesh.
+double cells_along(const Cloth& cloth) {
+  if (!cloth.is_mesh()) return std::max(cloth.columns, cloth.rows);
+  const Eigen::RowVector3d extent =
+      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
+  return std::max(1.0, extent.maxCoeff() / shortest_rest_length(cloth));
+}
+
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
                  const std::vector<ColliderSpec>& colliders) {
   const Eigen::RowVector3d extent =
@@ -103,7 +111,7 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
   m.gravity = spec.gravity.norm();
   m.drag = cloth.damping;
   m.omega_max = omega_max_bound(cloth, cloth.rest_positions);
-  m.axial = m.omega_max * M_PI / (4 * std::max(cloth.columns, cloth.rows));
+  m.axial = m.omega_max * M_PI / (4 * cells_along(cloth));
   m.swing = std::sqrt(1.5 * m.gravity / m.size);
   m.loaded = 1;
   m.held = true;
@@ -175,8 +183,7 @@ double xpbd_error(const Motion& m, double h) {
 /// frame, to a factor 1.3.
 double xpbd_stretch(double gravity, const Cloth& cloth, double h) {
   constexpr double fitted = 0.7;
-  const double rows = std::max(cloth.columns, cloth.rows);
-  return fitted * gravity * h * h * rows / shortest_rest_length(cloth);
+  return fitted * gravity * h * h * cells_along(cloth) / shortest_rest_length(cloth);
 }
 
 /// Stretch of XPBD from which on a reason tells it.

@@ -29,7 +29,7 @@ Diverged no_cloth(double time, const StepReport& report) {
 Simulator::Impl::Impl(const Scene& s) : scene(s), scene_values(live_values(s)) {
   validate(scene);
   workers = Workers(scene.simulation.threads);
-  cloth = make_grid(scene.cloth, scene.simulation.gravity.norm());
+  cloth = make_cloth(scene.cloth, scene.simulation.gravity.norm());
   build_strain_limit();
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   bodies = RigidBodies(scene.colliders);

@@ -2,6 +2,7 @@
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -58,13 +59,18 @@ std::vector<double> Simulator::tensions() const {
   const double viscous = cloth().internal_damping[0];
   std::vector<double> tensions;
   tensions.reserve(static_cast<std::size_t>(cloth().num_springs()));
-  for_each_spring(cloth(), [&](const SpringRun& run, int a, int b) {
-    const Vector3 way = (now.positions.row(b) - now.positions.row(a)).transpose();
-    const Vector3 rate = (now.velocities.row(b) - now.velocities.row(a)).transpose();
-    const double length = way.norm();
-    const double parting = length > 0 ? rate.dot(way) / length : 0;
-    tensions.push_back(run.stiffness * (length - run.rest_length + viscous * parting));
-  });
+  if (cloth().is_mesh()) {
+    tensions =
+        edge_tensions(cloth(), now.positions, is_damped(cloth()) ? &now.velocities : nullptr);
+  } else {
+    for_each_spring(cloth(), [&](const SpringRun& run, int a, int b) {
+      const Vector3 way = (now.positions.row(b) - now.positions.row(a)).transpose();
+      const Vector3 rate = (now.velocities.row(b) - now.velocities.row(a)).transpose();
+      const double length = way.norm();
+      const double parting = length > 0 ? rate.dot(way) / length : 0;
+      tensions.push_back(run.stiffness * (length - run.rest_length + viscous * parting));
+    });
+  }
   // The limit acts at a substep's end, when drag has reduced the effect of forces in it.
   const double h = impl_->last_substep;
   if (impl_->strain_limit && h > 0) {

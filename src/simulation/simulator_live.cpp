@@ -51,7 +51,7 @@ void Simulator::set(const LiveSpec& live) {
   spec.self_collision = live.self_collision;
   spec.friction = live.friction;
   validate(spec);
-  Cloth cloth = make_grid(spec, live.simulation.gravity.norm());
+  Cloth cloth = make_cloth(spec, live.simulation.gravity.norm());
   const bool springs_changed = !join_alike(impl_->cloth, cloth);
   const bool keeps_apart_anew = cloth.self_collision != impl_->cloth.self_collision;
   impl_->holders.apply(cloth);

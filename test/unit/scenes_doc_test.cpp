@@ -60,6 +60,13 @@ std::string box_file() {
   return path;
 }
 
+/// A cloth for scenes to name.
+std::string sheet_file() {
+  const std::string path = ::testing::TempDir() + "clothsim_scenes_doc_sheet.obj";
+  std::ofstream(path) << "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+  return path;
+}
+
 /// A robot for scenes to name.
 std::string urdf_file() {
   const std::string path = ::testing::TempDir() + "clothsim_scenes_doc.urdf";
@@ -71,6 +78,7 @@ std::string urdf_file() {
 
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
+    {{"cloth.mesh"}, "cloth: {fabric: felt, mesh: {file: " + sheet_file() + ", ", "}}"},
     {{"cloth.pinned", "Points by place"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
     {{"Points by place"}, "{cloth: {}, motions: [{attach: a, points: [{", "}]}]}"},
     {{"cloth.attached"},

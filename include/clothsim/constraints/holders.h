@@ -139,7 +139,15 @@ class Holders {
     double bend;         // [N/m]
   };
 
+  /// A triangle of a mesh with a held corner.
+  struct HeldCorner {
+    std::size_t point;  // in points_
+    std::size_t triangle;
+    std::size_t corner;
+  };
+
   void list_springs(const Cloth&);
+  void list_corners(const Cloth&);
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;
   static void release(Point&, double max_force, const Vector3& impulse);
@@ -149,6 +157,7 @@ class Holders {
   std::vector<Point> points_;
   std::vector<double> strengths_;
   std::vector<Spring> springs_;
+  std::vector<HeldCorner> corners_;
   std::vector<std::vector<std::size_t>> of_holder_;  // points_ by holder
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]

@@ -6,8 +6,8 @@
 
 namespace clothsim {
 
-/// A stencil of bending: its points, with coefficients of sum 0. The two in the middle are the same
-/// point where it runs along a line.
+/// A stencil of bending of a grid: its points, with coefficients of sum 0. The two in the middle
+/// are the same point where it runs along a line.
 struct Bend {
   std::array<int, 4> points;
   double stiffness;  // [N/m]
@@ -22,9 +22,13 @@ struct Bend {
   }
 };
 
-/// Calls visit(bend) for every stencil, in the order of cloth.bends. Not for hot loops.
+/// Calls visit(bend) for every stencil, a Bend of a grid, in the order of cloth.bends, or a
+/// PatchBend of a mesh. Not for hot loops.
 template <typename Visitor>
 void for_each_bend(const Cloth& cloth, Visitor&& visit) {
+  if (cloth.is_mesh()) {
+    for (const PatchBend& bend : cloth.triangle_fabric->bends) visit(bend);
+  }
   for (const BendRun& run : cloth.bends) {
     for (int i = run.first; i < run.first + run.count; ++i) {
       visit(Bend{{i, i + run.a, i + run.b, i + run.a + run.b}, run.stiffness});
@@ -35,6 +39,9 @@ void for_each_bend(const Cloth& cloth, Visitor&& visit) {
 /// Calls visit(w, i, j) for all pairs of points i < j that a fabric's bends join, see PairBand.
 template <typename Visitor>
 void for_each_bent_pair(const Cloth& cloth, Visitor&& visit) {
+  if (cloth.is_mesh()) {
+    for (const auto& [i, j, weight] : cloth.triangle_fabric->pairs) visit(weight, i, j);
+  }
   if (cloth.bends.empty()) return;
   for (const PairBand& band : cloth.pairs) {
     for (int i = 0; i < static_cast<int>(band.bend.size()); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
@@ -25,6 +26,7 @@ class ClothWatch {
   Scalars inv_mass_;
   std::vector<SpringRun> springs_;
   std::vector<BendRun> bends_;
+  std::shared_ptr<const TriangleFabric> triangle_fabric_;
   std::array<double, 2> internal_damping_{};
 };
 

@@ -9,14 +9,16 @@ namespace clothsim {
 /// Internal damping in implicit steps: rates are differences to the past, for a spring's length l
 /// as (l - l_past) / time, for positions alike. The potential of a step then has, in addition to
 /// springs k (l - L0)^2 / 2, those of (k tau / time) (l - l_past)^2 / 2: together one spring again,
-/// see damped(). As it acts on lengths, damping does not affect rigid rotation. Kane et al. 2000,
-/// "Variational integrators and the Newmark algorithm", for dissipation.
+/// see damped(); and for a triangle of a mesh K tau / time by squared lengths. As it acts on
+/// lengths, damping does not affect rigid rotation. Kane et al. 2000, "Variational integrators and
+/// the Newmark algorithm", for dissipation.
 struct Past {
   double time = 0;              // [s]
   std::vector<double> lengths;  // of the springs, in the order of for_each_spring [m]
+  std::vector<double> squares;  // of a mesh instead: of edges, their squared lengths [m^2]
   Points points;                // for bends [m], N x 3
 
-  bool empty() const { return lengths.empty() && points.size() == 0; }
+  bool empty() const { return points.size() == 0; }
 };
 
 /// The past of an implicit step of h [s] from `positions`; empty without internal damping.

@@ -20,11 +20,13 @@ namespace clothsim {
 /// omega_max^2 <= max_i 2 lambda_max(S_i) / m_i: Gershgorin's theorem on 3 x 3 blocks. It keeps the
 /// springs' directions, unlike the scalar form 2 max_i sum k / m_i. Compressed springs count
 /// without their (negative) second part, so the bound holds for them too. A bound below `min_omega`
-/// returns `min_omega`: that needs no eigenvalue, and single precision mostly suffices.
+/// returns `min_omega`: that needs no eigenvalue, and single precision mostly suffices. For the
+/// triangles of a mesh see membrane_bound().
 double omega_max_bound(const Cloth&, const Points& positions, double min_omega = 0,
                        const Workers& = {});
 
 /// The same at any positions, by the scalar form: on a grid up to 48 % above it, and far cheaper.
+/// For a mesh, whose stiffness grows with its stretch: with all edges at the strain limit.
 double omega_max_bound(const Cloth&);
 
 }  // namespace clothsim

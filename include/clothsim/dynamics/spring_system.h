@@ -33,6 +33,9 @@ class SpringSystem {
       joints.push_back({run.first, run.a, run.count});
       joints.push_back({run.first, run.b, run.count});
     }
+    if (cloth.is_mesh()) {
+      for (const auto& pair : cloth.triangle_fabric->pairs) joints.push_back({pair.i, pair.j, 1});
+    }
     if (joints != joints_) {
       joints_ = std::move(joints);
       lay_out(cloth);
@@ -52,10 +55,16 @@ class SpringSystem {
   void add_pair(int id, int a, int b, const Block& block) {
     add_to_point(a, block);
     add_to_point(b, block);
+    add_between(id, a, -block);
+  }
+
+  /// Adds `block` in the rows of the pair's point b and the columns of its point a, and its
+  /// transpose in the upper half.
+  void add_between(int id, int a, const Block& block) {
     const int rank = ranks_[static_cast<std::size_t>(id)];
     for (int c = 0; c < Size; ++c) {
       double* values = column(a, c) + (Size - c) + Size * rank;
-      for (int r = 0; r < Size; ++r) values[r] -= block(r, c);
+      for (int r = 0; r < Size; ++r) values[r] += block(r, c);
     }
   }
 

@@ -45,6 +45,7 @@ class VelocityVerlet {
   static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
+  void step_mesh(const Cloth&, const Loads&, double h, State&, const Workers&);
   template <typename Forces>
   void step_by(Forces&, const Cloth&, const Loads&, double h, State&, const Workers&);
 
@@ -53,6 +54,7 @@ class VelocityVerlet {
   Points velocities_;  // before the step [m/s], N x 3; only with threads and internal damping
   Scalars forces_;     // along one axis [N], N; empty in single precision
   Eigen::VectorXf single_forces_;  // the same in single precision
+  Points mesh_forces_;             // of a mesh [N], N x 3
 };
 
 }  // namespace clothsim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -26,7 +27,8 @@ namespace clothsim {
 /// many iterations is not quite implicit Euler's. So each iteration but the first moves points to
 /// the places that the multipliers give with the springs' present directions.
 ///
-/// A bend is a constraint on the three components of its stencil; its direction never turns.
+/// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
+/// bend is a constraint on the three components of its stencil; its direction never turns.
 /// Internal damping makes constraints stiffer, towards their values at the step's start: see
 /// DampedSpring.
 class Xpbd {
@@ -68,19 +70,42 @@ class Xpbd {
     double share;        // 1 / (w_a + w_b + compliance)
     double target;       // [m], of a step: the rest length without internal damping
   };
+  /// A triangle of a mesh.
+  struct MembraneConstraint {
+    std::array<int, 3> corners;
+    Vector3 rest2;              // Q [m^2]
+    Eigen::Matrix3d stiffness;  // h^2 K [kg/m^2], with internal damping
+    Vector3 target;             // [m^2], of a step: Q without internal damping
+    Vector3 lambda;
+  };
+  /// `Stencil`: Bend or PatchBend.
+  template <typename Stencil>
   struct BendConstraint {
-    Bend bend;
+    Stencil bend;
     double compliance;  // as above
     double share;       // 1 / (sum of w times squared coefficient + compliance)
     Vector3 target;     // [m], of a step
     Vector3 lambda;
   };
 
+  /// Constraints by colour.
+  template <typename Constraint>
+  struct Coloured {
+    std::vector<Constraint> list;
+    std::vector<int> colour_ends;  // in `list`
+  };
+  template <typename Stencil>
+  using Bends = Coloured<BendConstraint<Stencil>>;
+
   void build(const Cloth&, double h);
   void build_springs(const Cloth&, double h);
-  void build_bends(const Cloth&, double h);
+  void build_membranes(const Cloth&, double h);
+  template <typename Stencil>
+  void build_bends(const Cloth&, double h, Bends<Stencil>&);
   void prepare(const Cloth&, double h, const Points& positions);
-  void solve_bends(const Cloth&, bool back, Points& positions, const Workers&);
+  void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
+  template <typename Stencil>
+  void solve_bends(const Cloth&, bool back, Bends<Stencil>&, Points& positions, const Workers&);
   void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
   void realign(const Cloth&, Points& positions);
   void react(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
@@ -92,12 +117,13 @@ class Xpbd {
   std::vector<Constraint> constraints_;  // by colour
   std::vector<int> colour_ends_;         // in constraints_
   std::vector<double> lambda_;           // as constraints_
-  std::vector<BendConstraint> bends_;    // by colour
-  std::vector<int> bend_colour_ends_;    // in bends_
-  Points reactions_;                     // sums of corrections on held points [kg m], N x 3
-  Points start_;                         // positions before the passes [m], N x 3
-  Points target_;                        // of points, by the multipliers [m], N x 3
-  Scalars turn_;                         // stiffness against turning, times inverse mass, N
+  Coloured<MembraneConstraint> membranes_;
+  Bends<Bend> bends_;             // of a grid
+  Bends<PatchBend> patch_bends_;  // of a mesh
+  Points reactions_;              // sums of corrections on held points [kg m], N x 3
+  Points start_;                  // positions before the passes [m], N x 3
+  Points target_;                 // of points, by the multipliers [m], N x 3
+  Scalars turn_;                  // stiffness against turning, times inverse mass, N
 };
 
 }  // namespace clothsim

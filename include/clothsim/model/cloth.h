@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "clothsim/model/cloth_spec.h"
+#include "clothsim/model/triangle_fabric.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -22,6 +24,7 @@ struct SpringRun {
   int count;
   double rest_length;  // [m]
   double stiffness;    // [N/m]
+  int batch = 0;       // of a mesh: springs of one batch share no point
 };
 
 /// `count` equal stencils of bending, first + k for k in [0, count): stencil i has the energy k
@@ -46,21 +49,22 @@ struct PairBand {
   Scalars bend;        // w [N/m], of either sign
 };
 
-/// Topology, rest lengths and masses of a cloth. Constant during the simulation.
+/// Topology, rest lengths and masses of a cloth, a grid or a mesh. Constant during the simulation.
 struct Cloth {
-  int columns = 0;
+  int columns = 0;  // of a mesh: all points, in one row
   int rows = 0;
-  Points rest_positions;                        // [m], N x 3
-  Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates in [0, 1], N x 2
-  std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from the front
-  std::vector<SpringRun> springs;               // of the families switched on
-  std::vector<BendRun> bends;                   // of a fabric
-  std::vector<PairBand> pairs;                  // of a fabric: see pair_bands()
-  Scalars mass;                                 // [kg], N
-  Scalars inv_mass;                             // [1/kg], N; zero at pins
-  std::vector<int> pinned;                      // point ids, ascending
-  double damping = 0;                           // [1/s]
-  std::array<double, 2> internal_damping{};     // [s] of springs and of bends, see Fabric
+  Points rest_positions;                                  // [m], N x 3
+  Eigen::Matrix<double, Eigen::Dynamic, 2> uv;            // texture coordinates in [0, 1], N x 2
+  std::vector<std::array<int, 3>> triangles;              // counter-clockwise seen from the front
+  std::vector<SpringRun> springs;                         // of the families switched on
+  std::vector<BendRun> bends;                             // of a fabric
+  std::vector<PairBand> pairs;                            // of a fabric: see pair_bands()
+  std::shared_ptr<const TriangleFabric> triangle_fabric;  // of a mesh, null for a grid
+  Scalars mass;                                           // [kg], N
+  Scalars inv_mass;                                       // [1/kg], N; zero at pins
+  std::vector<int> pinned;                                // point ids, ascending
+  double damping = 0;                                     // [1/s]
+  std::array<double, 2> internal_damping{};               // [s] of springs and of bends, see Fabric
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // of the cloth with itself
@@ -73,6 +77,7 @@ struct Cloth {
 
   /// Whether there are forces between its points.
   bool has_forces() const { return !springs.empty() || !bends.empty(); }
+  bool is_mesh() const { return triangle_fabric != nullptr; }
 };
 
 /// Whether it has internal damping.

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/model/cloth_mesh.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -43,7 +45,7 @@ struct Material {
   std::array<bool, 3> springs{true, true, true};  // families switched on, by SpringFamily
 };
 
-/// A grid point held in place, or moved by a tf frame.
+/// A point held in place, or moved by a tf frame. A mesh has all points in row 0.
 struct Pin {
   int column = 0;
   int row = 0;
@@ -51,7 +53,7 @@ struct Pin {
   std::optional<double> strength{};  // [N] largest force; empty: pin_strength
 };
 
-/// Grid points that are attached to a rigid body, by its name.
+/// Points that are attached to a rigid body, by its name.
 struct BodyPoints {
   std::string body;
   std::vector<std::array<int, 2>> points;  // [column, row]
@@ -67,9 +69,10 @@ enum class SelfCollision { off, points, surface, automatic };
 inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
                                                                     "automatic"};
 
-/// A rectangular grid cloth as a scene describes it.
+/// A cloth as a scene describes it: a rectangular grid, or a mesh of a fabric.
 struct ClothSpec {
-  double width = 1;   // [m] along x
+  std::shared_ptr<const ClothMesh> mesh{};  // null: a grid. A mesh has one row of `columns` points
+  double width = 1;                         // [m] along x
   double height = 1;  // [m] horizontal: along y; vertical: along z, row 0 lowest
   int columns = 50;
   int rows = 50;

@@ -14,8 +14,12 @@ namespace clothsim {
 /// automatic self collision. Throws InvalidValue.
 Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 
+/// Sets what a cloth of any shape takes from `spec`: damping, limit, contact, and pins.
+void set_common(const ClothSpec& spec, Cloth& cloth);
+
 /// Largest initial offset of a vertical cloth's points from its plane [m]: 1 mm, or a twentieth of
-/// a cell's shorter side if that is less, which stretches no spring by more than 0.5 %.
+/// a cell's shorter side or of a mesh's shortest edge if that is less, which stretches no spring by
+/// more than 0.5 %.
 double unevenness(const Cloth&);
 
 /// The cloth at rest in its initial position. Points of a vertical cloth are off its plane by up to

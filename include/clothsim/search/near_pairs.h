@@ -43,7 +43,7 @@ class NearPairs {
   /// 17 kB a point, and three to four times the time of a grid.
   NearPairs(const SurfaceMesh&, const Points& rest, double thickness,
             const Tiling::Range& stencils = Tiling::of_surfaces);
-  /// For a cloth's grid, also of one row or column.
+  /// For a cloth, a mesh or a grid, also of one row or column.
   explicit NearPairs(const Cloth&, const Tiling::Range& stencils = Tiling::of_surfaces);
 
   /// Pairs at `positions` that may touch on the paths to `ahead` [m, N x 3, finite], or are nearer

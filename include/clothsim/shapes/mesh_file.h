@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/geometry/cloth_surface.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/types.h"
 #include "clothsim/shapes/solid.h"
@@ -26,6 +27,9 @@ inline constexpr Range mesh_scale_range{1e-6, 1e6, ""};
 /// otherwise, as in RViz. Throws InvalidValue, without a key, for a file that is missing, too large
 /// or no solid.
 TriangleSoup read_triangles(const std::filesystem::path&, const Vector3& scale);
+
+/// The same with texture coordinates, for a cloth; also of a PLY file.
+MeshTriangles read_mesh_triangles(const std::filesystem::path&, const Vector3& scale);
 
 /// The solid in a file, or several where shells overlap, see split_overlapping(). Scenes that read
 /// the same unchanged file share the result.

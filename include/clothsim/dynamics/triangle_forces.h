@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
+#include "clothsim/model/triangle_fabric.h"
+#include "clothsim/model/workers.h"
+
+namespace clothsim {
+
+/// compute_forces() for a cloth that is a mesh, see TriangleFabric. Internal damping makes squared
+/// lengths q + tau_0 q' of q, so that rigid rotation is not damped.
+void compute_triangle_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
+                             const Workers&, const Points* velocities);
+
+/// Energy of the membrane of a mesh [J].
+double membrane_energy(const Cloth&, const Points& positions);
+
+/// Squared lengths of a triangle's edges [m^2], edge k from corner k to corner k + 1.
+Vector3 squared_edges(const std::array<int, 3>& corners, const Points& positions);
+
+/// Pulls s = K (q + tau q' - Q) of a triangle's edges [N/m]: edge d has the force 2 s d on its
+/// first end. `velocities`: null without damping.
+Vector3 triangle_pulls(const Cloth&, std::size_t triangle, const Points& positions,
+                       const Points* velocities);
+
+/// Tension of each edge of a mesh [N], in the order of cloth.springs.
+std::vector<double> edge_tensions(const Cloth&, const Points& positions, const Points* velocities);
+
+/// Bound on the membrane's highest frequency [rad/s], at least `min_omega`: the largest of the
+/// triangles, each alone with a part of its points' masses (Irons & Treharne 1971, "A bound theorem
+/// in eigenvalues and its practical applications"), which a point divides by their stiffness. Pins
+/// do not move. On the sheets of test/unit/triangle_fabric_test.cpp up to 1.4 times the exact one.
+double membrane_bound(const Cloth&, const Points& positions, double min_omega);
+/// The same where all edges are stretched alike, l / L - 1.
+double membrane_bound_at(const Cloth&, double stretch);
+
+}  // namespace clothsim

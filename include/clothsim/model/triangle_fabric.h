@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "clothsim/model/cloth_mesh.h"
+#include "clothsim/model/cloth_spec.h"
+#include "clothsim/model/types.h"
+
+namespace clothsim {
+
+/// A stencil of bending of a triangle and its neighbours: the energy k |sum c_i x_i|^2 / 2, with
+/// coefficients c of sum 0.
+struct PatchBend {
+  enum { size = 6 };
+  std::array<int, size> points;  // a triangle without three neighbours repeats its first corner
+  std::array<double, size> coefficients;  // [1/m]; 0 for repeated points
+  double stiffness;                       // [N m^3]
+
+  double coefficient(std::size_t k) const { return coefficients[k]; }
+  Vector3 of(const Points& values) const {
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      sum += coefficients[k] * values.row(points[k]).transpose();
+    }
+    return sum;
+  }
+};
+
+/// A fabric on a mesh: an orthotropic St. Venant-Kirchhoff membrane, and bending.
+///
+/// Membrane. Green's strain of a triangle is linear in the squared lengths q of its edges: an edge
+/// D at rest has q - |D|^2 = 2 D^T E D. So the energy is (q - Q)^T K (q - Q) / 2 with a constant
+/// K, and edge k pulls its ends together by the force 2 s_k d_k, s = K (q - Q) (Delingette 2008,
+/// "Triangular springs for modeling nonlinear membranes"). The moduli are those of the fabric on a
+/// grid: C11 and C22 are the stretch stiffness, C12 and the shear modulus the shear stiffness.
+///
+/// Bending. The curvatures of a triangle of area A are those of Gauss's theorem with the mean
+/// gradient of both triangles at each edge: the sum of l J n n^T / (2 A), with the kink J of the
+/// surface's slope across an edge of length l and normal n (Onate & Cervera 1993, "Derivation of
+/// thin plate bending elements with one degree of freedom per node", BST). A free edge has no kink.
+/// The energy by area is that of the grid, see add_fabric(), and is quadratic: J is linear in the
+/// positions of four points. On regular meshes it is exact for quadratic surfaces, on irregular
+/// ones too stiff, by a share that does not fall with the size of cells: docs/limits.md.
+struct TriangleFabric {
+  struct Triangle {
+    std::array<int, 3> edges;  // by number; edge k joins corners k and k + 1
+    Vector3 rest2;             // Q: their squared lengths at rest [m^2]
+    Eigen::Matrix3d stretch;   // K [N/m^3]
+    Eigen::Matrix3d products;  // by edge: D_x^2, D_y^2, D_x D_y, x along warp [m^2]
+    double area;               // at rest [m^2]
+    double mass;               // of each third [kg]
+  };
+  /// Two points i < j that bends join: the terms w |x_i - x_j|^2 / 2 of their energy.
+  struct Pair {
+    int i;
+    int j;
+    double weight;  // [N/m], of either sign
+  };
+  /// A point's link: `number` counts edges, then pairs that are no edge.
+  struct Link {
+    int other;
+    int number;
+  };
+
+  std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
+  std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k twice, or one past all
+  std::vector<Triangle> triangles;           // as cloth.triangles
+  std::vector<PatchBend> bends;
+  std::vector<Pair> pairs;       // of bends; first those of edges, in their order
+  std::vector<Link> links;       // of point 0, point 1 ..
+  std::vector<int> first_links;  // by point, and one past all
+};
+
+struct Cloth;
+
+/// The cloth of a mesh: spec.mesh, with spec.material.fabric. A point has a third of the mass of
+/// each of its triangles. Its springs are the edges, for the strain limit: `stiffness` is that of
+/// the edge while all others keep their length. Springs of one batch share no point.
+void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth);
+
+}  // namespace clothsim

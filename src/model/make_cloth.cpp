@@ -1,0 +1,26 @@
+#include "clothsim/model/make_cloth.h"
+
+#include <algorithm>
+
+#include "clothsim/model/grid.h"
+#include "clothsim/model/triangle_fabric.h"
+
+namespace clothsim {
+
+Cloth make_cloth(const ClothSpec& spec, double gravity) {
+  if (!spec.mesh) return make_grid(spec, gravity);
+  validate(spec);
+  Cloth cloth;
+  cloth.columns = spec.columns;
+  cloth.rows = spec.rows;
+  cloth.rest_positions = spec.mesh->positions;
+  cloth.uv = spec.mesh->uv;
+  cloth.triangles = spec.mesh->triangles;
+  add_triangle_fabric(spec, cloth);
+  set_common(spec, cloth);
+  const bool is_automatic = spec.self_collision == SelfCollision::automatic;
+  cloth.self_collision = is_automatic ? SelfCollision::surface : spec.self_collision;
+  return cloth;
+}
+
+}  // namespace clothsim

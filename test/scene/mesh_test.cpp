@@ -1,0 +1,173 @@
+// Cloths of any shape in whole scenes.
+
+#include <cmath>
+
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/run/motion_player.h"
+#include "verification/mesh_fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+/// A cotton of 0.3 m hung by two corners, with drag to come to rest.
+Scene hung(const ClothSpec& cloth) {
+  Scene scene;
+  scene.cloth = cloth;
+  scene.cloth.material.damping = 3;
+  return scene;
+}
+
+Material cotton() {
+  Material m = fabric_spec(2, 2, 0.1, 0.1).material;
+  m.fabric->stretch_stiffness = {300, 300};
+  m.fabric->shear_stiffness = 20;
+  m.fabric->bending_stiffness = {2e-4, 2e-4};
+  return m;
+}
+
+Points after(Simulator& simulator, double time) {
+  while (simulator.state().time < time) simulator.step();
+  return simulator.state().positions;
+}
+
+TEST(Mesh, HangsAsTheGridDoes) {
+  constexpr int points = 13;
+  ClothSpec grid = fabric_spec(points, points, 0.025, 0.025);
+  grid.material = cotton();
+  grid.pinned = {{0, 0, "", {}}, {points - 1, 0, "", {}}};
+  Simulator of_grid(hung(grid));
+
+  ClothSpec mesh = mesh_spec(triangles_of({points, points, 0.3, 0.3, 0, 0.15}), cotton());
+  mesh.pinned = {};
+  for (int i = 0; i < mesh.columns; ++i) {
+    const Vector3 x = row(mesh.mesh->positions, i);
+    if (x.y() == 0 && (x.x() == 0 || x.x() == 0.3)) mesh.pinned.push_back({i, 0, "", {}});
+  }
+  ASSERT_EQ(mesh.pinned.size(), 2u);
+  Simulator of_mesh(hung(mesh));
+
+  const Points g = after(of_grid, 6), m = after(of_mesh, 6);
+  EXPECT_LT(rms_velocity(of_mesh.state()), 2e-3);
+  EXPECT_NEAR(m.col(2).minCoeff(), g.col(2).minCoeff(), 0.01 * 0.3);
+  EXPECT_NEAR(m.col(2).mean(), g.col(2).mean(), 0.01 * 0.3);
+}
+
+TEST(Mesh, PinsBearItsWeight) {
+  ClothSpec spec = mesh_spec(triangles_of({13, 13, 0.3, 0.3, 0, 0.15}), cotton());
+  spec.pinned = {{0, 0, "", {}}};
+  Scene scene = hung(spec);
+  scene.cloth.material.damping = 10;
+  for (const char* method : {"verlet", "xpbd", "implicit_euler"}) {
+    scene.simulation.method = method;
+    Simulator simulator(scene);
+    after(simulator, 4);
+    const double weight = simulator.cloth().mass.sum() * 9.8;
+    EXPECT_NEAR(simulator.holders().front().force, weight, 0.02 * weight) << method;
+  }
+}
+
+TEST(Mesh, FallsWithItsMomenta) {
+  // Free and without drag: a spinning sheet keeps both momenta.
+  ClothSpec spec = mesh_spec(triangles_of({13, 9, 0.3, 0.2, 0, 0.15}), cotton());
+  spec.material.fabric->internal_damping = {1e-4, 0};
+  spec.material.damping = 0;
+  Scene scene;
+  scene.cloth = spec;
+  scene.cloth.material.damping = 0;
+  scene.simulation.gravity.setZero();
+  scene.simulation.method = "verlet";
+  Simulator simulator(scene);
+  State state = simulator.state();
+  const Vector3 omega(1, 2, 8);
+  for (int i = 0; i < simulator.cloth().num_points(); ++i) {
+    state.velocities.row(i) = omega.cross(row(state.positions, i)).transpose();
+  }
+  simulator.set_state(state);
+  const auto momenta = [&] {
+    const Cloth& cloth = simulator.cloth();
+    Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      const Vector3 p = cloth.mass[i] * row(simulator.state().velocities, i);
+      linear += p;
+      angular += row(simulator.state().positions, i).cross(p);
+    }
+    return std::pair(linear, angular);
+  };
+  const auto before = momenta();
+  after(simulator, 2);
+  const auto now = momenta();
+  EXPECT_LT((now.first - before.first).norm(), 1e-12 * before.first.norm());
+  EXPECT_LT((now.second - before.second).norm(), 1e-11 * before.second.norm());
+}
+
+TEST(Mesh, HasEqualBitsFromThreadsAndAfterRestore) {
+  ClothSpec spec = mesh_spec(triangles_of({30, 30, 0.3, 0.3, 0, 0.15, 0, true}), cotton());
+  spec.pinned = {{0, 0, "", {}}};
+  spec.self_collision = SelfCollision::surface;
+  Scene scene = hung(spec);
+  Simulator one(scene);
+  scene.simulation.threads = 4;
+  Simulator four(scene);
+  after(one, 0.3);
+  const auto saved = one.save();
+  const Points x = after(one, 0.5);
+  EXPECT_EQ(x, after(four, 0.5));
+  one.restore(*saved);
+  EXPECT_EQ(x, after(one, 0.5));
+}
+
+TEST(Mesh, LiveValuesChangeItsFabric) {
+  ClothSpec spec = mesh_spec(triangles_of({13, 13, 0.3, 0.3, 0, 0.15}), cotton());
+  spec.pinned = {{0, 0, "", {}}};
+  Simulator simulator(hung(spec));
+  after(simulator, 0.5);
+  Material softer = simulator.scene().cloth.material;
+  softer.fabric->stretch_stiffness = {30, 30};
+  softer.density *= 2;
+  const double mass = simulator.cloth().mass.sum();
+  const double stretch = worst_stretch(simulator.cloth(), simulator.state().positions);
+  simulator.set_material(softer);
+  EXPECT_NEAR(simulator.cloth().mass.sum(), 2 * mass, 1e-12);
+  after(simulator, 2.5);
+  EXPECT_GT(worst_stretch(simulator.cloth(), simulator.state().positions), 3 * stretch);
+}
+
+TEST(Mesh, KeepsItsStrainLimit) {
+  ClothSpec spec = mesh_spec(triangles_of({13, 13, 0.3, 0.3, 0, 0.15}), cotton());
+  spec.material.fabric->stretch_stiffness = {5, 5};
+  spec.material.fabric->shear_stiffness = 1;
+  spec.material.strain_limit = 0.1;
+  spec.pinned = {{0, 0, "", {}}, {12, 0, "", {}}};
+  Simulator simulator(hung(spec));
+  double worst = 0;
+  while (simulator.state().time < 2) {
+    simulator.step();
+    worst = std::max(worst, worst_stretch(simulator.cloth(), simulator.state().positions));
+  }
+  EXPECT_LT(worst, 0.13);
+  EXPECT_GT(worst, 0.099);
+}
+
+TEST(Mesh, ShirtIsFoldedOnceWithoutCrossings) {
+  const Scene scene = shipped_scene("t_shirt");
+  Simulator simulator(scene);
+  MotionPlayer player(simulator, "");
+  const double width = simulator.state().positions.col(0).maxCoeff();
+  int frame = 0;
+  while (simulator.state().time < 2.2) {
+    player.play(simulator);
+    simulator.step();
+    ASSERT_TRUE(simulator.state().positions.allFinite());
+    if (++frame % 6 == 0) {
+      ASSERT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0) << frame;
+    }
+  }
+  EXPECT_GT(width, 0.4);
+  EXPECT_LT(simulator.state().positions.col(0).maxCoeff(), 0.15);
+}
+
+}  // namespace
+}  // namespace clothsim

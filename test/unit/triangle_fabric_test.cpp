@@ -1,0 +1,291 @@
+// A fabric on a mesh: strains, curvatures, forces, Hessians and frequencies.
+
+#include "clothsim/model/triangle_fabric.h"
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/implicit_euler.h"
+#include "clothsim/dynamics/incremental_potential.h"
+#include "clothsim/dynamics/internal_damping.h"
+#include "clothsim/dynamics/membrane_stress.h"
+#include "clothsim/dynamics/newton_solver.h"
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/triangle_forces.h"
+#include "clothsim/dynamics/xpbd.h"
+#include "verification/mesh_fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+Material material() {
+  Material m = fabric_spec(2, 2, 0.1, 0.1).material;
+  m.fabric->shear_stiffness = 80;
+  m.fabric->bending_stiffness = {3e-3, 1e-3};
+  return m;
+}
+
+const Sheet uneven{8, 6, 0.7, 0.5, 0.4, 0.3, 0, true};
+
+Cloth sheet(const Material& m = material(), const Sheet& shape = uneven) {
+  return make_cloth(mesh_spec(triangles_of(shape), m, shape.warp));
+}
+
+/// The cloth's points moved at random by up to `most` [m].
+Points moved(const Cloth& cloth, double most, unsigned seed = 3) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<> random(-most, most);
+  Points x = cloth.rest_positions;
+  for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] += random(engine);
+  return x;
+}
+
+const Loads none{Vector3::Zero()};
+
+Points forces_at(const Cloth& cloth, const Points& x, const Points* velocities = nullptr) {
+  Points forces;
+  compute_forces(cloth, none, x, forces, {}, velocities);
+  return forces;
+}
+
+/// The largest difference of a gradient and central differences of a function.
+template <typename Function>
+double gradient_error(const Function& function, Points x, const Points& gradient) {
+  constexpr double step = 1e-6;
+  double error = 0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double at = x.data()[i];
+    x.data()[i] = at + step;
+    const double above = function(x);
+    x.data()[i] = at - step;
+    const double below = function(x);
+    x.data()[i] = at;
+    error = std::max(error, std::abs((above - below) / (2 * step) - gradient.data()[i]));
+  }
+  return error;
+}
+
+TEST(TriangleFabric, HasTheMassOfItsArea) {
+  const Cloth cloth = sheet();
+  EXPECT_NEAR(cloth.mass.sum(), fabric_density * 0.7 * 0.5, 1e-15);
+  EXPECT_TRUE((cloth.mass.array() > 0).all());
+}
+
+TEST(TriangleFabric, EvenStrainsHaveTheSameStressInEachTriangle) {
+  // In the axes of the fabric, which are turned by 0.4 against those of the sheet.
+  const Cloth cloth = sheet();
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.4).toRotationMatrix();
+  Eigen::Matrix2d stretch;
+  stretch << 1.03, 0.02, -0.01, 0.98;
+  Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
+  map.topLeftCorner<2, 2>() = turn * stretch * turn.transpose();
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(1.1, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
+  State state{cloth.rest_positions * (rotation * map).transpose(),
+              Points::Zero(cloth.num_points(), 3), 0};
+
+  const Eigen::Matrix2d green = (stretch.transpose() * stretch - Eigen::Matrix2d::Identity()) / 2;
+  const Vector3 expected(900 * green(0, 0) + 80 * green(1, 1), 80 * green(0, 0) + 700 * green(1, 1),
+                         2 * 80 * green(0, 1));
+  const Points stress =
+      membrane_stress(cloth, state, edge_tensions(cloth, state.positions, nullptr));
+  for (Eigen::Index t = 0; t < stress.rows(); ++t) {
+    EXPECT_LT((stress.row(t).transpose() - expected).norm(), 1e-10 * expected.norm()) << t;
+  }
+  // No force on points inside.
+  const Points forces = forces_at(cloth, state.positions);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const Vector3 x = row(cloth.rest_positions, i);
+    const bool inside = x.x() > 1e-9 && x.x() < 0.7 - 1e-9 && x.y() > 1e-9 && x.y() < 0.5 - 1e-9;
+    if (inside) EXPECT_LT(forces.row(i).norm(), 1e-10) << i;
+  }
+}
+
+TEST(TriangleFabric, EvenMeshesHaveTheCurvaturesOfQuadraticSurfaces) {
+  Material m = material();
+  m.fabric->bending_stiffness = {2e-3, 5e-4};
+  m.springs = {false, false, true};
+  for (const double warp : {0.0, 0.3, M_PI / 4, M_PI / 2}) {
+    const Sheet even{41, 31, 0.4, 0.3, warp};
+    const Cloth cloth = sheet(m, even);
+    // z = k x^2 / 2: curvature k across the direction at angle `warp` to the threads.
+    Points x = cloth.rest_positions;
+    constexpr double k = 0.1;
+    x.col(2) = k / 2 * x.col(0).array().square();
+    const double c2 = std::pow(std::cos(warp), 2), s2 = std::pow(std::sin(warp), 2);
+    const double stiffness = std::pow(std::sqrt(2e-3) * c2 + std::sqrt(5e-4) * s2, 2);
+    // The first and last column of triangles have half of their kinks.
+    const double energy = stiffness * k * k / 2 * 0.39 * 0.3;
+    EXPECT_NEAR(elastic_energy(cloth, x), energy, 1e-9 * energy + (warp > 0 ? 0.02 * energy : 0))
+        << warp;
+  }
+}
+
+TEST(TriangleFabric, FlatSheetsHaveNoBendingUnderAnyEvenStrain) {
+  const Cloth cloth = sheet();
+  Eigen::Matrix3d map;
+  map << 1.2, 0.3, 0, -0.1, 0.7, 0, 0.4, 0.2, 1;
+  const Points x = cloth.rest_positions * map.transpose();
+  for (const PatchBend& bend : cloth.triangle_fabric->bends) {
+    EXPECT_LT(bend.of(x).norm(), 1e-12);
+  }
+}
+
+TEST(TriangleFabric, ForcesAreMinusTheGradientOfTheEnergy) {
+  const Cloth cloth = sheet();
+  const Points x = moved(cloth, 0.03);
+  const Points forces = forces_at(cloth, x);
+  const auto energy = [&](const Points& at) { return elastic_energy(cloth, at); };
+  EXPECT_LT(gradient_error(energy, x, -forces), 1e-6 * forces.cwiseAbs().maxCoeff());
+}
+
+TEST(TriangleFabric, ForcesAreTheSameWithThreads) {
+  const Cloth cloth = sheet(material(), {60, 50, 0.7, 0.5, 0.4, 0.3, 0, true});
+  const Points x = moved(cloth, 0.001);
+  Points one, four;
+  compute_forces(cloth, Loads{}, x, one);
+  compute_forces(cloth, Loads{}, x, four, Workers(4));
+  EXPECT_EQ(one, four);
+}
+
+TEST(TriangleFabric, ForcesHaveNoSumAndNoTorque) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0};
+  const Cloth cloth = sheet(m);
+  const Points x = moved(cloth, 0.03), v = moved(cloth, 0.3, 4);
+  const Points forces = forces_at(cloth, x, &v);
+  Vector3 torque = Vector3::Zero();
+  for (int i = 0; i < cloth.num_points(); ++i) torque += row(x, i).cross(row(forces, i));
+  const double scale = forces.cwiseAbs().maxCoeff();
+  EXPECT_LT(forces.colwise().sum().norm(), 1e-12 * scale);
+  EXPECT_LT(torque.norm(), 1e-12 * scale);
+}
+
+TEST(TriangleFabric, DampingOfTheMembraneLeavesRotationAlone) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0};
+  const Cloth cloth = sheet(m);
+  const Points x = moved(cloth, 0.03);
+  Points v = x;
+  const Vector3 omega(1, -2, 3);
+  for (int i = 0; i < cloth.num_points(); ++i) v.row(i) = omega.cross(row(x, i)).transpose();
+  const Points undamped = forces_at(cloth, x);
+  EXPECT_LT((forces_at(cloth, x, &v) - undamped).norm(), 1e-12 * undamped.norm());
+}
+
+TEST(TriangleFabric, DampingGradientIsThatOfItsPotential) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0.02};
+  const Cloth cloth = sheet(m);
+  const Points x = moved(cloth, 0.03);
+  const Past past = past_of(cloth, moved(cloth, 0.03, 5), moved(cloth, 0.03, 6), 1e-2);
+  Points gradient = Points::Zero(cloth.num_points(), 3);
+  add_damping_gradient(cloth, past, x, gradient);
+  const auto potential = [&](const Points& at) { return damping_potential(cloth, past, at); };
+  EXPECT_LT(gradient_error(potential, x, gradient), 1e-6 * gradient.cwiseAbs().maxCoeff());
+}
+
+TEST(TriangleFabric, NewtonFindsTheMinimumOfAStep) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0.02};
+  ClothSpec spec = mesh_spec(triangles_of(uneven), m, 0.4);
+  spec.pinned = {{0, 0, "", {}}, {7, 0, "", {}}};
+  const Cloth cloth = make_cloth(spec);
+  const Points y = moved(cloth, 0.01);
+  const Past past = past_of(cloth, cloth.rest_positions, 1e-2);
+  const Scalars weights = (cloth.inv_mass.array() > 0).select(cloth.mass.array() / 1e-4, 0);
+  NewtonSolver::Parameters parameters;
+  parameters.tolerance = 1e-12;
+  parameters.max_iterations = 100;
+  NewtonSolver solver(parameters);
+  Points d;
+  solver.solve(cloth, weights, y, d, past);
+  Points gradient(cloth.num_points(), 3);
+  potential_gradient(cloth, weights, y + d, d, gradient, past);
+  EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// Exact highest frequency of the elastic forces [rad/s], by differences.
+double exact_omega(const Cloth& cloth, const Points& at) {
+  const Eigen::Index size = 3 * cloth.num_points();
+  Eigen::MatrixXd matrix(size, size);
+  Points x = at;
+  for (Eigen::Index c = 0; c < size; ++c) {
+    constexpr double step = 1e-6;
+    x.data()[c] += step;
+    const Points above = forces_at(cloth, x);
+    x.data()[c] -= 2 * step;
+    const Points change = (above - forces_at(cloth, x)) / (2 * step);
+    x.data()[c] += step;
+    matrix.col(c) = -change.reshaped();
+  }
+  const Eigen::VectorXd root = cloth.inv_mass.cwiseSqrt().replicate(3, 1);
+  const Eigen::MatrixXd scaled =
+      root.asDiagonal() * (matrix + matrix.transpose()) / 2 * root.asDiagonal();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
+}
+
+TEST(TriangleFabric, FrequenciesAreBelowTheirBound) {
+  for (const double size : {1e-6, 0.01, 0.03}) {
+    const Cloth cloth = sheet();
+    const Points x = moved(cloth, size);
+    const double exact = exact_omega(cloth, x), bound = omega_max_bound(cloth, x);
+    EXPECT_LE(exact, bound * (1 + 1e-6)) << size;
+    EXPECT_LE(bound, 1.7 * exact) << size;
+    EXPECT_EQ(omega_max_bound(cloth, x, 2 * bound), 2 * bound);
+  }
+}
+
+TEST(TriangleFabric, StretchedMeshesAreBelowTheBoundOfTheirLimit) {
+  Material m = material();
+  m.strain_limit = 0.1;
+  const Cloth cloth = sheet(m);
+  EXPECT_LE(omega_max_bound(cloth, 1.1 * cloth.rest_positions), omega_max_bound(cloth) * 1.0001);
+}
+
+TEST(TriangleFabric, XpbdConvergesToImplicitEuler) {
+  Material m = material();
+  m.fabric->internal_damping = {0.005, 0.01};
+  ClothSpec spec = mesh_spec(triangles_of(uneven), m, 0.4);
+  spec.pinned = {{0, 0, "", {}}, {7, 0, "", {}}};
+  const Cloth cloth = make_cloth(spec);
+  State one{moved(cloth, 0.01), Points::Zero(cloth.num_points(), 3), 0};
+  for (const int pin : cloth.pinned) one.positions.row(pin) = cloth.rest_positions.row(pin);
+  State two = one;
+  ImplicitEuler::Parameters exact;
+  exact.tolerance = 1e-10;
+  ImplicitEuler(exact).step(cloth, Loads{}, 2e-3, one);
+  Xpbd::Parameters many;
+  many.iterations = 4000;
+  Xpbd(many).step(cloth, Loads{}, 2e-3, two);
+  EXPECT_LT((one.positions - two.positions).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+TEST(TriangleFabric, SpringsOfABatchShareNoPoint) {
+  const Cloth cloth = sheet();
+  int batch = 0;
+  std::vector<bool> taken(static_cast<std::size_t>(cloth.num_points()), false);
+  for (const SpringRun& run : cloth.springs) {
+    EXPECT_GE(run.batch, batch);
+    if (run.batch != batch) taken.assign(taken.size(), false);
+    batch = run.batch;
+    for (const int i : {run.first, run.first + run.offset}) {
+      EXPECT_FALSE(taken[static_cast<std::size_t>(i)]);
+      taken[static_cast<std::size_t>(i)] = true;
+    }
+  }
+  EXPECT_LT(batch, 16);
+}
+
+TEST(TriangleFabric, AMeshNeedsAFabric) {
+  ClothSpec spec = mesh_spec(triangles_of(uneven), material());
+  spec.material.fabric.reset();
+  EXPECT_THROW(make_cloth(spec), InvalidValue);
+}
+
+}  // namespace
+}  // namespace clothsim
