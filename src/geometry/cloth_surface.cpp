@@ -168,8 +168,8 @@ void lay_texture(const Vector3& warp, ClothMesh& mesh) {
   }
 }
 
-void set_texture(const MeshTriangles& given, const std::vector<Corners>& order,
-                 const Vector3& warp, ClothMesh& mesh) {
+void set_texture(const MeshTriangles& given, const std::vector<Corners>& order, const Vector3& warp,
+                 ClothMesh& mesh) {
   const auto is_outside = [](const Eigen::Vector2d& uv) {
     return !(uv.minCoeff() >= 0 && uv.maxCoeff() <= 1);
   };

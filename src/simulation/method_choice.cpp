@@ -94,12 +94,9 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
 /// number is measured.
 constexpr double onset = 30000;
 
-/// Cells along the longer side of a cloth, or along the extent of a mesh.
+/// Cells along the longer side of a grid, or of a square of a mesh's points.
 double cells_along(const Cloth& cloth) {
-  if (!cloth.is_mesh()) return std::max(cloth.columns, cloth.rows);
-  const Eigen::RowVector3d extent =
-      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
-  return std::max(1.0, extent.maxCoeff() / shortest_rest_length(cloth));
+  return cloth.is_mesh() ? std::sqrt(cloth.num_points()) : std::max(cloth.columns, cloth.rows);
 }
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,

@@ -4,6 +4,7 @@
 
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/errors.h"
+#include "clothsim/model/make_cloth.h"
 #include "simulator_impl.h"
 
 namespace clothsim {

@@ -14,7 +14,6 @@
 #include "clothsim/dynamics/integrator.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/model/grid.h"
-#include "clothsim/model/make_cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/work_budget.h"
 #include "clothsim/shapes/moving_collider.h"

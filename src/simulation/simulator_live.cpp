@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "clothsim/model/make_cloth.h"
 #include "simulator_impl.h"
 
 namespace clothsim {

@@ -24,7 +24,7 @@ Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, con
     forces.row(a) += tension * u;
     forces.row(b) -= tension * u;
   });
-  for_each_bend(cloth, [&](const Bend& bend) {
+  for_each_bend(cloth, [&](const auto& bend) {
     const Vector3 pull = bend.stiffness * (bend.of(x) + cloth.internal_damping[1] * bend.of(v));
     for (std::size_t k = 0; k < 4; ++k) {
       forces.row(bend.points[k]) -= Bend::coefficient(k) * pull.transpose();

@@ -27,7 +27,8 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 }
 
 constexpr const char* cloth_keys =
-    "mesh, width, height, columns, rows, orientation, origin, pinned, attached, pin_strength, springs, "
+    "mesh, width, height, columns, rows, orientation, origin, pinned, attached, pin_strength, "
+    "springs, "
     "ks, "
     "untangle, fabric, self_collision, density, damping, drag, strain_limit, thickness, friction, "
     "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";

@@ -7,6 +7,7 @@
 #include "clothsim/dynamics/implicit_euler.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
+#include "verification/elastica.h"
 #include "verification/fabric_testing.h"
 
 namespace clothsim {
@@ -15,47 +16,6 @@ namespace {
 using namespace testing;
 
 // ---- The exact curve
-
-struct EndOfStrip {
-  double drop;
-  double reach;
-};
-
-/// Curvature k of a moment k + stiffening k^3.
-double curvature_at(double moment, double stiffening) {
-  if (stiffening == 0) return moment;
-  const double root = std::sqrt(3 * stiffening);
-  return 2 / root * std::sinh(std::asinh(1.5 * root * moment) / 3);
-}
-
-/// Free end of the elastica of length 1 under its own weight, m' = -gamma t cos(theta) with t from
-/// the free end, theta the angle below the horizontal, m(0) = 0, theta(1) = 0. Its moment m is that
-/// of curvature theta' = k: k + stiffening k^3.
-EndOfStrip elastica(double gamma, double stiffening = 0) {
-  constexpr int steps = 20000;
-  constexpr double h = 1.0 / steps;
-  const auto integrate = [&](double end_angle) {
-    double angle = end_angle, moment = 0;
-    EndOfStrip end{0, 0};
-    for (int i = 0; i < steps; ++i) {  // the midpoint rule
-      const double t = i * h;
-      const double middle = angle + h / 2 * curvature_at(moment, stiffening);
-      const double middle_moment = moment - h / 2 * gamma * t * std::cos(angle);
-      end.drop += h * std::sin(middle);
-      end.reach += h * std::cos(middle);
-      moment -= h * gamma * (t + h / 2) * std::cos(middle);
-      angle += h * curvature_at(middle_moment, stiffening);
-      if (angle < 0) break;  // it swings back from there
-    }
-    return std::pair(angle, end);
-  };
-  double low = 0, high = M_PI / 2;
-  for (int i = 0; i < 50; ++i) {
-    const double middle = (low + high) / 2;
-    (integrate(middle).first < 0 ? low : high) = middle;
-  }
-  return integrate((low + high) / 2).second;
-}
 
 TEST(Elastica, IsTheMasterCurve) {
   // Drop over reach, as tabled by Romero et al. 2021, "Physical validation of simulators in
@@ -74,22 +34,6 @@ EndOfStrip end_of(const ClothSpec& spec, const Points& x, bool along_weft) {
   const int end = along_weft ? (points - 1) * spec.columns + 1 : points + points - 1;
   const double spacing = strip_length / (points - 1.5);
   return {-x(end, 2), x(end, along) - spacing / 2};
-}
-
-/// Rest places of the points, by steps of implicit Euler that are long compared with all swings and
-/// that all converge.
-Points at_rest(const Cloth& cloth) {
-  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
-  ImplicitEuler::Parameters parameters;
-  parameters.tolerance = 1e-6;
-  parameters.max_iterations = 100;
-  ImplicitEuler method(parameters);
-  for (int i = 0; i < 400; ++i) {
-    method.step(cloth, Loads{}, 0.1, state);
-    if (rms_velocity(state) < 1e-6) break;
-  }
-  EXPECT_LT(rms_velocity(state), 1e-5);
-  return state.positions;
 }
 
 EndOfStrip end_at_rest(const ClothSpec& spec, bool along_weft) {
@@ -205,11 +149,12 @@ class BiasStrip {
   }
   void cut(std::vector<BendRun>& bends) const {
     std::vector<BendRun> kept;
-    for_each_bend(cloth_, [&](const Bend& bend) {
-      const auto& [a, b, c, d] = bend.points;
-      if (!has(a) || !has(b) || !has(c) || !has(d)) return;
-      kept.push_back({a, b - a, c - a, 1, bend.stiffness});
-    });
+    for (const BendRun& run : bends) {
+      for (int i = run.first; i < run.first + run.count; ++i) {
+        const bool is_whole = has(i) && has(i + run.a) && has(i + run.b) && has(i + run.a + run.b);
+        if (is_whole) kept.push_back({i, run.a, run.b, 1, run.stiffness});
+      }
+    }
     bends = kept;
   }
 
