@@ -101,7 +101,9 @@ TEST(TriangleFabric, EvenStrainsHaveTheSameStressInEachTriangle) {
   for (int i = 0; i < cloth.num_points(); ++i) {
     const Vector3 x = row(cloth.rest_positions, i);
     const bool inside = x.x() > 1e-9 && x.x() < 0.7 - 1e-9 && x.y() > 1e-9 && x.y() < 0.5 - 1e-9;
-    if (inside) EXPECT_LT(forces.row(i).norm(), 1e-10) << i;
+    if (inside) {
+      EXPECT_LT(forces.row(i).norm(), 1e-10) << i;
+    }
   }
 }
 
