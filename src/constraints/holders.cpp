@@ -90,12 +90,17 @@ void Holders::hold(const std::vector<Hold>& holds,
         stiffness * stretch * rest_length;
   };
   for (const Spring& s : springs_) add_usual(s.point, s.stiffness, s.rest_length);
-  for (std::size_t k = 0; k < points_.size() && cloth.is_mesh(); ++k) {
-    for (const SpringRun& run : cloth.springs) {
-      const int i = points_[k].hold.point;
-      if (run.first != i && run.first + run.offset != i) continue;
-      add_usual(k, run.stiffness, run.rest_length);
+  if (cloth.is_mesh()) {
+    std::vector<std::optional<std::size_t>> held(static_cast<std::size_t>(cloth.num_points()));
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      held[static_cast<std::size_t>(points_[k].hold.point)] = k;
     }
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      for (const int end : {a, b}) {
+        const auto& k = held[static_cast<std::size_t>(end)];
+        if (k) add_usual(*k, run.stiffness, run.rest_length);
+      }
+    });
   }
   strengths_.clear();
   for (std::size_t k = 0; k < strengths.size(); ++k) {

@@ -20,7 +20,8 @@ using Flat = ClothMesh::Flat;
 /// Triangles with a smaller angle have edges that are far stiffer than the fabric.
 constexpr double min_angle = M_PI / 180;
 
-/// A direction whose part in a plane is shorter has none there, of its length.
+/// Least length of the warp's part in a triangle's plane, by the warp's own: below it the first
+/// edge takes its place.
 constexpr double min_part = 1e-6;
 
 std::string place_text(const Vector3& x) {
@@ -131,7 +132,15 @@ double smallest_angle(const std::array<Flat, 3>& x) {
   return smallest;
 }
 
-void check_angle(const std::array<Flat, 3>& flat, const std::string& where) {
+/// Throws InvalidValue for a sliver, and for edges that are not finite or out of range.
+void check_shape(const std::array<Flat, 3>& flat, const std::string& where) {
+  constexpr Range edge_range{1e-6, 1e4, "m"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length = (flat[(k + 1) % 3] - flat[k]).norm();
+    if (length >= edge_range.min && length <= edge_range.max) continue;
+    throw InvalidValue({}, where + " with an edge of " + to_text(length) + " m",
+                       "edges from 1e-06 to 10000 m");
+  }
   const double angle = smallest_angle(flat);
   if (angle >= min_angle) return;
   throw InvalidValue({}, where + " with an angle of " + to_text(angle * 180 / M_PI) + " degrees",
@@ -199,7 +208,7 @@ ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestL
     const Corners& corners = mesh.triangles[t];
     const std::array<Vector3, 3> x{row(mesh.positions, corners[0]), row(mesh.positions, corners[1]),
                                    row(mesh.positions, corners[2])};
-    check_angle(laid_flat(x, x[1] - x[0]),
+    check_shape(laid_flat(x, x[1] - x[0]),
                 triangle_text(static_cast<int>(t), mesh.positions, corners));
   }
   std::vector<Corners> order;
@@ -212,7 +221,7 @@ ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestL
         const auto vertex = given.triangles[t][static_cast<std::size_t>(order[t][k])];
         flat[k] = given.uv[static_cast<std::size_t>(vertex)];
       }
-      check_angle(flat, "at rest, " + triangle_text(static_cast<int>(t), mesh.positions, corners));
+      check_shape(flat, "at rest, " + triangle_text(static_cast<int>(t), mesh.positions, corners));
     } else {
       flat = laid_flat({row(mesh.positions, corners[0]), row(mesh.positions, corners[1]),
                         row(mesh.positions, corners[2])},

@@ -33,6 +33,10 @@ void check_size(const ClothSpec& spec) {
   check_count("rows", spec.rows);
 
   const long long points = static_cast<long long>(spec.columns) * spec.rows;
+  if (spec.mesh && points > max_points) {
+    throw InvalidValue({"mesh"}, std::to_string(points) + " points",
+                       "at most " + std::to_string(max_points));
+  }
   if (points < min_points || points > max_points) {
     throw InvalidValue(
         {"columns"},
@@ -141,6 +145,11 @@ void validate(const ClothSpec& spec) {
   check_shear(spec);
   validate_contact(spec.thickness, spec.friction);
   if (spec.mesh) {
+    const ClothMesh& mesh = *spec.mesh;
+    if (spec.columns != mesh.positions.rows() || spec.rows != 1) {
+      throw InvalidValue({"columns"}, std::to_string(spec.columns),
+                         std::to_string(mesh.positions.rows()) + " in one row, those of the mesh");
+    }
     if (!spec.material.fabric) {
       throw InvalidValue({"fabric"}, "none", "a fabric, which a mesh needs");
     }

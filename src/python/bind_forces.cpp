@@ -50,7 +50,9 @@ void bind_forces(SimulationClass& simulator) {
       .def_property_readonly(
           "stress", &stress,
           "[T, 3] [N/m], of each of topology['triangles'] in its own plane, a force per width at "
-          "rest: along rows, along columns, in shear. From the tensions.");
+          "rest: along rows, along columns, in shear. From the tensions. Of a mesh along warp, "
+          "along "
+          "weft and in shear, from its strains.");
 }
 
 }  // namespace clothsim_python

@@ -39,6 +39,10 @@ MeshKeys read_keys(const YAML::Node& node) {
                   {"warp", [&](const YAML::Node& value) { keys.warp = read_direction(value); }},
                   {"lengths", read_lengths}});
   check_range("scale", keys.scale.cwiseAbs(), mesh_scale_range);
+  if (keys.lengths == RestLengths::uv && node["warp"]) {
+    throw InvalidValue({"warp"}, describe(node["warp"]),
+                       "none with lengths: uv, which has warp along u");
+  }
   if (keys.file.empty()) {
     throw InvalidValue({"file"}, "nothing", "an STL, OBJ, PLY or DAE file");
   }

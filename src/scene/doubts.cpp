@@ -138,7 +138,8 @@ void doubt_start(const Scene& scene, Lines& lines) {
                    : std::to_string(crossed) + " of " + std::to_string(cloth.triangles.size()) +
                          " triangles";
     lines.push_back(which + " of the cloth start in collider " + collider.name +
-                    "; did you mean another cloth.origin?");
+                    "; did you mean another " +
+                    (scene.cloth.mesh ? "cloth.mesh.pose?" : "cloth.origin?"));
   }
 }
 

@@ -1,6 +1,8 @@
 #include "clothsim/scene/fixed_values.h"
 
 #include <filesystem>
+#include <functional>
+#include <string_view>
 #include <type_traits>
 
 #include "clothsim/model/checks.h"
@@ -30,6 +32,20 @@ std::string text(const MeshShape& mesh) {
                text(mesh.padding), mesh.file->solid.is_sheet() ? "sheet" : "solid"});
 }
 
+/// Of all numbers of a mesh.
+std::size_t hash_of(const ClothMesh& mesh) {
+  const auto bytes = [](const auto& list) {
+    return std::string_view(reinterpret_cast<const char*>(list.data()),
+                            static_cast<std::size_t>(list.size()) * sizeof(*list.data()));
+  };
+  std::size_t hash = 0;
+  for (const std::string_view part :
+       {bytes(mesh.positions), bytes(mesh.triangles), bytes(mesh.flat), bytes(mesh.uv)}) {
+    hash = 31 * hash + std::hash<std::string_view>()(part);
+  }
+  return hash;
+}
+
 /// Lines of keys and values.
 class Lines {
  public:
@@ -44,8 +60,7 @@ void add(const ClothSpec& cloth, Lines& lines) {
   if (cloth.mesh) {
     lines.add("cloth.mesh", std::to_string(cloth.mesh->triangles.size()) + " triangles of " +
                                 std::to_string(cloth.columns) + " points, " +
-                                text(Vector3(cloth.mesh->positions.colwise().mean())) + ", " +
-                                text(cloth.mesh->positions.squaredNorm()));
+                                std::to_string(hash_of(*cloth.mesh)));
   }
   lines.add("cloth.columns", std::to_string(cloth.columns));
   lines.add("cloth.rows", std::to_string(cloth.rows));

@@ -82,7 +82,8 @@ const Cloth& PointReader::cloth() {
 std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
   const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value();
   if (ways != 1 || place.within.has_value() != place.of.has_value()) {
-    throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two", ways_to_name);
+    throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two",
+                       spec_.mesh ? ways_to_name_on_mesh : ways_to_name);
   }
   std::vector<int> found;
   if (place.near) found = {nearest_row(cloth().rest_positions.rowwise() - place.near->transpose())};

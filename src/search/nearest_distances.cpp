@@ -5,11 +5,16 @@
 #include <limits>
 
 #include "clothsim/geometry/box_tree.h"
+#include "clothsim/model/checks.h"
 
 namespace clothsim {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Pairs of tiles that are near each other at rest, by tile: a cell has some 60 of them where it is
+/// four times as long as the contact distance. More take gigabytes.
+constexpr std::size_t max_near_tiles = 1000;
 
 /// Features of a mesh that are nearer than this at rest, of its mean edge, are one: a seam.
 constexpr double seam = 1e-3;
@@ -146,6 +151,10 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
     if (both.of == tiles_[NearWays::far].of) return;
     tile_ways.add(a, b, static_cast<int>(tiles_.size()));
     tiles_.push_back(both);
+    if (tiles_.size() <= max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64))
+      return;
+    throw InvalidValue({"thickness"}, to_text(thickness_),
+                       "less beside the mesh's edges of some " + to_text(spacing_) + " m");
   };
   visit_near_patches(patches, rest, max() / neighbour_share, [&](int p, int q) {
     const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,

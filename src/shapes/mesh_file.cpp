@@ -69,6 +69,21 @@ void check_ply_header(const fs::path& path) {
   }
 }
 
+/// Throws InvalidValue for a face with a vertex that its mesh lacks, which Assimp accepts from PLY.
+void check_indices(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k) {
+        const unsigned vertex = mesh.mFaces[f].mIndices[k];
+        if (vertex < mesh.mNumVertices) continue;
+        throw InvalidValue({}, "vertex " + std::to_string(vertex) + " in face " + std::to_string(f),
+                           "one of " + std::to_string(mesh.mNumVertices) + " vertices");
+      }
+    }
+  }
+}
+
 Vector3 to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
 /// Adds the triangles of a node and those below it.
@@ -120,8 +135,11 @@ MeshTriangles read_mesh_triangles(const fs::path& path, const Vector3& scale) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene =
-      importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  const aiScene* scene = importer.ReadFile(path.string(), 0);
+  if (scene) {
+    check_indices(*scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType);
+  }
   if (!scene || !scene->mRootNode) {
     throw InvalidValue({}, shortened(importer.GetErrorString(), 200), "a mesh");
   }

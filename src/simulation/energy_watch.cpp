@@ -8,6 +8,7 @@
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
+#include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/surface.h"
 
 namespace clothsim {
@@ -97,11 +98,36 @@ double work_on_bends(const Cloth& cloth, const State& before, const Scalars& len
   return work;
 }
 
+/// The same against the membrane of a mesh: pulls |s| on squared edges q, which change by at most
+/// 2 l s + s^2 =: d, and d |K| d / 2.
+double work_on_membrane(const Cloth& cloth, const State& before, const Points& ways) {
+  double work = 0;
+  for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
+    const std::array<int, 3>& corners = cloth.triangles[t];
+    const Vector3 q = squared_edges(corners, before.positions);
+    Vector3 change;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto a = ways.row(corners[k]), b = ways.row(corners[(k + 1) % 3]);
+      const double way = std::max({a.norm(), b.norm(), (b - a).norm()});
+      const auto i = static_cast<Eigen::Index>(k);
+      change[i] = (2 * std::sqrt(q[i]) + way) * way;
+    }
+    if (change.isZero(0)) continue;
+    const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
+    const Vector3 pulls = triangle.stretch * (q - triangle.rest2);
+    work += pulls.cwiseAbs().dot(change) + change.dot(triangle.stretch.cwiseAbs() * change) / 2;
+  }
+  return work;
+}
+
 /// Work [J] against springs when points are driven: F s + k s^2 / 2, with F the initial force and s
 /// the displacement, for springs with one or both ends driven.
 double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
   if (ways.size() == 0) return 0;
   const Scalars lengths = ways.rowwise().norm();
+  if (cloth.is_mesh()) {
+    return work_on_membrane(cloth, before, ways) + work_on_bends(cloth, before, lengths);
+  }
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     if (lengths[a] == 0 && lengths[b] == 0) return;  // nearly all where a pin is moved

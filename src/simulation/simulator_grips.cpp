@@ -160,7 +160,9 @@ std::vector<HolderReport> Simulator::holders() const {
   };
   std::size_t next = 0;
   for (const Pin& pin : scene().cloth.pinned) {
-    add("pin [" + std::to_string(pin.column) + ", " + std::to_string(pin.row) + "]", next, 1);
+    const bool is_mesh = scene().cloth.mesh != nullptr;
+    const std::string point = std::to_string(pin.column);
+    add("pin " + (is_mesh ? point : grid_point_text(pin.column, pin.row)), next, 1);
     ++next;
   }
   for (const auto& [frame, grip] : grips()) {

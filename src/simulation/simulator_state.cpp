@@ -245,12 +245,6 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   }
   std::size_t bytes_of_pairs = bytes(cloth.pairs);
   for (const PairBand& band : cloth.pairs) bytes_of_pairs += bytes(band.spring) + bytes(band.bend);
-  if (cloth.is_mesh()) {
-    const TriangleFabric& fabric = *cloth.triangle_fabric;
-    bytes_of_pairs += bytes(fabric.edges) + bytes(fabric.pulls_of) + bytes(fabric.triangles) +
-                      bytes(fabric.bends) + bytes(fabric.pairs) + bytes(fabric.links) +
-                      bytes(fabric.first_links);
-  }
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +

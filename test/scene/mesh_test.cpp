@@ -119,6 +119,34 @@ TEST(Mesh, HasEqualBitsFromThreadsAndAfterRestore) {
   EXPECT_EQ(x, after(one, 0.5));
 }
 
+TEST(Mesh, HasEqualBitsInAnotherSimulator) {
+  // bdf2 has a history, which a saved state keeps.
+  ClothSpec spec = mesh_spec(triangles_of({9, 9, 0.3, 0.3, 0, 0.15}), cotton());
+  spec.pinned = {{0, 0, "", {}}};
+  Scene scene = hung(spec);
+  scene.simulation.method = "bdf2";
+  Simulator one(scene), other(scene);
+  after(one, 0.2);
+  other.restore(*one.save());
+  LiveSpec live = live_values(scene);
+  live.friction = 0.31;  // without self collision no motion depends on it
+  one.set(live);
+  EXPECT_EQ(after(one, 0.4), after(other, 0.4));
+}
+
+TEST(Mesh, RefusesAThicknessThatNeedsGigabytes) {
+  ClothSpec spec = mesh_spec(triangles_of({40, 40, 0.1, 0.1}), cotton());
+  spec.self_collision = SelfCollision::surface;
+  spec.thickness = 0.0095;
+  EXPECT_THROW(Simulator{hung(spec)}, InvalidValue);
+  spec.thickness = 0.001;
+  Simulator simulator(hung(spec));
+  LiveSpec live = live_values(simulator.scene());
+  live.thickness = 0.02;
+  EXPECT_THROW(simulator.set(live), InvalidValue);
+  simulator.step();
+}
+
 TEST(Mesh, LiveValuesChangeItsFabric) {
   ClothSpec spec = mesh_spec(triangles_of({13, 13, 0.3, 0.3, 0, 0.15}), cotton());
   spec.pinned = {{0, 0, "", {}}};

@@ -72,6 +72,8 @@ TEST_F(ClothMeshYaml, RefusesMistakes) {
   EXPECT_TRUE(says(mistake("file: square.obj, warp: [0, 0, 0]"), "cloth.mesh.warp: got"));
   EXPECT_TRUE(says(mistake("file: square.obj, lengths: mine"), "cloth.mesh.lengths: got mine"));
   EXPECT_TRUE(says(mistake("file: square.obj, lengths: uv"), "cloth.mesh.file: got no texture"));
+  EXPECT_TRUE(says(mistake("file: square.obj, lengths: uv, warp: [0, 1, 0]"),
+                   "cloth.mesh.warp: got [0, 1, 0] ... none with lengths: uv"));
   EXPECT_TRUE(
       says(mistake("file: square.obj, pose: {xyz: [1e9, 0, 0]}"), "cloth.mesh.pose.xyz.0: got"));
   EXPECT_TRUE(says(mistake("file: square.obj", "ks: 5"), "cloth.fabric: got none"));
@@ -93,6 +95,8 @@ TEST_F(ClothMeshYaml, RefusesBrokenFiles) {
       {"v 0 0 0\nv 1e30 0 0\nv 1 1 0\nf 1 2 3\n", "cloth.mesh.file"},
       {corners + "f 1 1 2\n", "cloth.mesh.file: got"},
       {corners + "v 0.5 0 0\nf 1 2 5\n", "cloth.mesh.file: got triangle 0 ... degrees"},
+      {corners + "v 0.0000001 0 0\nv 0.00000005 0.0000001 0\nf 1 5 6\n",
+       "cloth.mesh.file: got triangle 0 ... edge of"},
       {corners + "v 0.5 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n", "cloth.mesh.file: got an edge of three"},
       {corners + "v 0.2 0.1 -1\nv 0.3 0.1 1\nv 0.4 0.1 1\nf 1 2 3\nf 5 6 7\n",
        "cloth.mesh.file: got triangle 0 ... through triangle 1"}};
@@ -102,6 +106,16 @@ TEST_F(ClothMeshYaml, RefusesBrokenFiles) {
   }
   write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 9999999999\n");
   EXPECT_TRUE(says(mistake("file: broken.ply"), "cloth.mesh.file: got"));
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  for (const char* face : {"3 0 2 900000000\n", "4 0 1 2 900000000\n", "3 0 2 7\n", "3 0 2 -1\n"}) {
+    write("broken.ply", header + face);
+    EXPECT_TRUE(says(mistake("file: broken.ply"), "cloth.mesh.file: got vertex")) << face;
+  }
+  write("good.ply", header + "3 0 1 2\n");
+  EXPECT_EQ(mistake("file: good.ply"), "accepted");
   write("broken.stl", "solid x\nfacet normal 0 0 1\nouter loop\n");
   EXPECT_TRUE(says(mistake("file: broken.stl"), "cloth.mesh.file: got"));
 }
