@@ -31,8 +31,9 @@ std::vector<double> edge_tensions(const Cloth&, const Points& positions, const P
 
 /// Bound on the membrane's highest frequency [rad/s], at least `min_omega`: the largest of the
 /// triangles, each alone with a part of its points' masses (Irons & Treharne 1971, "A bound theorem
-/// in eigenvalues and its practical applications"), which a point divides by their stiffness. Pins
-/// do not move. On the sheets of test/unit/triangle_fabric_test.cpp up to 1.4 times the exact one.
+/// in eigenvalues and its practical applications"): a point divides its mass among its triangles in
+/// proportion to their stiffness. Pins do not move. On the sheets of
+/// test/unit/triangle_fabric_test.cpp up to 1.4 times the exact one.
 double membrane_bound(const Cloth&, const Points& positions, double min_omega);
 /// The same where all edges are stretched alike, l / L - 1.
 double membrane_bound_at(const Cloth&, double stretch);

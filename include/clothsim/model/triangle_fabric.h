@@ -40,8 +40,8 @@ struct PatchBend {
 /// surface's slope across an edge of length l and normal n (Onate & Cervera 1993, "Derivation of
 /// thin plate bending elements with one degree of freedom per node", BST). A free edge has no kink.
 /// The energy by area is that of the grid, see add_fabric(), and is quadratic: J is linear in the
-/// positions of four points. On regular meshes it is exact for quadratic surfaces, on irregular
-/// ones too stiff, by a share that does not fall with the size of cells: docs/limits.md.
+/// positions of four points. On regular meshes that energy is exact for quadratic surfaces, on
+/// irregular ones too stiff, by a share that does not fall with the size of cells: docs/limits.md.
 struct TriangleFabric {
   struct Triangle {
     std::array<int, 3> edges;  // by number; edge k joins corners k and k + 1
@@ -64,7 +64,7 @@ struct TriangleFabric {
   };
 
   std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
-  std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k twice, or one past all
+  std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k of both sides; else 3 T
   std::vector<Triangle> triangles;           // as cloth.triangles
   std::vector<PatchBend> bends;
   std::vector<Pair> pairs;       // of bends; first those of edges, in their order
