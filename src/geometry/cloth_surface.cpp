@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "clothsim/geometry/box_tree.h"
+#include "clothsim/geometry/closest_points.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/geometry/surface_mesh.h"
 #include "clothsim/model/checks.h"
@@ -23,6 +25,10 @@ constexpr double min_angle = M_PI / 180;
 /// Least length of the warp's part in a triangle's plane, by the warp's own: below it the first
 /// edge takes its place.
 constexpr double min_part = 1e-6;
+
+/// Least distance of a point from a triangle that it is no corner of, of the triangle's longest
+/// edge.
+constexpr double min_gap = 1e-3;
 
 std::string place_text(const Vector3& x) {
   return '[' + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) + ']';
@@ -160,6 +166,43 @@ void check_crossings(const ClothMesh& mesh) {
                      "triangles that do not pass through each other");
 }
 
+/// Throws InvalidValue for a point that lies on a triangle of another part of the surface: contact
+/// takes them for sewn, see NearestDistances.
+void check_gaps(const ClothMesh& mesh) {
+  std::vector<Box> boxes;  // of triangles, then of points
+  const auto corner = [&](std::size_t t, std::size_t k) -> Vector3 {
+    return row(mesh.positions, mesh.triangles[t][k]);
+  };
+  std::vector<double> gaps;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vector3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+    gaps.push_back(min_gap * std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
+    const Vector3 around = Vector3::Constant(gaps.back());
+    boxes.emplace_back(a.cwiseMin(b).cwiseMin(c) - around, a.cwiseMax(b).cwiseMax(c) + around);
+  }
+  const auto count = static_cast<int>(boxes.size());
+  for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
+    boxes.emplace_back(mesh.positions.row(i).transpose(), mesh.positions.row(i).transpose());
+  }
+  BoxTree(boxes).visit_overlaps([&](int first, int second) {
+    const auto [triangle, other] = std::minmax(first, second);
+    const int point = other - count;
+    if (triangle >= count || point < 0) return;
+    const auto t = static_cast<std::size_t>(triangle);
+    const Corners& corners = mesh.triangles[t];
+    if (std::find(corners.begin(), corners.end(), point) != corners.end()) return;
+    const Vector3 x = row(mesh.positions, point);
+    const auto shares = closest_on_triangle(x, corner(t, 0), corner(t, 1), corner(t, 2));
+    const Vector3 nearest =
+        shares[0] * corner(t, 0) + shares[1] * corner(t, 1) + shares[2] * corner(t, 2);
+    if ((x - nearest).norm() > gaps[t]) return;
+    throw InvalidValue({},
+                       "point " + std::to_string(point) + " on " +
+                           triangle_text(triangle, mesh.positions, corners),
+                       "more than " + to_text(gaps[t]) + " m between unjoined parts");
+  });
+}
+
 /// Texture coordinates by place: along `warp`, and along the longer extent across it.
 void lay_texture(const Vector3& warp, ClothMesh& mesh) {
   const Vector3 along = warp.normalized();
@@ -231,6 +274,7 @@ ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestL
   }
   set_texture(given, order, warp, mesh);
   check_crossings(mesh);
+  check_gaps(mesh);
   return mesh;
 }
 

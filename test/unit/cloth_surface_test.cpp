@@ -115,6 +115,21 @@ TEST(ClothSurface, RefusesMistakesWithTheirPlace) {
   EXPECT_TRUE(says(mistake(crossed), "... triangle 0 ... through triangle 2"));
 }
 
+TEST(ClothSurface, RefusesLayersAtTheSamePlace) {
+  MeshTriangles layers = square();
+  const auto add_layer = [&](double height) {
+    const int first = static_cast<int>(layers.vertices.size());
+    for (const Vector3& x : square().vertices)
+      layers.vertices.push_back(x + Vector3(0.1, 0.2, height));
+    layers.triangles.push_back({first, first + 1, first + 2});
+    layers.triangles.push_back({first + 3, first + 4, first + 5});
+  };
+  add_layer(0.01);
+  EXPECT_EQ(mistake(layers), "");
+  add_layer(1e-5);
+  EXPECT_TRUE(says(mistake(layers), "... point ... on triangle ... between unjoined parts"));
+}
+
 TEST(ClothSurface, RefusesASurfaceWithOneSide) {
   // Moebius's band of five triangles.
   MeshTriangles band;

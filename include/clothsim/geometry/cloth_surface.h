@@ -28,7 +28,7 @@ enum class RestLengths { surface, uv };
 ///
 /// Throws InvalidValue, without a key, and with the place: no triangles, an edge of more than two
 /// triangles, a surface with one side, a sliver (an angle below 1 degree in the file or at rest),
-/// two triangles that pass through each other.
+/// two triangles that pass through each other, a point that lies on a triangle of another part.
 ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestLengths lengths);
 
 }  // namespace clothsim
