@@ -11,6 +11,20 @@ double length_of(const Points& positions, int a, int b) {
   return (positions.row(b) - positions.row(a)).norm();
 }
 
+/// Sets value(length_of) for each spring, where length_of(x) is its length at positions x, or the
+/// square for the edges of a mesh.
+template <typename Value>
+void take_lengths(const Cloth& cloth, Past& past, const Value& value) {
+  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+    if (cloth.is_mesh()) {
+      past.squares.push_back(
+          value([&](const Points& x) { return (x.row(b) - x.row(a)).squaredNorm(); }));
+    } else {
+      past.lengths.push_back(value([&](const Points& x) { return length_of(x, a, b); }));
+    }
+  });
+}
+
 /// Change of a triangle's squared edges since the past [m^2].
 Vector3 change_of(const Cloth& cloth, std::size_t triangle, const Past& past,
                   const Points& positions) {
@@ -43,31 +57,15 @@ void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& p
 Past past_of(const Cloth& cloth, const Points& positions, double h) {
   if (!is_damped(cloth)) return {};
   Past past{h, {}, {}, positions};
-  if (cloth.is_mesh()) {
-    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
-      past.squares.push_back((positions.row(b) - positions.row(a)).squaredNorm());
-    });
-    return past;
-  }
-  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
-    past.lengths.push_back(length_of(positions, a, b));
-  });
+  take_lengths(cloth, past, [&](const auto& length_of) { return length_of(positions); });
   return past;
 }
 
 Past past_of(const Cloth& cloth, const Points& positions, const Points& last, double h) {
   if (!is_damped(cloth)) return {};
   Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3};
-  if (cloth.is_mesh()) {
-    for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
-      past.squares.push_back((4 * (positions.row(b) - positions.row(a)).squaredNorm() -
-                              (last.row(b) - last.row(a)).squaredNorm()) /
-                             3);
-    });
-    return past;
-  }
-  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
-    past.lengths.push_back((4 * length_of(positions, a, b) - length_of(last, a, b)) / 3);
+  take_lengths(cloth, past, [&](const auto& length_of) {
+    return (4 * length_of(positions) - length_of(last)) / 3;
   });
   return past;
 }

@@ -273,7 +273,6 @@ double springs_bound(const Cloth& cloth, const Points& positions, double min_ome
 }
 
 double springs_bound(const Cloth& cloth) {
-  if (cloth.is_mesh()) return membrane_bound_at(cloth, cloth.strain_limit.value_or(0));
   Scalars stiffness = Scalars::Zero(cloth.num_points());
   for_each_band(cloth, [&](const SpringBand& band) {  // gaps between runs included
     stiffness.segment(band.first(), band.count()).array() += band.begin->stiffness;
@@ -294,6 +293,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double min_o
 }
 
 double omega_max_bound(const Cloth& cloth) {
+  if (cloth.is_mesh()) return std::numeric_limits<double>::infinity();
   const double springs = springs_bound(cloth);
   const BendsAndDamping added(cloth);
   return added.any() ? added.with(springs * springs) : springs;

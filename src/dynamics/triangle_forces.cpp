@@ -102,9 +102,9 @@ template <bool damped>
 }
 
 CLOTHSIM_TARGET_CLONES
-void sum_links(const TriangleFabric& fabric, const Scratch& scratch, const Motion& at, int begin,
-               int end, Points& forces) {
-  if (at.v != nullptr) {
+void sum_links(const TriangleFabric& fabric, const Scratch& scratch, const Motion& at, double tau,
+               int begin, int end, Points& forces) {
+  if (at.v != nullptr && tau > 0) {
     sum_links_of<true>(fabric, scratch, at, begin, end, forces);
   } else {
     sum_links_of<false>(fabric, scratch, at, begin, end, forces);
@@ -117,7 +117,7 @@ void add_factors(const TriangleFabric& fabric, double tau, int begin, int end, S
     const auto number = static_cast<std::size_t>(l);
     const double weight = fabric.pairs.empty() ? 0 : fabric.pairs[number].weight;
     scratch.factors[number] = weight;
-    scratch.weights[number] = tau * weight;
+    if (tau > 0) scratch.weights[number] = tau * weight;
     if (number >= fabric.edges.size()) continue;
     const auto& [one, other] = fabric.pulls_of[number];
     scratch.factors[number] += 2 * (scratch.pulls[static_cast<std::size_t>(one)] +
@@ -136,52 +136,9 @@ double largest_product(const Eigen::Matrix3d& stretch, const Eigen::Matrix3d& by
   return solver.eigenvalues()[2];
 }
 
-/// Half the derivatives of a triangle's squared edges q by the displacements of its corners, times
-/// `w` by corner, times transposed.
-Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w) {
-  Eigen::Matrix3d product;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::Index j = (i + 1) % 3;
-    product(i, i) = q[i] * (w[i] + w[j]);
-    product(i, j) = product(j, i) = -(q[3 - i - j] - q[i] - q[j]) / 2 * w[j];
-  }
-  return product;
-}
-
 /// Largest stiffness of a triangle across its edges [N/m]: at most 3 of 2 s by point.
 double stiffness_across(const TriangleFabric::Triangle& triangle, const Vector3& q) {
   return 6 * std::max((triangle.stretch * (q - triangle.rest2)).maxCoeff(), 0.0);
-}
-
-/// The bound for squared edges q(t) of each triangle t.
-template <typename SquaredEdges>
-double bound_of(const Cloth& cloth, double min_omega, const SquaredEdges& squares) {
-  const std::vector<TriangleFabric::Triangle>& triangles = cloth.triangle_fabric->triangles;
-  Scalars stiffness(static_cast<Eigen::Index>(triangles.size()));
-  Scalars sums = Scalars::Zero(cloth.num_points());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vector3 q = squares(t);
-    const double along = (triangles[t].stretch * squared_derivatives(q, Vector3::Ones())).trace();
-    const auto i = static_cast<Eigen::Index>(t);
-    stiffness[i] = 4 * along + stiffness_across(triangles[t], q);
-    for (const int corner : cloth.triangles[t]) sums[corner] += stiffness[i];
-  }
-  double omega2 = min_omega * min_omega;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vector3 q = squares(t);
-    const double own = stiffness[static_cast<Eigen::Index>(t)];
-    if (own == 0) continue;
-    Vector3 w;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int corner = cloth.triangles[t][k];
-      w[static_cast<Eigen::Index>(k)] = cloth.inv_mass[corner] * sums[corner] / own;
-    }
-    const double across = stiffness_across(triangles[t], q) * w.maxCoeff();
-    const Eigen::Matrix3d by_mass = squared_derivatives(q, w);
-    if (4 * (triangles[t].stretch * by_mass).trace() + across <= omega2) continue;
-    omega2 = std::max(omega2, 4 * largest_product(triangles[t].stretch, by_mass) + across);
-  }
-  return std::sqrt(omega2);
 }
 
 }  // namespace
@@ -217,7 +174,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
       forces.col(axis).segment(begin, end - begin) =
           loads.gravity[axis] * cloth.mass.segment(begin, end - begin);
     }
-    sum_links(fabric, scratch, at, begin, end, forces);
+    sum_links(fabric, scratch, at, of_bends, begin, end, forces);
   });
 }
 
@@ -271,15 +228,43 @@ std::vector<double> edge_tensions(const Cloth& cloth, const Points& positions,
   return tensions;
 }
 
-double membrane_bound(const Cloth& cloth, const Points& positions, double min_omega) {
-  return bound_of(cloth, min_omega,
-                  [&](std::size_t t) { return squared_edges(cloth.triangles[t], positions); });
+Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w) {
+  Eigen::Matrix3d product;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::Index j = (i + 1) % 3;
+    product(i, i) = q[i] * (w[i] + w[j]);
+    product(i, j) = product(j, i) = -(q[3 - i - j] - q[i] - q[j]) / 2 * w[j];
+  }
+  return product;
 }
 
-double membrane_bound_at(const Cloth& cloth, double stretch) {
-  return bound_of(cloth, 0, [&](std::size_t t) -> Vector3 {
-    return (1 + stretch) * (1 + stretch) * cloth.triangle_fabric->triangles[t].rest2;
-  });
+double membrane_bound(const Cloth& cloth, const Points& positions, double min_omega) {
+  const std::vector<TriangleFabric::Triangle>& triangles = cloth.triangle_fabric->triangles;
+  Scalars stiffness(static_cast<Eigen::Index>(triangles.size()));
+  Scalars sums = Scalars::Zero(cloth.num_points());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3 q = squared_edges(cloth.triangles[t], positions);
+    const double along = (triangles[t].stretch * squared_derivatives(q, Vector3::Ones())).trace();
+    const auto i = static_cast<Eigen::Index>(t);
+    stiffness[i] = 4 * along + stiffness_across(triangles[t], q);
+    for (const int corner : cloth.triangles[t]) sums[corner] += stiffness[i];
+  }
+  double omega2 = min_omega * min_omega;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3 q = squared_edges(cloth.triangles[t], positions);
+    const double own = stiffness[static_cast<Eigen::Index>(t)];
+    if (own == 0) continue;
+    Vector3 w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int corner = cloth.triangles[t][k];
+      w[static_cast<Eigen::Index>(k)] = cloth.inv_mass[corner] * sums[corner] / own;
+    }
+    const double across = stiffness_across(triangles[t], q) * w.maxCoeff();
+    const Eigen::Matrix3d by_mass = squared_derivatives(q, w);
+    if (4 * (triangles[t].stretch * by_mass).trace() + across <= omega2) continue;
+    omega2 = std::max(omega2, 4 * largest_product(triangles[t].stretch, by_mass) + across);
+  }
+  return std::sqrt(omega2);
 }
 
 }  // namespace clothsim

@@ -1,37 +1,27 @@
 #include "clothsim/dynamics/xpbd.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
+#include "clothsim/model/point_colours.h"
 
 namespace clothsim {
 
 namespace {
 
-/// Sorts constraints by colour, each with the first colour that none of its points has yet.
+/// Sorts constraints by colour.
 template <typename Constraint>
 class Colouring {
  public:
-  explicit Colouring(const Cloth& cloth) : taken_(static_cast<std::size_t>(cloth.num_points())) {}
+  explicit Colouring(const Cloth& cloth) : of_points_(cloth.num_points()) {}
 
   template <typename Ids>
   void add(const Constraint& constraint, const Ids& points) {
-    std::size_t colour = 0;
-    const auto is_taken = [&](int i) {
-      const std::vector<bool>& taken = taken_[static_cast<std::size_t>(i)];
-      return colour < taken.size() && taken[colour];
-    };
-    while (std::any_of(points.begin(), points.end(), is_taken)) ++colour;
-    for (const int i : points) {
-      std::vector<bool>& taken = taken_[static_cast<std::size_t>(i)];
-      if (taken.size() <= colour) taken.resize(colour + 1, false);
-      taken[colour] = true;
-    }
+    const std::size_t colour = of_points_.next(points);
     if (colour == colours_.size()) colours_.emplace_back();
     colours_[colour].push_back(constraint);
   }
@@ -46,7 +36,7 @@ class Colouring {
   }
 
  private:
-  std::vector<std::vector<bool>> taken_;  // by point, for each colour
+  PointColours of_points_;
   std::vector<std::vector<Constraint>> colours_;
 };
 
@@ -173,27 +163,21 @@ void Xpbd::solve_membranes(const Cloth& cloth, bool back, Points& positions,
                            const Workers& workers) {
   parallel_for_colours(membranes_.colour_ends, back, workers, [&](std::size_t id) {
     MembraneConstraint& c = membranes_.list[id];
-    std::array<Vector3, 3> edges;
-    Vector3 q, w;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto i = static_cast<Eigen::Index>(k);
-      edges[k] = row(positions, c.corners[(k + 1) % 3]) - row(positions, c.corners[k]);
-      q[i] = edges[k].squaredNorm();
-      w[i] = cloth.inv_mass[c.corners[k]];
-    }
-    Eigen::Matrix3d g;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto i = static_cast<Eigen::Index>(k), j = static_cast<Eigen::Index>((k + 1) % 3);
-      g(i, i) = 4 * q[i] * (w[i] + w[j]);
-      g(i, j) = g(j, i) = -4 * edges[k].dot(edges[(k + 1) % 3]) * w[j];
-    }
-    const Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity() + c.stiffness * g;
+    const Vector3 q = squared_edges(c.corners, positions);
+    const auto& [i, j, k] = c.corners;
+    const Vector3 w(cloth.inv_mass[i], cloth.inv_mass[j], cloth.inv_mass[k]);
+    const Eigen::Matrix3d matrix =
+        Eigen::Matrix3d::Identity() + 4 * c.stiffness * squared_derivatives(q, w);
     const Vector3 change = matrix.inverse() * (c.stiffness * (c.target - q) - c.lambda);
     c.lambda += change;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::RowVector3d pull =
-          2 * change[static_cast<Eigen::Index>(k)] * edges[k].transpose();
-      const int a = c.corners[k], b = c.corners[(k + 1) % 3];
+    std::array<Eigen::RowVector3d, 3> pulls;
+    for (std::size_t e = 0; e < 3; ++e) {
+      pulls[e] = 2 * change[static_cast<Eigen::Index>(e)] *
+                 (positions.row(c.corners[(e + 1) % 3]) - positions.row(c.corners[e]));
+    }
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Eigen::RowVector3d& pull = pulls[e];
+      const int a = c.corners[e], b = c.corners[(e + 1) % 3];
       positions.row(a) -= cloth.inv_mass[a] * pull;
       positions.row(b) += cloth.inv_mass[b] * pull;
       react(cloth, a, -pull);

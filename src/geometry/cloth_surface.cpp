@@ -9,7 +9,6 @@
 #include "clothsim/geometry/box_tree.h"
 #include "clothsim/geometry/closest_points.h"
 #include "clothsim/geometry/intersections.h"
-#include "clothsim/geometry/surface_mesh.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/cloth.h"
 

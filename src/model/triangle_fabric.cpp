@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/point_colours.h"
 
 namespace clothsim {
 namespace {
@@ -65,9 +66,9 @@ TriangleFabric::Triangle membrane(const std::array<Flat, 3>& flat, const Materia
 /// The point across an edge of a triangle, laid into its plane.
 struct Across {
   std::size_t edge;
-  int point;  // of the cloth
-  Flat place;
-  Vector3 shares;  // barycentric coordinates of `place`
+  int point;       // of the cloth
+  double height;   // of its place over the edge [m]
+  Vector3 shares;  // barycentric coordinates of its place
 };
 
 Flat outward_normal(const std::array<Flat, 3>& x, std::size_t k) {
@@ -133,12 +134,12 @@ class Bends {
       const Flat side = there[b] - there[a], to = there[far] - there[a];
       const double share = side.dot(to) / side.squaredNorm();
       const double height = std::abs(cross(side, to)) / side.norm();
-      Across found{k, others[far], {}, {}};
-      found.place = flat[k] + share * edge(flat, k) + height * outward_normal(flat, k);
+      Across found{k, others[far], height, {}};
+      const Flat place = flat[k] + share * edge(flat, k) + height * outward_normal(flat, k);
       const double whole = cross(flat[1] - flat[0], flat[2] - flat[0]);
       for (std::size_t i = 0; i < 3; ++i) {
         found.shares[static_cast<Eigen::Index>(i)] =
-            cross(flat[(i + 1) % 3] - found.place, flat[(i + 2) % 3] - found.place) / whole;
+            cross(flat[(i + 1) % 3] - place, flat[(i + 2) % 3] - place) / whole;
       }
       all.push_back(found);
     }
@@ -153,8 +154,7 @@ class Bends {
     Eigen::Index n = 0;
     for (const Across& a : neighbours) {
       const Flat normal = outward_normal(flat, a.edge);
-      const double height = normal.dot(a.place - flat[a.edge]);
-      const double share = edge(flat, a.edge).norm() / (2 * area_of(flat) * height);
+      const double share = edge(flat, a.edge).norm() / (2 * area_of(flat) * a.height);
       columns.col(n++) << share * normal.x() * normal.x(), share * normal.y() * normal.y(),
           share * normal.x() * normal.y();
     }
@@ -167,25 +167,11 @@ class Bends {
   std::array<double, 3> stiffness_{};
 };
 
-/// Edges in batches that share no point, each edge with the first batch that its points lack.
-/// Returns the batch of each edge; sorts `edges` by it.
+/// Sorts edges into batches that share no point. Returns the batch of each edge.
 std::vector<int> sort_into_batches(int points, std::vector<MeshEdge>& edges) {
-  std::vector<std::vector<bool>> taken(static_cast<std::size_t>(points));
+  PointColours colours(points);
   std::vector<std::pair<std::size_t, MeshEdge>> sorted;
-  for (const MeshEdge& edge : edges) {
-    std::size_t batch = 0;
-    const auto has = [&](int point) {
-      const std::vector<bool>& of_point = taken[static_cast<std::size_t>(point)];
-      return batch < of_point.size() && of_point[batch];
-    };
-    while (has(edge.points[0]) || has(edge.points[1])) ++batch;
-    for (const int point : edge.points) {
-      std::vector<bool>& of_point = taken[static_cast<std::size_t>(point)];
-      if (of_point.size() <= batch) of_point.resize(batch + 1, false);
-      of_point[batch] = true;
-    }
-    sorted.emplace_back(batch, edge);
-  }
+  for (const MeshEdge& edge : edges) sorted.emplace_back(colours.next(edge.points), edge);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<int> batches;

@@ -32,7 +32,7 @@ std::string text(const MeshShape& mesh) {
                text(mesh.padding), mesh.file->solid.is_sheet() ? "sheet" : "solid"});
 }
 
-/// Of all numbers of a mesh.
+/// Hash of all numbers of a mesh.
 std::size_t hash_of(const ClothMesh& mesh) {
   const auto bytes = [](const auto& list) {
     return std::string_view(reinterpret_cast<const char*>(list.data()),

@@ -1,6 +1,7 @@
 // The budget of a frame: a state that was set may be arbitrary, and no frame may hang.
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulator_impl.h"
 
@@ -24,7 +25,9 @@ void Simulator::Impl::allow_work(double dt) {
 
 double Simulator::Impl::min_substeps(double dt) const {
   if (scene.simulation.substeps) return *scene.simulation.substeps;
-  const double for_springs = dt * method->omega_max / method->stability_limit();
+  double omega = method->omega_max;
+  if (!std::isfinite(omega)) omega = omega_max_bound(cloth, state.positions);
+  const double for_springs = dt * omega / method->stability_limit();
   return std::clamp<double>(for_springs, method->choice.min_substeps, max_substeps);
 }
 

@@ -177,8 +177,7 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
   const double limit = method->stability_limit();
-  const bool is_bound = !cloth.is_mesh();                       // a mesh may be stretched beyond it
-  if (is_bound && h * method->omega_max < limit) return false;  // by far the cheaper bound
+  if (h * method->omega_max < limit) return false;  // by far the cheaper bound
   return h * omega_max_bound(cloth, state.positions) > limit;
 }
 

@@ -54,7 +54,7 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
 
   // The springs, by the cheap bound first.
   const double enough = steps * spring_margin * stability_limit / dt;  // for frequencies up to this
-  if (omega_max > enough || cloth.is_mesh()) {
+  if (omega_max > enough) {
     const double omega = omega_max_bound(cloth, positions, enough, workers);
     if (omega > enough) steps = dt * omega / (spring_margin * stability_limit);
   }

@@ -242,11 +242,11 @@ TEST(TriangleFabric, FrequenciesAreBelowTheirBound) {
   }
 }
 
-TEST(TriangleFabric, StretchedMeshesAreBelowTheBoundOfTheirLimit) {
-  Material m = material();
-  m.strain_limit = 0.1;
-  const Cloth cloth = sheet(m);
-  EXPECT_LE(omega_max_bound(cloth, 1.1 * cloth.rest_positions), omega_max_bound(cloth) * 1.0001);
+TEST(TriangleFabric, HasNoBoundOfFrequenciesAtAnyStretch) {
+  const Cloth cloth = sheet();
+  EXPECT_GT(omega_max_bound(cloth, 3 * cloth.rest_positions),
+            3 * omega_max_bound(cloth, cloth.rest_positions));
+  EXPECT_TRUE(std::isinf(omega_max_bound(cloth)));
 }
 
 TEST(TriangleFabric, XpbdConvergesToImplicitEuler) {

@@ -26,7 +26,7 @@ double omega_max_bound(const Cloth&, const Points& positions, double min_omega =
                        const Workers& = {});
 
 /// The same at any positions, by the scalar form: on a grid up to 48 % above it, and far cheaper.
-/// For a mesh, whose stiffness grows with its stretch: with all edges at the strain limit.
+/// Infinite for a mesh, whose stiffness grows with its stretch.
 double omega_max_bound(const Cloth&);
 
 }  // namespace clothsim

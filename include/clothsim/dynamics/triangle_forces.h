@@ -29,13 +29,15 @@ Vector3 triangle_pulls(const Cloth&, std::size_t triangle, const Points& positio
 /// Tension of each edge of a mesh [N], in the order of cloth.springs.
 std::vector<double> edge_tensions(const Cloth&, const Points& positions, const Points* velocities);
 
+/// J^T w J of a triangle with squared edges q [m^2]: J are half the derivatives of q by the
+/// displacements of the corners, `w` is a weight of each corner.
+Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w);
+
 /// Bound on the membrane's highest frequency [rad/s], at least `min_omega`: the largest of the
 /// triangles, each alone with a part of its points' masses (Irons & Treharne 1971, "A bound theorem
 /// in eigenvalues and its practical applications"): a point divides its mass among its triangles in
 /// proportion to their stiffness. Pins do not move. On the sheets of
 /// test/unit/triangle_fabric_test.cpp up to 1.4 times the exact one.
 double membrane_bound(const Cloth&, const Points& positions, double min_omega);
-/// The same where all edges are stretched alike, l / L - 1.
-double membrane_bound_at(const Cloth&, double stretch);
 
 }  // namespace clothsim
