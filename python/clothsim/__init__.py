@@ -11,7 +11,7 @@ The messages of the node, `clothsim.msg` and `clothsim.srv`, are in this package
 import importlib
 
 _MODULES = {
-    "_core": ("Batch", "Body", "Diverged", "InvalidValue", "Robot", "SavedState", "Scene", "Simulator",
+    "_core": ("Batch", "Body", "Cloth", "Diverged", "InvalidValue", "Robot", "SavedState", "Scene", "Simulator",
               "StepReport", "__version__"),
     "_render": ("View",),
 }

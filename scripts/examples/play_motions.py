@@ -104,34 +104,42 @@ class Player:
             self.held.setdefault(event["attach"], []).append(event["body"])
             yield call("attach_body", AttachBody, event["body"], event["attach"])
         elif "attach" in event:
-            yield call("attach", Attach, event["attach"], numbers(event.get("points", [])), event.get("radius", 0),
+            yield call("attach", Attach, event["attach"], numbers(event), event.get("radius", 0),
                        event.get("tear_force", 0), event.get("strength", 0))
         else:
             bodies = [] if "points" in event else self.held.pop(event["detach"], [])
             for body in bodies:
                 yield call("detach_body", DetachBody, body)
             if not bodies:
-                yield call("detach", Detach, event["detach"], numbers(event.get("points", [])))
+                yield call("detach", Detach, event["detach"], numbers(event))
 
 
-def numbers(points):
-    """The numbers of points that a scene names by number, as [column, row] or by their place at the start."""
-    if all(isinstance(point, int) for point in points):
+def numbers(event):
+    """The numbers of an event's points, which a scene names by number, as [column, row] or by their place at the
+    start, of all points or of the cloth that the event names."""
+    points = event.get("points", [])
+    if "cloth" not in event and all(isinstance(point, int) for point in points):
         return points
     cloth = rospy.wait_for_message("clothsim/topology", ClothTopology)
     rest, uv = np.reshape(cloth.rest_positions, (-1, 3)), np.reshape(cloth.uv, (-1, 2))
+    first, columns = 0, cloth.columns
+    if "cloth" in event:
+        index = cloth.cloths.index(event["cloth"])
+        first, columns = cloth.first_points[index], cloth.cloth_columns[index]
+        end = [*cloth.first_points, len(rest)][index + 1]
+        rest, uv = rest[first:end], uv[first:end]
     found = []
     for point in points:
         if isinstance(point, int):
             found.append(point)
         elif isinstance(point, list):
-            found.append(point[1] * cloth.columns + point[0])
+            found.append(point[1] * columns + point[0])
         elif "within" in point:
             found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"] + 1e-6))
         else:
             away = rest - point["near"] if "near" in point else uv - point["uv"]
             found.append(np.linalg.norm(away, axis=1).argmin())
-    return found
+    return [first + point for point in found]
 
 
 def call(name, service_type, *arguments):

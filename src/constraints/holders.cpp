@@ -60,7 +60,7 @@ bool is_at(const Vector3& x, const Vector3& place) {
 
 void Holders::hold(const std::vector<Hold>& holds,
                    const std::vector<std::optional<double>>& strengths, const Cloth& cloth,
-                   double weight, const Points& positions) {
+                   const Scalars& weights, const Points& positions) {
   const std::vector<Point> last = std::move(points_);
   points_.clear();
   for (const Hold& h : holds) {
@@ -83,11 +83,10 @@ void Holders::hold(const std::vector<Hold>& holds,
   }
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
   list_springs(cloth);
-  std::vector<double> usual(strengths.size(), borne_weights * weight);
+  Scalars usual = borne_weights * weights;
   const double stretch = cloth.strain_limit.value_or(usual_stretch);
   const auto add_usual = [&](std::size_t point, double stiffness, double rest_length) {
-    usual[static_cast<std::size_t>(points_[point].hold.holder)] +=
-        stiffness * stretch * rest_length;
+    usual[points_[point].hold.holder] += stiffness * stretch * rest_length;
   };
   for (const Spring& s : springs_) add_usual(s.point, s.stiffness, s.rest_length);
   if (cloth.is_mesh()) {
@@ -104,7 +103,7 @@ void Holders::hold(const std::vector<Hold>& holds,
   }
   strengths_.clear();
   for (std::size_t k = 0; k < strengths.size(); ++k) {
-    strengths_.push_back(strengths[k].value_or(usual[k]));
+    strengths_.push_back(strengths[k].value_or(usual[static_cast<Eigen::Index>(k)]));
   }
   count_slipping();
 }

@@ -102,10 +102,52 @@ void check_shear(const ClothSpec& spec) {
   }
 }
 
+template <typename Value>
+void take(const Value& before, const Value& after, Value& to) {
+  if (before != after) to = after;
+}
+
+template <typename Value, std::size_t size>
+void take(const std::array<Value, size>& before, const std::array<Value, size>& after,
+          std::array<Value, size>& to) {
+  for (std::size_t i = 0; i < size; ++i) take(before[i], after[i], to[i]);
+}
+
 }  // namespace
+
+void take_changes(const Material& before, const Material& after, Material& to) {
+  take(before.ks, after.ks, to.ks);
+  take(before.density, after.density, to.density);
+  take(before.damping, after.damping, to.damping);
+  take(before.drag, after.drag, to.drag);
+  take(before.strain_limit, after.strain_limit, to.strain_limit);
+  take(before.springs, after.springs, to.springs);
+  if (!before.fabric || !after.fabric || !to.fabric) {
+    if (before.fabric.has_value() != after.fabric.has_value()) to.fabric = after.fabric;
+    return;
+  }
+  take(before.fabric->stretch_stiffness, after.fabric->stretch_stiffness,
+       to.fabric->stretch_stiffness);
+  take(before.fabric->shear_stiffness, after.fabric->shear_stiffness, to.fabric->shear_stiffness);
+  take(before.fabric->bending_stiffness, after.fabric->bending_stiffness,
+       to.fabric->bending_stiffness);
+  take(before.fabric->internal_damping, after.fabric->internal_damping,
+       to.fabric->internal_damping);
+}
 
 std::string grid_point_text(int column, int row) {
   return '[' + std::to_string(column) + ", " + std::to_string(row) + ']';
+}
+
+std::string point_text(const ClothSpec& spec, int column, int row) {
+  for (const ClothPart& part : spec.parts) {
+    const int own = column - part.first_point;
+    if (own < 0 || own >= part.num_points()) continue;
+    return part.name + ' ' +
+           (part.is_grid ? grid_point_text(own % part.columns, own / part.columns)
+                         : std::to_string(own));
+  }
+  return spec.mesh ? std::to_string(column) : grid_point_text(column, row);
 }
 
 void check_grid_point(const ClothSpec& spec, int column, int row) {
@@ -153,6 +195,7 @@ void validate(const ClothSpec& spec) {
     if (!spec.material.fabric) {
       throw InvalidValue({"fabric"}, "none", "a fabric, which a mesh needs");
     }
+    for (const ClothPart& part : spec.parts) validate(part.material);
     return;
   }
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {

@@ -182,14 +182,20 @@ State start_state(const ClothSpec& spec, const Cloth& cloth, std::uint64_t seed)
   State state;
   state.positions = cloth.rest_positions;
   state.velocities = Points::Zero(cloth.num_points(), 3);
-  if (spec.orientation == Orientation::vertical && !cloth.is_mesh()) {
-    // The standard fixes the bits of the engine but not those of a distribution: scale them here.
-    std::mt19937_64 engine(seed);
+  // The standard fixes the bits of the engine but not those of a distribution: scale them here.
+  std::mt19937_64 engine(seed);
+  const auto unevenly = [&](int begin, int end) {
     const double most = unevenness(cloth);
-    for (int i = 0; i < cloth.num_points(); ++i) {
+    for (int i = begin; i < end; ++i) {
       const double unit = static_cast<double>(engine() >> 11) * 0x1p-53;  // [0, 1)
       state.positions(i, 1) += most * (2 * unit - 1);
     }
+  };
+  if (spec.orientation == Orientation::vertical && !cloth.is_mesh()) {
+    unevenly(0, cloth.num_points());
+  }
+  for (const ClothPart& part : spec.parts) {
+    if (part.is_vertical) unevenly(part.first_point, part.first_point + part.num_points());
   }
   return state;
 }

@@ -79,21 +79,20 @@ Flat outward_normal(const std::array<Flat, 3>& x, std::size_t k) {
 
 class Bends {
  public:
-  Bends(const ClothMesh& mesh, const Material& material, const std::vector<MeshEdge>& edges,
-        TriangleFabric& fabric)
-      : mesh_(mesh), edges_(edges), fabric_(fabric) {
-    const auto& [warp, weft] = material.fabric->bending_stiffness;
-    stiffness_ = {warp, weft, 2 * std::sqrt(warp * weft)};
-  }
+  Bends(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, TriangleFabric& fabric)
+      : mesh_(mesh), edges_(edges), fabric_(fabric) {}
 
-  void add(int t) const {
+  void add(int t, const Material& material) const {
+    if (!material.springs[static_cast<std::size_t>(SpringFamily::bending)]) return;
+    const auto& [warp, weft] = material.fabric->bending_stiffness;
+    const std::array<double, 3> by_area{warp, weft, 2 * std::sqrt(warp * weft)};
     const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
     const std::vector<Across> neighbours = across(t);
     if (neighbours.empty()) return;
     const Eigen::Matrix3d curvatures = by_kinks(flat, neighbours);
     const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
     for (Eigen::Index c = 0; c < 3; ++c) {
-      const double stiffness = area_of(flat) * stiffness_[static_cast<std::size_t>(c)];
+      const double stiffness = area_of(flat) * by_area[static_cast<std::size_t>(c)];
       if (stiffness == 0) continue;
       PatchBend bend{{}, {}, stiffness};
       bend.points.fill(corners[0]);
@@ -164,8 +163,16 @@ class Bends {
   const ClothMesh& mesh_;
   const std::vector<MeshEdge>& edges_;
   TriangleFabric& fabric_;
-  std::array<double, 3> stiffness_{};
 };
+
+/// The material of each triangle.
+std::vector<const Material*> materials(const ClothSpec& spec) {
+  std::vector<const Material*> all(spec.mesh->triangles.size(), &spec.material);
+  for (const ClothPart& part : spec.parts) {
+    std::fill_n(all.begin() + part.first_triangle, part.triangles, &part.material);
+  }
+  return all;
+}
 
 /// Sorts edges into batches that share no point. Returns the batch of each edge.
 std::vector<int> sort_into_batches(int points, std::vector<MeshEdge>& edges) {
@@ -269,19 +276,18 @@ void add_springs(const TriangleFabric& fabric, const std::vector<int>& batches, 
 void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   const ClothMesh& mesh = *spec.mesh;
   const auto n = static_cast<int>(mesh.positions.rows());
+  const std::vector<const Material*> material = materials(spec);
   auto fabric = std::make_shared<TriangleFabric>();
   cloth.mass.setZero(n);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    fabric->triangles.push_back(membrane(mesh.flat[t], spec.material));
+    fabric->triangles.push_back(membrane(mesh.flat[t], *material[t]));
     for (const int i : mesh.triangles[t]) cloth.mass[i] += fabric->triangles[t].mass;
   }
   std::vector<MeshEdge> edges = mesh_edges(mesh.triangles);
   const std::vector<int> batches = sort_into_batches(n, edges);
   connect(mesh, edges, *fabric);
-  if (spec.material.springs[static_cast<std::size_t>(SpringFamily::bending)]) {
-    const Bends bends(mesh, spec.material, edges, *fabric);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) bends.add(static_cast<int>(t));
-  }
+  const Bends bends(mesh, edges, *fabric);
+  for (std::size_t t = 0; t < material.size(); ++t) bends.add(static_cast<int>(t), *material[t]);
   add_pairs(*fabric);
   add_links(n, *fabric);
   add_springs(*fabric, batches, cloth);

@@ -106,7 +106,7 @@ void serialize(Archive& archive, clothsim::SimulationSpec& spec) {
 template <class Archive>
 void serialize(Archive& archive, clothsim::LiveSpec& live) {
   archive(live.material, live.thickness, live.self_collision, live.friction, live.collider_friction,
-          live.simulation);
+          live.simulation, live.cloths);
 }
 
 template <class Archive>

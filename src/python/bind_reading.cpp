@@ -3,6 +3,7 @@
 #include <array>
 
 #include "bindings.h"
+#include "cloths.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/run/touches.h"
 
@@ -95,7 +96,8 @@ void bind_render(SimulationClass& simulator) {
       "render", &render, py::arg("view") = py::none(), py::arg("images") = py::none(),
       "A picture of the present state, without a display. `view`: a View, or its source. Returns "
       "colour [H, W, 3] uint8 sRGB; depth [H, W] float32 [m] along the optical axis, inf where "
-      "nothing is; mask [H, W] uint8: 0 nothing, 1 cloth, 2 the first collider and so on. With "
+      "nothing is; mask [H, W] uint8: 0 nothing, 1 the cloth, or the first of several, 2 the first "
+      "collider and so on, then the second of several cloths and so on. With "
       "`images`, a list of names or 'all', a dict of these: 'color', 'depth', 'mask'; 'uv' [H, W, "
       "2] of the cloth, NaN elsewhere; 'normals' [H, W, 3] in the optical frame; 'flow' [H, W, 2], "
       "pixels to the right and down that a surface has moved since the last picture with flow of "
@@ -120,6 +122,8 @@ void bind_reading(SimulationClass& simulator) {
           "[m]; 'mass' [N] [kg]; 'pinned', indices; 'springs' [S, 2], points that each joins, with "
           "'families' [S] (0 structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' "
           "[S] [N/m]. Copies.")
+      .def_property_readonly("cloths", &cloths_of,
+                             "The Cloths of a scene with several, by name; empty where it has one.")
       .def_property_readonly(
           "contacts", &contacts,
           "Where the cloth lies on each collider, by name: {'count': points, and triangles that "

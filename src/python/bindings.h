@@ -16,6 +16,7 @@ void bind_scene(py::module_&);
 void bind_reports(py::module_&);
 void bind_batch(py::module_&);
 void bind_bodies(py::module_&);
+void bind_cloths(py::module_&);
 void bind_robots(py::module_&);
 
 // Methods of clothsim.Simulator.

@@ -31,6 +31,7 @@ PYBIND11_MODULE(_core, module) {
   bind_saved_state(module);
   bind_robots(module);
   bind_bodies(module);
+  bind_cloths(module);
   bind_simulator(module);
   bind_batch(module);
   for (const auto& item : module.attr("__dict__").cast<py::dict>()) {

@@ -82,7 +82,11 @@ void GpuMesh::upload_surface(const Points& positions, const Points& normals,
          GL_STREAM_DRAW);
 }
 
-void GpuMesh::draw_triangles() const { draw_triangles(triangles_, 0, num_triangles_); }
+void GpuMesh::draw_triangles() const { draw_triangles(0, num_triangles_); }
+
+void GpuMesh::draw_triangles(int first, int count) const {
+  draw_triangles(triangles_, first, count);
+}
 
 void GpuMesh::draw_triangles(const Buffer& indices, int first, int count) const {
   glBindVertexArray(array_.id());

@@ -93,6 +93,13 @@ DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
   item.lines = lines_;
   item.shading = &snapshot.cloth_shading;
   item.id = cloth_id;
+  const std::vector<int>& firsts = cloth_->first_triangles;
+  for (std::size_t i = 0; i < firsts.size(); ++i) {
+    const bool last = i + 1 == firsts.size();
+    const int end = last ? static_cast<int>(cloth_->triangles.size()) : firsts[i + 1];
+    const std::size_t further = i == 0 ? 0 : snapshot.colliders.size() + i;
+    item.ids.push_back({firsts[i], end - firsts[i], cloth_id + static_cast<int>(further)});
+  }
   item.rotation.setIdentity();
   item.translation = anchor_ - eye;
   if (anchor_before_) item.before = {Eigen::Matrix3d::Identity(), *anchor_before_};

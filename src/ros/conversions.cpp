@@ -89,6 +89,7 @@ clothsim::State to_state(const clothsim::WholeState& msg) {
 }
 
 clothsim::ClothTopology to_topology_msg(const clothsim::Cloth& cloth,
+                                        const std::vector<clothsim::ClothPart>& parts,
                                         const std_msgs::Header& header, unsigned topology_seq) {
   clothsim::ClothTopology msg;
   msg.header = header;
@@ -112,6 +113,11 @@ clothsim::ClothTopology to_topology_msg(const clothsim::Cloth& cloth,
   msg.uv = flatten<FlatUv>(cloth.uv);
   msg.rest_positions = flatten<FlatXyz>(cloth.rest_positions);
   msg.pinned.assign(cloth.pinned.begin(), cloth.pinned.end());
+  for (const clothsim::ClothPart& part : parts) {
+    msg.cloths.push_back(part.name);
+    msg.first_points.push_back(static_cast<std::uint32_t>(part.first_point));
+    msg.cloth_columns.push_back(static_cast<std::uint32_t>(part.columns));
+  }
   return msg;
 }
 

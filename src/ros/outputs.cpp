@@ -96,7 +96,8 @@ visualization_msgs::MarkerArray Outputs::anew(const MarkerTopic& topic) const {
 
 void Outputs::publish_topology() {
   topology_seq_ = simulator_.topology_seq();
-  topology_publisher_.publish(to_topology_msg(simulator_.cloth(), header_, topology_seq_));
+  topology_publisher_.publish(
+      to_topology_msg(simulator_.cloth(), simulator_.scene().cloth.parts, header_, topology_seq_));
 }
 
 void Outputs::publish(const ros::Time& stamp, std::uint64_t step) {

@@ -139,7 +139,9 @@ void doubt_start(const Scene& scene, Lines& lines) {
                          " triangles";
     lines.push_back(which + " of the cloth start in collider " + collider.name +
                     "; did you mean another " +
-                    (scene.cloth.mesh ? "cloth.mesh.pose?" : "cloth.origin?"));
+                    (!scene.cloth.parts.empty() ? "place in cloths?"
+                     : scene.cloth.mesh         ? "cloth.mesh.pose?"
+                                                : "cloth.origin?"));
   }
 }
 

@@ -62,6 +62,9 @@ void add(const ClothSpec& cloth, Lines& lines) {
                                 std::to_string(cloth.columns) + " points, " +
                                 std::to_string(hash_of(*cloth.mesh)));
   }
+  for (const ClothPart& part : cloth.parts) {
+    lines.add("cloths", part.name + ' ' + grid_point_text(part.columns, part.rows));
+  }
   lines.add("cloth.columns", std::to_string(cloth.columns));
   lines.add("cloth.rows", std::to_string(cloth.rows));
   lines.add("cloth.width", text(cloth.width));

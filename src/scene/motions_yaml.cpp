@@ -1,3 +1,5 @@
+#include <map>
+#include <string>
 #include <utility>
 
 #include "clothsim/model/checks.h"
@@ -97,15 +99,44 @@ std::vector<Kind> kinds() {
           {"set", ChangeValues(), read_set}};
 }
 
-MotionEntry read_entry(const YAML::Node& node, PointReader& points) {
+/// Readers of the points of all cloths, and of each of several by its name.
+class PointReaders {
+ public:
+  explicit PointReaders(const ClothSpec& cloth) : all_(cloth) {
+    for (const ClothPart& part : cloth.parts) named_.emplace(part.name, PointReader(cloth, &part));
+  }
+
+  /// The reader for an entry: that of the cloth which its key `cloth` names.
+  PointReader& of(const YAML::Node& entry) {
+    if (!entry["cloth"].IsDefined()) return all_;
+    std::string name;
+    inside("cloth", [&] { into(name)(entry["cloth"]); });
+    const auto found = named_.find(name);
+    if (found != named_.end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& [known, reader] : named_) names.push_back(known);
+    throw InvalidValue(
+        {"cloth"}, '"' + name + '"',
+        names.empty() ? "no such key, as the scene has one cloth" : "one of " + join(names));
+  }
+
+ private:
+  PointReader all_;
+  std::map<std::string, PointReader> named_;
+};
+
+MotionEntry read_entry(const YAML::Node& node, PointReaders& readers) {
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
   std::vector<std::string> known;
   for (Kind& kind : kinds()) {
     known.push_back(kind.key);
     if (!node[kind.key].IsDefined()) continue;
     MotionEntry entry{0, std::move(kind.action)};
+    const bool has_points = kind.key == "attach" || kind.key == "detach";
+    PointReader& points = has_points ? readers.of(node) : readers.of({});
     std::vector<Field> all =
         std::visit([&](auto& action) { return fields(action, points); }, entry.action);
+    if (has_points) all.push_back({"cloth", [](const YAML::Node&) {}});  // read first
     all.push_back({kind.key, [&](const YAML::Node& value) { kind.read(value, entry.action); }});
     if (kind.key != "file") all.push_back({"time", into(entry.time)});
     read_map(node, all);
@@ -123,9 +154,9 @@ MotionEntry read_entry(const YAML::Node& node, PointReader& points) {
 }  // namespace
 
 std::vector<MotionEntry> read_motions(const YAML::Node& node, const ClothSpec& cloth) {
-  PointReader points(cloth);
+  PointReaders readers(cloth);
   std::vector<MotionEntry> motions;
-  read_list(node, [&](const YAML::Node& item) { motions.push_back(read_entry(item, points)); });
+  read_list(node, [&](const YAML::Node& item) { motions.push_back(read_entry(item, readers)); });
   return motions;
 }
 

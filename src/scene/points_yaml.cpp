@@ -42,30 +42,44 @@ std::vector<Field> fields(PointPlace& place) {
           {"uv", read_uv}};
 }
 
+PointReader::PointReader(const ClothSpec& spec, const ClothPart* part)
+    : spec_(spec), first_(part ? part->first_point : 0) {
+  named_.columns = part ? part->columns : spec.columns;
+  named_.rows = part ? part->rows : spec.rows;
+  if (!part || !part->is_grid) named_.mesh = spec.mesh;
+}
+
 std::vector<std::array<int, 2>> PointReader::read(const YAML::Node& node) {
   if (node.IsMap()) {
     PointPlace place;
     read_map(node, fields(place));
     return find(place);
   }
-  if (spec_.mesh) {
+  if (named_.mesh) {
     const int point = read_int(node, ways_to_name_on_mesh);
-    check_grid_point(spec_, point, 0);
+    check_grid_point(named_, point, 0);
     return {{{point, 0}}};
   }
   if (!node.IsSequence() || node.size() != 2) throw InvalidValue({}, describe(node), ways_to_name);
   std::array<int, 2> point{};
   std::size_t k = 0;
   read_list(node, [&](const YAML::Node& item) { point[k++] = read_int(item); });
-  check_grid_point(spec_, point[0], point[1]);
+  check_grid_point(named_, point[0], point[1]);
   return {point};
 }
 
 std::vector<int> PointReader::read_indices(const YAML::Node& node) {
-  if (node.IsScalar()) return {read_int(node)};
+  if (node.IsScalar()) {
+    const int number = read_int(node), count = named_.columns * named_.rows;
+    if (number < 0 || number >= count) {
+      throw InvalidValue({}, std::to_string(number),
+                         "a point of the cloth, from 0 to " + std::to_string(count - 1));
+    }
+    return {first_ + number};
+  }
   std::vector<int> indices;
   for (const auto& [column, row] : read(node)) {
-    indices.push_back(row * spec_.columns + column);
+    indices.push_back(first_ + row * named_.columns + column);
   }
   return indices;
 }
@@ -83,22 +97,29 @@ std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
   const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value();
   if (ways != 1 || place.within.has_value() != place.of.has_value()) {
     throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two",
-                       spec_.mesh ? ways_to_name_on_mesh : ways_to_name);
+                       named_.mesh ? ways_to_name_on_mesh : ways_to_name);
   }
   std::vector<int> found;
-  if (place.near) found = {nearest_row(cloth().rest_positions.rowwise() - place.near->transpose())};
-  if (place.uv) found = {nearest_row(cloth().uv.rowwise() - place.uv->transpose())};
+  const auto own = [&](const auto& of_points) {
+    return of_points.middleRows(first_, named_.columns * named_.rows);
+  };
+  if (place.near) {
+    found = {nearest_row(own(cloth().rest_positions).rowwise() - place.near->transpose())};
+  }
+  if (place.uv) found = {nearest_row(own(cloth().uv).rowwise() - place.uv->transpose())};
   if (place.of) found = within(*place.within, *place.of);
   std::vector<std::array<int, 2>> points;
-  for (const int i : found) points.push_back({i % spec_.columns, i / spec_.columns});
+  for (const int i : found) points.push_back({i % named_.columns, i / named_.columns});
   return points;
 }
 
 std::vector<int> PointReader::within(double radius, const Vector3& center) {
   std::vector<int> found;
   const Points& points = cloth().rest_positions;
-  for (int i = 0; i < static_cast<int>(points.rows()); ++i) {
-    if ((points.row(i) - center.transpose()).norm() <= radius + rounding) found.push_back(i);
+  for (int i = 0; i < named_.columns * named_.rows; ++i) {
+    if ((points.row(first_ + i) - center.transpose()).norm() <= radius + rounding) {
+      found.push_back(i);
+    }
   }
   if (found.empty()) {
     throw InvalidValue({"within"}, to_text(radius), "a distance with points of the cloth");

@@ -176,8 +176,14 @@ void validate_motions(const Scene& scene) {
 
 LiveSpec live_values(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;
-  LiveSpec live{cloth.material,  cloth.thickness, cloth.self_collision, cloth.friction, {},
-                scene.simulation};
+  LiveSpec live{cloth.material,
+                cloth.thickness,
+                cloth.self_collision,
+                cloth.friction,
+                {},
+                scene.simulation,
+                {}};
+  for (const ClothPart& part : cloth.parts) live.cloths.push_back(part.material);
   for (const ColliderSpec& collider : scene.colliders) {
     live.collider_friction[collider.name] = collider.friction;
   }
@@ -186,6 +192,7 @@ LiveSpec live_values(const Scene& scene) {
 
 void validate(const LiveSpec& live) {
   validate(live.material);
+  for (const Material& material : live.cloths) validate(material);
   validate_contact(live.thickness, live.friction);
   inside("collider_friction", [&] {
     for (const auto& [name, friction] : live.collider_friction) {
@@ -244,12 +251,18 @@ void validate(const SimulationSpec& spec) {
 }
 
 void validate(const Scene& scene) {
-  inside("cloth", [&] { validate(scene.cloth); });
+  const std::string cloth = scene.cloth.parts.empty() ? "cloth" : "cloths";
+  inside(cloth, [&] { validate(scene.cloth); });
   inside("colliders", [&] {
     validate(scene.colliders);
     check_parts(scene.colliders);
   });
-  inside("cloth", [&] { inside("attached", [&] { check_attached(scene); }); });
+  if (scene.cloth.parts.size() + scene.colliders.size() > max_colliders + 1) {
+    throw InvalidValue({cloth}, std::to_string(scene.cloth.parts.size()) + " cloths",
+                       "at most " + std::to_string(max_colliders + 1 - scene.colliders.size()) +
+                           ", with the colliders of the scene");
+  }
+  inside(cloth, [&] { inside("attached", [&] { check_attached(scene); }); });
   inside("simulation", [&] { validate(scene.simulation); });
   inside("motions", [&] { validate_motions(scene); });
 }

@@ -4,10 +4,9 @@
 #include <utility>
 
 #include "clothsim/model/checks.h"
-#include "clothsim/scene/cloth_mesh_yaml.h"
+#include "clothsim/scene/cloth_yaml.h"
 #include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/fabric_yaml.h"
-#include "clothsim/scene/points_yaml.h"
 #include "clothsim/scene/yaml_values.h"
 
 // Each map of a scene is one list of fields: the keys it may have, and the targets of their values.
@@ -16,124 +15,7 @@
 namespace clothsim {
 namespace {
 
-/// true, false, or a name of self_collision_names.
-void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
-  if (is_word(node, "points")) {
-    self_collision = SelfCollision::points;
-  } else if (is_word(node, "surface")) {
-    self_collision = SelfCollision::surface;
-  } else if (is_word(node, "automatic")) {  // as in live values of the node
-    self_collision = SelfCollision::automatic;
-  } else {
-    self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic
-                                                                         : SelfCollision::off;
-  }
-}
-
-void append(std::vector<Field> more, std::vector<Field>& fields) {
-  for (Field& field : more) fields.push_back(std::move(field));
-}
-
-/// A point, or a map with points and the tf frame that moves them.
-void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pins) {
-  Pin pin;
-  PointPlace place;
-  std::vector<std::array<int, 2>> points;
-  const auto read_point = [&](const YAML::Node& point) {
-    if (point.IsMap()) throw InvalidValue({}, describe(point), "[column, row]");
-    points = reader.read(point);
-  };
-  if (!node.IsMap()) {
-    read_point(node);
-  } else {
-    std::vector<Field> all = fields(place);
-    append({{"point", read_point}, {"frame", into(pin.frame)}, {"strength", into(pin.strength)}},
-           all);
-    read_map(node, all);
-    if (points.empty() == place.empty()) {
-      throw InvalidValue({"point"}, points.empty() ? "nothing" : "a place, too",
-                         "[column, row], or near, within and of, or uv instead");
-    }
-    if (points.empty()) points = reader.find(place);
-  }
-  for (const auto& [column, row] : points) {
-    pin.column = column;
-    pin.row = row;
-    pins.push_back(pin);
-  }
-}
-
-BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
-  BodyPoints attached;
-  const auto read_points = [&](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) {
-      for (const auto& point : points.read(item)) attached.points.push_back(point);
-    });
-  };
-  read_map(node, {{"body", into(attached.body)},
-                  {"points", read_points},
-                  {"tear_force", into(attached.tear_force)}});
-  return attached;
-}
-
-/// Reads the pins and the points on bodies of a cloth that is known otherwise.
-void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YAML::Node>& attached,
-                 ClothSpec& cloth) {
-  if (pinned || attached) validate(cloth);
-  PointReader points(cloth);
-  const auto read_pin = [&](const YAML::Node& item) { read_pins(item, points, cloth.pinned); };
-  const auto read_body = [&](const YAML::Node& item) {
-    cloth.attached.push_back(read_attached(item, points));
-  };
-  if (pinned) inside("pinned", [&] { read_list(*pinned, read_pin); });
-  if (attached) inside("attached", [&] { read_list(*attached, read_body); });
-}
-
-/// Throws InvalidValue where a cloth with a mesh has a key of grids.
-void check_no_grid(const YAML::Node& node) {
-  if (!node.IsMap() || !node["mesh"]) return;
-  for (const char* key : {"width", "height", "columns", "rows", "orientation", "origin"}) {
-    if (node[key]) {
-      throw InvalidValue({key}, describe(node[key]), "none with a mesh, which mesh.pose places");
-    }
-  }
-}
-
-ClothSpec read_cloth(const YAML::Node& node, const SceneSources& sources) {
-  check_no_grid(node);
-  ClothSpec cloth;
-  Material& material = cloth.material;
-  const auto read_orientation = [&](const YAML::Node& value) {
-    cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
-  };
-  std::optional<YAML::Node> pinned, attached;  // read when the cloth is known
-  std::vector<Field> fields = {
-      {"mesh", [&](const YAML::Node& map) { read_cloth_mesh(map, sources.folder, cloth); }},
-      {"width", into(cloth.width)},
-      {"height", into(cloth.height)},
-      {"columns", into(cloth.columns)},
-      {"rows", into(cloth.rows)},
-      {"orientation", read_orientation},
-      {"origin", into(cloth.origin)},
-      {"pinned", [&](const YAML::Node& list) { pinned = list; }},
-      {"attached", [&](const YAML::Node& list) { attached = list; }},
-      {"pin_strength", into(cloth.pin_strength)},
-      {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
-      {"ks", into(material.ks)},
-      {"untangle", into(cloth.untangle)},
-      {"fabric", [](const YAML::Node&) {}},  // read first
-      {"self_collision",
-       [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};
-  append(material_fields(cloth), fields);
-  const bool is_fabric = names_fabric(node);
-  if (is_fabric) start_fabric(node, sources.folder, cloth);
-  if (!is_fabric) material.fabric.emplace();  // so that the keys are known
-  append(fabric_fields(*material.fabric), fields);
-  read_map(node, fields);
-  if (!is_fabric) material.fabric.reset();
-  read_points(pinned, attached, cloth);
-  return cloth;
-}
+namespace fs = std::filesystem;
 
 /// A count, or auto.
 void read_substeps(const YAML::Node& node, std::optional<int>& substeps) {
@@ -255,7 +137,7 @@ ChangeValues read_change(const YAML::Node& node) {
 
 Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   Scene scene;
-  bool has_cloth = false;
+  std::string cloth;                  // the key that has given it
   std::optional<YAML::Node> motions;  // read when the cloth is known
   const auto read_colliders = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) {
@@ -265,11 +147,17 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
   const auto read_robots = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { read_robot(item, sources, scene); });
   };
-  read_map(root, {{"cloth",
-                   [&](const YAML::Node& node) {
-                     scene.cloth = read_cloth(node, sources);
-                     has_cloth = true;
-                   }},
+  const auto read_with = [&](const char* key,
+                             ClothSpec (*read)(const YAML::Node&, const fs::path&)) {
+    return [&, key, read](const YAML::Node& node) {
+      if (!cloth.empty())
+        throw InvalidValue({}, "a cloth again", "one of the keys cloth and cloths");
+      scene.cloth = read(node, sources.folder);
+      cloth = key;
+    };
+  };
+  read_map(root, {{"cloth", read_with("cloth", read_cloth)},
+                  {"cloths", read_with("cloths", read_cloths)},
                   {"colliders", read_colliders},
                   {"robots", read_robots},
                   {"simulation",
@@ -277,7 +165,7 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
                      read_simulation(node, {{"seed", into(spec.seed)}}, spec);
                    }},
                   {"motions", [&](const YAML::Node& list) { motions = list; }}});
-  if (!has_cloth) throw InvalidValue({"cloth"}, "nothing", "a map");
+  if (cloth.empty()) throw InvalidValue({"cloth"}, "nothing", "a map");
   if (motions) inside("cloth", [&] { validate(scene.cloth); });
   if (motions) inside("motions", [&] { scene.motions = read_motions(*motions, scene.cloth); });
 

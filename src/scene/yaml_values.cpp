@@ -180,6 +180,10 @@ void read_map(const YAML::Node& node, const std::vector<Field>& fields) {
   }
 }
 
+void append(std::vector<Field> more, std::vector<Field>& fields) {
+  for (Field& field : more) fields.push_back(std::move(field));
+}
+
 void read_list(const YAML::Node& node, const std::function<void(const YAML::Node&)>& read_item) {
   if (!node.IsSequence()) refuse(node, "a list");
   size_t index = 0;

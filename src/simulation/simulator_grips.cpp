@@ -1,6 +1,7 @@
 // Points of the cloth that are attached to frames, and its wrenches on frames and colliders.
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <variant>
 
@@ -17,6 +18,24 @@ constexpr Range radius_range{0, 1e6, "m"};
 /// force through the whole substep with the effect of such an impulse has a larger impulse, by this
 /// factor.
 double as_force(const Cloth& cloth, double h) { return h / Drag(cloth.damping, h).distance; }
+
+/// By holder: the mass of the cloth [kg], of several of those that it holds.
+Scalars held_masses(const std::vector<Hold>& holds, std::size_t holders,
+                    const std::vector<ClothPart>& parts, const Cloth& cloth) {
+  const auto count = static_cast<Eigen::Index>(holders);
+  if (parts.empty()) return Scalars::Constant(count, cloth.mass.sum());
+  Scalars masses = Scalars::Zero(count);
+  for (const ClothPart& part : parts) {
+    std::set<int> of_part;
+    for (const auto& [point, holder] : holds) {
+      const int own = point - part.first_point;
+      if (own >= 0 && own < part.num_points()) of_part.insert(holder);
+    }
+    const double mass = cloth.mass.segment(part.first_point, part.num_points()).sum();
+    for (const int holder : of_part) masses[holder] += mass;
+  }
+  return masses;
+}
 
 }  // namespace
 
@@ -44,9 +63,10 @@ void Simulator::Impl::hold_points() {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (bodies.leads(k)) bodies.hold(k, grips.frame_of_body(k) != nullptr);
   }
-  const double mass = cloth.mass.sum() + bodies.mass();
-  holders.hold(holds, strengths, cloth,
-               mass * std::max(scene.simulation.gravity.norm(), min_gravity), state.positions);
+  const double gravity = std::max(scene.simulation.gravity.norm(), min_gravity);
+  const Scalars masses = held_masses(holds, strengths.size(), scene.cloth.parts, cloth);
+  holders.hold(holds, strengths, cloth, gravity * (masses.array() + bodies.mass()).matrix(),
+               state.positions);
   leave_springs_to_holders();
   follow_holders();
   if (self_contacts) self_contacts->restart_detection();
@@ -160,9 +180,7 @@ std::vector<HolderReport> Simulator::holders() const {
   };
   std::size_t next = 0;
   for (const Pin& pin : scene().cloth.pinned) {
-    const bool is_mesh = scene().cloth.mesh != nullptr;
-    const std::string point = std::to_string(pin.column);
-    add("pin " + (is_mesh ? point : grid_point_text(pin.column, pin.row)), next, 1);
+    add("pin " + point_text(scene().cloth, pin.column, pin.row), next, 1);
     ++next;
   }
   for (const auto& [frame, grip] : grips()) {

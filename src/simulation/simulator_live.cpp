@@ -1,6 +1,7 @@
 // Changes of values between two frames.
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "clothsim/model/make_cloth.h"
@@ -16,6 +17,19 @@ bool join_alike(const Cloth& one, const Cloth& other) {
                       return a.family == b.family && a.first == b.first && a.offset == b.offset &&
                              a.count == b.count;
                     });
+}
+
+/// Gives the cloths of `spec` their materials of `live`.
+void set_materials(const LiveSpec& live, ClothSpec& spec) {
+  spec.material = live.material;
+  if (live.cloths.size() != spec.parts.size()) {
+    throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " materials",
+                       std::to_string(spec.parts.size()) + ", one for each of several cloths");
+  }
+  for (std::size_t i = 0; i < spec.parts.size(); ++i) {
+    spec.parts[i].material = live.cloths[i];
+    take_changes(live.cloths.front(), live.material, spec.parts[i].material);
+  }
 }
 
 }  // namespace
@@ -47,7 +61,7 @@ void Simulator::Impl::set_collider_friction() {
 void Simulator::set(const LiveSpec& live) {
   validate(live);
   ClothSpec spec = impl_->scene.cloth;
-  spec.material = live.material;
+  set_materials(live, spec);
   spec.thickness = live.thickness;
   spec.self_collision = live.self_collision;
   spec.friction = live.friction;

@@ -31,7 +31,7 @@ clothsim::Cloth make_cloth() {
 }
 
 clothsim::ClothTopology make_topology(const clothsim::Cloth& cloth) {
-  return clothsim_ros::to_topology_msg(cloth, {}, 7);
+  return clothsim_ros::to_topology_msg(cloth, {}, {}, 7);
 }
 
 clothsim::ClothState make_state(const clothsim::Points& positions) {

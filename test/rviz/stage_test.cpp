@@ -55,9 +55,9 @@ TEST_P(Scenes, ClothIsSeenWholeAndLarge) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Scenes,
-                         testing::Values("arm", "curtain", "flag", "grasp", "pinned2", "pinned4",
-                                         "plane", "rod", "self_collision", "sphere", "table",
-                                         "tablecloth", "three_spheres", "towel"),
+                         testing::Values("arm", "curtain", "flag", "grasp", "napkins", "pinned2",
+                                         "pinned4", "plane", "rod", "self_collision", "sphere",
+                                         "table", "tablecloth", "three_spheres", "towel"),
                          [](const auto& scene) { return scene.param; });
 
 TEST(Stage, IsWhereRVizHasTheWorld) {

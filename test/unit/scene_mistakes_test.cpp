@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
     testing::Values(
         Mistake{"clothes=1",
-                "clothes: got ... unknown ... cloth, colliders, robots, simulation, motions"},
+                "clothes: got ... unknown ... cloth, cloths, colliders, robots, simulation, motions"},
         Mistake{"cloth.springs.bend=true",
                 "cloth.springs.bend: got ... unknown ... structural, shear, bending"},
         Mistake{"cloth.pinned.1.link=hand",

@@ -36,12 +36,12 @@ struct Hold {
 class Holders {
  public:
   /// Holds these points, with the holders' `strengths` [N]. Points that were held before keep their
-  /// state; others stick where they are. A holder without a strength gets ten times the `weight` of
-  /// the cloth and its bodies [N], enough for a robot that lifts, shakes and swings it, plus the
-  /// force that stretches all springs of its points to their strain limit, or by a tenth where
-  /// there is none: the loads of a light and stiff cloth exceed its weight.
+  /// state; others stick where they are. A holder without a strength gets ten times its `weight`
+  /// of `weights`, of its cloth and the bodies [N], enough for a robot that lifts, shakes and
+  /// swings it, plus the force that stretches all springs of its points to their strain limit, or
+  /// by a tenth where there is none: the loads of a light and stiff cloth exceed its weight.
   void hold(const std::vector<Hold>&, const std::vector<std::optional<double>>& strengths,
-            const Cloth&, double weight, const Points& positions);
+            const Cloth&, const Scalars& weights, const Points& positions);
 
   bool empty() const { return points_.empty(); }
   bool holds(int point) const;

@@ -69,6 +69,23 @@ enum class SelfCollision { off, points, surface, automatic };
 inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
                                                                     "automatic"};
 
+/// One of several cloths that are simulated as one: its points and triangles in their mesh. Its
+/// material has a stiffness, a density and spring families of its own; other values are those of
+/// all.
+struct ClothPart {
+  std::string name;
+  int first_point = 0;
+  int columns = 1;  // points: columns * rows, from the first on; of a mesh all in one row
+  int rows = 1;
+  int first_triangle = 0;
+  int triangles = 0;
+  Material material{};
+  bool is_grid = false;
+  bool is_vertical = false;  // a grid that starts upright
+
+  int num_points() const { return columns * rows; }
+};
+
 /// A cloth as a scene describes it: a rectangular grid, or a mesh of a fabric.
 struct ClothSpec {
   std::shared_ptr<const ClothMesh> mesh{};  // null: a grid. A mesh has one row of `columns` points
@@ -84,9 +101,13 @@ struct ClothSpec {
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   SelfCollision self_collision = SelfCollision::off;
-  double friction = 0.3;  // Coulomb's coefficient between layers of the cloth
-  bool untangle = false;  // untangles a state that is set and crosses itself
+  double friction = 0.3;           // Coulomb's coefficient between layers of the cloth
+  bool untangle = false;           // untangles a state that is set and crosses itself
+  std::vector<ClothPart> parts{};  // of `mesh`, see join_cloths(); empty: one cloth
 };
+
+/// Sets in `to` the values that `after` has changed since `before`.
+void take_changes(const Material& before, const Material& after, Material& to);
 
 /// Largest force of a pin or a grip [N].
 inline constexpr Range strength_range{1e-9, 1e12, "N"};
@@ -100,6 +121,9 @@ void validate(const ClothSpec&);
 /// Throws InvalidValue unless the cloth has such a point.
 void check_grid_point(const ClothSpec&, int column, int row);
 std::string grid_point_text(int column, int row);
+
+/// A point in a message: 12 of a mesh, [3, 4] of a grid, with its name one of several cloths.
+std::string point_text(const ClothSpec&, int column, int row);
 
 /// The same for a thickness [m] and a friction coefficient of a cloth.
 void validate_contact(double thickness, double friction);

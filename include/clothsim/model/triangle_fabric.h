@@ -74,9 +74,10 @@ struct TriangleFabric {
 
 struct Cloth;
 
-/// The cloth of a mesh: spec.mesh, with spec.material.fabric. A point has a third of the mass of
-/// each of its triangles. Its springs are the edges, for the strain limit: `stiffness` is that of
-/// the edge while all others keep their length. Springs of one batch share no point.
+/// The cloth of a mesh: spec.mesh, with spec.material.fabric, or those of spec.parts. A point has a
+/// third of the mass of each of its triangles. Its springs are the edges, for the strain limit:
+/// `stiffness` is that of the edge while all others keep their length. Springs of one batch share
+/// no point.
 void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth);
 
 }  // namespace clothsim

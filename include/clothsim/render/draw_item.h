@@ -17,8 +17,16 @@ struct LineRange {
   int family;  // index into Wireframe's families and colours
 };
 
-/// Id of the cloth in the mask. Those of colliders start at 2.
+/// Id of the cloth in the mask, or of the first of several. Those of colliders start at 2, and
+/// those of further cloths after the last collider's.
 constexpr int cloth_id = 1;
+
+/// Triangles with an id of their own in the mask: `count` from the `first` one on.
+struct IdRange {
+  int first;
+  int count;
+  int id;
+};
 
 /// The pose of a mesh.
 struct Placement {
@@ -34,6 +42,7 @@ struct DrawItem {
   std::vector<LineRange> lines;  // in drawing order
   const Shading* shading;
   int id;                               // in the mask
+  std::vector<IdRange> ids;             // of parts of the mesh; empty: `id` for all
   Eigen::Matrix3d rotation;             // from the mesh's frame to the world's axes
   Vector3 translation;                  // [m] of the mesh's origin from the camera
   std::optional<Placement> before;      // at the last picture; empty: not visible then

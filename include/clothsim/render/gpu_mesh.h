@@ -32,6 +32,9 @@ class GpuMesh {
 
   void draw_triangles() const;
 
+  /// Draws `count` of its triangles, starting at triangle `first`.
+  void draw_triangles(int first, int count) const;
+
   /// Draws `count` triangles of index buffer `indices`, starting at triangle `first`.
   void draw_triangles(const Buffer& indices, int first, int count) const;
 

@@ -38,6 +38,7 @@ struct Images {
   std::vector<std::uint8_t> color;  // r, g, b of each pixel, sRGB
   std::vector<float> depth;         // [m] along the optical axis; +inf where there is nothing
   std::vector<std::uint8_t> mask;   // 0 nothing, 1 cloth, 2 the first collider, ...
+                                    // then the second of several cloths, ...
   std::vector<float> uv;            // u, v of the cloth (Cloth::uv); NaN where there is none
   std::vector<float> normals;  // unit normal x, y, z in the optical frame; NaN where there is none
 

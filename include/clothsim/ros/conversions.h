@@ -44,8 +44,10 @@ clothsim::WholeState to_whole_state_msg(const clothsim::State&, const std::vecto
 /// Throws InvalidValue where numbers are left over after the last x, y, z.
 clothsim::State to_state(const clothsim::WholeState&);
 
-clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&, const std_msgs::Header&,
-                                        unsigned topology_seq);
+/// `parts`: ClothSpec::parts.
+clothsim::ClothTopology to_topology_msg(const clothsim::Cloth&,
+                                        const std::vector<clothsim::ClothPart>& parts,
+                                        const std_msgs::Header&, unsigned topology_seq);
 
 /// Organised cloud of columns x rows points, fields x, y, z as float32.
 sensor_msgs::PointCloud2 to_point_cloud(const clothsim::Cloth&, const clothsim::Points& positions,

@@ -29,14 +29,15 @@ std::vector<Field> fields(PointPlace&);
 /// equally near: the first. Throws InvalidValue.
 class PointReader {
  public:
-  /// For the cloth of `spec`, which is valid apart from its pins.
-  explicit PointReader(const ClothSpec& spec) : spec_(spec) {}
+  /// For the cloth of `spec`, which is valid apart from its pins, or for one of its parts, by its
+  /// own [column, row].
+  explicit PointReader(const ClothSpec& spec, const ClothPart* part = nullptr);
 
-  /// [column, row] in the grid, or a map with a place.
+  /// [column, row] in the grid, or a map with a place. Not for parts.
   std::vector<std::array<int, 2>> read(const YAML::Node&);
   std::vector<std::array<int, 2>> find(const PointPlace&);
 
-  /// The same as indices; also a number, as it is given.
+  /// The same as indices in the cloth of `spec`; also a number, of a part by its own count.
   std::vector<int> read_indices(const YAML::Node&);
 
  private:
@@ -44,6 +45,8 @@ class PointReader {
   std::vector<int> within(double radius, const Vector3& center);
 
   const ClothSpec& spec_;
+  ClothSpec named_;             // the cloth whose points are named: its mesh, columns and rows
+  int first_;                   // its first point
   std::optional<Cloth> cloth_;  // once a place is named
 };
 

@@ -23,7 +23,8 @@ inline constexpr int max_substeps = static_cast<int>(substeps_range.max);
 /// Range of the number of threads.
 inline constexpr Range threads_range{1, 64, ""};
 
-/// Most colliders: their ids in the mask image are a byte, from 2 on.
+/// Most colliders: their ids in the mask image are a byte, from 2 on. Each of several cloths but the
+/// first takes one of these ids.
 inline constexpr std::size_t max_colliders = std::numeric_limits<std::uint8_t>::max() - 1;
 
 /// Most bytes of a scene's file, or of a robot's: far above any real one.
@@ -71,7 +72,9 @@ struct Scene {
   std::vector<MotionEntry> motions;   // for a MotionPlayer; a simulator itself does not play them
 };
 
-/// Values of a scene that may change between two frames.
+/// Values of a scene that may change between two frames. With several cloths, `material` is that of
+/// the first; where it differs from the first of `cloths`, a simulator that takes the values
+/// changes all of them.
 struct LiveSpec {
   Material material;
   double thickness;  // these three as in ClothSpec
@@ -79,6 +82,7 @@ struct LiveSpec {
   double friction;
   std::map<std::string, double> collider_friction;  // by name of the collider
   SimulationSpec simulation;
+  std::vector<Material> cloths{};  // of several, by ClothSpec::parts; empty: one cloth
 };
 
 LiveSpec live_values(const Scene&);

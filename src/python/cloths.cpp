@@ -1,0 +1,77 @@
+#include "cloths.h"
+
+#include <algorithm>
+
+#include "bindings.h"
+#include "clothsim/model/checks.h"
+
+namespace clothsim_python {
+
+clothsim::ClothPart Cloth::part() const {
+  return simulation_->with([&](Run& run) {
+    const std::vector<clothsim::ClothPart>& parts = run.simulator.scene().cloth.parts;
+    const auto found = std::find_if(parts.begin(), parts.end(),
+                                    [&](const clothsim::ClothPart& p) { return p.name == name_; });
+    if (found != parts.end()) return *found;
+    throw clothsim::InvalidValue({"cloths"}, '"' + name_ + '"',
+                                 "a cloth of the scene that was loaded");
+  });
+}
+
+py::object Cloth::rows_of(const clothsim::Points& (*all)(const clothsim::Simulator&)) const {
+  const clothsim::ClothPart own = part();
+  const std::shared_ptr<Run>& run = simulation_->run();
+  return view(all(run->simulator),
+              run)[py::slice(own.first_point, own.first_point + own.num_points(), 1)];
+}
+
+std::map<std::string, Cloth> cloths_of(const std::shared_ptr<Simulation>& simulation) {
+  return simulation->with([&](Run& run) {
+    std::map<std::string, Cloth> cloths;
+    for (const clothsim::ClothPart& part : run.simulator.scene().cloth.parts) {
+      cloths.emplace(part.name, Cloth(simulation, part.name));
+    }
+    return cloths;
+  });
+}
+
+void bind_cloths(py::module_& module) {
+  py::class_<Cloth>(module, "Cloth", "One of a scene's several cloths: see Simulator.cloths.")
+      .def_property_readonly("name", &Cloth::name, "As the scene has it.")
+      .def_property_readonly(
+          "points",
+          [](const Cloth& self) {
+            const clothsim::ClothPart part = self.part();
+            return py::module_::import("builtins")
+                .attr("range")(part.first_point, part.first_point + part.num_points());
+          },
+          "The numbers of its points among those of all cloths, a range.")
+      .def_property_readonly(
+          "triangles",
+          [](const Cloth& self) {
+            const clothsim::ClothPart part = self.part();
+            return py::module_::import("builtins")
+                .attr("range")(part.first_triangle, part.first_triangle + part.triangles);
+          },
+          "The numbers of its triangles among those of all cloths, a range.")
+      .def_property_readonly(
+          "positions",
+          [](const Cloth& self) {
+            return self.rows_of(
+                [](const clothsim::Simulator& simulator) -> const clothsim::Points& {
+                  return simulator.state().positions;
+                });
+          },
+          "Its rows of Simulator.positions [m], a read-only view.")
+      .def_property_readonly(
+          "velocities",
+          [](const Cloth& self) {
+            return self.rows_of(
+                [](const clothsim::Simulator& simulator) -> const clothsim::Points& {
+                  return simulator.state().velocities;
+                });
+          },
+          "Its rows of Simulator.velocities [m/s], a read-only view.");
+}
+
+}  // namespace clothsim_python

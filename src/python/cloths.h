@@ -1,0 +1,33 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "simulation.h"
+
+namespace clothsim_python {
+
+/// clothsim.Cloth: one of several cloths in a simulator.
+class Cloth {
+ public:
+  Cloth(std::shared_ptr<Simulation> simulation, std::string name)
+      : simulation_(std::move(simulation)), name_(std::move(name)) {}
+
+  const std::string& name() const { return name_; }
+
+  /// Of the scene; throws InvalidValue where a scene without this cloth has been loaded.
+  clothsim::ClothPart part() const;
+
+  /// The rows of its points in an array of all, N x 3.
+  py::object rows_of(const clothsim::Points& (*all)(const clothsim::Simulator&)) const;
+
+ private:
+  std::shared_ptr<Simulation> simulation_;
+  std::string name_;
+};
+
+/// The cloths of the scene, by name; none where it has one.
+std::map<std::string, Cloth> cloths_of(const std::shared_ptr<Simulation>&);
+
+}  // namespace clothsim_python

@@ -1,0 +1,182 @@
+#include "clothsim/scene/cloth_yaml.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/model/checks.h"
+#include "clothsim/model/join_cloths.h"
+#include "clothsim/scene/cloth_mesh_yaml.h"
+#include "clothsim/scene/fabric_yaml.h"
+#include "clothsim/scene/points_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
+#include "clothsim/scene/yaml_values.h"
+
+namespace clothsim {
+namespace {
+
+/// A point, or a map with points and the tf frame that moves them.
+void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pins) {
+  Pin pin;
+  PointPlace place;
+  std::vector<std::array<int, 2>> points;
+  const auto read_point = [&](const YAML::Node& point) {
+    if (point.IsMap()) throw InvalidValue({}, describe(point), "[column, row]");
+    points = reader.read(point);
+  };
+  if (!node.IsMap()) {
+    read_point(node);
+  } else {
+    std::vector<Field> all = fields(place);
+    append({{"point", read_point}, {"frame", into(pin.frame)}, {"strength", into(pin.strength)}},
+           all);
+    read_map(node, all);
+    if (points.empty() == place.empty()) {
+      throw InvalidValue({"point"}, points.empty() ? "nothing" : "a place, too",
+                         "[column, row], or near, within and of, or uv instead");
+    }
+    if (points.empty()) points = reader.find(place);
+  }
+  for (const auto& [column, row] : points) {
+    pin.column = column;
+    pin.row = row;
+    pins.push_back(pin);
+  }
+}
+
+BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
+  BodyPoints attached;
+  const auto read_points = [&](const YAML::Node& list) {
+    read_list(list, [&](const YAML::Node& item) {
+      for (const auto& point : points.read(item)) attached.points.push_back(point);
+    });
+  };
+  read_map(node, {{"body", into(attached.body)},
+                  {"points", read_points},
+                  {"tear_force", into(attached.tear_force)}});
+  return attached;
+}
+
+/// Reads the pins and the points on bodies of a cloth that is known otherwise.
+void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YAML::Node>& attached,
+                 ClothSpec& cloth) {
+  if (pinned || attached) validate(cloth);
+  PointReader points(cloth);
+  const auto read_pin = [&](const YAML::Node& item) { read_pins(item, points, cloth.pinned); };
+  const auto read_body = [&](const YAML::Node& item) {
+    cloth.attached.push_back(read_attached(item, points));
+  };
+  if (pinned) inside("pinned", [&] { read_list(*pinned, read_pin); });
+  if (attached) inside("attached", [&] { read_list(*attached, read_body); });
+}
+
+/// Throws InvalidValue where a cloth with a mesh has a key of grids.
+void check_no_grid(const YAML::Node& node) {
+  if (!node.IsMap() || !node["mesh"]) return;
+  for (const char* key : {"width", "height", "columns", "rows", "orientation", "origin"}) {
+    if (node[key]) {
+      throw InvalidValue({key}, describe(node[key]), "none with a mesh, which mesh.pose places");
+    }
+  }
+}
+
+/// Reads the map of a cloth; one of several has a `name`, too.
+ClothSpec read(const YAML::Node& node, const std::filesystem::path& folder, std::string* name) {
+  check_no_grid(node);
+  ClothSpec cloth;
+  Material& material = cloth.material;
+  const auto read_orientation = [&](const YAML::Node& value) {
+    cloth.orientation = static_cast<Orientation>(read_choice(value, {"horizontal", "vertical"}));
+  };
+  std::optional<YAML::Node> pinned, attached;  // read when the cloth is known
+  std::vector<Field> fields = {
+      {"mesh", [&](const YAML::Node& map) { read_cloth_mesh(map, folder, cloth); }},
+      {"width", into(cloth.width)},
+      {"height", into(cloth.height)},
+      {"columns", into(cloth.columns)},
+      {"rows", into(cloth.rows)},
+      {"orientation", read_orientation},
+      {"origin", into(cloth.origin)},
+      {"pinned", [&](const YAML::Node& list) { pinned = list; }},
+      {"attached", [&](const YAML::Node& list) { attached = list; }},
+      {"pin_strength", into(cloth.pin_strength)},
+      {"springs", [&](const YAML::Node& map) { read_springs(map, material.springs); }},
+      {"ks", into(material.ks)},
+      {"untangle", into(cloth.untangle)},
+      {"fabric", [](const YAML::Node&) {}},  // read first
+      {"self_collision",
+       [&](const YAML::Node& value) { read_self_collision(value, cloth.self_collision); }}};
+  if (name != nullptr) {
+    fields.insert(fields.begin(), {"name", into(*name)});
+    cloth.self_collision = SelfCollision::automatic;  // contact of one cloth with another is such
+  }
+  append(material_fields(cloth), fields);
+  const bool is_fabric = names_fabric(node);
+  if (is_fabric) start_fabric(node, folder, cloth);
+  if (!is_fabric) material.fabric.emplace();  // so that the keys are known
+  append(fabric_fields(*material.fabric), fields);
+  read_map(node, fields);
+  if (!is_fabric) material.fabric.reset();
+  read_points(pinned, attached, cloth);
+  return cloth;
+}
+
+/// The cloth with this triangle.
+const ClothPart& part_of(const ClothSpec& joined, int triangle) {
+  return *std::find_if(joined.parts.begin(), joined.parts.end(), [&](const ClothPart& part) {
+    return triangle < part.first_triangle + part.triangles;
+  });
+}
+
+/// Throws InvalidValue where two cloths in contact with each other pass through each other at the
+/// start.
+void check_apart(const ClothSpec& joined) {
+  Cloth cloth;
+  cloth.rest_positions = joined.mesh->positions;
+  cloth.triangles = joined.mesh->triangles;
+  if (joined.self_collision == SelfCollision::off) return;
+  for (const auto& [a, b] : find_intersections(cloth, cloth.rest_positions)) {
+    const std::string &one = part_of(joined, a).name, &other = part_of(joined, b).name;
+    const Vector3 at = row(cloth.rest_positions, cloth.triangles[static_cast<std::size_t>(b)][0]);
+    throw InvalidValue({},
+                       other + " through " + one + " near [" +
+                           join({to_text(at[0]), to_text(at[1]), to_text(at[2])}) + ']',
+                       "cloths that start apart");
+  }
+}
+
+}  // namespace
+
+/// true, false, or a name of self_collision_names.
+void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
+  if (is_word(node, "points")) {
+    self_collision = SelfCollision::points;
+  } else if (is_word(node, "surface")) {
+    self_collision = SelfCollision::surface;
+  } else if (is_word(node, "automatic")) {  // as in live values of the node
+    self_collision = SelfCollision::automatic;
+  } else {
+    self_collision = read_switch(node, "true, false, points or surface") ? SelfCollision::automatic
+                                                                         : SelfCollision::off;
+  }
+}
+
+ClothSpec read_cloth(const YAML::Node& node, const std::filesystem::path& folder) {
+  return read(node, folder, nullptr);
+}
+
+ClothSpec read_cloths(const YAML::Node& node, const std::filesystem::path& folder) {
+  std::vector<NamedCloth> cloths;
+  read_list(node, [&](const YAML::Node& item) {
+    NamedCloth cloth;
+    cloth.spec = read(item, folder, &cloth.name);
+    cloths.push_back(std::move(cloth));
+  });
+  ClothSpec joined = join_cloths(cloths);
+  check_apart(joined);
+  return joined;
+}
+
+}  // namespace clothsim

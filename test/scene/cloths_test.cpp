@@ -1,0 +1,106 @@
+// Several cloths in whole scenes.
+
+#include "clothsim/dynamics/stretch.h"
+#include "clothsim/geometry/intersections.h"
+#include "clothsim/model/join_cloths.h"
+#include "clothsim/run/motion_player.h"
+#include "clothsim/scene/scene_yaml.h"
+#include "verification/mesh_fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+Points part_of(const Simulator& simulator, std::size_t i) {
+  const ClothPart& part = simulator.scene().cloth.parts[i];
+  return simulator.state().positions.middleRows(part.first_point, part.num_points());
+}
+
+/// Two sheets of 0.2 m on a floor, one on the other or beside it, as a stack in a drawer.
+YAML::Node stack(double shift) {
+  YAML::Node root = YAML::Load(R"(
+colliders: [{name: floor, shape: plane, friction: 0.5}]
+simulation: {method: xpbd, substeps: 8, frames_per_second: 60}
+)");
+  for (int i = 0; i < 2; ++i) {
+    YAML::Node cloth =
+        YAML::Load("{fabric: linen, width: 0.2, height: 0.2, columns: 11, rows: 11, damping: 1}");
+    cloth["name"] = i == 0 ? "lower" : "upper";
+    cloth["origin"] = std::vector<double>{i * shift, 0, 0.002 + 0.002 * i};
+    root["cloths"].push_back(cloth);
+  }
+  return root;
+}
+
+TEST(Cloths, AHandTakesTheUpperOneOfAStack) {
+  YAML::Node root = stack(0.01);
+  root["motions"] = YAML::Load(R"(
+- {time: 0.3, frame: hand, position: [0.01, 0, 0.001]}
+- {time: 0.3, attach: hand, cloth: upper, points: [[0, 0], [1, 0], [0, 1]]}
+- {time: 0.8, frame: hand, position: [0.05, 0.05, 0.2]}
+- {time: 1.5, frame: hand, position: [0.4, 0, 0.3]}
+- {time: 2.0, frame: hand, position: [0.4, 0, 0.15]}
+- {time: 2.1, detach: hand}
+)");
+  Simulator simulator(read_scene(root));
+  MotionPlayer player(simulator, ".");
+  const Points before = part_of(simulator, 0);
+  int crossings = 0;
+  for (int frame = 0; frame < 240; ++frame) {
+    player.play(simulator);
+    simulator.step();
+    if (frame % 10 == 0) {
+      crossings += count_intersections(simulator.cloth(), simulator.state().positions);
+    }
+  }
+  EXPECT_EQ(crossings, 0);
+  const Points lower = part_of(simulator, 0), upper = part_of(simulator, 1);
+  EXPECT_LT((lower - before).leftCols(2).rowwise().norm().maxCoeff(), 2e-3);
+  EXPECT_GT(upper.col(0).minCoeff(), 0.25);
+  EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
+}
+
+TEST(Cloths, FarFromEachOtherEachMovesAsAlone) {
+  // Nothing of one depends on the other: a single scene's positions, to the rounding of sums.
+  YAML::Node both = stack(1.0);
+  both["cloths"][0]["pinned"] = YAML::Load("[[0, 0]]");
+  both["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.5};
+  YAML::Node alone = YAML::Clone(both);
+  alone["cloths"].remove(1);
+  Simulator of_both(read_scene(both)), of_one(read_scene(alone));
+  for (int frame = 0; frame < 60; ++frame) {
+    of_both.step();
+    of_one.step();
+  }
+  const Points one = of_one.state().positions;
+  EXPECT_LT(one.col(2).minCoeff(), 0.4);  // it has swung
+  EXPECT_LT((part_of(of_both, 0) - one).rowwise().norm().maxCoeff(), 1e-6);
+}
+
+TEST(Cloths, CarryEachOther) {
+  // A sheet hung by its corners holds another that falls on it.
+  YAML::Node root = stack(0);
+  root["colliders"] = YAML::Node();
+  root.remove("colliders");
+  root["cloths"][0]["pinned"] = YAML::Load("[[0, 0], [10, 0], [0, 10], [10, 10]]");
+  root["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.5};
+  root["cloths"][1]["origin"] = std::vector<double>{0.03, 0.02, 0.55};
+  root["cloths"][1]["width"] = root["cloths"][1]["height"] = 0.1;
+  root["cloths"][1]["columns"] = root["cloths"][1]["rows"] = 6;
+  Simulator simulator(read_scene(root));
+  simulator.measure_wrenches(true);
+  double upward = 0;
+  for (int frame = 0; frame < 240; ++frame) {
+    simulator.step();
+    if (frame < 120) continue;
+    for (const HolderReport& pin : simulator.holders()) upward += pin.force / 120;
+  }
+  EXPECT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0);
+  EXPECT_GT(part_of(simulator, 1).col(2).minCoeff(), 0.4);
+  EXPECT_LT(part_of(simulator, 1).col(2).maxCoeff(), 0.5);
+  EXPECT_GT(upward, 0.9 * 9.8 * simulator.cloth().mass.sum());
+}
+
+}  // namespace
+}  // namespace clothsim

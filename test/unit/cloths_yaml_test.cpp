@@ -1,0 +1,90 @@
+// Several cloths in a scene.
+
+#include <gtest/gtest.h>
+
+#include "clothsim/scene/motion.h"
+#include "says.h"
+#include "scene_text.h"
+
+namespace clothsim {
+namespace {
+
+constexpr const char* a_grid = "fabric: felt, width: 0.2, height: 0.2, columns: 5, rows: 5";
+
+/// A scene of two cloths of 5 x 5 points: `one` at z = 1, `other` above; and what follows.
+std::string scene_with(const std::string& of_other, const std::string& more = "") {
+  return std::string("cloths: [{name: one, ") + a_grid + "}, {name: other, " + a_grid +
+         ", origin: [0, 0, 1.1]" + of_other + "}]\n" + more;
+}
+
+Scene read(const std::string& text) { return read_scene(YAML::Load(text)); }
+
+TEST(Cloths, AreReadByTheirNames) {
+  const Scene scene = read(scene_with(", density: 0.5, pinned: [[4, 1], {near: [0, 0.2, 1.1]}]"));
+  ASSERT_EQ(scene.cloth.parts.size(), 2u);
+  EXPECT_EQ(scene.cloth.parts[0].name, "one");
+  EXPECT_EQ(scene.cloth.parts[1].name, "other");
+  EXPECT_EQ(scene.cloth.parts[1].first_point, 25);
+  EXPECT_EQ(scene.cloth.parts[1].material.density, 0.5);
+  EXPECT_EQ(scene.cloth.columns, 50);
+  ASSERT_EQ(scene.cloth.pinned.size(), 2u);
+  EXPECT_EQ(scene.cloth.pinned[0].column, 25 + 9);
+  EXPECT_EQ(scene.cloth.pinned[1].column, 25 + 20);
+}
+
+std::vector<int> attached(const std::string& entry) {
+  const Scene scene = read(scene_with("", "motions: [{time: 0, attach: hand, " + entry + "}]"));
+  return std::get<AttachPoints>(scene.motions.at(0).action).points;
+}
+
+TEST(Cloths, MotionsNameTheirPoints) {
+  EXPECT_EQ(attached("cloth: other, points: [[1, 2], 3]"), (std::vector<int>{25 + 11, 25 + 3}));
+  EXPECT_EQ(attached("points: [3, {uv: [1, 1]}], cloth: one"), (std::vector<int>{3, 24}));
+  EXPECT_EQ(attached("points: [30]"), std::vector<int>{30});
+  EXPECT_EQ(attached("cloth: other, points: [{uv: [1, 0]}]"), std::vector<int>{29});
+  EXPECT_EQ(attached("points: [{near: [0, 0, 1.1]}]"), std::vector<int>{25});
+  EXPECT_EQ(attached("cloth: one, points: [{near: [0, 0, 1.1]}]"), std::vector<int>{0});
+  EXPECT_EQ(attached("points: [{within: 0.101, of: [0, 0, 1.05]}]").size(), 8u);
+  EXPECT_EQ(attached("cloth: other, points: [{within: 0.101, of: [0, 0, 1.05]}]").size(), 4u);
+}
+
+TEST(Cloths, MistakesSayWhere) {
+  const auto motion = [](const std::string& entry) {
+    return refusal(scene_with("", "motions: [{time: 0, attach: hand, " + entry + "}]"));
+  };
+  EXPECT_TRUE(
+      says(motion("cloth: third, points: [0]"), "motions.0.cloth ... third ... one, other"));
+  EXPECT_TRUE(says(motion("cloth: one, points: [[5, 0]]"), "motions.0.points.0 ... [5, 0]"));
+  EXPECT_TRUE(says(motion("cloth: one, points: [25]"), "motions.0.points.0 ... 25 ... 0 to 24"));
+  EXPECT_TRUE(says(motion("points: [50]"), "motions.0.points.0 ... 50 ... 0 to 49"));
+  const std::string single = std::string("cloth: {") + a_grid + "}\n";
+  EXPECT_TRUE(says(refusal(single + "motions: [{time: 0, attach: h, cloth: one, points: [0]}]"),
+                   "motions.0.cloth ... one cloth"));
+  EXPECT_TRUE(says(refusal(single + "cloths: []"), "cloths ... again"));
+  EXPECT_TRUE(says(refusal("cloths: []"), "cloths ... empty"));
+  EXPECT_TRUE(says(refusal("cloths: {}"), "cloths ... a list"));
+  EXPECT_TRUE(says(refusal(scene_with(", thickness: 0.3")), "cloths.1.thickness ... 0.3 ... one"));
+  EXPECT_TRUE(says(refusal(scene_with(", nme: x")), "cloths.1.nme ... unknown"));
+  EXPECT_TRUE(says(refusal(scene_with(", pinned: [[5, 5]]")), "cloths.1.pinned.0 ... [5, 5]"));
+  EXPECT_TRUE(says(refusal("cloth: {name: one}"), "cloth.name ... unknown"));
+  EXPECT_TRUE(says(refusal(scene_with(", attached: [{body: box, points: [[0, 0]]}]")),
+                   "cloths.attached.0.body ... box"));
+}
+
+TEST(Cloths, StartApart) {
+  const auto upright = [](const std::string& more) {  // through the first
+    return refusal(std::string("cloths: [{name: one, ") + a_grid + more + "}, {name: other, " +
+                   a_grid + ", orientation: vertical, origin: [0.01, 0.11, 0.92]" + more + "}]");
+  };
+  EXPECT_TRUE(says(upright(""), "cloths ... other through one near [ ... apart"));
+  EXPECT_EQ(upright(", self_collision: false"), "accepted");
+}
+
+TEST(Cloths, TouchEachOtherUnlessSwitchedOff) {
+  EXPECT_EQ(read(scene_with("")).cloth.self_collision, SelfCollision::automatic);
+  EXPECT_TRUE(
+      says(refusal(scene_with(", self_collision: false")), "cloths.1.self_collision ... off"));
+}
+
+}  // namespace
+}  // namespace clothsim
