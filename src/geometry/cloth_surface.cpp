@@ -272,9 +272,13 @@ ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestL
     mesh.flat.push_back(flat);
   }
   set_texture(given, order, warp, mesh);
+  check_apart(mesh);
+  return mesh;
+}
+
+void check_apart(const ClothMesh& mesh) {
   check_crossings(mesh);
   check_gaps(mesh);
-  return mesh;
 }
 
 }  // namespace clothsim

@@ -117,7 +117,8 @@ ClothSpec join_cloths(const std::vector<NamedCloth>& cloths) {
       joined.parts.push_back({name, first, spec.columns, spec.rows, first_triangle,
                               static_cast<int>(mesh.triangles.size()) - first_triangle,
                               spec.material, spec.mesh == nullptr,
-                              !spec.mesh && spec.orientation == Orientation::vertical});
+                              !spec.mesh && spec.orientation == Orientation::vertical, spec.width,
+                              spec.height, joined.attached.size()});
       append_held(spec, first, joined);
     });
   }

@@ -16,7 +16,10 @@ Cloth make_cloth(const ClothSpec& spec, double gravity) {
   cloth.rest_positions = spec.mesh->positions;
   cloth.uv = spec.mesh->uv;
   cloth.triangles = spec.mesh->triangles;
-  for (const ClothPart& part : spec.parts) cloth.first_triangles.push_back(part.first_triangle);
+  for (const ClothPart& part : spec.parts) {
+    cloth.first_points.push_back(part.first_point);
+    cloth.first_triangles.push_back(part.first_triangle);
+  }
   add_triangle_fabric(spec, cloth);
   set_common(spec, cloth);
   const bool is_automatic = spec.self_collision == SelfCollision::automatic;

@@ -158,7 +158,8 @@ void bind_frames(SimulationClass& simulator) {
           "pull: the `points` given, or all free ones within `radius` [m] of it. `pose` is where "
           "the frame is; None: where it was left. Beyond "
           "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
-          "lag behind their places; None: ten weights of the cloth plus the force that stretches "
+          "lag behind their places; None: ten weights of the cloth, of several those it holds, "
+          "plus the force that stretches "
           "the points' springs to their limit. Returns the points. Raises InvalidValue and changes "
           "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),

@@ -54,10 +54,10 @@ void bind_scene(py::module_& module) {
           "The scene as it was given, with the overrides, as a dict; keys left out are not in it.")
       .def_property_readonly(
           "columns", [](const SceneObject& self) { return self.scene.cloth.columns; },
-          "Points of the cloth along x; of a mesh all.")
+          "Points of the cloth along x; of a mesh or several cloths all.")
       .def_property_readonly(
           "rows", [](const SceneObject& self) { return self.scene.cloth.rows; },
-          "Points of the cloth along y, or z where it stands; of a mesh 1.")
+          "Points of the cloth along y, or z where it stands; of a mesh or several cloths 1.")
       .def_property_readonly(
           "frames_per_second",
           [](const SceneObject& self) { return self.scene.simulation.frames_per_second; },

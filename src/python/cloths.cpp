@@ -25,11 +25,11 @@ py::object Cloth::rows_of(const clothsim::Points& (*all)(const clothsim::Simulat
               run)[py::slice(own.first_point, own.first_point + own.num_points(), 1)];
 }
 
-std::map<std::string, Cloth> cloths_of(const std::shared_ptr<Simulation>& simulation) {
+py::dict cloths_of(const std::shared_ptr<Simulation>& simulation) {
   return simulation->with([&](Run& run) {
-    std::map<std::string, Cloth> cloths;
+    py::dict cloths;
     for (const clothsim::ClothPart& part : run.simulator.scene().cloth.parts) {
-      cloths.emplace(part.name, Cloth(simulation, part.name));
+      cloths[py::str(part.name)] = Cloth(simulation, part.name);
     }
     return cloths;
   });

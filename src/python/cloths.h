@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 
@@ -16,7 +15,7 @@ class Cloth {
 
   const std::string& name() const { return name_; }
 
-  /// Of the scene; throws InvalidValue where a scene without this cloth has been loaded.
+  /// As the scene has it; throws InvalidValue where a scene without this cloth has been loaded.
   clothsim::ClothPart part() const;
 
   /// The rows of its points in an array of all, N x 3.
@@ -27,7 +26,7 @@ class Cloth {
   std::string name_;
 };
 
-/// The cloths of the scene, by name; none where it has one.
-std::map<std::string, Cloth> cloths_of(const std::shared_ptr<Simulation>&);
+/// A dict of the scene's cloths by name, in its order; empty where it has one.
+py::dict cloths_of(const std::shared_ptr<Simulation>&);
 
 }  // namespace clothsim_python

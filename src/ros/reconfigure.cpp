@@ -156,12 +156,14 @@ clothsim::Scene to_scene(const Config& config, const Config& last,
 
 struct Reconfigure::Impl {
   Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator, Changes& changes)
-      : last(from_scene(simulator.scene(), Config::__getDefault__())),
+      : simulator(simulator),
+        cloths(clothsim::live_values(simulator.scene()).cloths),
+        last(from_scene(simulator.scene(), Config::__getDefault__())),
         values(node, last,
-               [this, &simulator, &changes,
-                start = simulator.scene().simulation](const Config& config) {
-                 const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
-                 simulator.set(clothsim::live_values(scene));
+               [this, &changes, start = simulator.scene().simulation](const Config& config) {
+                 const clothsim::Scene scene =
+                     to_scene(config, last, start, this->simulator.scene());
+                 this->simulator.set(clothsim::live_values(scene));
                  last = config;
                  if (!serving) return;
                  clothsim::Change change;
@@ -195,8 +197,19 @@ struct Reconfigure::Impl {
         ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns), start, apply));
   }
 
-  bool serving = false;  // false at the start, which is no call
-  Config last;           // accepted last
+  /// Gives several cloths their materials of the start, which the values of the first do not tell.
+  void reset_cloths() {
+    if (cloths.empty()) return;
+    clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
+    live.material = cloths.front();
+    live.cloths = cloths;
+    simulator.set(live);
+  }
+
+  clothsim::Simulator& simulator;
+  const std::vector<clothsim::Material> cloths;  // of several, at the start
+  bool serving = false;                          // false at the start, which is no call
+  Config last;                                   // accepted last
   LiveValues<Config> values;
   std::vector<std::pair<std::string, std::unique_ptr<LiveValues<ColliderConfig>>>> colliders;
 };
@@ -222,6 +235,7 @@ std::vector<std::string> Reconfigure::changed() const {
 }
 
 void Reconfigure::reset() {
+  impl_->reset_cloths();
   impl_->values.reset();
   for (const auto& [ns, values] : impl_->colliders) values->reset();
 }

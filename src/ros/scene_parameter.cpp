@@ -145,7 +145,7 @@ GivenScene read_scene_parameter(const ros::NodeHandle& node) {
     throw InvalidValue({scene_key}, "nothing",
                        "a scene, such as config/scenes/*.yaml, or its file in ~scene_file");
   }
-  if (given.yaml.IsMap() && !given.yaml["cloth"].IsDefined()) {
+  if (given.yaml.IsMap() && !given.yaml["cloth"].IsDefined() && !given.yaml["cloths"].IsDefined()) {
     throw InvalidValue({scene_key, "cloth"}, "nothing",
                        "a map, which rosparam drops where it is empty, unlike ~scene_file");
   }

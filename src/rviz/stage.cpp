@@ -30,31 +30,49 @@ Vector3 place(const clothsim::ClothSpec& cloth, double u, double v) {
          Vector3(u * cloth.width, upright ? 0 : v * cloth.height, upright ? v * cloth.height : 0);
 }
 
-std::vector<Vector3> places(const clothsim::ClothSpec& cloth) {
-  std::vector<Vector3> all;
-  for (int i = 0; cloth.mesh && i < cloth.columns; ++i) {
-    all.push_back(clothsim::row(cloth.mesh->positions, i));
-  }
-  if (cloth.mesh) return all;
+/// One cloth at the start.
+struct Sheet {
+  std::vector<Vector3> places;  // of its points, or samples of them; the first is point [0, 0]
+  std::vector<Vector3> pins;
+  bool is_upright;
+};
+
+Sheet sheet_of_grid(const clothsim::ClothSpec& cloth) {
+  Sheet sheet{{}, {}, cloth.orientation == clothsim::Orientation::vertical};
   for (int i = 0; i <= samples; ++i) {
     for (int j = 0; j <= samples; ++j) {
-      all.push_back(place(cloth, double(i) / samples, double(j) / samples));
+      sheet.places.push_back(place(cloth, double(i) / samples, double(j) / samples));
     }
   }
-  return all;
+  for (const clothsim::Pin& pin : cloth.pinned) {
+    sheet.pins.push_back(place(cloth, double(pin.column) / std::max(cloth.columns - 1, 1),
+                               double(pin.row) / std::max(cloth.rows - 1, 1)));
+  }
+  return sheet;
 }
 
-std::vector<Vector3> pins(const clothsim::ClothSpec& cloth) {
-  std::vector<Vector3> all;
-  for (const clothsim::Pin& pin : cloth.pinned) {
-    if (cloth.mesh) {
-      all.push_back(clothsim::row(cloth.mesh->positions, pin.column));
-      continue;
-    }
-    all.push_back(place(cloth, double(pin.column) / std::max(cloth.columns - 1, 1),
-                        double(pin.row) / std::max(cloth.rows - 1, 1)));
+/// Points [first, end) of a mesh.
+Sheet sheet_of_mesh(const clothsim::ClothSpec& cloth, int first, int end) {
+  Sheet sheet{{}, {}, false};
+  for (int i = first; i < end; ++i) {
+    sheet.places.push_back(clothsim::row(cloth.mesh->positions, i));
   }
-  return all;
+  for (const clothsim::Pin& pin : cloth.pinned) {
+    if (pin.column < first || pin.column >= end) continue;
+    sheet.pins.push_back(clothsim::row(cloth.mesh->positions, pin.column));
+  }
+  return sheet;
+}
+
+std::vector<Sheet> sheets_of(const clothsim::ClothSpec& cloth) {
+  if (!cloth.mesh) return {sheet_of_grid(cloth)};
+  if (cloth.parts.empty()) return {sheet_of_mesh(cloth, 0, cloth.columns)};
+  std::vector<Sheet> sheets;
+  for (const clothsim::ClothPart& part : cloth.parts) {
+    sheets.push_back(sheet_of_mesh(cloth, part.first_point, part.first_point + part.num_points()));
+    sheets.back().is_upright = part.is_vertical;
+  }
+  return sheets;
 }
 
 /// Height of the ground straight below a point: of the highest plane there.
@@ -97,31 +115,37 @@ double hangs_at(const Vector3& point, const std::vector<Vector3>& pins) {
   return std::min(point.z(), pin.z() - (pin - point).norm());
 }
 
-Box stage_in_world(const clothsim::Scene& scene) {
-  const std::vector<Vector3> points = places(scene.cloth);
-  const std::vector<Vector3> held = pins(scene.cloth);
-  Box stage;
-  for (const Vector3& point : points) stage.extend(point);
+/// The box of all places through which a cloth falls or swings.
+Box stage_of(const Sheet& sheet, const clothsim::Scene& scene) {
+  Box start;
+  for (const Vector3& point : sheet.places) start.extend(point);
 
-  const Vector3 size = Vector3::Constant(stage.diagonal().norm());
-  Box reach(stage.min() - size, stage.max() + size);
-  if (held.empty()) reach.min().z() = -infinity;
+  Box stage = start;
+  const Vector3 size = Vector3::Constant(start.diagonal().norm());
+  Box reach(start.min() - size, start.max() + size);
+  if (sheet.pins.empty()) reach.min().z() = -infinity;
   const Box obstacles = solids(scene, reach);
   // A cloth that lies across an obstacle hangs down by half its side.
-  const double side = std::max(scene.cloth.width, scene.cloth.height);
+  const double side = start.sizes().maxCoeff();
   const double drapes_at = obstacles.isEmpty() ? infinity : obstacles.max().z() - side / 2;
 
-  for (const Vector3& point : points) {
+  for (const Vector3& point : sheet.places) {
     const double ground = ground_below(point, scene);
-    double lowest = held.empty() ? std::min(ground, drapes_at) : hangs_at(point, held);
+    double lowest = sheet.pins.empty() ? std::min(ground, drapes_at) : hangs_at(point, sheet.pins);
     lowest = std::min(std::max(lowest, ground), point.z());
     if (std::isfinite(lowest)) stage.extend(Vector3(point.x(), point.y(), lowest));
   }
   if (!obstacles.isEmpty()) stage.extend(obstacles);
-  if (held.empty() && scene.cloth.orientation == clothsim::Orientation::vertical) {
-    const Vector3 aside(0, spread * scene.cloth.height, 0);
-    stage.extend(scene.cloth.origin - aside).extend(scene.cloth.origin + aside);
+  if (sheet.pins.empty() && sheet.is_upright) {
+    const Vector3 aside(0, spread * start.sizes().z(), 0), origin = sheet.places.front();
+    stage.extend(origin - aside).extend(origin + aside);
   }
+  return stage;
+}
+
+Box stage_in_world(const clothsim::Scene& scene) {
+  Box stage;
+  for (const Sheet& sheet : sheets_of(scene.cloth)) stage.extend(stage_of(sheet, scene));
   return stage;
 }
 

@@ -1,11 +1,10 @@
 #include "clothsim/scene/cloth_yaml.h"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "clothsim/geometry/intersections.h"
+#include "clothsim/geometry/cloth_surface.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/join_cloths.h"
 #include "clothsim/scene/cloth_mesh_yaml.h"
@@ -123,33 +122,8 @@ ClothSpec read(const YAML::Node& node, const std::filesystem::path& folder, std:
   return cloth;
 }
 
-/// The cloth with this triangle.
-const ClothPart& part_of(const ClothSpec& joined, int triangle) {
-  return *std::find_if(joined.parts.begin(), joined.parts.end(), [&](const ClothPart& part) {
-    return triangle < part.first_triangle + part.triangles;
-  });
-}
-
-/// Throws InvalidValue where two cloths in contact with each other pass through each other at the
-/// start.
-void check_apart(const ClothSpec& joined) {
-  Cloth cloth;
-  cloth.rest_positions = joined.mesh->positions;
-  cloth.triangles = joined.mesh->triangles;
-  if (joined.self_collision == SelfCollision::off) return;
-  for (const auto& [a, b] : find_intersections(cloth, cloth.rest_positions)) {
-    const std::string &one = part_of(joined, a).name, &other = part_of(joined, b).name;
-    const Vector3 at = row(cloth.rest_positions, cloth.triangles[static_cast<std::size_t>(b)][0]);
-    throw InvalidValue({},
-                       other + " through " + one + " near [" +
-                           join({to_text(at[0]), to_text(at[1]), to_text(at[2])}) + ']',
-                       "cloths that start apart");
-  }
-}
-
 }  // namespace
 
-/// true, false, or a name of self_collision_names.
 void read_self_collision(const YAML::Node& node, SelfCollision& self_collision) {
   if (is_word(node, "points")) {
     self_collision = SelfCollision::points;
@@ -175,7 +149,7 @@ ClothSpec read_cloths(const YAML::Node& node, const std::filesystem::path& folde
     cloths.push_back(std::move(cloth));
   });
   ClothSpec joined = join_cloths(cloths);
-  check_apart(joined);
+  if (joined.self_collision != SelfCollision::off) check_apart(*joined.mesh);
   return joined;
 }
 

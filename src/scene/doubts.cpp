@@ -61,16 +61,22 @@ void doubt_angles(const YAML::Node& node, const std::string& path, Lines& lines)
 }
 
 void doubt_size(const ClothSpec& cloth, Lines& lines) {
-  if (cloth.mesh) return;
   const auto doubt = [&](const std::string& key, double size, int points) {
     const double cell = size / std::max(1, points - 1);
     if (size < large_size || cell < coarse_cell) return;
-    lines.push_back("cloth." + key + ": got " + to_text(size) + " [m], cells of " + rounded(cell) +
+    lines.push_back(key + ": got " + to_text(size) + " [m], cells of " + rounded(cell) +
                     " m; did you mean " + to_text(size / centimetres) + ", " + to_text(size) +
                     " cm?");
   };
-  doubt("width", cloth.width, cloth.columns);
-  doubt("height", cloth.height, cloth.rows);
+  for (std::size_t i = 0; i < cloth.parts.size(); ++i) {
+    const ClothPart& part = cloth.parts[i];
+    if (!part.is_grid) continue;
+    doubt("cloths." + std::to_string(i) + ".width", part.width, part.columns);
+    doubt("cloths." + std::to_string(i) + ".height", part.height, part.rows);
+  }
+  if (cloth.mesh) return;
+  doubt("cloth.width", cloth.width, cloth.columns);
+  doubt("cloth.height", cloth.height, cloth.rows);
 }
 
 /// Whether the box of `points` is near enough for contact with the collider.

@@ -137,6 +137,9 @@ MotionEntry read_entry(const YAML::Node& node, PointReaders& readers) {
     std::vector<Field> all =
         std::visit([&](auto& action) { return fields(action, points); }, entry.action);
     if (has_points) all.push_back({"cloth", [](const YAML::Node&) {}});  // read first
+    if (has_points && node["cloth"].IsDefined() && !node["points"].IsDefined()) {
+      throw InvalidValue({"cloth"}, describe(node["cloth"]), "none without points");
+    }
     all.push_back({kind.key, [&](const YAML::Node& value) { kind.read(value, entry.action); }});
     if (kind.key != "file") all.push_back({"time", into(entry.time)});
     read_map(node, all);

@@ -58,12 +58,25 @@ void check_parts(const std::vector<ColliderSpec>& colliders) {
   }
 }
 
+/// Runs `check` with the key of an entry of ClothSpec::attached.
+template <typename Check>
+void inside_attached(const ClothSpec& cloth, std::size_t entry, const Check& check) {
+  std::size_t part = cloth.parts.size(), first = 0;
+  while (part > 0 && cloth.parts[part - 1].first_attached > entry) --part;
+  if (part > 0) first = cloth.parts[part - 1].first_attached;
+  const auto in_list = [&] {
+    inside("attached", [&] { inside(std::to_string(entry - first), check); });
+  };
+  if (part == 0) return inside("cloth", in_list);
+  inside("cloths", [&] { inside(std::to_string(part - 1), in_list); });
+}
+
 void check_attached(const Scene& scene) {
   const ClothSpec& cloth = scene.cloth;
   std::set<std::array<int, 2>> held;
   for (const Pin& pin : cloth.pinned) held.insert({pin.column, pin.row});
   for (std::size_t i = 0; i < cloth.attached.size(); ++i) {
-    inside(std::to_string(i), [&] {
+    inside_attached(cloth, i, [&] {
       const BodyPoints& attached = cloth.attached[i];
       inside("body", [&] { check_names_body(attached.body, scene.colliders); });
       if (attached.tear_force) check_range("tear_force", *attached.tear_force, tear_force_range);
@@ -74,7 +87,7 @@ void check_attached(const Scene& scene) {
             const std::array<int, 2>& point = attached.points[k];
             check_grid_point(cloth, point[0], point[1]);
             if (held.insert(point).second) return;
-            throw InvalidValue({}, grid_point_text(point[0], point[1]),
+            throw InvalidValue({}, point_text(cloth, point[0], point[1]),
                                "a point that is neither pinned nor attached");
           });
         });
@@ -262,7 +275,7 @@ void validate(const Scene& scene) {
                        "at most " + std::to_string(max_colliders + 1 - scene.colliders.size()) +
                            ", with the colliders of the scene");
   }
-  inside(cloth, [&] { inside("attached", [&] { check_attached(scene); }); });
+  check_attached(scene);
   inside("simulation", [&] { validate(scene.simulation); });
   inside("motions", [&] { validate_motions(scene); });
 }

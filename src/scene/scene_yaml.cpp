@@ -113,6 +113,15 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
 
 void read_live_values(const YAML::Node& node, LiveSpec& live) {
   std::vector<Field> fields = live_fields(live.material);
+  for (Material& material : live.cloths) {  // the same value for each
+    const std::vector<Field> own = live_fields(material);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      fields[i].read = [first = fields[i].read, next = own[i].read](const YAML::Node& value) {
+        first(value);
+        next(value);
+      };
+    }
+  }
   append({{"thickness", into(live.thickness)},
           {"self_collision",
            [&](const YAML::Node& value) { read_self_collision(value, live.self_collision); }},
@@ -166,7 +175,7 @@ Scene read_scene(const YAML::Node& root, const SceneSources& sources) {
                    }},
                   {"motions", [&](const YAML::Node& list) { motions = list; }}});
   if (cloth.empty()) throw InvalidValue({"cloth"}, "nothing", "a map");
-  if (motions) inside("cloth", [&] { validate(scene.cloth); });
+  if (motions) inside(cloth, [&] { validate(scene.cloth); });
   if (motions) inside("motions", [&] { scene.motions = read_motions(*motions, scene.cloth); });
 
   validate(scene);

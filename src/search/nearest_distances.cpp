@@ -146,7 +146,9 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
   tiles_.push_back(make_tiles([](std::size_t) { return infinity; }));
   of_patches_.emplace_back().fill(static_cast<float>(max()));
   NearWays tile_ways(tiling_->tiles().size()), patch_ways(patches.size());
+  const auto cloth_of = [&](int tile) { return mesh.cloth_of(tiling_->at(tile).points[0]); };
   const auto add = [&](int a, int b) {
+    if (cloth_of(a) != cloth_of(b)) return;  // different cloths are no neighbours
     const Tiles both = make_tiles_of_mesh(a, b, rest);
     if (both.of == tiles_[NearWays::far].of) return;
     tile_ways.add(a, b, static_cast<int>(tiles_.size()));

@@ -94,15 +94,39 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
 /// number is measured.
 constexpr double onset = 30000;
 
+/// Calls visit(first point, points) for each cloth.
+template <typename Visit>
+void for_each_cloth(const Cloth& cloth, const Visit& visit) {
+  const std::size_t count = cloth.first_points.size();
+  if (count == 0) visit(0, cloth.num_points());
+  for (std::size_t i = 0; i < count; ++i) {
+    const int end = i + 1 < count ? cloth.first_points[i + 1] : cloth.num_points();
+    visit(cloth.first_points[i], end - cloth.first_points[i]);
+  }
+}
+
 /// Cells along the longer side of a grid, or of a square of a mesh's points.
 double cells_along(const Cloth& cloth) {
-  return cloth.is_mesh() ? std::sqrt(cloth.num_points()) : std::max(cloth.columns, cloth.rows);
+  if (!cloth.is_mesh()) return std::max(cloth.columns, cloth.rows);
+  double most = 0;
+  for_each_cloth(cloth, [&](int, int points) { most = std::max(most, std::sqrt(points)); });
+  return most;
+}
+
+/// The extent of the largest cloth [m].
+Eigen::RowVector3d extent_of(const Cloth& cloth) {
+  Eigen::RowVector3d largest = Eigen::RowVector3d::Zero();
+  for_each_cloth(cloth, [&](int first, int points) {
+    const auto own = cloth.rest_positions.middleRows(first, points);
+    const Eigen::RowVector3d extent = own.colwise().maxCoeff() - own.colwise().minCoeff();
+    if (extent.maxCoeff() > largest.maxCoeff()) largest = extent;
+  });
+  return largest;
 }
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
                  const std::vector<ColliderSpec>& colliders) {
-  const Eigen::RowVector3d extent =
-      cloth.rest_positions.colwise().maxCoeff() - cloth.rest_positions.colwise().minCoeff();
+  const Eigen::RowVector3d extent = extent_of(cloth);
   Motion m{};
   m.size = extent.maxCoeff();
   m.gravity = spec.gravity.norm();

@@ -35,7 +35,9 @@ Simulator::Impl::Impl(const Scene& s) : scene(s), scene_values(live_values(s)) {
   for (const ColliderSpec& spec : scene.colliders) colliders.emplace_back(spec);
   bodies = RigidBodies(scene.colliders);
   reset();
-  check_feasible(scene.simulation, cloth, {"cloth", "ks"});
+  check_feasible(scene.simulation, cloth,
+                 scene.cloth.parts.empty() ? std::vector<std::string>{"cloth", "ks"}
+                                           : std::vector<std::string>{"cloths"});
 }
 
 StepReport Simulator::Impl::step() {

@@ -19,17 +19,23 @@ bool join_alike(const Cloth& one, const Cloth& other) {
                     });
 }
 
-/// Gives the cloths of `spec` their materials of `live`.
+/// Gives the cloths of `spec` their materials of `live`; see LiveSpec.
 void set_materials(const LiveSpec& live, ClothSpec& spec) {
-  spec.material = live.material;
   if (live.cloths.size() != spec.parts.size()) {
     throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " materials",
                        std::to_string(spec.parts.size()) + ", one for each of several cloths");
   }
+  if (spec.parts.empty()) {
+    spec.material = live.material;
+    return;
+  }
+  Material first = live.cloths.front();
+  take_changes(spec.material, live.material, first);
   for (std::size_t i = 0; i < spec.parts.size(); ++i) {
     spec.parts[i].material = live.cloths[i];
-    take_changes(live.cloths.front(), live.material, spec.parts[i].material);
+    take_changes(live.cloths.front(), first, spec.parts[i].material);
   }
+  spec.material = first;
 }
 
 }  // namespace

@@ -61,6 +61,17 @@ def test_each_cloth_has_its_id_in_the_mask(napkins):
     assert 0.05 < np.sum(mask == 1) / np.sum(mask == 3) < 0.15
 
 
+def test_cloths_have_the_order_of_the_scene():
+    cloth = {"fabric": "felt", "columns": 3, "rows": 3, "width": 0.1, "height": 0.1}
+    simulator = clothsim.Simulator({"cloths": [
+        {**cloth, "name": name, "origin": [0.2 * i, 0, 0]} for i, name in enumerate(("c", "a", "b"))]})
+    assert list(simulator.cloths) == ["c", "a", "b"]
+    mask = simulator.render({"width": 300, "height": 60, "eye": [0.25, 0.05, 0.8], "target": [0.25, 0.0501, 0],
+                             "field_of_view": 0.3})[2]
+    row = mask[30]
+    assert [n for n, before in zip(row[1:], row) if n != before and n] == [1, 2, 3]
+
+
 def test_a_pickled_simulator_goes_on_with_its_values(napkins):
     napkins.set(density=0.3)
     napkins.step(10)

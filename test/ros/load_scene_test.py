@@ -80,6 +80,10 @@ class Load(unittest.TestCase):
         self.assertTrue(call(LOAD, LoadScene).success)  # the current parameters
         self.assertEqual(content(self.cloth.step(10)), from_file)
 
+    def test_several_cloths(self):
+        self.assertTrue(call(LOAD, LoadScene, "package://clothsim/config/scenes/napkins.yaml").success)
+        self.assertTrue(call(LOAD, LoadScene).success)  # the parameters that the file left
+
     def test_what_rosparam_would_drop_or_misread(self):
         path = self.write("cloth: {}\nsimulation: {tolerance: 1e-3}\n"
                           "colliders: [{name: finger, shape: mesh, file: finger.stl, center: [0, 0, 5]}]\n")

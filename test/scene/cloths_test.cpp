@@ -17,6 +17,11 @@ Points part_of(const Simulator& simulator, std::size_t i) {
   return simulator.state().positions.middleRows(part.first_point, part.num_points());
 }
 
+double part_mass(const Simulator& simulator, std::size_t i) {
+  const ClothPart& part = simulator.scene().cloth.parts[i];
+  return simulator.cloth().mass.segment(part.first_point, part.num_points()).sum();
+}
+
 /// Two sheets of 0.2 m on a floor, one on the other or beside it, as a stack in a drawer.
 YAML::Node stack(double shift) {
   YAML::Node root = YAML::Load(R"(
@@ -88,18 +93,49 @@ TEST(Cloths, CarryEachOther) {
   root["cloths"][1]["origin"] = std::vector<double>{0.03, 0.02, 0.55};
   root["cloths"][1]["width"] = root["cloths"][1]["height"] = 0.1;
   root["cloths"][1]["columns"] = root["cloths"][1]["rows"] = 6;
-  Simulator simulator(read_scene(root));
-  simulator.measure_wrenches(true);
-  double upward = 0;
-  for (int frame = 0; frame < 240; ++frame) {
-    simulator.step();
-    if (frame < 120) continue;
-    for (const HolderReport& pin : simulator.holders()) upward += pin.force / 120;
-  }
+  YAML::Node alone = YAML::Clone(root);
+  alone["cloths"].remove(1);
+  Simulator simulator(read_scene(root)), without(read_scene(alone));
+  const auto pull = [](Simulator& of) {  // mean over the pins and the last second [N]
+    double sum = 0;
+    for (int frame = 0; frame < 240; ++frame) {
+      of.step();
+      if (frame < 180) continue;
+      for (const HolderReport& pin : of.holders()) sum += pin.force / 60;
+    }
+    return sum;
+  };
+  const double weight = 9.8 * part_mass(simulator, 1);
+  EXPECT_GT(pull(simulator), pull(without) + weight);
   EXPECT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0);
   EXPECT_GT(part_of(simulator, 1).col(2).minCoeff(), 0.4);
   EXPECT_LT(part_of(simulator, 1).col(2).maxCoeff(), 0.5);
-  EXPECT_GT(upward, 0.9 * 9.8 * simulator.cloth().mass.sum());
+}
+
+TEST(Cloths, KeepTheirDistanceHoweverNearTheyStart) {
+  for (const double gap : {0.01, 0.002, 0.0006, 0.0001}) {
+    YAML::Node root = stack(0);
+    root["cloths"][1]["origin"] = std::vector<double>{0, 0, 0.002 + gap};
+    Simulator simulator(read_scene(root));
+    for (int frame = 0; frame < 120; ++frame) simulator.step();
+    const Points lower = part_of(simulator, 0), upper = part_of(simulator, 1);
+    const double apart = upper.col(2).mean() - lower.col(2).mean();
+    EXPECT_NEAR(apart, 2 * simulator.cloth().thickness, 0.02 * apart) << gap;
+  }
+}
+
+TEST(Cloths, AutoTakesTheMethodOfTheLargest) {
+  // A second cloth far away is no larger cloth.
+  YAML::Node root = stack(0);
+  root.remove("simulation");
+  root["cloths"][0]["pinned"] = YAML::Load("[[0, 0]]");
+  root["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.5};
+  YAML::Node alone = YAML::Clone(root);
+  alone["cloths"].remove(1);
+  root["cloths"][1]["origin"] = std::vector<double>{50, 0, 0.5};
+  const Simulator both(read_scene(root)), one(read_scene(alone));
+  EXPECT_EQ(both.choice().method, one.choice().method);
+  EXPECT_EQ(both.choice().predicted_error, one.choice().predicted_error);
 }
 
 }  // namespace

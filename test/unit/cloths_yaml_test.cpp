@@ -56,6 +56,9 @@ TEST(Cloths, MistakesSayWhere) {
       says(motion("cloth: third, points: [0]"), "motions.0.cloth ... third ... one, other"));
   EXPECT_TRUE(says(motion("cloth: one, points: [[5, 0]]"), "motions.0.points.0 ... [5, 0]"));
   EXPECT_TRUE(says(motion("cloth: one, points: [25]"), "motions.0.points.0 ... 25 ... 0 to 24"));
+  EXPECT_TRUE(says(motion("cloth: one, radius: 0.1"), "motions.0.cloth: got ... without points"));
+  EXPECT_TRUE(says(refusal(scene_with("", "motions: [{time: 0, detach: hand, cloth: one}]")),
+                   "motions.0.cloth: got ... without points"));
   EXPECT_TRUE(says(motion("points: [50]"), "motions.0.points.0 ... 50 ... 0 to 49"));
   const std::string single = std::string("cloth: {") + a_grid + "}\n";
   EXPECT_TRUE(says(refusal(single + "motions: [{time: 0, attach: h, cloth: one, points: [0]}]"),
@@ -67,8 +70,11 @@ TEST(Cloths, MistakesSayWhere) {
   EXPECT_TRUE(says(refusal(scene_with(", nme: x")), "cloths.1.nme ... unknown"));
   EXPECT_TRUE(says(refusal(scene_with(", pinned: [[5, 5]]")), "cloths.1.pinned.0 ... [5, 5]"));
   EXPECT_TRUE(says(refusal("cloth: {name: one}"), "cloth.name ... unknown"));
+  const std::string box = "colliders: [{shape: box, name: box, mass: 1, center: [0, 0, 5]}]";
+  EXPECT_TRUE(says(refusal(scene_with(", attached: [{body: box, points: [[1, 1], [1, 1]]}]", box)),
+                   "cloths.1.attached.0.points.1: got other [1, 1]"));
   EXPECT_TRUE(says(refusal(scene_with(", attached: [{body: box, points: [[0, 0]]}]")),
-                   "cloths.attached.0.body ... box"));
+                   "cloths.1.attached.0.body ... box"));
 }
 
 TEST(Cloths, StartApart) {
@@ -76,14 +82,30 @@ TEST(Cloths, StartApart) {
     return refusal(std::string("cloths: [{name: one, ") + a_grid + more + "}, {name: other, " +
                    a_grid + ", orientation: vertical, origin: [0.01, 0.11, 0.92]" + more + "}]");
   };
-  EXPECT_TRUE(says(upright(""), "cloths ... other through one near [ ... apart"));
+  EXPECT_TRUE(says(upright(""), "cloths: got triangle ... through triangle"));
   EXPECT_EQ(upright(", self_collision: false"), "accepted");
+  // At the same place, as with the default origin.
+  EXPECT_TRUE(says(
+      refusal(std::string("cloths: [{name: one, ") + a_grid + "}, {name: other, " + a_grid + "}]"),
+      "cloths: got point ... on triangle"));
 }
 
 TEST(Cloths, TouchEachOtherUnlessSwitchedOff) {
   EXPECT_EQ(read(scene_with("")).cloth.self_collision, SelfCollision::automatic);
   EXPECT_TRUE(
       says(refusal(scene_with(", self_collision: false")), "cloths.1.self_collision ... off"));
+}
+
+TEST(Cloths, ALiveValueIsSetInEach) {
+  const Scene scene = read(scene_with(", density: 0.5"));
+  LiveSpec live = live_values(scene);
+  const double first = live.material.density;
+  ASSERT_NE(first, 0.5);
+  read_live_values(YAML::Load("{density: " + to_text(first) + ", strain_limit: 0.2}"), live);
+  for (const Material& material : live.cloths) {
+    EXPECT_EQ(material.density, first);
+    EXPECT_EQ(material.strain_limit, 0.2);
+  }
 }
 
 }  // namespace

@@ -60,6 +60,9 @@ TEST(Doubts, SizesInCentimetres) {
   EXPECT_TRUE(says(doubt_of("cloth: {width: 40, height: 0.4, columns: 26}"),
                    "cloth.width: got 40 [m] ... 1.6 m ... 0.4 ... 40 cm"));
   EXPECT_EQ(doubts_of("cloth: {width: 20, height: 20, columns: 100, rows: 100}"), Lines());
+  const std::string one = "{fabric: felt, columns: 5, rows: 5, name: ";
+  EXPECT_TRUE(says(doubt_of("cloths: [" + one + "a}, " + one + "b, width: 20, origin: [0, 0, 2]}]"),
+                   "cloths.1.width: got 20 ... 0.2"));
 }
 
 TEST(Doubts, ClothThatStartsInACollider) {

@@ -178,6 +178,11 @@ TEST(JoinCloths, AClothMayChangeAlone) {
   const ClothPart& flag = simulator.scene().cloth.parts[1];
   EXPECT_NEAR(simulator.cloth().mass.segment(flag.first_point, 20).sum(), 9 * 0.4 * 0.3, 1e-12);
   EXPECT_EQ(simulator.scene().cloth.parts[0].material.density, live.material.density);
+  live = live_values(simulator.scene());
+  live.cloths[0].density = 4;
+  simulator.set(live);
+  EXPECT_EQ(simulator.scene().cloth.material.density, 4);
+  EXPECT_EQ(simulator.scene().cloth.parts[1].material.density, 9);
   live.cloths.pop_back();
   EXPECT_THROW(simulator.set(live), InvalidValue);
 }

@@ -31,4 +31,9 @@ enum class RestLengths { surface, uv };
 /// two triangles that pass through each other, a point that lies on a triangle of another part.
 ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestLengths lengths);
 
+/// Throws InvalidValue, without a key, for two triangles that pass through each other and for a
+/// point that lies on a triangle without being one of its corners, nearer than a thousandth of its
+/// longest edge.
+void check_apart(const ClothMesh&);
+
 }  // namespace clothsim

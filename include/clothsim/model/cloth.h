@@ -56,7 +56,8 @@ struct Cloth {
   Points rest_positions;                                  // [m], N x 3
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;            // texture coordinates in [0, 1], N x 2
   std::vector<std::array<int, 3>> triangles;              // counter-clockwise seen from the front
-  std::vector<int> first_triangles;                       // of several cloths; empty: one
+  std::vector<int> first_points;                          // of several cloths; empty: one
+  std::vector<int> first_triangles;                       // the same
   std::vector<SpringRun> springs;                         // of the families switched on
   std::vector<BendRun> bends;                             // of a fabric
   std::vector<PairBand> pairs;                            // of a fabric: see pair_bands()

@@ -82,6 +82,9 @@ struct ClothPart {
   Material material{};
   bool is_grid = false;
   bool is_vertical = false;  // a grid that starts upright
+  double width = 0;          // of a grid [m]
+  double height = 0;
+  std::size_t first_attached = 0;  // in ClothSpec::attached
 
   int num_points() const { return columns * rows; }
 };

@@ -23,8 +23,8 @@ inline constexpr int max_substeps = static_cast<int>(substeps_range.max);
 /// Range of the number of threads.
 inline constexpr Range threads_range{1, 64, ""};
 
-/// Most colliders: their ids in the mask image are a byte, from 2 on. Each of several cloths but the
-/// first takes one of these ids.
+/// Most colliders: their ids in the mask image are a byte, from 2 on. Each of several cloths but
+/// the first takes one of these ids.
 inline constexpr std::size_t max_colliders = std::numeric_limits<std::uint8_t>::max() - 1;
 
 /// Most bytes of a scene's file, or of a robot's: far above any real one.
@@ -72,9 +72,9 @@ struct Scene {
   std::vector<MotionEntry> motions;   // for a MotionPlayer; a simulator itself does not play them
 };
 
-/// Values of a scene that may change between two frames. With several cloths, `material` is that of
-/// the first; where it differs from the first of `cloths`, a simulator that takes the values
-/// changes all of them.
+/// Values of a scene that may change between two frames. With several cloths, `cloths` has the
+/// material of each and `material` that of the first; a value of `material` that differs from the
+/// simulator's present one becomes that of all cloths.
 struct LiveSpec {
   Material material;
   double thickness;  // these three as in ClothSpec

@@ -48,6 +48,7 @@ struct Field {
 /// Reads each key of the map. Throws for a repeated key or one that is not among `fields`.
 void read_map(const YAML::Node&, const std::vector<Field>& fields);
 
+/// Adds fields at the end.
 void append(std::vector<Field> more, std::vector<Field>& fields);
 
 /// Reads each item of a list; keys are "0", "1" and so on.

@@ -16,7 +16,8 @@
 namespace clothsim {
 
 /// Contact distance of two features: 2 * thickness, or for neighbours on the cloth a quarter of
-/// their distance at rest, so that it can fold sharply without passing through itself.
+/// their distance at rest, so that it can fold sharply without passing through itself. Different
+/// cloths have no neighbours.
 ///
 /// Two edges inside the cloth have a share of that. Where layers lie on each other, points keep
 /// them 2 * thickness apart, and contacts of edges would be redundant; they remain where folds
