@@ -136,9 +136,12 @@ def numbers(event):
             found.append(point[1] * columns + point[0])
         elif "within" in point:
             found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"] + 1e-6))
-        else:
+        elif "near" in point or "uv" in point:
             away = rest - point["near"] if "near" in point else uv - point["uv"]
             found.append(np.linalg.norm(away, axis=1).argmin())
+        else:
+            raise SystemExit("motions: got %s, expected points by number or place, as the node does not publish "
+                             "the names of a pattern" % point)
     return [first + point for point in found]
 
 

@@ -101,6 +101,7 @@ ClothSpec join_cloths(const std::vector<NamedCloth>& cloths) {
   joined.pinned.clear();
   joined.attached.clear();
   joined.pin_strength.reset();
+  joined.pattern.reset();
   ClothMesh mesh;
   for (std::size_t i = 0; i < cloths.size(); ++i) {
     inside(std::to_string(i), [&] {
@@ -118,7 +119,7 @@ ClothSpec join_cloths(const std::vector<NamedCloth>& cloths) {
                               static_cast<int>(mesh.triangles.size()) - first_triangle,
                               spec.material, spec.mesh == nullptr,
                               !spec.mesh && spec.orientation == Orientation::vertical, spec.width,
-                              spec.height, joined.attached.size()});
+                              spec.height, joined.attached.size(), spec.pattern});
       append_held(spec, first, joined);
     });
   }

@@ -9,6 +9,7 @@
 #include "clothsim/model/join_cloths.h"
 #include "clothsim/scene/cloth_mesh_yaml.h"
 #include "clothsim/scene/fabric_yaml.h"
+#include "clothsim/scene/pattern_yaml.h"
 #include "clothsim/scene/points_yaml.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/scene/yaml_values.h"
@@ -71,12 +72,16 @@ void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YA
   if (attached) inside("attached", [&] { read_list(*attached, read_body); });
 }
 
-/// Throws InvalidValue where a cloth with a mesh has a key of grids.
+/// Throws InvalidValue where a cloth with a mesh or a pattern has a key of grids, or both.
 void check_no_grid(const YAML::Node& node) {
-  if (!node.IsMap() || !node["mesh"]) return;
-  for (const char* key : {"width", "height", "columns", "rows", "orientation", "origin"}) {
-    if (node[key]) {
-      throw InvalidValue({key}, describe(node[key]), "none with a mesh, which mesh.pose places");
+  if (!node.IsMap()) return;
+  for (const std::string shape : {"mesh", "pattern"}) {
+    if (!node[shape]) continue;
+    for (const std::string key :
+         {"width", "height", "columns", "rows", "orientation", "origin", "mesh"}) {
+      if (!node[key] || key == shape) continue;
+      throw InvalidValue({key}, describe(node[key]),
+                         "none with a " + shape + ", whose pose places it");
     }
   }
 }
@@ -92,6 +97,7 @@ ClothSpec read(const YAML::Node& node, const std::filesystem::path& folder, std:
   std::optional<YAML::Node> pinned, attached;  // read when the cloth is known
   std::vector<Field> fields = {
       {"mesh", [&](const YAML::Node& map) { read_cloth_mesh(map, folder, cloth); }},
+      {"pattern", [&](const YAML::Node& map) { read_pattern(map, cloth); }},
       {"width", into(cloth.width)},
       {"height", into(cloth.height)},
       {"columns", into(cloth.columns)},

@@ -10,7 +10,7 @@ namespace {
 
 const char* const ways_to_name = "[column, row], or a map with near, within and of, or uv";
 const char* const ways_to_name_on_mesh =
-    "the number of a point, or a map with near, within and of, or uv";
+    "the number of a point, or a map with near, within and of, uv, or corner or side of a pattern";
 
 /// Points on the rim of a distance are within it [m].
 constexpr double rounding = 1e-6;
@@ -21,6 +21,17 @@ int nearest_row(const Differences& differences) {
   const Eigen::VectorXd distances = differences.rowwise().squaredNorm();
   const double* first = distances.data();
   return static_cast<int>(std::min_element(first, first + distances.size()) - first);
+}
+
+/// The value of a name of a pattern. Throws InvalidValue.
+template <typename Value>
+Value named(const char* key, const std::string& name, const std::map<std::string, Value>& names) {
+  const auto found = names.find(name);
+  if (found != names.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [each, value] : names) known.push_back(each);
+  throw InvalidValue({key}, '"' + name + '"',
+                     known.empty() ? "none, as the cloth has no pattern" : "one of " + join(known));
 }
 
 }  // namespace
@@ -39,7 +50,9 @@ std::vector<Field> fields(PointPlace& place) {
   return {{"near", [&](const YAML::Node& node) { place.near = read_vector(node); }},
           {"within", [&](const YAML::Node& node) { place.within = read_number(node); }},
           {"of", [&](const YAML::Node& node) { place.of = read_vector(node); }},
-          {"uv", read_uv}};
+          {"uv", read_uv},
+          {"corner", [&](const YAML::Node& node) { into(place.corner.emplace())(node); }},
+          {"side", [&](const YAML::Node& node) { into(place.side.emplace())(node); }}};
 }
 
 PointReader::PointReader(const ClothSpec& spec, const ClothPart* part)
@@ -47,6 +60,7 @@ PointReader::PointReader(const ClothSpec& spec, const ClothPart* part)
   named_.columns = part ? part->columns : spec.columns;
   named_.rows = part ? part->rows : spec.rows;
   if (!part || !part->is_grid) named_.mesh = spec.mesh;
+  named_.pattern = part ? part->pattern : spec.pattern;
 }
 
 std::vector<std::array<int, 2>> PointReader::read(const YAML::Node& node) {
@@ -94,7 +108,8 @@ const Cloth& PointReader::cloth() {
 }
 
 std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
-  const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value();
+  const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value() +
+                   place.corner.has_value() + place.side.has_value();
   if (ways != 1 || place.within.has_value() != place.of.has_value()) {
     throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two",
                        named_.mesh ? ways_to_name_on_mesh : ways_to_name);
@@ -108,6 +123,9 @@ std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
   }
   if (place.uv) found = {nearest_row(own(cloth().uv).rowwise() - place.uv->transpose())};
   if (place.of) found = within(*place.within, *place.of);
+  const PatternPoints none, &names = named_.pattern ? *named_.pattern : none;
+  if (place.corner) found = {named("corner", *place.corner, names.corners)};
+  if (place.side) found = named("side", *place.side, names.sides);
   std::vector<std::array<int, 2>> points;
   for (const int i : found) points.push_back({i % named_.columns, i / named_.columns});
   return points;

@@ -61,8 +61,11 @@ TEST(Doubts, SizesInCentimetres) {
                    "cloth.width: got 40 [m] ... 1.6 m ... 0.4 ... 40 cm"));
   EXPECT_EQ(doubts_of("cloth: {width: 20, height: 20, columns: 100, rows: 100}"), Lines());
   const std::string one = "{fabric: felt, columns: 5, rows: 5, name: ";
-  EXPECT_TRUE(says(doubt_of("cloths: [" + one + "a}, " + one + "b, width: 20, origin: [0, 0, 2]}]"),
-                   "cloths.1.width: got 20 ... 0.2"));
+  const Lines of_cloths =
+      doubts_of("cloths: [" + one + "a}, " + one + "b, width: 20, height: 20, origin: [0, 0, 2]}]");
+  ASSERT_EQ(of_cloths.size(), 2u);
+  EXPECT_TRUE(says(of_cloths[0], "cloths.1.width: got 20 ... 0.2"));
+  EXPECT_TRUE(says(of_cloths[1], "cloths.1.height: got 20 ... 0.2"));
 }
 
 TEST(Doubts, ClothThatStartsInACollider) {

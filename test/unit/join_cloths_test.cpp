@@ -35,8 +35,9 @@ std::vector<NamedCloth> two_cloths() {
 Points shaken_rows(const Points& x) {
   Points moved = x;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const auto angle = double(i);
     moved.row(i) +=
-        2e-3 * Eigen::RowVector3d(std::sin(7.0 * i), std::cos(5.0 * i), std::sin(3.0 * i));
+        2e-3 * Eigen::RowVector3d(std::sin(7 * angle), std::cos(5 * angle), std::sin(3 * angle));
   }
   return moved;
 }

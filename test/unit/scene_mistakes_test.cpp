@@ -27,7 +27,8 @@ TEST_P(SceneMistake, IsRefusedWithKeyGotAndExpected) {
 }
 
 constexpr const char* cloth_keys =
-    "mesh, width, height, columns, rows, orientation, origin, pinned, attached, pin_strength, "
+    "mesh, pattern, width, height, columns, rows, orientation, origin, pinned, attached, "
+    "pin_strength, "
     "springs, "
     "ks, "
     "untangle, fabric, self_collision, density, damping, drag, strain_limit, thickness, friction, "
@@ -36,12 +37,14 @@ constexpr const char* cloth_keys =
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
     testing::Values(
-        Mistake{"clothes=1",
-                "clothes: got ... unknown ... cloth, cloths, colliders, robots, simulation, motions"},
+        Mistake{
+            "clothes=1",
+            "clothes: got ... unknown ... cloth, cloths, colliders, robots, simulation, motions"},
         Mistake{"cloth.springs.bend=true",
                 "cloth.springs.bend: got ... unknown ... structural, shear, bending"},
         Mistake{"cloth.pinned.1.link=hand",
-                "cloth.pinned.1.link: got ... unknown ... near, within, of, uv, point, frame, "
+                "cloth.pinned.1.link: got ... unknown ... near, within, of, uv, corner, side, "
+                "point, frame, "
                 "strength"},
         Mistake{"colliders.1.radius=0.3",
                 "colliders.1.radius: got ... unknown ... name, shape, friction, frame, enabled, "

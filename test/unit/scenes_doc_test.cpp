@@ -79,6 +79,13 @@ std::string urdf_file() {
 const std::vector<Map> fixed_maps = {
     {{"cloth"}, "cloth: {", "}"},
     {{"cloth.mesh"}, "cloth: {fabric: felt, mesh: {file: " + sheet_file() + ", ", "}}"},
+    {{"cloth.pattern"},
+     "cloth: {fabric: felt, pattern: {panels: [{name: a, outline: [[0, 0], [0.01, 0], [0, "
+     "0.01]]}], ",
+     "}}"},
+    {{"cloth.pattern.panels"},
+     "cloth: {fabric: felt, pattern: {panels: [{name: a, outline: [[0, 0], [1, 0], [0, 1]], ",
+     "}]}}"},
     {{"cloth.pinned", "Points by place"}, "cloth: {pinned: [{point: [0, 0], ", "}]}"},
     {{"Points by place"}, "{cloth: {}, motions: [{attach: a, points: [{", "}]}]}"},
     {{"cloth.attached"},

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "clothsim/model/types.h"
@@ -15,6 +17,12 @@ struct ClothMesh {
   std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from the front
   std::vector<std::array<Flat, 3>> flat;        // corners of each triangle at rest
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates, N x 2
+};
+
+/// Points of a mesh by the names of a sewing pattern, PANEL.NUMBER.
+struct PatternPoints {
+  std::map<std::string, int> corners;
+  std::map<std::string, std::vector<int>> sides;  // from corner to corner
 };
 
 /// An edge of a mesh.

@@ -84,7 +84,8 @@ struct ClothPart {
   bool is_vertical = false;  // a grid that starts upright
   double width = 0;          // of a grid [m]
   double height = 0;
-  std::size_t first_attached = 0;  // in ClothSpec::attached
+  std::size_t first_attached = 0;                  // in ClothSpec::attached
+  std::shared_ptr<const PatternPoints> pattern{};  // by its own numbers of points; null: none
 
   int num_points() const { return columns * rows; }
 };
@@ -107,6 +108,7 @@ struct ClothSpec {
   double friction = 0.3;           // Coulomb's coefficient between layers of the cloth
   bool untangle = false;           // untangles a state that is set and crosses itself
   std::vector<ClothPart> parts{};  // of `mesh`, see join_cloths(); empty: one cloth
+  std::shared_ptr<const PatternPoints> pattern{};  // of a mesh from a pattern; null: none
 };
 
 /// Sets in `to` the values that `after` has changed since `before`.

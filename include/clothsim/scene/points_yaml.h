@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
@@ -12,14 +13,17 @@
 
 namespace clothsim {
 
-/// Points of a cloth by their place at the start: one of `near`, `within` with `of`, and `uv`.
+/// Points of a cloth by their place at the start, one of `near`, `within` with `of`, and `uv`; or
+/// by the names of a pattern, PANEL.NUMBER.
 struct PointPlace {
   std::optional<Vector3> near;        // the nearest point [m]
   std::optional<double> within;       // all points within this distance [m] ...
   std::optional<Vector3> of;          // ... of this place [m]
   std::optional<Eigen::Vector2d> uv;  // the point with the nearest texture coordinates, 0 to 1
+  std::optional<std::string> corner;  // of a panel
+  std::optional<std::string> side;    // all points of a side of a panel
 
-  bool empty() const { return !near && !within && !of && !uv; }
+  bool empty() const { return !near && !within && !of && !uv && !corner && !side; }
 };
 
 /// Its keys, for read_map().

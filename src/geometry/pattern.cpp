@@ -1,0 +1,186 @@
+#include "clothsim/geometry/pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "clothsim/model/checks.h"
+
+namespace clothsim {
+namespace {
+
+/// Largest difference in length of the sides of a seam, of the longer one: more is a mistake.
+constexpr double most_ease = 0.5;
+
+/// Things that are joined to groups.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : next_(count) { std::iota(next_.begin(), next_.end(), 0u); }
+  std::size_t of(std::size_t i) {
+    while (next_[i] != i) i = next_[i] = next_[next_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { next_[of(a)] = of(b); }
+
+ private:
+  std::vector<std::size_t> next_;
+};
+
+/// Consecutive numbers for items of several lists.
+class Numbers {
+ public:
+  template <typename Lists, typename Size>
+  Numbers(const Lists& lists, const Size& size) {
+    for (const auto& list : lists) firsts_.push_back(firsts_.back() + size(list));
+  }
+  std::size_t of(std::size_t list, std::size_t item) const { return firsts_[list] + item; }
+  std::size_t count() const { return firsts_.back(); }
+
+ private:
+  std::vector<std::size_t> firsts_{0};
+};
+
+class Sewer {
+ public:
+  explicit Sewer(const Pattern& pattern)
+      : pattern_(pattern),
+        sides_(pattern.panels, [](const Panel& panel) { return panel.sides.size(); }) {}
+
+  SewnPattern sew() {
+    count_points();
+    fill();
+    join();
+    return result();
+  }
+
+ private:
+  const PanelSide& side(const SideName& name) const {
+    return pattern_.panels[name.panel].sides[name.side];
+  }
+
+  /// Segments of each side: as many on all sides that are sewn to each other.
+  void count_points() {
+    Groups groups(sides_.count());
+    for (std::size_t s = 0; s < pattern_.seams.size(); ++s) {
+      const auto& [a, b] = pattern_.seams[s];
+      check_lengths(s, length_of(side(a)), length_of(side(b)));
+      groups.join(sides_.of(a.panel, a.side), sides_.of(b.panel, b.side));
+    }
+    std::vector<int> of_group(sides_.count(), 1);
+    const auto for_each_side = [&](const auto& visit) {
+      for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
+        for (std::size_t k = 0; k < pattern_.panels[p].sides.size(); ++k) {
+          const std::size_t i = sides_.of(p, k);
+          visit(i, groups.of(i), pattern_.panels[p].sides[k]);
+        }
+      }
+    };
+    for_each_side([&](std::size_t, std::size_t group, const PanelSide& line) {
+      const auto count = static_cast<int>(std::lround(length_of(line) / pattern_.cell));
+      of_group[group] = std::max(of_group[group], count);
+    });
+    segments_.resize(sides_.count());
+    for_each_side([&](std::size_t i, std::size_t group, const PanelSide&) {
+      segments_[i] = of_group[group];
+    });
+  }
+
+  static void check_lengths(std::size_t seam, double one, double other) {
+    const double longer = std::max(one, other);
+    if (std::abs(one - other) <= most_ease * longer) return;
+    throw InvalidValue({"seams", std::to_string(seam)},
+                       "sides of " + to_text(one) + " and " + to_text(other) + " m",
+                       "sides whose lengths differ by half of the longer one at most");
+  }
+
+  void fill() {
+    for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
+      const Panel& panel = pattern_.panels[p];
+      std::vector<PlanePoint> outline;
+      std::vector<int> first_points;
+      for (std::size_t k = 0; k < panel.sides.size(); ++k) {
+        first_points.push_back(static_cast<int>(outline.size()));
+        std::vector<PlanePoint> points = points_along(panel.sides[k], segments_[sides_.of(p, k)]);
+        outline.insert(outline.end(), points.begin(), points.end() - 1);
+      }
+      outline_sizes_.push_back(static_cast<int>(outline.size()));
+      first_of_side_.push_back(first_points);
+      inside("panels", [&] {
+        inside(std::to_string(p), [&] { meshes_.push_back(fill_panel(outline, pattern_.cell)); });
+      });
+      first_points_.push_back(static_cast<int>(places_.size()));
+      for (const PlanePoint& x : meshes_.back().points) {
+        places_.push_back(panel.pose.position + panel.pose.orientation * Vector3(x.x(), x.y(), 0));
+      }
+    }
+  }
+
+  /// The number of point k of a side among all points.
+  std::size_t point(const SideName& name, int k) const {
+    const int first = first_of_side_[name.panel][name.side];
+    return static_cast<std::size_t>(first_points_[name.panel] +
+                                    (first + k) % outline_sizes_[name.panel]);
+  }
+
+  /// Moves the points of seams to the middle of their places.
+  void join() {
+    Groups groups(places_.size());
+    for (const auto& [a, b] : pattern_.seams) {
+      const int last = segments_[sides_.of(a.panel, a.side)];
+      const auto gap = [&](int of_a, int of_b) {
+        return (places_[point(a, of_a)] - places_[point(b, of_b)]).norm();
+      };
+      const bool is_reversed = gap(0, last) + gap(last, 0) < gap(0, 0) + gap(last, last);
+      for (int k = 0; k <= last; ++k)
+        groups.join(point(a, k), point(b, is_reversed ? last - k : k));
+    }
+    std::vector<Vector3> sums(places_.size(), Vector3::Zero());
+    std::vector<int> counts(places_.size(), 0);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      sums[groups.of(i)] += places_[i];
+      ++counts[groups.of(i)];
+    }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (counts[groups.of(i)] > 1) places_[i] = sums[groups.of(i)] / counts[groups.of(i)];
+    }
+  }
+
+  SewnPattern result() const {
+    SewnPattern sewn;
+    sewn.mesh.vertices = places_;
+    for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
+      const Panel& panel = pattern_.panels[p];
+      const PlanePoint along = panel.warp.normalized(), across(-along.y(), along.x());
+      for (const PlanePoint& x : meshes_[p].points) {
+        sewn.mesh.uv.emplace_back(along.dot(x), across.dot(x));
+      }
+      for (const auto& [a, b, c] : meshes_[p].triangles) {
+        const int first = first_points_[p];
+        sewn.mesh.triangles.push_back({first + a, first + b, first + c});
+      }
+      sewn.sides.emplace_back();
+      for (std::size_t k = 0; k < panel.sides.size(); ++k) {
+        std::vector<Vector3>& places = sewn.sides.back().emplace_back();
+        for (int i = 0; i <= segments_[sides_.of(p, k)]; ++i) {
+          places.push_back(places_[point({p, k}, i)]);
+        }
+      }
+    }
+    return sewn;
+  }
+
+  const Pattern& pattern_;
+  Numbers sides_;                                // of the panels
+  std::vector<int> segments_;                    // by side
+  std::vector<PanelMesh> meshes_;                // by panel
+  std::vector<int> outline_sizes_;               // by panel: points
+  std::vector<int> first_points_;                // by panel, among all points
+  std::vector<std::vector<int>> first_of_side_;  // by panel and side, among the panel's points
+  std::vector<Vector3> places_;                  // of all points [m]
+};
+
+}  // namespace
+
+SewnPattern sew(const Pattern& pattern) { return Sewer(pattern).sew(); }
+
+}  // namespace clothsim
