@@ -110,7 +110,7 @@ class Sewer {
       });
       first_points_.push_back(static_cast<int>(places_.size()));
       for (const PlanePoint& x : meshes_.back().points) {
-        places_.push_back(panel.pose.position + panel.pose.orientation * Vector3(x.x(), x.y(), 0));
+        places_.push_back(panel.origin + panel.turn * Vector3(x.x(), x.y(), 0));
       }
     }
   }

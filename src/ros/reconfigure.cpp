@@ -155,15 +155,14 @@ clothsim::Scene to_scene(const Config& config, const Config& last,
 }  // namespace
 
 struct Reconfigure::Impl {
-  Impl(const ros::NodeHandle& node, clothsim::Simulator& simulator, Changes& changes)
-      : simulator(simulator),
+  Impl(const ros::NodeHandle& node, clothsim::Simulator& served, Changes& changes)
+      : simulator(served),
         cloths(clothsim::live_values(simulator.scene()).cloths),
         last(from_scene(simulator.scene(), Config::__getDefault__())),
         values(node, last,
                [this, &changes, start = simulator.scene().simulation](const Config& config) {
-                 const clothsim::Scene scene =
-                     to_scene(config, last, start, this->simulator.scene());
-                 this->simulator.set(clothsim::live_values(scene));
+                 const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
+                 simulator.set(clothsim::live_values(scene));
                  last = config;
                  if (!serving) return;
                  clothsim::Change change;
@@ -173,17 +172,17 @@ struct Reconfigure::Impl {
     const std::vector<clothsim::ColliderSpec>& specs = simulator.scene().colliders;
     const std::vector<std::string> in_ros = ros_names(specs);
     for (std::size_t i = 0; i < specs.size(); ++i) {
-      add_collider(node, specs[i].name, "collider/" + in_ros[i], simulator, changes);
+      add_collider(node, specs[i].name, "collider/" + in_ros[i], changes);
     }
     serving = true;
   }
 
   /// Serves the values of a collider in namespace `ns`.
   void add_collider(const ros::NodeHandle& node, const std::string& name, const std::string& ns,
-                    clothsim::Simulator& simulator, Changes& changes) {
+                    Changes& changes) {
     ColliderConfig start;
     start.friction = clothsim::live_values(simulator.scene()).collider_friction.at(name);
-    const auto apply = [this, name, ns, &simulator, &changes](const ColliderConfig& config) {
+    const auto apply = [this, name, ns, &changes](const ColliderConfig& config) {
       if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
       clothsim::validate_contact(live.thickness, config.friction);  // to name this value in errors

@@ -96,13 +96,16 @@ Panel read_panel(const YAML::Node& node) {
       throw InvalidValue({}, describe(value), "a direction");
     }
   };
+  Pose pose;
   read_map(node, {{"name", into(panel.name)},
                   {"outline", [&](const YAML::Node& list) { panel.sides = read_outline(list); }},
                   {"warp", read_warp},
-                  {"pose", [&](const YAML::Node& value) { read_pose(value, panel.pose); }}});
+                  {"pose", [&](const YAML::Node& value) { read_pose(value, pose); }}});
   if (panel.name.empty()) throw InvalidValue({"name"}, "nothing", "a name");
   if (panel.sides.empty()) throw InvalidValue({"outline"}, "nothing", "a list of corners");
-  inside("pose", [&] { check_range("xyz", panel.pose.position, place_range); });
+  inside("pose", [&] { check_range("xyz", pose.position, place_range); });
+  panel.origin = pose.position;
+  panel.turn = pose.orientation;
   return panel;
 }
 

@@ -16,6 +16,7 @@
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/grid.h"
 #include "clothsim/shapes/shape.h"
+#include "clothsim/simulation/cloth_size.h"
 #include "clothsim/simulation/substeps.h"
 
 namespace clothsim {
@@ -93,36 +94,6 @@ void add_buckling(const Cloth& cloth, double height, Motion& m) {
 /// Errors of nearly equal scenes differ by a factor of ten there, so no error is predicted. The
 /// number is measured.
 constexpr double onset = 30000;
-
-/// Calls visit(first point, points) for each cloth.
-template <typename Visit>
-void for_each_cloth(const Cloth& cloth, const Visit& visit) {
-  const std::size_t count = cloth.first_points.size();
-  if (count == 0) visit(0, cloth.num_points());
-  for (std::size_t i = 0; i < count; ++i) {
-    const int end = i + 1 < count ? cloth.first_points[i + 1] : cloth.num_points();
-    visit(cloth.first_points[i], end - cloth.first_points[i]);
-  }
-}
-
-/// Cells along the longer side of a grid, or of a square of a mesh's points.
-double cells_along(const Cloth& cloth) {
-  if (!cloth.is_mesh()) return std::max(cloth.columns, cloth.rows);
-  double most = 0;
-  for_each_cloth(cloth, [&](int, int points) { most = std::max(most, std::sqrt(points)); });
-  return most;
-}
-
-/// The extent of the largest cloth [m].
-Eigen::RowVector3d extent_of(const Cloth& cloth) {
-  Eigen::RowVector3d largest = Eigen::RowVector3d::Zero();
-  for_each_cloth(cloth, [&](int first, int points) {
-    const auto own = cloth.rest_positions.middleRows(first, points);
-    const Eigen::RowVector3d extent = own.colwise().maxCoeff() - own.colwise().minCoeff();
-    if (extent.maxCoeff() > largest.maxCoeff()) largest = extent;
-  });
-  return largest;
-}
 
 Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
                  const std::vector<ColliderSpec>& colliders) {

@@ -29,7 +29,7 @@ class NapkinsTest(unittest.TestCase):
         self.assertEqual(list(high.held), [441, 442, 462])
         lower = positions(high)[:441]
         self.assertLess(lower[:, 2].max(), 0.01)
-        aside = self.cloth.states.wait("the corner aside", lambda m: positions(m)[441, 0] > 0.4)
+        aside = self.cloth.states.wait("the corner aside", lambda m: positions(m)[441, 0] > 0.3)
         self.assertLess(np.linalg.norm(positions(aside)[:441] - lower, axis=1).max(), 0.01)
 
 

@@ -197,5 +197,29 @@ TEST(Mesh, ShirtIsFoldedOnceWithoutCrossings) {
   EXPECT_LT(simulator.state().positions.col(0).maxCoeff(), 0.18);
 }
 
+TEST(Mesh, OneLegOfTrousersIsFoldedOverTheOther) {
+  YAML::Node root = load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/trousers.yaml");
+  root["cloth"]["pattern"]["cell"] = 0.04;  // a quarter of the points
+  const Scene scene = read_scene(root);
+  Simulator simulator(scene);
+  MotionPlayer player(simulator, ".");
+  const auto leg = [&](const char* side) {  // the middle of a hem
+    Vector3 sum = Vector3::Zero();
+    const std::vector<int>& points = scene.cloth.pattern->sides.at(side);
+    for (const int i : points) sum += row(simulator.state().positions, i);
+    return Vector3(sum / double(points.size()));
+  };
+  const Vector3 left = leg("back.1");
+  while (simulator.state().time < 4) {
+    player.play(simulator);
+    simulator.step();
+  }
+  EXPECT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0);
+  EXPECT_LT((leg("back.1") - left).norm(), 0.02);             // stays
+  EXPECT_LT((leg("front.4") - left).head<2>().norm(), 0.05);  // lies on it
+  EXPECT_GT(leg("back.4").z(), leg("front.1").z());
+  EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
+}
+
 }  // namespace
 }  // namespace clothsim

@@ -206,8 +206,7 @@ Panel square_panel(const std::string& name, double size, double z) {
   for (std::size_t k = 0; k < 4; ++k) {
     panel.sides.push_back(straight_side(corners[k], corners[(k + 1) % 4]));
   }
-  panel.pose.position = {0, 0, z};
-  panel.pose.orientation.setIdentity();
+  panel.origin = {0, 0, z};
   return panel;
 }
 
@@ -235,7 +234,7 @@ TEST(Pattern, SidesOfDifferentLengthsHaveAsManyPoints) {
   Pattern pattern;
   pattern.cell = 0.05;
   pattern.panels = {square_panel("a", 0.4, 0), square_panel("b", 0.3, 0)};
-  pattern.panels[1].pose.position = {0.1, 0.5, 0};
+  pattern.panels[1].origin = {0.1, 0.5, 0};
   pattern.seams = {{{{0, 2}, {1, 0}}}};  // the upper side of a, the lower one of b
   const SewnPattern sewn = sew(pattern);
   ASSERT_EQ(sewn.sides[0][2].size(), 9u);

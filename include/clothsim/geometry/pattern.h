@@ -6,7 +6,7 @@
 
 #include "clothsim/geometry/cloth_surface.h"
 #include "clothsim/geometry/panel.h"
-#include "clothsim/shapes/collider.h"
+#include "clothsim/model/types.h"
 
 namespace clothsim {
 
@@ -15,7 +15,8 @@ struct Panel {
   std::string name;
   std::vector<PanelSide> sides;  // each begins where the one before it ends [m]
   PlanePoint warp{1, 0};         // direction of the warp threads
-  Pose pose;                     // of the panel's plane at the start
+  Vector3 origin{0, 0, 0};       // of the panel's plane at the start [m]
+  Eigen::Quaterniond turn{1, 0, 0, 0};
 };
 
 /// A side of a panel.
