@@ -224,7 +224,8 @@ void set_texture(const MeshTriangles& given, const std::vector<Corners>& order, 
   const auto is_outside = [](const Eigen::Vector2d& uv) {
     return !(uv.minCoeff() >= 0 && uv.maxCoeff() <= 1);
   };
-  if (given.uv.empty() || std::any_of(given.uv.begin(), given.uv.end(), is_outside)) {
+  if (given.uv.empty() || !given.has_texture ||
+      std::any_of(given.uv.begin(), given.uv.end(), is_outside)) {
     return lay_texture(warp, mesh);
   }
   mesh.uv.setConstant(mesh.positions.rows(), 2, -1);

@@ -148,6 +148,42 @@ void flip_ears(int outline, const std::vector<PlanePoint>& points,
   }
 }
 
+/// Splits inner edges between two sewn points of the outline at their middle.
+void split_chords(const std::vector<bool>& sewn, PanelMesh& mesh) {
+  const auto is_sewn = [&](int i) {
+    return static_cast<std::size_t>(i) < sewn.size() && sewn[static_cast<std::size_t>(i)];
+  };
+  std::map<std::array<int, 2>, std::size_t> triangle_at;  // by directed edge
+  const auto add = [&](std::size_t t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle_at[{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]}] = t;
+    }
+  };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) add(t);
+  std::vector<std::array<int, 2>> chords;
+  for (const auto& [edge, t] : triangle_at) {
+    const auto& [a, b] = edge;
+    if (a < b && is_sewn(a) && is_sewn(b) && triangle_at.count({b, a}) > 0) chords.push_back(edge);
+  }
+  for (const auto& [a, b] : chords) {
+    const std::size_t one = triangle_at[{a, b}], other = triangle_at[{b, a}];
+    const auto across = [&](std::size_t t) {
+      const std::array<int, 3>& corners = mesh.triangles[t];
+      return corners[0] + corners[1] + corners[2] - a - b;
+    };
+    const int c = across(one), d = across(other), m = static_cast<int>(mesh.points.size());
+    mesh.points.push_back(
+        (mesh.points[static_cast<std::size_t>(a)] + mesh.points[static_cast<std::size_t>(b)]) / 2);
+    mesh.triangles[one] = {a, m, c};
+    mesh.triangles[other] = {b, m, d};
+    mesh.triangles.push_back({m, b, c});
+    mesh.triangles.push_back({m, a, d});
+    for (const std::size_t t : {one, other, mesh.triangles.size() - 2, mesh.triangles.size() - 1}) {
+      add(t);
+    }
+  }
+}
+
 /// Throws InvalidValue unless each side of the outline is an edge of a triangle.
 void check_sides(const std::vector<PlanePoint>& outline,
                  const std::vector<std::array<int, 3>>& triangles) {
@@ -160,10 +196,11 @@ void check_sides(const std::vector<PlanePoint>& outline,
   const auto count = static_cast<int>(outline.size());
   for (int i = 0; i < count; ++i) {
     if (edges.count({i, (i + 1) % count}) > 0) continue;
-    throw InvalidValue({},
-                       "an outline that crosses itself, or is narrower than a cell, near " +
-                           text(outline[static_cast<std::size_t>(i)]),
-                       "an outline that triangles of the cell can fill");
+    throw InvalidValue(
+        {},
+        "an outline that crosses itself, or has sides far shorter than a cell, near " +
+            text(outline[static_cast<std::size_t>(i)]),
+        "an outline that triangles of the cell can fill");
   }
 }
 
@@ -174,8 +211,8 @@ PanelSide straight_side(const PlanePoint& from, const PlanePoint& to) { return {
 PanelSide arc_side(const PlanePoint& from, const PlanePoint& through, const PlanePoint& to) {
   const PlanePoint b = through - from, c = to - from;
   const double twice = 2 * cross(b, c);
-  if (std::abs(twice) < 1e-6 * b.norm() * c.norm()) {
-    throw InvalidValue({}, text(through) + ", on the line between the corners",
+  if (std::abs(twice) <= 1e-6 * b.norm() * c.norm()) {
+    throw InvalidValue({}, text(through) + ", on the line through the corners",
                        "a point beside the line");
   }
   const PlanePoint offset(c.y() * b.squaredNorm() - b.y() * c.squaredNorm(),
@@ -240,10 +277,13 @@ std::vector<PlanePoint> points_along(const PanelSide& side, int count) {
   return points;
 }
 
-PanelMesh fill_panel(std::vector<PlanePoint> outline, double cell) {
+PanelMesh fill_panel(std::vector<PlanePoint> outline, double cell, std::vector<bool> sewn) {
   const bool is_clockwise = area_of(outline) < 0;
   // Delaunay's triangles are anticlockwise: the check of sides needs the outline so, too.
-  if (is_clockwise) std::reverse(outline.begin(), outline.end());
+  if (is_clockwise) {
+    std::reverse(outline.begin(), outline.end());
+    std::reverse(sewn.begin(), sewn.end());
+  }
   PanelMesh mesh{outline, {}};
   for (const PlanePoint& p : lattice(outline, cell)) mesh.points.push_back(p);
   mesh.triangles = inner_triangles(outline, mesh.points);
@@ -253,6 +293,7 @@ PanelMesh fill_panel(std::vector<PlanePoint> outline, double cell) {
   }
   flip_ears(static_cast<int>(outline.size()), mesh.points, mesh.triangles);
   check_sides(outline, mesh.triangles);
+  split_chords(sewn, mesh);
   if (!is_clockwise) return mesh;
   const auto count = static_cast<int>(outline.size());
   std::reverse(mesh.points.begin(), mesh.points.begin() + count);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "clothsim/model/checks.h"
@@ -11,6 +12,9 @@ namespace {
 
 /// Largest difference in length of the sides of a seam, of the longer one: more is a mistake.
 constexpr double most_ease = 0.5;
+
+/// Least number of segments of a curved side.
+constexpr int least_of_curve = 4;
 
 /// Things that are joined to groups.
 class Groups {
@@ -40,6 +44,10 @@ class Numbers {
   std::vector<std::size_t> firsts_{0};
 };
 
+std::string join_text(const Vector3& x) {
+  return clothsim::join({to_text(x.x()), to_text(x.y()), to_text(x.z())});
+}
+
 class Sewer {
  public:
   explicit Sewer(const Pattern& pattern)
@@ -66,7 +74,9 @@ class Sewer {
       check_lengths(s, length_of(side(a)), length_of(side(b)));
       groups.join(sides_.of(a.panel, a.side), sides_.of(b.panel, b.side));
     }
-    std::vector<int> of_group(sides_.count(), 1);
+    // With one segment an opening between two seams would be closed by them.
+    std::vector<int> of_group(sides_.count(), 2);
+    for (const auto& [a, b] : pattern_.seams) of_group[groups.of(sides_.of(a.panel, a.side))] = 1;
     const auto for_each_side = [&](const auto& visit) {
       for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
         for (std::size_t k = 0; k < pattern_.panels[p].sides.size(); ++k) {
@@ -76,7 +86,9 @@ class Sewer {
       }
     };
     for_each_side([&](std::size_t, std::size_t group, const PanelSide& line) {
-      const auto count = static_cast<int>(std::lround(length_of(line) / pattern_.cell));
+      const bool is_curved = line.size() > 2;
+      const auto count = std::max(static_cast<int>(std::lround(length_of(line) / pattern_.cell)),
+                                  is_curved ? least_of_curve : 1);
       of_group[group] = std::max(of_group[group], count);
     });
     segments_.resize(sides_.count());
@@ -106,13 +118,30 @@ class Sewer {
       outline_sizes_.push_back(static_cast<int>(outline.size()));
       first_of_side_.push_back(first_points);
       inside("panels", [&] {
-        inside(std::to_string(p), [&] { meshes_.push_back(fill_panel(outline, pattern_.cell)); });
+        inside(std::to_string(p), [&] {
+          meshes_.push_back(fill_panel(outline, pattern_.cell, sewn_points(p, outline.size())));
+        });
       });
       first_points_.push_back(static_cast<int>(places_.size()));
       for (const PlanePoint& x : meshes_.back().points) {
         places_.push_back(panel.origin + panel.turn * Vector3(x.x(), x.y(), 0));
       }
     }
+  }
+
+  /// Which points of a panel's outline are on a seam.
+  std::vector<bool> sewn_points(std::size_t panel, std::size_t count) const {
+    std::vector<bool> sewn(count, false);
+    for (const auto& seam : pattern_.seams) {
+      for (const SideName& name : seam) {
+        if (name.panel != panel) continue;
+        const int first = first_of_side_[panel][name.side];
+        for (int k = 0; k <= segments_[sides_.of(panel, name.side)]; ++k) {
+          sewn[static_cast<std::size_t>(first + k) % count] = true;
+        }
+      }
+    }
+    return sewn;
   }
 
   /// The number of point k of a side among all points.
@@ -143,11 +172,23 @@ class Sewer {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (counts[groups.of(i)] > 1) places_[i] = sums[groups.of(i)] / counts[groups.of(i)];
     }
+    // Points at one place become one point of the cloth.
+    std::map<std::array<double, 3>, std::size_t> group_at;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const Vector3& x = places_[i];
+      const auto [at, is_new] =
+          group_at.emplace(std::array<double, 3>{x.x(), x.y(), x.z()}, groups.of(i));
+      if (is_new || at->second == groups.of(i)) continue;
+      throw InvalidValue({"panels"},
+                         "panels that touch at [" + join_text(x) + "] without a seam there",
+                         "panels that are sewn where they touch, or start apart");
+    }
   }
 
   SewnPattern result() const {
     SewnPattern sewn;
     sewn.mesh.vertices = places_;
+    sewn.mesh.has_texture = false;
     for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
       const Panel& panel = pattern_.panels[p];
       const PlanePoint along = panel.warp.normalized(), across(-along.y(), along.x());

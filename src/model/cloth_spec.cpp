@@ -56,7 +56,7 @@ void check_pins(const ClothSpec& spec) {
         const long long point = static_cast<long long>(pin.row) * spec.columns + pin.column;
         const auto [first, is_new] = seen.emplace(point, i);
         if (!is_new) {
-          throw InvalidValue({}, grid_point_text(pin.column, pin.row) + " again",
+          throw InvalidValue({}, point_text(spec, pin.column, pin.row) + " again",
                              "a point other than that of item " + std::to_string(first->second));
         }
         check_frame(pin.frame);

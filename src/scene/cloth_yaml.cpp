@@ -1,5 +1,6 @@
 #include "clothsim/scene/cloth_yaml.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -35,14 +36,19 @@ void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pi
     read_map(node, all);
     if (points.empty() == place.empty()) {
       throw InvalidValue({"point"}, points.empty() ? "nothing" : "a place, too",
-                         "[column, row], or near, within and of, or uv instead");
+                         "[column, row], or near, within and of, uv, corner or side instead");
     }
     if (points.empty()) points = reader.find(place);
   }
   for (const auto& [column, row] : points) {
     pin.column = column;
     pin.row = row;
-    pins.push_back(pin);
+    // Sides of a pattern share points.
+    const bool is_known = place.side && std::any_of(pins.begin(), pins.end(), [&](const Pin& p) {
+                            return p.column == column && p.row == row && p.frame == pin.frame &&
+                                   p.strength == pin.strength;
+                          });
+    if (!is_known) pins.push_back(pin);
   }
 }
 

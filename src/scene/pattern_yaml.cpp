@@ -1,5 +1,6 @@
 #include "clothsim/scene/pattern_yaml.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "clothsim/geometry/pattern.h"
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/colliders_yaml.h"
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/scene/yaml_values.h"
 
@@ -18,8 +20,8 @@ constexpr Range cell_range{1e-4, 10, "m"};
 /// Largest coordinate in a panel [m].
 constexpr double farthest = 100;
 
-/// Most cells along a side: with more, a panel takes minutes to fill.
-constexpr double most_cells = 300;
+/// Most cells around a panel: with more, a panel takes minutes to fill.
+constexpr double most_cells = 800;
 
 PlanePoint read_place(const YAML::Node& node) {
   if (!node.IsSequence() || node.size() != 2) throw InvalidValue({}, describe(node), "[x, y]");
@@ -28,7 +30,8 @@ PlanePoint read_place(const YAML::Node& node) {
   read_list(node, [&](const YAML::Node& item) {
     const double value = read_number(item);
     if (std::abs(value) > farthest) {
-      throw InvalidValue({}, to_text(value), "at most " + to_text(farthest) + " [m]");
+      throw InvalidValue({}, to_text(value),
+                         to_text(-farthest) + " to " + to_text(farthest) + " [m]");
     }
     place[k++] = value;
   });
@@ -103,7 +106,7 @@ Panel read_panel(const YAML::Node& node) {
                   {"pose", [&](const YAML::Node& value) { read_pose(value, pose); }}});
   if (panel.name.empty()) throw InvalidValue({"name"}, "nothing", "a name");
   if (panel.sides.empty()) throw InvalidValue({"outline"}, "nothing", "a list of corners");
-  inside("pose", [&] { check_range("xyz", pose.position, place_range); });
+  inside("pose", [&] { check_range("xyz", pose.position, position_range); });
   panel.origin = pose.position;
   panel.turn = pose.orientation;
   return panel;
@@ -159,12 +162,12 @@ Pattern read(const YAML::Node& node) {
       throw InvalidValue({"panels", std::to_string(p), "name"},
                          '"' + pattern.panels[p].name + "\" again", "a name of its own");
     }
-    for (const PanelSide& side : pattern.panels[p].sides) {
-      if (length_of(side) <= most_cells * pattern.cell) continue;
-      throw InvalidValue({"cell"}, to_text(pattern.cell),
-                         "a three-hundredth of the sides or more, of which one has " +
-                             to_text(length_of(side)) + " m");
-    }
+    double around = 0;
+    for (const PanelSide& side : pattern.panels[p].sides) around += length_of(side);
+    if (around <= most_cells * pattern.cell) continue;
+    throw InvalidValue({"cell"}, to_text(pattern.cell),
+                       to_text(around / most_cells) + " or more, as panel " +
+                           pattern.panels[p].name + " has an outline of " + to_text(around) + " m");
   }
   const auto read_seams = [&] {
     read_list(*seams, [&](const YAML::Node& item) {
@@ -187,7 +190,11 @@ PatternPoints find_points(const Pattern& pattern, const SewnPattern& sewn, const
     for (std::size_t k = 0; k < sewn.sides[p].size(); ++k) {
       const std::string name = name_of(pattern.panels[p], k);
       std::vector<int>& side = names.sides[name];
-      for (const Vector3& x : sewn.sides[p][k]) side.push_back(points.at({x.x(), x.y(), x.z()}));
+      for (const Vector3& x : sewn.sides[p][k]) {
+        const int point = points.at({x.x(), x.y(), x.z()});
+        const bool is_known = std::find(side.begin(), side.end(), point) != side.end();
+        if (!is_known) side.push_back(point);  // a side sewn to itself ends where it begins
+      }
       names.corners[name] = side.front();
     }
   }

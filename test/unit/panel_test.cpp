@@ -10,6 +10,7 @@
 
 #include "clothsim/geometry/delaunay.h"
 #include "clothsim/geometry/pattern.h"
+#include "clothsim/model/errors.h"
 #include "says.h"
 
 namespace clothsim {
@@ -199,15 +200,18 @@ TEST(Panel, RefusesOutlinesThatCannotBeFilled) {
 
 // ---- Seams
 
-Panel square_panel(const std::string& name, double size, double z) {
-  const std::vector<PlanePoint> corners = {{0, 0}, {size, 0}, {size, size}, {0, size}};
+Panel panel_of(const std::string& name, const std::vector<PlanePoint>& corners, double z) {
   Panel panel;
   panel.name = name;
-  for (std::size_t k = 0; k < 4; ++k) {
-    panel.sides.push_back(straight_side(corners[k], corners[(k + 1) % 4]));
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    panel.sides.push_back(straight_side(corners[k], corners[(k + 1) % corners.size()]));
   }
   panel.origin = {0, 0, z};
   return panel;
+}
+
+Panel square_panel(const std::string& name, double size, double z) {
+  return panel_of(name, {{0, 0}, {size, 0}, {size, size}, {0, size}}, z);
 }
 
 TEST(Pattern, ABagIsSewnAtThreeSides) {
@@ -228,6 +232,65 @@ TEST(Pattern, ABagIsSewnAtThreeSides) {
   for (const Vector3& x : sewn.sides[0][1]) EXPECT_NEAR(x.z(), 0.005, 1e-12);
   EXPECT_NEAR(sewn.sides[0][2][5].z(), 0.01, 1e-12);
   EXPECT_EQ(sewn.sides[0][1], sewn.sides[1][1]);
+}
+
+/// Two equal panels, sewn at all sides but one: its mesh, after the check of edges and angles.
+ClothMesh pocket(const std::vector<PlanePoint>& corners, std::size_t open, double cell) {
+  Pattern pattern;
+  pattern.cell = cell;
+  pattern.panels = {panel_of("front", corners, 0.02), panel_of("back", corners, 0)};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (k != open) pattern.seams.push_back({{{0, k}, {1, k}}});
+  }
+  return make_cloth_mesh(sew(pattern).mesh, Vector3::UnitX(), RestLengths::uv);
+}
+
+int open_edges(const ClothMesh& mesh) {
+  int open = 0;
+  for (const MeshEdge& edge : mesh_edges(mesh.triangles)) open += edge.triangles[1] < 0;
+  return open;
+}
+
+TEST(Pattern, AnOpeningOfACellStaysOpen) {
+  const std::vector<PlanePoint> cut = {{0, 0}, {0.3, 0}, {0.3, 0.28}, {0.28, 0.3}, {0, 0.3}};
+  EXPECT_EQ(open_edges(pocket(cut, 2, 0.02)), 4);  // two of each panel
+}
+
+TEST(Pattern, AcuteCornersBetweenSeamsAreFilled) {
+  for (const double apex : {60.0, 45.0, 30.0, 15.0}) {  // [degrees], of a pocket of 0.4 m
+    const double half = 0.4 * std::tan(apex / 2 * M_PI / 180);
+    for (const double cell : {0.04, 0.02, 0.01}) {
+      const ClothMesh mesh = pocket({{-half, 0}, {half, 0}, {0, 0.4}}, 0, cell);
+      double area = 0;
+      for (const auto& [a, b, c] : mesh.flat) area += std::abs(cross(b - a, c - a)) / 2;
+      EXPECT_NEAR(area, 2 * half * 0.4, 1e-9) << apex;
+      EXPECT_EQ(open_edges(mesh), 2 * std::max(2l, std::lround(2 * half / cell))) << apex;
+    }
+  }
+}
+
+TEST(Pattern, StarsAndSleevesAreFilled) {
+  std::vector<PlanePoint> star;
+  for (int k = 0; k < 10; ++k) {
+    const double angle = M_PI * k / 5, radius = k % 2 == 0 ? 0.2 : 0.08;
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  EXPECT_EQ(open_edges(pocket(star, star.size(), 0.02)), 0);  // a cushion
+  Pattern sleeve;
+  sleeve.panels = {panel_of("a", {{0, 0}, {0.3, 0}, {0.3, 0.03}, {0, 0.03}}, 0.01),
+                   panel_of("b", {{0, 0}, {0.3, 0}, {0.3, 0.03}, {0, 0.03}}, 0)};
+  sleeve.seams = {{{{0, 0}, {1, 0}}}, {{{0, 2}, {1, 2}}}};
+  EXPECT_EQ(open_edges(make_cloth_mesh(sew(sleeve).mesh, Vector3::UnitX(), RestLengths::uv)), 8);
+}
+
+TEST(Pattern, RefusesPanelsThatTouchWithoutASeam) {
+  Pattern pattern;
+  pattern.cell = 0.025;
+  pattern.panels = {square_panel("a", 0.25, 0), square_panel("b", 0.25, 0)};
+  pattern.panels[1].origin = {0.25, 0, 0};
+  EXPECT_TRUE(says(mistake([&] { sew(pattern); }), "panels: got panels that touch at [0.25"));
+  pattern.seams = {{{{0, 1}, {1, 3}}}};
+  EXPECT_EQ(mistake([&] { sew(pattern); }), "accepted");
 }
 
 TEST(Pattern, SidesOfDifferentLengthsHaveAsManyPoints) {

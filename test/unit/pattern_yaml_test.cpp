@@ -56,6 +56,22 @@ TEST(PatternYaml, OneOfSeveralClothsHasItsNames) {
   }
 }
 
+TEST(PatternYaml, SidesOfAWaistShareTheirEnds) {
+  const std::string tube =
+      bag(", pinned: [{side: front.2}, {side: back.2}]", "[[front.1, back.1], [front.3, back.3]]");
+  EXPECT_EQ(read(tube).cloth.pinned.size(), 8u);  // 5 of each side, two of them of both
+  const Scene scene =
+      read(bag("", "[[front.1, back.1], [front.3, back.3]]") +
+           "\nmotions: [{attach: hand, points: [{side: front.2}, {side: back.2}]}]");
+  EXPECT_EQ(std::get<AttachPoints>(scene.motions.at(0).action).points.size(), 8u);
+  // A skirt: one ring, sewn to itself.
+  const Scene skirt = read(
+      "cloth: {fabric: felt, pattern: {cell: 0.05, panels: [{name: a, outline: [[0.3, 0.01], "
+      "{arc: [-0.3, 0]}, [0.3, -0.01], [0.1, -0.01], {arc: [-0.1, 0]}, [0.1, 0.01]]}], "
+      "seams: [[a.1, a.3]]}, pinned: [{side: a.2}]}");
+  EXPECT_GT(skirt.cloth.pinned.size(), 10u);
+}
+
 TEST(PatternYaml, ArcsAndCurves) {
   const auto area = [](const std::string& outline) {
     const Scene scene =
@@ -93,7 +109,7 @@ TEST(PatternYaml, MistakesSayWhere) {
   EXPECT_TRUE(says(panel(std::string("name: a, warp: [0, 0], ") + square), at + ".warp"));
   EXPECT_TRUE(says(panel(std::string("name: a, ") + square, "0"), "cloth.pattern.cell: got 0"));
   EXPECT_TRUE(says(panel(std::string("name: a, ") + square, "0.0001"),
-                   "cloth.pattern.cell ... three-hundredth"));
+                   "cloth.pattern.cell: got 1e-04 ... 0.001 or more, as panel a"));
   EXPECT_TRUE(
       says(refusal("cloth: {fabric: felt, pattern: {}}"), "cloth.pattern.panels: got none"));
   EXPECT_TRUE(says(refusal(bag("", "[[front.1, back.9]]")),

@@ -13,6 +13,7 @@ struct MeshTriangles {
   std::vector<Vector3> vertices;              // [m]
   std::vector<Eigen::Vector2d> uv;            // texture coordinates by vertex; empty: none
   std::vector<std::array<int, 3>> triangles;  // of vertices
+  bool has_texture = true;                    // false: uv are lengths alone
 };
 
 /// Lengths at rest: those of the surface, or differences of texture coordinates in metres.
