@@ -1,6 +1,7 @@
 #include "clothsim/scene/cloth_yaml.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -81,13 +82,15 @@ void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YA
 /// Throws InvalidValue where a cloth with a mesh or a pattern has a key of grids, or both.
 void check_no_grid(const YAML::Node& node) {
   if (!node.IsMap()) return;
-  for (const std::string shape : {"mesh", "pattern"}) {
+  const std::map<std::string, std::string> placed_by = {
+      {"mesh", "a mesh, which mesh.pose places"},
+      {"pattern", "a pattern, which the poses of its panels place"}};
+  for (const auto& [shape, text] : placed_by) {
     if (!node[shape]) continue;
     for (const std::string key :
          {"width", "height", "columns", "rows", "orientation", "origin", "mesh"}) {
       if (!node[key] || key == shape) continue;
-      throw InvalidValue({key}, describe(node[key]),
-                         "none with a " + shape + ", whose pose places it");
+      throw InvalidValue({key}, describe(node[key]), "none with " + text);
     }
   }
 }
