@@ -20,8 +20,9 @@ SIMULATE = pathlib.Path(clothsim.__file__).resolve().parents[3] / "clothsim/simu
     *sorted(path.name for path in scenes.SCENES.glob("*.yaml"))])
 def test_a_run_is_that_of_simulate(scene, tmp_path):
     text = (scenes.SCENES / scene).read_text()
-    overrides = {} if "mesh:" in text else {"cloth.columns": 12, "cloth.rows": 12}
-    if "pinned:" in text:
+    is_grid = not any(key in text for key in ("mesh:", "pattern:", "cloths:"))
+    overrides = {"cloth.columns": 12, "cloth.rows": 12} if is_grid else {}
+    if is_grid and "pinned:" in text:
         overrides["cloth.pinned"] = [[0, 0], [11, 0]]
     frames = 60 if overrides else 20
     simulator = Simulator(clothsim.Scene(scenes.SCENES / scene, overrides))
