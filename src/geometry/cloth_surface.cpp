@@ -29,10 +29,6 @@ constexpr double min_part = 1e-6;
 /// edge.
 constexpr double min_gap = 1e-3;
 
-std::string place_text(const Vector3& x) {
-  return '[' + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) + ']';
-}
-
 std::string triangle_text(int triangle, const Points& positions, const Corners& corners) {
   const Vector3 centre =
       (row(positions, corners[0]) + row(positions, corners[1]) + row(positions, corners[2])) / 3;
@@ -240,6 +236,10 @@ void set_texture(const MeshTriangles& given, const std::vector<Corners>& order, 
 }
 
 }  // namespace
+
+std::string place_text(const Vector3& x) {
+  return '[' + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) + ']';
+}
 
 ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestLengths lengths) {
   if (given.triangles.empty()) throw InvalidValue({}, "no triangles", "a surface");

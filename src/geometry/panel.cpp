@@ -1,6 +1,5 @@
 #include "clothsim/geometry/panel.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,9 +11,6 @@
 namespace clothsim {
 namespace {
 
-/// Segments of a curve between two of its points.
-constexpr int segments = 64;
-
 /// Least distance of inner points from the outline, in cells.
 constexpr double margin = 0.75;
 
@@ -24,8 +20,6 @@ constexpr int smoothings = 10;
 /// Smallest area of a triangle, of its longest edge squared: points along a straight side are not
 /// exactly on a line.
 constexpr double least_area = 0.01;
-
-double cross(const PlanePoint& a, const PlanePoint& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double area_of(const std::vector<PlanePoint>& polygon) {
   double twice = 0;
@@ -65,8 +59,6 @@ double distance_to(const std::vector<PlanePoint>& polygon, const PlanePoint& p) 
   }
   return nearest;
 }
-
-std::string text(const PlanePoint& p) { return '[' + to_text(p.x()) + ", " + to_text(p.y()) + ']'; }
 
 /// The lattice's points inside an outline.
 std::vector<PlanePoint> lattice(const std::vector<PlanePoint>& outline, double cell) {
@@ -114,37 +106,6 @@ void smooth(const std::vector<std::array<int, 3>>& triangles, std::size_t fixed,
   }
   for (std::size_t i = fixed; i < points.size(); ++i) {
     if (counts[i] > 0) points[i] = sums[i] / counts[i];
-  }
-}
-
-/// Flips the inner edge of triangles with two sides of the outline: at a corner between two seams
-/// that edge would be one of both panels, and an edge has two triangles at most.
-void flip_ears(int outline, const std::vector<PlanePoint>& points,
-               std::vector<std::array<int, 3>>& triangles) {
-  std::map<std::array<int, 2>, std::size_t> triangle_at;  // by directed edge
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangle_at[{triangles[t][k], triangles[t][(k + 1) % 3]}] = t;
-    }
-  }
-  for (int b = 0; b < outline; ++b) {
-    const int a = (b + outline - 1) % outline, c = (b + 1) % outline;
-    const auto ear = triangle_at.find({c, a}), other = triangle_at.find({a, c});
-    if (ear == triangle_at.end() || other == triangle_at.end()) continue;
-    std::array<int, 3>&one = triangles[ear->second], &two = triangles[other->second];
-    if (std::find(one.begin(), one.end(), b) == one.end()) continue;
-    const int d = two[0] + two[1] + two[2] - a - c;
-    if (!has_area(points, {a, b, d}) || !has_area(points, {b, c, d})) continue;
-    one = {a, b, d};
-    two = {b, c, d};
-    const std::size_t first = ear->second, second = other->second;
-    triangle_at.erase({c, a});
-    triangle_at.erase({a, c});
-    for (const std::size_t t : {first, second}) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        triangle_at[{triangles[t][k], triangles[t][(k + 1) % 3]}] = t;
-      }
-    }
   }
 }
 
@@ -199,83 +160,12 @@ void check_sides(const std::vector<PlanePoint>& outline,
     throw InvalidValue(
         {},
         "an outline that crosses itself, or has sides far shorter than a cell, near " +
-            text(outline[static_cast<std::size_t>(i)]),
+            place_text(outline[static_cast<std::size_t>(i)]),
         "an outline that triangles of the cell can fill");
   }
 }
 
 }  // namespace
-
-PanelSide straight_side(const PlanePoint& from, const PlanePoint& to) { return {from, to}; }
-
-PanelSide arc_side(const PlanePoint& from, const PlanePoint& through, const PlanePoint& to) {
-  const PlanePoint b = through - from, c = to - from;
-  const double twice = 2 * cross(b, c);
-  if (std::abs(twice) <= 1e-6 * b.norm() * c.norm()) {
-    throw InvalidValue({}, text(through) + ", on the line through the corners",
-                       "a point beside the line");
-  }
-  const PlanePoint offset(c.y() * b.squaredNorm() - b.y() * c.squaredNorm(),
-                          b.x() * c.squaredNorm() - c.x() * b.squaredNorm());
-  const PlanePoint center = from + offset / twice;
-  const auto angle = [&](const PlanePoint& p) {
-    return std::atan2(p.y() - center.y(), p.x() - center.x());
-  };
-  // Anticlockwise where `through` is to the right of the line.
-  const double turn = twice > 0 ? 1 : -1;
-  const double sweep = std::fmod(turn * (angle(to) - angle(from)) + 4 * M_PI, 2 * M_PI);
-  PanelSide side{from};
-  for (int k = 1; k < segments; ++k) {
-    const double at = angle(from) + turn * sweep * k / segments;
-    side.push_back(center +
-                   offset.norm() / std::abs(twice) * PlanePoint(std::cos(at), std::sin(at)));
-  }
-  side.push_back(to);
-  return side;
-}
-
-PanelSide curved_side(const PlanePoint& from, const std::vector<PlanePoint>& through,
-                      const PlanePoint& to) {
-  std::vector<PlanePoint> knots{from};
-  knots.insert(knots.end(), through.begin(), through.end());
-  knots.push_back(to);
-  knots.insert(knots.begin(), 2 * knots[0] - knots[1]);
-  knots.push_back(2 * knots.back() - knots[knots.size() - 2]);
-  PanelSide side{from};
-  for (std::size_t i = 1; i + 2 < knots.size(); ++i) {
-    const PlanePoint &a = knots[i - 1], &b = knots[i], &c = knots[i + 1], &d = knots[i + 2];
-    for (int k = 1; k <= segments; ++k) {
-      const double t = double(k) / segments;
-      side.push_back(b +
-                     t / 2 * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a))));
-    }
-  }
-  side.back() = to;
-  return side;
-}
-
-double length_of(const PanelSide& side) {
-  double length = 0;
-  for (std::size_t i = 1; i < side.size(); ++i) length += (side[i] - side[i - 1]).norm();
-  return length;
-}
-
-std::vector<PlanePoint> points_along(const PanelSide& side, int count) {
-  const double step = length_of(side) / count;
-  std::vector<PlanePoint> points{side.front()};
-  double passed = 0;  // length up to the segment
-  for (std::size_t i = 1; i < side.size(); ++i) {
-    const double length = (side[i] - side[i - 1]).norm();
-    while (static_cast<int>(points.size()) < count &&
-           step * double(points.size()) <= passed + length) {
-      const double share = (step * double(points.size()) - passed) / length;
-      points.push_back(side[i - 1] + share * (side[i] - side[i - 1]));
-    }
-    passed += length;
-  }
-  points.push_back(side.back());
-  return points;
-}
 
 PanelMesh fill_panel(std::vector<PlanePoint> outline, double cell, std::vector<bool> sewn) {
   const bool is_clockwise = area_of(outline) < 0;
@@ -291,7 +181,6 @@ PanelMesh fill_panel(std::vector<PlanePoint> outline, double cell, std::vector<b
     smooth(mesh.triangles, outline.size(), mesh.points);
     mesh.triangles = inner_triangles(outline, mesh.points);
   }
-  flip_ears(static_cast<int>(outline.size()), mesh.points, mesh.triangles);
   check_sides(outline, mesh.triangles);
   split_chords(sewn, mesh);
   if (!is_clockwise) return mesh;

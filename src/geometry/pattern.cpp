@@ -1,9 +1,9 @@
 #include "clothsim/geometry/pattern.h"
 
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "clothsim/model/checks.h"
 
@@ -17,42 +17,15 @@ constexpr double most_ease = 0.5;
 constexpr int least_of_curve = 4;
 
 /// Things that are joined to groups.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : next_(count) { std::iota(next_.begin(), next_.end(), 0u); }
-  std::size_t of(std::size_t i) {
-    while (next_[i] != i) i = next_[i] = next_[next_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { next_[of(a)] = of(b); }
-
- private:
-  std::vector<std::size_t> next_;
-};
-
-/// Consecutive numbers for items of several lists.
-class Numbers {
- public:
-  template <typename Lists, typename Size>
-  Numbers(const Lists& lists, const Size& size) {
-    for (const auto& list : lists) firsts_.push_back(firsts_.back() + size(list));
-  }
-  std::size_t of(std::size_t list, std::size_t item) const { return firsts_[list] + item; }
-  std::size_t count() const { return firsts_.back(); }
-
- private:
-  std::vector<std::size_t> firsts_{0};
-};
-
-std::string join_text(const Vector3& x) {
-  return clothsim::join({to_text(x.x()), to_text(x.y()), to_text(x.z())});
-}
+using Groups = boost::disjoint_sets_with_storage<>;
 
 class Sewer {
  public:
-  explicit Sewer(const Pattern& pattern)
-      : pattern_(pattern),
-        sides_(pattern.panels, [](const Panel& panel) { return panel.sides.size(); }) {}
+  explicit Sewer(const Pattern& pattern) : pattern_(pattern) {
+    for (const Panel& panel : pattern.panels) {
+      first_sides_.push_back(first_sides_.back() + panel.sides.size());
+    }
+  }
 
   SewnPattern sew() {
     count_points();
@@ -62,26 +35,29 @@ class Sewer {
   }
 
  private:
+  /// The number of a side among those of all panels.
+  std::size_t number(const SideName& name) const { return first_sides_[name.panel] + name.side; }
+
   const PanelSide& side(const SideName& name) const {
     return pattern_.panels[name.panel].sides[name.side];
   }
 
   /// Segments of each side: as many on all sides that are sewn to each other.
   void count_points() {
-    Groups groups(sides_.count());
+    Groups groups(first_sides_.back());
     for (std::size_t s = 0; s < pattern_.seams.size(); ++s) {
       const auto& [a, b] = pattern_.seams[s];
       check_lengths(s, length_of(side(a)), length_of(side(b)));
-      groups.join(sides_.of(a.panel, a.side), sides_.of(b.panel, b.side));
+      groups.union_set(number(a), number(b));
     }
     // With one segment an opening between two seams would be closed by them.
-    std::vector<int> of_group(sides_.count(), 2);
-    for (const auto& [a, b] : pattern_.seams) of_group[groups.of(sides_.of(a.panel, a.side))] = 1;
+    std::vector<int> of_group(first_sides_.back(), 2);
+    for (const auto& [a, b] : pattern_.seams) of_group[groups.find_set(number(a))] = 1;
     const auto for_each_side = [&](const auto& visit) {
       for (std::size_t p = 0; p < pattern_.panels.size(); ++p) {
         for (std::size_t k = 0; k < pattern_.panels[p].sides.size(); ++k) {
-          const std::size_t i = sides_.of(p, k);
-          visit(i, groups.of(i), pattern_.panels[p].sides[k]);
+          const std::size_t i = number({p, k});
+          visit(i, groups.find_set(i), pattern_.panels[p].sides[k]);
         }
       }
     };
@@ -91,7 +67,7 @@ class Sewer {
                                   is_curved ? least_of_curve : 1);
       of_group[group] = std::max(of_group[group], count);
     });
-    segments_.resize(sides_.count());
+    segments_.resize(first_sides_.back());
     for_each_side([&](std::size_t i, std::size_t group, const PanelSide&) {
       segments_[i] = of_group[group];
     });
@@ -112,7 +88,7 @@ class Sewer {
       std::vector<int> first_points;
       for (std::size_t k = 0; k < panel.sides.size(); ++k) {
         first_points.push_back(static_cast<int>(outline.size()));
-        std::vector<PlanePoint> points = points_along(panel.sides[k], segments_[sides_.of(p, k)]);
+        std::vector<PlanePoint> points = points_along(panel.sides[k], segments_[number({p, k})]);
         outline.insert(outline.end(), points.begin(), points.end() - 1);
       }
       outline_sizes_.push_back(static_cast<int>(outline.size()));
@@ -136,7 +112,7 @@ class Sewer {
       for (const SideName& name : seam) {
         if (name.panel != panel) continue;
         const int first = first_of_side_[panel][name.side];
-        for (int k = 0; k <= segments_[sides_.of(panel, name.side)]; ++k) {
+        for (int k = 0; k <= segments_[number(name)]; ++k) {
           sewn[static_cast<std::size_t>(first + k) % count] = true;
         }
       }
@@ -155,32 +131,38 @@ class Sewer {
   void join() {
     Groups groups(places_.size());
     for (const auto& [a, b] : pattern_.seams) {
-      const int last = segments_[sides_.of(a.panel, a.side)];
+      const int last = segments_[number(a)];
       const auto gap = [&](int of_a, int of_b) {
         return (places_[point(a, of_a)] - places_[point(b, of_b)]).norm();
       };
       const bool is_reversed = gap(0, last) + gap(last, 0) < gap(0, 0) + gap(last, last);
       for (int k = 0; k <= last; ++k)
-        groups.join(point(a, k), point(b, is_reversed ? last - k : k));
+        groups.union_set(point(a, k), point(b, is_reversed ? last - k : k));
     }
     std::vector<Vector3> sums(places_.size(), Vector3::Zero());
     std::vector<int> counts(places_.size(), 0);
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      sums[groups.of(i)] += places_[i];
-      ++counts[groups.of(i)];
+      sums[groups.find_set(i)] += places_[i];
+      ++counts[groups.find_set(i)];
     }
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (counts[groups.of(i)] > 1) places_[i] = sums[groups.of(i)] / counts[groups.of(i)];
+      if (counts[groups.find_set(i)] > 1)
+        places_[i] = sums[groups.find_set(i)] / counts[groups.find_set(i)];
     }
-    // Points at one place become one point of the cloth.
+    check_touching(groups);
+  }
+
+  /// Throws InvalidValue for points at one place, which become one point of the cloth, without a
+  /// seam.
+  void check_touching(Groups& groups) const {
     std::map<std::array<double, 3>, std::size_t> group_at;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const Vector3& x = places_[i];
-      const auto [at, is_new] =
-          group_at.emplace(std::array<double, 3>{x.x(), x.y(), x.z()}, groups.of(i));
-      if (is_new || at->second == groups.of(i)) continue;
+      const std::size_t group = groups.find_set(i);
+      const auto [at, is_new] = group_at.emplace(std::array<double, 3>{x.x(), x.y(), x.z()}, group);
+      if (is_new || at->second == group) continue;
       throw InvalidValue({"panels"},
-                         "panels that touch at [" + join_text(x) + "] without a seam there",
+                         "panels that touch at " + place_text(x) + " without a seam there",
                          "panels that are sewn where they touch, or start apart");
     }
   }
@@ -202,7 +184,7 @@ class Sewer {
       sewn.sides.emplace_back();
       for (std::size_t k = 0; k < panel.sides.size(); ++k) {
         std::vector<Vector3>& places = sewn.sides.back().emplace_back();
-        for (int i = 0; i <= segments_[sides_.of(p, k)]; ++i) {
+        for (int i = 0; i <= segments_[number({p, k})]; ++i) {
           places.push_back(places_[point({p, k}, i)]);
         }
       }
@@ -211,7 +193,7 @@ class Sewer {
   }
 
   const Pattern& pattern_;
-  Numbers sides_;                                // of the panels
+  std::vector<std::size_t> first_sides_{0};      // by panel, among all sides
   std::vector<int> segments_;                    // by side
   std::vector<PanelMesh> meshes_;                // by panel
   std::vector<int> outline_sizes_;               // by panel: points

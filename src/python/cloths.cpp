@@ -6,6 +6,13 @@
 #include "clothsim/model/checks.h"
 
 namespace clothsim_python {
+namespace {
+
+py::object range(int first, int count) {
+  return py::module_::import("builtins").attr("range")(first, first + count);
+}
+
+}  // namespace
 
 clothsim::ClothPart Cloth::part() const {
   return simulation_->with([&](Run& run) {
@@ -18,10 +25,10 @@ clothsim::ClothPart Cloth::part() const {
   });
 }
 
-py::object Cloth::rows_of(const clothsim::Points& (*all)(const clothsim::Simulator&)) const {
+py::object Cloth::rows_of(clothsim::Points clothsim::State::*all) const {
   const clothsim::ClothPart own = part();
   const std::shared_ptr<Run>& run = simulation_->run();
-  return view(all(run->simulator),
+  return view(run->simulator.state().*all,
               run)[py::slice(own.first_point, own.first_point + own.num_points(), 1)];
 }
 
@@ -42,35 +49,22 @@ void bind_cloths(py::module_& module) {
           "points",
           [](const Cloth& self) {
             const clothsim::ClothPart part = self.part();
-            return py::module_::import("builtins")
-                .attr("range")(part.first_point, part.first_point + part.num_points());
+            return range(part.first_point, part.num_points());
           },
           "The numbers of its points among those of all cloths, a range.")
       .def_property_readonly(
           "triangles",
           [](const Cloth& self) {
             const clothsim::ClothPart part = self.part();
-            return py::module_::import("builtins")
-                .attr("range")(part.first_triangle, part.first_triangle + part.triangles);
+            return range(part.first_triangle, part.triangles);
           },
           "The numbers of its triangles among those of all cloths, a range.")
       .def_property_readonly(
-          "positions",
-          [](const Cloth& self) {
-            return self.rows_of(
-                [](const clothsim::Simulator& simulator) -> const clothsim::Points& {
-                  return simulator.state().positions;
-                });
-          },
+          "positions", [](const Cloth& self) { return self.rows_of(&clothsim::State::positions); },
           "Its rows of Simulator.positions [m], a read-only view.")
       .def_property_readonly(
           "velocities",
-          [](const Cloth& self) {
-            return self.rows_of(
-                [](const clothsim::Simulator& simulator) -> const clothsim::Points& {
-                  return simulator.state().velocities;
-                });
-          },
+          [](const Cloth& self) { return self.rows_of(&clothsim::State::velocities); },
           "Its rows of Simulator.velocities [m/s], a read-only view.");
 }
 

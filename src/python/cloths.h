@@ -18,8 +18,8 @@ class Cloth {
   /// As the scene has it; throws InvalidValue where a scene without this cloth has been loaded.
   clothsim::ClothPart part() const;
 
-  /// The rows of its points in an array of all, N x 3.
-  py::object rows_of(const clothsim::Points& (*all)(const clothsim::Simulator&)) const;
+  /// The rows of its points in an array of the state, N x 3.
+  py::object rows_of(clothsim::Points clothsim::State::*all) const;
 
  private:
   std::shared_ptr<Simulation> simulation_;

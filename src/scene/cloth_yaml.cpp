@@ -57,7 +57,7 @@ BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
   BodyPoints attached;
   const auto read_points = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) {
-      for (const auto& point : points.read(item)) attached.points.push_back(point);
+      append_points(item, points.read(item), attached.points);
     });
   };
   read_map(node, {{"body", into(attached.body)},

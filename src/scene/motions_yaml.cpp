@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,11 +13,7 @@ namespace {
 ReadValue into_points(PointReader& reader, std::vector<int>& points) {
   return [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) {
-      const bool is_side = item.IsMap() && item["side"].IsDefined();  // sides share points
-      for (const int point : reader.read_indices(item)) {
-        const bool is_known = std::find(points.begin(), points.end(), point) != points.end();
-        if (!is_side || !is_known) points.push_back(point);
-      }
+      append_points(item, reader.read_indices(item), points);
     });
   };
 }

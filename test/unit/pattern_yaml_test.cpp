@@ -64,6 +64,11 @@ TEST(PatternYaml, SidesOfAWaistShareTheirEnds) {
       read(bag("", "[[front.1, back.1], [front.3, back.3]]") +
            "\nmotions: [{attach: hand, points: [{side: front.2}, {side: back.2}]}]");
   EXPECT_EQ(std::get<AttachPoints>(scene.motions.at(0).action).points.size(), 8u);
+  const Scene loaded =
+      read("colliders: [{shape: box, name: box, mass: 1, center: [0, 0, 5]}]\n" +
+           bag(", attached: [{body: box, points: [{side: front.2}, {side: back.2}]}]",
+               "[[front.1, back.1], [front.3, back.3]]"));
+  EXPECT_EQ(loaded.cloth.attached.at(0).points.size(), 8u);
   // A skirt: one ring, sewn to itself.
   const Scene skirt = read(
       "cloth: {fabric: felt, pattern: {cell: 0.05, panels: [{name: a, outline: [[0.3, 0.01], "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "clothsim/model/cloth_mesh.h"
@@ -31,6 +32,9 @@ enum class RestLengths { surface, uv };
 /// triangles, a surface with one side, a sliver (an angle below 1 degree in the file or at rest),
 /// two triangles that pass through each other, a point that lies on a triangle of another part.
 ClothMesh make_cloth_mesh(const MeshTriangles& given, const Vector3& warp, RestLengths lengths);
+
+/// A place in a message: [x, y, z].
+std::string place_text(const Vector3&);
 
 /// Throws InvalidValue, without a key, for two triangles that pass through each other and for a
 /// point that lies on a triangle without being one of its corners, nearer than a thousandth of its

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -28,6 +29,18 @@ struct PointPlace {
 
 /// Its keys, for read_map().
 std::vector<Field> fields(PointPlace&);
+
+/// Appends the points that an item of a list names. Sides of a pattern share points: of a side
+/// those that the list has are left out.
+template <class Point>
+void append_points(const YAML::Node& item, const std::vector<Point>& named,
+                   std::vector<Point>& points) {
+  const bool is_side = item.IsMap() && item["side"].IsDefined();
+  for (const Point& point : named) {
+    const bool is_known = std::find(points.begin(), points.end(), point) != points.end();
+    if (!is_side || !is_known) points.push_back(point);
+  }
+}
 
 /// Reads which points of a cloth a scene names, as [column, row] or by their place. Points that are
 /// equally near: the first. Throws InvalidValue.
