@@ -177,6 +177,11 @@ void validate_contact(double thickness, double friction) {
 }
 
 void validate(const ClothSpec& spec) {
+  validate_as_triangles(spec);
+  check_shear(spec);
+}
+
+void validate_as_triangles(const ClothSpec& spec) {
   check_range("width", spec.width, length_range);
   check_range("height", spec.height, length_range);
   check_size(spec);
@@ -184,7 +189,6 @@ void validate(const ClothSpec& spec) {
   check_pins(spec);
   if (spec.pin_strength) check_range("pin_strength", *spec.pin_strength, strength_range);
   validate(spec.material);
-  check_shear(spec);
   validate_contact(spec.thickness, spec.friction);
   if (spec.mesh) {
     const ClothMesh& mesh = *spec.mesh;

@@ -35,7 +35,7 @@ void for_each_shared(const ClothSpec& one, const ClothSpec& other, Visit&& visit
 void check(const NamedCloth& cloth, const NamedCloth& first) {
   if (cloth.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
   const ClothSpec& spec = cloth.spec;
-  validate(spec);
+  validate_as_triangles(spec);
   if (!spec.material.fabric) {
     throw InvalidValue({"fabric"}, "none", "a fabric, which one of several cloths needs");
   }
@@ -53,7 +53,8 @@ void check(const NamedCloth& cloth, const NamedCloth& first) {
 }
 
 /// A grid as triangles, its threads along rows and columns.
-ClothMesh mesh_of_grid(const ClothSpec& spec) {
+ClothMesh mesh_of_grid(ClothSpec spec) {
+  spec.material.springs = {};
   const Cloth grid = make_grid(spec);
   ClothMesh mesh{grid.rest_positions, grid.triangles, {}, grid.uv};
   const auto flat = [&](int i) {
