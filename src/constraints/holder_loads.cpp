@@ -1,70 +1,54 @@
 // Forces of the cloth on held points.
 
-#include <algorithm>
-#include <utility>
-
 #include "clothsim/constraints/holders.h"
 #include "clothsim/dynamics/bends.h"
-#include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
 
-namespace {
-
-PatchBend as_patch(const PatchBend& bend) { return bend; }
-PatchBend as_patch(const Bend& bend) {
-  PatchBend patch{{}, {}, bend.stiffness};
-  patch.points.fill(bend.points[0]);
-  for (std::size_t k = 0; k < bend.points.size(); ++k) {
-    patch.points[k] = bend.points[k];
-    patch.coefficients[k] = Bend::coefficient(k);
+/// The triangles and the bends of a mesh at held points.
+void Holders::list_corners(const Cloth& cloth) {
+  std::vector<int> number(static_cast<std::size_t>(cloth.num_points()), -1);  // in points_
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    number[static_cast<std::size_t>(points_[k].hold.point)] = static_cast<int>(k);
   }
-  if (bend.points[1] == bend.points[2]) {
-    patch.coefficients[1] += patch.coefficients[2];
-    patch.coefficients[2] = 0;
-  }
-  return patch;
-}
-
-}  // namespace
-
-/// Lists what pulls at held points. `held`: by point of the cloth, its number in points_, or -1.
-void Holders::list_springs(const Cloth& cloth, const std::vector<int>& held) {
-  springs_.clear();
-  if (cloth.is_mesh()) return;
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    for (const auto& [end, other] : {std::pair(a, b), {b, a}}) {
-      const int k = held[static_cast<std::size_t>(end)];
-      if (k < 0) continue;
-      springs_.push_back({static_cast<std::size_t>(k), other, run.stiffness, run.rest_length});
-    }
-  });
-}
-
-void Holders::list_corners(const Cloth& cloth, const std::vector<int>& held) {
-  corners_.clear();
-  if (!cloth.is_mesh()) return;
+  const auto held = [&](int point) { return number[static_cast<std::size_t>(point)]; };
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const int k = held[static_cast<std::size_t>(cloth.triangles[t][c])];
+      const int k = held(cloth.triangles[t][c]);
       if (k >= 0) corners_.push_back({static_cast<std::size_t>(k), t, c});
     }
   }
+  for_each_bent_pair(cloth, [&](double weight, int i, int j) {
+    if (held(i) >= 0) springs_.push_back({static_cast<std::size_t>(held(i)), j, 0, 0, weight});
+    if (held(j) >= 0) springs_.push_back({static_cast<std::size_t>(held(j)), i, 0, 0, weight});
+  });
 }
 
-void Holders::list_bends(const Cloth& cloth, const std::vector<int>& held) {
-  bends_.clear();
-  for_each_bend(cloth, [&](const auto& bend) {
-    const auto is_held = [&](int point) { return held[static_cast<std::size_t>(point)] >= 0; };
-    if (std::none_of(bend.points.begin(), bend.points.end(), is_held)) return;
-    const PatchBend patch = as_patch(bend);
-    for (std::size_t c = 0; c < patch.points.size(); ++c) {
-      const int k = held[static_cast<std::size_t>(patch.points[c])];
-      if (k < 0 || patch.coefficients[c] == 0) continue;
-      bends_.push_back({static_cast<std::size_t>(k), patch.coefficients[c], patch});
+void Holders::list_springs(const Cloth& cloth) {
+  springs_.clear();
+  corners_.clear();
+  if (cloth.is_mesh()) return list_corners(cloth);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const int i = points_[k].hold.point;
+    for (const PairBand& band : cloth.pairs) {
+      for (const int first : {i, i - band.offset}) {
+        if (first < 0 || first >= static_cast<int>(band.bend.size())) continue;
+        const double spring = band.spring.size() == 0 ? 0 : band.spring[first];
+        if (spring == 0 && band.bend[first] == 0) continue;
+        const int other = first == i ? i + band.offset : first;
+        springs_.push_back({k, other, spring, band.rest_length, band.bend[first]});
+      }
     }
-  });
+    if (!cloth.pairs.empty()) continue;
+    for (const SpringRun& run : cloth.springs) {
+      for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
+        if (first < run.first || first >= run.first + run.count) continue;
+        const int other = first == i ? i + run.offset : first;
+        springs_.push_back({k, other, run.stiffness, run.rest_length, 0});
+      }
+    }
+  }
 }
 
 void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& state,
@@ -76,19 +60,13 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
     const int i = p.hold.point;
     const Vector3 d = row(state.positions, s.other) - row(state.positions, i);
     const Vector3 rate = row(state.velocities, s.other) - row(state.velocities, i);
+    Vector3 force = s.bend * (d + of_bends * rate);
     const double length = d.norm();
-    if (length == 0) continue;  // has no direction
-    const Vector3 u = d / length;
-    const double tension = s.stiffness * (length - s.rest_length + of_springs * u.dot(rate));
-    impulses.row(i) += h * tension * u.transpose();
-  }
-  for (const HeldBend& held : bends_) {
-    const Point& p = points_[held.point];
-    if (p.slips) continue;
-    const Vector3 b = held.bend.of(state.positions);
-    const double share = damping_share(of_bends, b, held.bend.of(state.velocities));
-    impulses.row(p.hold.point) -=
-        h * held.coefficient * held.bend.stiffness * (1 + share) * b.transpose();
+    if (length > 0) {
+      const Vector3 u = d / length;
+      force += s.stiffness * (length - s.rest_length + of_springs * u.dot(rate)) * u;
+    }
+    impulses.row(i) += h * force.transpose();
   }
   const Points* const velocities = is_damped(cloth) ? &state.velocities : nullptr;
   for (const HeldCorner& held : corners_) {

@@ -82,23 +82,25 @@ void Holders::hold(const std::vector<Hold>& holds,
     of_holder_[static_cast<std::size_t>(points_[i].hold.holder)].push_back(i);
   }
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
-  std::vector<int> held(static_cast<std::size_t>(cloth.num_points()), -1);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    held[static_cast<std::size_t>(points_[k].hold.point)] = static_cast<int>(k);
-  }
-  list_springs(cloth, held);
-  list_corners(cloth, held);
-  list_bends(cloth, held);
+  list_springs(cloth);
   Scalars usual = borne_weights * weights;
   const double stretch = cloth.strain_limit.value_or(usual_stretch);
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    for (const int end : {a, b}) {
-      const int k = held[static_cast<std::size_t>(end)];
-      if (k < 0) continue;
-      usual[points_[static_cast<std::size_t>(k)].hold.holder] +=
-          run.stiffness * stretch * run.rest_length;
+  const auto add_usual = [&](std::size_t point, double stiffness, double rest_length) {
+    usual[points_[point].hold.holder] += stiffness * stretch * rest_length;
+  };
+  for (const Spring& s : springs_) add_usual(s.point, s.stiffness, s.rest_length);
+  if (cloth.is_mesh()) {
+    std::vector<std::optional<std::size_t>> held(static_cast<std::size_t>(cloth.num_points()));
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      held[static_cast<std::size_t>(points_[k].hold.point)] = k;
     }
-  });
+    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+      for (const int end : {a, b}) {
+        const auto& k = held[static_cast<std::size_t>(end)];
+        if (k) add_usual(*k, run.stiffness, run.rest_length);
+      }
+    });
+  }
   strengths_.clear();
   for (std::size_t k = 0; k < strengths.size(); ++k) {
     strengths_.push_back(strengths[k].value_or(usual[static_cast<Eigen::Index>(k)]));

@@ -1,21 +1,184 @@
 #include "clothsim/dynamics/force_blocks.h"
 
 #include <algorithm>
-#include <cassert>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
-#include "force_kernels.h"
+#include "clothsim/model/target_clones.h"
 
 namespace clothsim {
-
-using namespace force_kernels;
-
 namespace {
+
+/// Directions whose forces one pass over a block's points sums: those of a classic cloth.
+enum { max_terms = 6 };
+
+/// Added to squared lengths [m^2]: a spring of zero length gets a finite factor, and no force.
+template <typename Real>
+constexpr Real min_length2 = std::numeric_limits<Real>::min();
+
+/// Addresses of points in each coordinate's column.
+template <typename Real>
+struct Columns {
+  const Real* x;
+  const Real* y;
+  const Real* z;
+};
+
+/// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
+/// division take twice as long as all the rest. Alternatives, an estimate of few bits with Newton's
+/// method, or one of single precision with Halley's, take longer, since they need the units that do
+/// the rest.
+template <typename Real>
+[[gnu::always_inline]] inline void pull_of(Columns<Real> p, int offset, int count,
+                                           double rest_length, double stiffness,
+                                           Real* __restrict fx, Real* __restrict fy,
+                                           Real* __restrict fz) {
+  const auto k = static_cast<Real>(stiffness);
+  const auto tension = static_cast<Real>(stiffness * rest_length);
+  for (int i = 0; i < count; ++i) {
+    const Real dx = p.x[i + offset] - p.x[i];
+    const Real dy = p.y[i + offset] - p.y[i];
+    const Real dz = p.z[i + offset] - p.z[i];
+    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
+    const Real s = k - tension / length;
+    fx[i] = s * dx;
+    fy[i] = s * dy;
+    fz[i] = s * dz;
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+void pull(Columns<double> p, int offset, int count, double rest_length, double stiffness,
+          double* fx, double* fy, double* fz) {
+  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
+}
+CLOTHSIM_TARGET_CLONES
+void pull(Columns<float> p, int offset, int count, double rest_length, double stiffness, float* fx,
+          float* fy, float* fz) {
+  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
+}
+
+/// Springs and bends between points i and i + offset of a fabric, see PairBand, and their internal
+/// damping [s]: of springs, of bends.
+struct Pairs {
+  const double* spring;
+  const double* bend;
+  double rest_length;
+  std::array<double, 2> damping;
+};
+
+/// Forces of pairs (i, i + offset), i in [0, count), on their first points. `v`: velocities where
+/// `damped`.
+template <bool sprung, bool damped, typename Real>
+[[gnu::always_inline]] inline void pull_pairs_of(const Pairs& pairs, Columns<Real> p,
+                                                 Columns<Real> v, int offset, int count,
+                                                 Real* __restrict fx, Real* __restrict fy,
+                                                 Real* __restrict fz) {
+  const double* const spring = pairs.spring;
+  const double* const bend = pairs.bend;
+  const auto rest_length = static_cast<Real>(pairs.rest_length);
+  const auto of_springs = static_cast<Real>(pairs.damping[0]);
+  const auto of_bends = static_cast<Real>(pairs.damping[1]);
+  for (int i = 0; i < count; ++i) {
+    const Real dx = p.x[i + offset] - p.x[i];
+    const Real dy = p.y[i + offset] - p.y[i];
+    const Real dz = p.z[i + offset] - p.z[i];
+    const Real ex = damped ? v.x[i + offset] - v.x[i] : Real{0};
+    const Real ey = damped ? v.y[i + offset] - v.y[i] : Real{0};
+    const Real ez = damped ? v.z[i + offset] - v.z[i] : Real{0};
+    const auto w = static_cast<Real>(bend[i]);
+    Real s = w;
+    if constexpr (sprung) {
+      const auto k = static_cast<Real>(spring[i]);
+      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
+      s += k - k * rest_length * inverse;
+      if constexpr (damped) {
+        const Real rate = (dx * inverse * ex + dy * inverse * ey + dz * inverse * ez) * inverse;
+        s += of_springs * k * rate;
+      }
+    }
+    const Real t = of_bends * w;
+    fx[i] = damped ? s * dx + t * ex : s * dx;
+    fy[i] = damped ? s * dy + t * ey : s * dy;
+    fz[i] = damped ? s * dz + t * ez : s * dz;
+  }
+}
+
+template <typename Real>
+[[gnu::always_inline]] inline void pull_any_pairs_of(const Pairs& pairs, Columns<Real> p,
+                                                     Columns<Real> v, int offset, int count,
+                                                     Real* fx, Real* fy, Real* fz) {
+  const bool sprung = pairs.spring != nullptr;
+  const bool damped = v.x != nullptr;
+  if (sprung && damped) return pull_pairs_of<true, true>(pairs, p, v, offset, count, fx, fy, fz);
+  if (sprung) return pull_pairs_of<true, false>(pairs, p, v, offset, count, fx, fy, fz);
+  if (damped) return pull_pairs_of<false, true>(pairs, p, v, offset, count, fx, fy, fz);
+  pull_pairs_of<false, false>(pairs, p, v, offset, count, fx, fy, fz);
+}
+
+CLOTHSIM_TARGET_CLONES
+void pull_pairs(const Pairs& pairs, Columns<double> p, Columns<double> v, int offset, int count,
+                double* fx, double* fy, double* fz) {
+  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
+}
+CLOTHSIM_TARGET_CLONES
+void pull_pairs(const Pairs& pairs, Columns<float> p, Columns<float> v, int offset, int count,
+                float* fx, float* fy, float* fz) {
+  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
+}
+
+CLOTHSIM_TARGET_CLONES
+void narrow(const double* x, double origin, int count, float* __restrict to) {
+  for (int i = 0; i < count; ++i) to[i] = static_cast<float>(x[i] - origin);
+}
+
+/// Adds to start * g the first `n` of `force`, less their values `offset` points before.
+template <int n, typename Real, typename Start>
+[[gnu::always_inline]] inline void sum_of(double g, const Start* start, const Real* const* force,
+                                          const int* offset, int count, Real* __restrict total) {
+  const auto factor = static_cast<Start>(g);
+  for (int i = 0; i < count; ++i) {
+    auto sum = static_cast<Real>(start[i] * factor);
+    for (int d = 0; d < n; ++d) sum += force[d][i] - force[d][i - offset[d]];
+    total[i] = sum;
+  }
+}
+
+/// The same for an `n` known at run time, `n_max` at most.
+template <int n_max = max_terms, typename Real, typename Start>
+[[gnu::always_inline]] inline void sum_up_to_six_of(int n, double g, const Start* start,
+                                                    const Real* const* force, const int* offset,
+                                                    int count, Real* __restrict total) {
+  if constexpr (n_max > 0) {
+    if (n < n_max) {
+      return sum_up_to_six_of<n_max - 1>(n, g, start, force, offset, count, total);
+    }
+  }
+  sum_of<n_max>(g, start, force, offset, count, total);
+}
+
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const double* start, const double* const* force,
+                   const int* offset, int count, double* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
+}
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const double* start, const float* const* force,
+                   const int* offset, int count, float* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
+}
+CLOTHSIM_TARGET_CLONES
+void sum_up_to_six(int n, double g, const float* start, const float* const* force,
+                   const int* offset, int count, float* total) {
+  sum_up_to_six_of(n, g, start, force, offset, count, total);
+}
 
 int end_of(const SpringRun& run) { return run.first + run.count; }
 
@@ -55,28 +218,27 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
       first_(begin),
       end_(end),
       velocities_(is_damped(cloth) ? velocities : nullptr),
-      by_stencil_(velocities_ != nullptr && cloth.internal_damping[1] > 0),
       rates_{} {
   group();
   take_points();
 
   const int kept = padded<Real>(std::min(points_at_once, end - begin));
   Eigen::Index size = line / sizeof(Real);
-  for (const Direction& d : directions_) size += 3 * (padded<Real>(d.history) + kept);
+  for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
   buffer_.resize(size);
 
-  // The forces of springs and bends that begin before `begin`.
+  // The forces of springs that begin before `begin`.
   void* aligned = buffer_.data();
   std::size_t bytes = static_cast<std::size_t>(size) * sizeof(Real);
   Real* free = static_cast<Real*>(std::align(line, sizeof(Real), aligned, bytes));
   for (Direction& d : directions_) {
-    const int history = d.history;
+    const int offset = d.offset;
     for (Real*& force : d.force) {
-      force = free + padded<Real>(history);
+      force = free + padded<Real>(offset);
       free = force + kept;
     }
-    Real* const before[3] = {d.force[0] - history, d.force[1] - history, d.force[2] - history};
-    fill(d, begin - history, history, before);
+    Real* const before[3] = {d.force[0] - offset, d.force[1] - offset, d.force[2] - offset};
+    fill(d, begin - offset, offset, before);
   }
 }
 
@@ -84,19 +246,12 @@ template <typename Real>
 void ForceBlocks<Real>::group() {
   directions_.reserve(max_terms);
   for (const PairBand& pairs : cloth_.pairs) {
-    if (by_stencil_ && pairs.spring.size() == 0) continue;
-    directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, nullptr, {}});
-  }
-  if (by_stencil_) {
-    assert(cloth_.bend_bands.size() <= max_bends);
-    for (const BendBand& bends : cloth_.bend_bands) {
-      directions_.push_back({bends.a + bends.b, nullptr, &bends, nullptr, nullptr, {}});
-    }
+    directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
   }
   if (!cloth_.pairs.empty()) return;
   for_each_band(cloth_, [&](const SpringBand& band) {
     if (band.begin->stiffness != 0) {
-      directions_.push_back({band.begin->offset, nullptr, nullptr, band.begin, band.end, {}});
+      directions_.push_back({band.begin->offset, nullptr, band.begin, band.end, {}});
     }
   });
 }
@@ -112,7 +267,7 @@ void ForceBlocks<Real>::take_points() {
     }
   } else {
     int farthest = 0;
-    for (const Direction& d : directions_) farthest = std::max(farthest, d.history);
+    for (const Direction& d : directions_) farthest = std::max(farthest, d.offset);
     const int n = cloth_.num_points();
     const int from = std::max(0, first_ - farthest);
     const int count = std::min(n, end_ + farthest) - from;
@@ -128,27 +283,8 @@ void ForceBlocks<Real>::take_points() {
   }
 }
 
-/// The pulls G of the stencils that begin at points [first, first + count).
-template <typename Real>
-void ForceBlocks<Real>::fill_bends(const BendBand& bends, int first, int count,
-                                   Real* const to[3]) const {
-  const int from = std::clamp(0, first, first + count);
-  const int end = std::clamp(static_cast<int>(bends.stiffness.size()), from, first + count);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::fill(to[axis], to[axis] + (from - first), Real{0});
-    std::fill(to[axis] + (end - first), to[axis] + count, Real{0});
-  }
-  if (from == end) return;
-  const Stencils stencils{&bends.stiffness[from], bends.a, bends.b, cloth_.internal_damping[1]};
-  const Columns<Real> p{points_[0] + from, points_[1] + from, points_[2] + from};
-  const Columns<Real> v{rates_[0] + from, rates_[1] + from, rates_[2] + from};
-  const int skip = from - first;
-  bend(stencils, p, v, end - from, to[0] + skip, to[1] + skip, to[2] + skip);
-}
-
 template <typename Real>
 void ForceBlocks<Real>::fill(Direction& d, int first, int count, Real* const force[3]) const {
-  if (d.bends != nullptr) return fill_bends(*d.bends, first, count, force);
   const int end = first + count;
   int from = 0, to = 0;  // range of springs that exist
   if (d.pairs != nullptr) {
@@ -177,17 +313,15 @@ void ForceBlocks<Real>::pull_between(const Direction& d, int from, int count,
                                      Real* const force[3]) const {
   const Columns<Real> p{points_[0] + from, points_[1] + from, points_[2] + from};
   if (d.pairs == nullptr) {
-    pull(p, d.run->offset, count, d.run->rest_length, d.run->stiffness, force[0], force[1],
-         force[2]);
+    pull(p, d.offset, count, d.run->rest_length, d.run->stiffness, force[0], force[1], force[2]);
     return;
   }
   const PairBand& pairs = *d.pairs;
-  const Pairs some{pairs.spring.size() > 0 ? &pairs.spring[from] : nullptr,
-                   by_stencil_ ? nullptr : &pairs.bend[from], pairs.rest_length,
-                   cloth_.internal_damping[0]};
+  const Pairs some{pairs.spring.size() > 0 ? &pairs.spring[from] : nullptr, &pairs.bend[from],
+                   pairs.rest_length, cloth_.internal_damping};
   Columns<Real> v{};
   if (velocities_ != nullptr) v = {rates_[0] + from, rates_[1] + from, rates_[2] + from};
-  pull_pairs(some, p, v, pairs.offset, count, force[0], force[1], force[2]);
+  pull_pairs(some, p, v, d.offset, count, force[0], force[1], force[2]);
 }
 
 template <typename Real>
@@ -203,10 +337,10 @@ bool ForceBlocks<Real>::next() {
 template <typename Real>
 void ForceBlocks<Real>::keep_history() {
   for (Direction& d : directions_) {
-    const int history = d.history;
+    const int offset = d.offset;
     for (Real* force : d.force) {
-      std::memmove(force - history, force + count_ - history,
-                   static_cast<std::size_t>(history) * sizeof(Real));
+      std::memmove(force - offset, force + count_ - offset,
+                   static_cast<std::size_t>(offset) * sizeof(Real));
     }
   }
 }
@@ -226,21 +360,12 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
     has_begun = true;
     n = 0;
   };
-  Pulls<Real> pulls;
-  int bends = 0;
   for (const Direction& d : directions_) {
-    if (d.bends != nullptr) {
-      pulls.of[bends] = d.force[axis];
-      pulls.a[bends] = d.bends->a;
-      pulls.b[bends++] = d.bends->b;
-      continue;
-    }
     if (n == max_terms) add();
     force[n] = d.force[axis];
-    offset[n++] = d.history;
+    offset[n++] = d.offset;
   }
   if (n > 0 || !has_begun) add();
-  if (bends > 0) add_bends(bends, pulls, count_, forces);
 }
 
 template class ForceBlocks<double>;

@@ -1,5 +1,6 @@
 #include "clothsim/dynamics/internal_damping.h"
 
+#include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
@@ -21,18 +22,6 @@ void take_lengths(const Cloth& cloth, Past& past, const Value& value) {
     } else {
       past.lengths.push_back(value([&](const Points& x) { return length_of(x, a, b); }));
     }
-  });
-}
-
-/// Sets the past of the bends: their stencils at `past`, along their directions at `start`.
-void take_bends(const Cloth& cloth, const Points& start, const Points& past,
-                std::vector<Past::BendPast>& bends) {
-  if (cloth.internal_damping[1] == 0) return;
-  for_each_bend(cloth, [&](const auto& bend) {
-    const Vector3 b = bend.of(start);
-    const double length = b.norm();
-    const Vector3 u = length > 0 ? Vector3(b / length) : Vector3::Zero();
-    bends.push_back({u, u.dot(bend.of(past))});
   });
 }
 
@@ -67,19 +56,17 @@ void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& p
 
 Past past_of(const Cloth& cloth, const Points& positions, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{h, {}, {}, {}};
+  Past past{h, {}, {}, positions};
   take_lengths(cloth, past, [&](const auto& length_of) { return length_of(positions); });
-  take_bends(cloth, positions, positions, past.bends);
   return past;
 }
 
 Past past_of(const Cloth& cloth, const Points& positions, const Points& last, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{2 * h / 3, {}, {}, {}};
+  Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3};
   take_lengths(cloth, past, [&](const auto& length_of) {
     return (4 * length_of(positions) - length_of(last)) / 3;
   });
-  take_bends(cloth, 2 * positions - last, (4 * positions - last) / 3, past.bends);
   return past;
 }
 
@@ -99,9 +86,8 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
     }
   }
   double of_bends = 0;
-  for_each_damped_bend(cloth, past, [&](const auto& bend, const Past::BendPast& was) {
-    const double change = was.u.dot(bend.of(positions)) - was.length;
-    of_bends += bend.stiffness * change * change / 2;
+  for_each_bend(cloth, [&](const auto& bend) {
+    of_bends += bend.stiffness * (bend.of(positions) - bend.of(past.points)).squaredNorm() / 2;
   });
   const auto& [springs, bends] = cloth.internal_damping;
   return (springs * of_springs + bends * of_bends) / past.time;
@@ -126,12 +112,10 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
       if (length > 0) add(a, b, springs / past.time * run.stiffness * change / length * d);
     });
   }
-  for_each_damped_bend(cloth, past, [&](const auto& bend, const Past::BendPast& was) {
-    const double change = was.u.dot(bend.of(positions)) - was.length;
-    const Vector3 pull = bends / past.time * bend.stiffness * change * was.u;
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      gradient.row(bend.points[k]) += bend.coefficient(k) * pull.transpose();
-    }
+  for_each_bent_pair(cloth, [&](double w, int a, int b) {
+    const Eigen::RowVector3d change =
+        (positions.row(b) - positions.row(a)) - (past.points.row(b) - past.points.row(a));
+    add(a, b, bends / past.time * w * change);
   });
 }
 

@@ -36,7 +36,7 @@ struct NewtonSolver::Impl {
   void add_springs(const Cloth& cloth, const Past& past);
   void add_triangles(const Cloth& cloth, const Past& past);
   void add_bends(const Cloth& cloth, const Past& past);
-  void add_between(const Cloth& cloth, int a, int b, const Eigen::Matrix3d& block);
+  void add_between(const Cloth& cloth, int id, int a, int b, const Eigen::Matrix3d& block);
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
                Points& d);
 
@@ -66,12 +66,12 @@ void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weight
 }
 
 /// Adds `block` to both points, -`block` between them, except for pins.
-void NewtonSolver::Impl::add_between(const Cloth& cloth, int a, int b,
+void NewtonSolver::Impl::add_between(const Cloth& cloth, int id, int a, int b,
                                      const Eigen::Matrix3d& block) {
   const bool free_a = cloth.inv_mass[a] > 0;
   const bool free_b = cloth.inv_mass[b] > 0;
   if (free_a && free_b) {
-    system.add_pair(a, b, block);
+    system.add_pair(id, a, b, block);
   } else if (free_a || free_b) {
     system.add_to_point(free_a ? a : b, block);
   }
@@ -88,7 +88,7 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
     }
     // The share of the ends' inertia for each spring permits some negative stiffness across it.
     const double min_across = spring.stiffness > 0 ? -bearable(a, b) / spring.stiffness : 0;
-    add_between(cloth, a, b,
+    add_between(cloth, id, a, b,
                 spring_hessian(spring.stiffness, spring.rest_length, between, min_across));
     ++id;
   });
@@ -131,28 +131,21 @@ void NewtonSolver::Impl::add_triangles(const Cloth& cloth, const Past& past) {
       const int a = corners[static_cast<std::size_t>(k)], b = corners[static_cast<std::size_t>(l)];
       if (cloth.inv_mass[a] > 0) system.add_to_point(a, hessian.block<3, 3>(3 * k, 3 * k));
       if (cloth.inv_mass[a] == 0 || cloth.inv_mass[b] == 0) continue;
+      const int id = triangle.edges[static_cast<std::size_t>(k)];
       const auto block =
           a < b ? hessian.block<3, 3>(3 * l, 3 * k) : hessian.block<3, 3>(3 * k, 3 * l);
-      system.add_between(std::min(a, b), std::max(a, b), block);
+      system.add_between(id, std::min(a, b), block);
     }
   }
 }
 
-/// Some pairs are negative, but all together are positive semidefinite.
-/// Damping adds k tau / time c_k c_l u u^T between the points k and l of each stencil.
+/// Their pairs follow the springs. Some are negative, but all together are positive semidefinite.
 void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
+  const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
+  int id = cloth.num_springs();
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
-    add_between(cloth, a, b, w * Eigen::Matrix3d::Identity());
-  });
-  for_each_damped_bend(cloth, past, [&](const auto& bend, const Past::BendPast& was) {
-    const Eigen::Matrix3d along = cloth.internal_damping[1] / past.time * was.u * was.u.transpose();
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      for (std::size_t l = 0; l < k; ++l) {
-        const double weight = -bend.stiffness * bend.coefficient(k) * bend.coefficient(l);
-        const auto [a, b] = std::minmax(bend.points[k], bend.points[l]);
-        if (weight != 0 && a != b) add_between(cloth, a, b, weight * along);
-      }
-    }
+    add_between(cloth, id, a, b, w * (1 + share) * Eigen::Matrix3d::Identity());
+    ++id;
   });
 }
 

@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/model/target_clones.h"
 
@@ -26,14 +25,14 @@ struct Scratch {
     squares.resize(fabric.edges.size());
     pulls.resize(3 * fabric.triangles.size() + 1);
     factors.resize(links);
-    of_patches.resize(4 * PatchBend::size * fabric.patches.size());
+    weights.resize(links);
   }
 
   std::vector<double> positions, velocities;  // by point, a Quad each
   std::vector<double> squares;                // by edge: q + tau q' [m^2]
   std::vector<double> pulls;                  // by triangle and edge, and a 0 [N/m]
   std::vector<double> factors;                // by link [N/m]
-  std::vector<double> of_patches;             // by patch and point: damped bends, a Quad each [N]
+  std::vector<double> weights;                // of bends, times tau_1 [N s/m]
 };
 
 Scratch& scratch_of(const TriangleFabric& fabric) {
@@ -81,74 +80,44 @@ void pull_triangles(const TriangleFabric& fabric, const double* squares, int beg
   }
 }
 
-/// Sums the links of points [begin, end), each of a force factor * (x_j - x_i). `by_patches`: those
-/// that are edges.
-CLOTHSIM_TARGET_CLONES
-void sum_links(const TriangleFabric& fabric, const Scratch& scratch, const Motion& at,
-               bool by_patches, int begin, int end, Points& forces) {
+/// Sums the links of points [begin, end), each of a force factor * (x_j - x_i), with damping also
+/// of weight * (v_j - v_i).
+template <bool damped>
+[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric,
+                                                const Scratch& scratch, const Motion& at, int begin,
+                                                int end, Points& forces) {
   const double* const factors = scratch.factors.data();
+  const double* const weights = scratch.weights.data();
   const TriangleFabric::Link* const links = fabric.links.data();
   for (int i = begin; i < end; ++i) {
     Quad sum = {};
-    const int first = fabric.first_links[static_cast<std::size_t>(i)];
-    const int last = by_patches ? first + fabric.edge_links[static_cast<std::size_t>(i)]
-                                : fabric.first_links[static_cast<std::size_t>(i) + 1];
-    for (int l = first; l < last; ++l) {
+    const int last = fabric.first_links[static_cast<std::size_t>(i) + 1];
+    for (int l = fabric.first_links[static_cast<std::size_t>(i)]; l < last; ++l) {
       const auto& [j, number] = links[l];
       sum += factors[number] * (at.x[j] - at.x[i]);
+      if constexpr (damped) sum += weights[number] * (at.v[j] - at.v[i]);
     }
     for (int axis = 0; axis < 3; ++axis) forces(i, axis) += sum[axis];
   }
 }
 
-/// Bends of patches [begin, end) with internal damping: the forces k c (1 + damping_share()) b on
-/// their points, summed up over the bends.
 CLOTHSIM_TARGET_CLONES
-void bend_patches(const TriangleFabric& fabric, const Motion& at, double tau, int begin, int end,
-                  Quad* forces) {
-  for (int p = begin; p < end; ++p) {
-    const TriangleFabric::Patch& patch = fabric.patches[static_cast<std::size_t>(p)];
-    Quad b[3] = {}, rate[3] = {};
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
-      const Quad x = at.x[patch.points[k]], v = at.v[patch.points[k]];
-      for (std::size_t c = 0; c < 3; ++c) {
-        b[c] += patch.coefficients[k][c] * x;
-        rate[c] += patch.coefficients[k][c] * v;
-      }
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double squared = dot(b[c], b[c]) + std::numeric_limits<double>::min();
-      b[c] *= patch.stiffness[c] * (1 + tau * dot(b[c], rate[c]) / squared);
-    }
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
-      const auto& of = patch.coefficients[k];
-      forces[PatchBend::size * p + static_cast<int>(k)] =
-          of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
-    }
+void sum_links(const TriangleFabric& fabric, const Scratch& scratch, const Motion& at, double tau,
+               int begin, int end, Points& forces) {
+  if (at.v != nullptr && tau > 0) {
+    sum_links_of<true>(fabric, scratch, at, begin, end, forces);
+  } else {
+    sum_links_of<false>(fabric, scratch, at, begin, end, forces);
   }
 }
 
-CLOTHSIM_TARGET_CLONES
-void subtract_patches(const TriangleFabric& fabric, const Quad* of_patches, int begin, int end,
-                      Points& forces) {
-  for (int i = begin; i < end; ++i) {
-    Quad sum = {};
-    const int last = fabric.first_places[static_cast<std::size_t>(i) + 1];
-    for (int l = fabric.first_places[static_cast<std::size_t>(i)]; l < last; ++l) {
-      sum += of_patches[fabric.places[static_cast<std::size_t>(l)]];
-    }
-    for (int axis = 0; axis < 3; ++axis) forces(i, axis) -= sum[axis];
-  }
-}
-
-/// The factors of links [begin, end): pulls of both triangles of an edge and, unless they are
-/// summed `by_patches`, bends.
-void add_factors(const TriangleFabric& fabric, bool by_patches, int begin, int end,
-                 Scratch& scratch) {
+/// The factors of links [begin, end): pulls of both triangles of an edge, and bends.
+void add_factors(const TriangleFabric& fabric, double tau, int begin, int end, Scratch& scratch) {
   for (int l = begin; l < end; ++l) {
     const auto number = static_cast<std::size_t>(l);
-    const double weight = by_patches || fabric.pairs.empty() ? 0 : fabric.pairs[number].weight;
+    const double weight = fabric.pairs.empty() ? 0 : fabric.pairs[number].weight;
     scratch.factors[number] = weight;
+    if (tau > 0) scratch.weights[number] = tau * weight;
     if (number >= fabric.edges.size()) continue;
     const auto& [one, other] = fabric.pulls_of[number];
     scratch.factors[number] += 2 * (scratch.pulls[static_cast<std::size_t>(one)] +
@@ -197,24 +166,15 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
     pull_triangles(fabric, scratch.squares.data(), begin, end, scratch.pulls.data());
   });
   scratch.pulls.back() = 0;
-  const bool by_patches = damped && of_bends > 0;
-  const std::size_t links = by_patches ? fabric.edges.size() : scratch.factors.size();
-  workers.parallel_for(static_cast<int>(links), [&](int begin, int end) {
-    add_factors(fabric, by_patches, begin, end, scratch);
+  workers.parallel_for(static_cast<int>(scratch.factors.size()), [&](int begin, int end) {
+    add_factors(fabric, of_bends, begin, end, scratch);
   });
-  Quad* const of_patches = reinterpret_cast<Quad*>(scratch.of_patches.data());
-  if (by_patches) {
-    workers.parallel_for(static_cast<int>(fabric.patches.size()), [&](int begin, int end) {
-      bend_patches(fabric, at, of_bends, begin, end, of_patches);
-    });
-  }
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
       forces.col(axis).segment(begin, end - begin) =
           loads.gravity[axis] * cloth.mass.segment(begin, end - begin);
     }
-    sum_links(fabric, scratch, at, by_patches, begin, end, forces);
-    if (by_patches) subtract_patches(fabric, of_patches, begin, end, forces);
+    sum_links(fabric, scratch, at, of_bends, begin, end, forces);
   });
 }
 

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
@@ -110,13 +109,10 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
           inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
         }
       }
-      const auto of_stiffness = [&](double stiffness) {
-        const double compliance = 1 / (stiffness * time2);
-        return typename BendConstraint<Stencil>::Stiffness{compliance, 1 / (inv_mass + compliance)};
-      };
-      colouring.add({bend, of_stiffness(bend.stiffness), of_stiffness(bend.stiffness * damped),
-                     Vector3::Zero(), 0, Vector3::Zero()},
-                    bend.points);
+      const double compliance = 1 / (bend.stiffness * damped * time2);
+      colouring.add(
+          {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
+          bend.points);
     }
   });
   colouring.move_to(bends.list, bends.colour_ends);
@@ -136,10 +132,7 @@ void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
   }
   const auto set_targets = [&](auto& bends) {
     for (auto& c : bends.list) {
-      const Vector3 b = c.bend.of(positions);
-      const double length = b.norm();
-      c.u = of_bends > 0 && length > 0 ? Vector3(b / length) : Vector3::Zero();
-      c.target = of_bends / h / (1 + of_bends / h) * length;
+      c.target = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
     }
   };
   set_targets(bends_);
@@ -198,10 +191,7 @@ void Xpbd::solve_bends(const Cloth& cloth, bool back, Bends<Stencil>& bends, Poi
                        const Workers& workers) {
   parallel_for_colours(bends.colour_ends, back, workers, [&](std::size_t id) {
     BendConstraint<Stencil>& c = bends.list[id];
-    const Vector3 b = c.bend.of(positions);
-    const double along = c.damped.share * (c.target - c.u.dot(b + c.damped.compliance * c.lambda));
-    const Vector3 free = -c.elastic.share * (b + c.elastic.compliance * c.lambda);
-    const Vector3 change = free + (along - c.u.dot(free)) * c.u;
+    const Vector3 change = c.share * (c.target - c.bend.of(positions) - c.compliance * c.lambda);
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       const int i = c.bend.points[k];

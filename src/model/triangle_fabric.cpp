@@ -232,39 +232,6 @@ void add_pairs(TriangleFabric& fabric) {
   for (const auto& [ends, weight] : weights) fabric.pairs.push_back({ends[0], ends[1], weight});
 }
 
-/// Lists of points one after the other, and where each begins.
-template <typename Entry>
-void concatenate(const std::vector<std::vector<Entry>>& lists, std::vector<Entry>& all,
-                 std::vector<int>& firsts) {
-  for (const std::vector<Entry>& list : lists) {
-    firsts.push_back(static_cast<int>(all.size()));
-    all.insert(all.end(), list.begin(), list.end());
-  }
-  firsts.push_back(static_cast<int>(all.size()));
-}
-
-void add_patches(int points, TriangleFabric& fabric) {
-  std::size_t kind = 0;  // in the last patch
-  for (const PatchBend& bend : fabric.bends) {
-    if (fabric.patches.empty() || fabric.patches.back().points != bend.points) {
-      fabric.patches.push_back({bend.points, {}, {}});
-      kind = 0;
-    }
-    TriangleFabric::Patch& patch = fabric.patches.back();
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      patch.coefficients[k][kind] = bend.coefficients[k];
-    }
-    patch.stiffness.at(kind++) = bend.stiffness;
-  }
-  std::vector<std::vector<int>> of_point(static_cast<std::size_t>(points));
-  int place = 0;
-  for (const TriangleFabric::Patch& patch : fabric.patches) {
-    for (const int point : patch.points)
-      of_point[static_cast<std::size_t>(point)].push_back(place++);
-  }
-  concatenate(of_point, fabric.places, fabric.first_places);
-}
-
 void add_links(int points, TriangleFabric& fabric) {
   std::vector<std::vector<TriangleFabric::Link>> of_point(static_cast<std::size_t>(points));
   int number = 0;
@@ -277,11 +244,11 @@ void add_links(int points, TriangleFabric& fabric) {
   for (std::size_t p = fabric.edges.size(); p < fabric.pairs.size(); ++p) {
     add(fabric.pairs[p].i, fabric.pairs[p].j);
   }
-  concatenate(of_point, fabric.links, fabric.first_links);
-  fabric.edge_links.assign(of_point.size(), 0);
-  for (const auto& ends : fabric.edges) {
-    for (const int end : ends) ++fabric.edge_links[static_cast<std::size_t>(end)];
+  for (const auto& links : of_point) {
+    fabric.first_links.push_back(static_cast<int>(fabric.links.size()));
+    fabric.links.insert(fabric.links.end(), links.begin(), links.end());
   }
+  fabric.first_links.push_back(static_cast<int>(fabric.links.size()));
 }
 
 /// The edges as springs, each of the stiffness d(2 s l)/dl = 4 K_kk L^2 that its triangles give.
@@ -323,7 +290,6 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   for (std::size_t t = 0; t < material.size(); ++t) bends.add(static_cast<int>(t), *material[t]);
   add_pairs(*fabric);
   add_links(n, *fabric);
-  add_patches(n, *fabric);
   add_springs(*fabric, batches, cloth);
   cloth.internal_damping = spec.material.fabric->internal_damping;
   cloth.inv_mass = cloth.mass.cwiseInverse();

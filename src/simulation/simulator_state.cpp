@@ -243,11 +243,10 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   for (const auto& [frame, grip] : saved.grips.all()) {
     held += sizeof(Grip) + bytes(frame) + bytes(grip.held) + bytes(grip.bodies);
   }
-  std::size_t bytes_of_bands = bytes(cloth.pairs) + bytes(cloth.bend_bands);
-  for (const PairBand& band : cloth.pairs) bytes_of_bands += bytes(band.spring) + bytes(band.bend);
-  for (const BendBand& band : cloth.bend_bands) bytes_of_bands += bytes(band.stiffness);
+  std::size_t bytes_of_pairs = bytes(cloth.pairs);
+  for (const PairBand& band : cloth.pairs) bytes_of_pairs += bytes(band.spring) + bytes(band.bend);
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
-         bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_bands + bytes(cloth.mass) +
+         bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
          bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
          bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
          bytes(saved.pin_targets) + bytes(saved.collider_wrenches) + bytes(saved.forces);

@@ -80,9 +80,10 @@ TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
     const double weight = 3;
     system.begin(cloth);
     for (int i = 0; i < n; ++i) system.add_to_point(i, weight * Eigen::Matrix3d::Identity());
+    int id = 0;
     for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
       const Vector3 d = x.row(b) - x.row(a);
-      system.add_pair(a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
+      system.add_pair(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
     });
     ASSERT_TRUE(system.factorize());
     const Eigen::VectorXd rhs = random_points(n, 1, 2).reshaped();

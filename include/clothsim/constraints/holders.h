@@ -129,12 +129,14 @@ class Holders {
     double mass = 0;  // [kg]
   };
 
-  /// A spring of a held point.
+  /// A pair of points, one of them held: a spring with the force k (l - L) u, a bend with the force
+  /// `bend` d, or both, with their damping. d leads from the held point to the other one.
   struct Spring {
     std::size_t point;  // in points_
     int other;
     double stiffness;    // [N/m]
     double rest_length;  // [m]
+    double bend;         // [N/m]
   };
 
   /// A triangle of a mesh with a held corner.
@@ -144,16 +146,8 @@ class Holders {
     std::size_t corner;
   };
 
-  /// A stencil of bending with a held point.
-  struct HeldBend {
-    std::size_t point;   // in points_
-    double coefficient;  // of that point
-    PatchBend bend;      // of a grid: with two coefficients of 0
-  };
-
-  void list_springs(const Cloth&, const std::vector<int>& held);
-  void list_corners(const Cloth&, const std::vector<int>& held);
-  void list_bends(const Cloth&, const std::vector<int>& held);
+  void list_springs(const Cloth&);
+  void list_corners(const Cloth&);
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;
   static void release(Point&, double max_force, const Vector3& impulse);
@@ -164,7 +158,6 @@ class Holders {
   std::vector<double> strengths_;
   std::vector<Spring> springs_;
   std::vector<HeldCorner> corners_;
-  std::vector<HeldBend> bends_;
   std::vector<std::vector<std::size_t>> of_holder_;  // points_ by holder
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]

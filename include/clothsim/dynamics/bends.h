@@ -22,14 +22,6 @@ struct Bend {
   }
 };
 
-/// Share of a bend's elastic force that internal damping adds, tau (b . b') / |b|^2 for the sum b
-/// of its stencil: its rate is that of |b|, so that damping neither resists a rigid rotation nor
-/// has a torque. `tau`: internal damping of bends [s].
-inline double damping_share(double tau, const Vector3& b, const Vector3& rate) {
-  const double squared = b.squaredNorm();
-  return squared > 0 ? tau * b.dot(rate) / squared : 0;
-}
-
 /// Calls visit(bend) for every stencil, a Bend of a grid, in the order of cloth.bends, or a
 /// PatchBend of a mesh. Not for hot loops.
 template <typename Visitor>

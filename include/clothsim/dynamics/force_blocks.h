@@ -43,20 +43,18 @@ class ForceBlocks {
 
  private:
   /// Springs of one offset, length and stiffness, neighbours in cloth.springs, ascending; or all of
-  /// a fabric's `pairs` or `bends`.
+  /// a fabric's `pairs`.
   struct Direction {
-    int history;  // how many earlier forces a block needs: the springs' offset; of bends a + b
+    int offset;
     const PairBand* pairs;
-    const BendBand* bends;
     const SpringRun* run;  // the first that may reach into the block
     const SpringRun* end;
-    Real* force[3];  // on the first points of its springs, or pulls of its bends, after the history
+    Real* force[3];  // on the first points of its springs, after those of earlier points
   };
 
   void group();
   void take_points();
   void fill(Direction&, int first, int count, Real* const force[3]) const;
-  void fill_bends(const BendBand&, int first, int count, Real* const force[3]) const;
   /// Computes the forces of springs or pairs with the first points [from, from + count).
   void pull_between(const Direction&, int from, int count, Real* const force[3]) const;
   void keep_history();
@@ -69,7 +67,6 @@ class ForceBlocks {
   int end_;
   std::vector<Direction> directions_;
   const Points* velocities_;                         // null: no damping
-  bool by_stencil_;                                  // bends are damped: not by pairs
   const Real* points_[3];                            // columns of positions
   const Real* rates_[3];                             // of velocities, if any
   Eigen::Matrix<Real, Eigen::Dynamic, 1> narrowed_;  // both, where Real is not double

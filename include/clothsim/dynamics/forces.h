@@ -16,8 +16,8 @@ struct Loads {
 /// Hooke's law: k (l - L0) (x_b - x_a) / l on point a, the opposite on b. A spring of zero length
 /// has no direction and no force. Bends: minus the gradient of their energy, see BendRun.
 ///
-/// `velocities` [m/s], N x 3: adds internal damping, k tau_0 times the rate of a spring's length
-/// and k tau_1 times the rate of a bend's |b|, see damping_share(). Null: no damping.
+/// `velocities` [m/s], N x 3: adds internal damping, k tau_0 times the rate of a spring's length,
+/// and the force of bends at tau_1 times the velocities. Null: no damping.
 void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
                     const Workers& = {}, const Points* velocities = nullptr);
 

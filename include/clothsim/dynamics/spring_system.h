@@ -4,7 +4,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <vector>
 
 #include "clothsim/dynamics/bends.h"
@@ -51,21 +50,18 @@ class SpringSystem {
     }
   }
 
-  /// Adds a pair of free points a < b that a spring or a bend joins: `block` to both points,
-  /// -`block` between them.
-  void add_pair(int a, int b, const Block& block) {
+  /// Adds pair `id`, in the order of for_each_spring and then of for_each_bent_pair, of free points
+  /// a < b: `block` to both points, -`block` between them.
+  void add_pair(int id, int a, int b, const Block& block) {
     add_to_point(a, block);
     add_to_point(b, block);
-    add_between(a, b, -block);
+    add_between(id, a, -block);
   }
 
-  /// Adds `block` in the rows of the pair's point b and the columns of its point a < b, and its
+  /// Adds `block` in the rows of the pair's point b and the columns of its point a, and its
   /// transpose in the upper half.
-  void add_between(int a, int b, const Block& block) {
-    const std::vector<int>& ends = ends_[static_cast<std::size_t>(a)];
-    const auto end = std::lower_bound(ends.begin(), ends.end(), b);
-    assert(end != ends.end() && *end == b);
-    const auto rank = end - ends.begin();
+  void add_between(int id, int a, const Block& block) {
+    const int rank = ranks_[static_cast<std::size_t>(id)];
     for (int c = 0; c < Size; ++c) {
       double* values = column(a, c) + (Size - c) + Size * rank;
       for (int r = 0; r < Size; ++r) values[r] += block(r, c);
@@ -90,22 +86,34 @@ class SpringSystem {
     return matrix_.valuePtr() + matrix_.outerIndexPtr()[Size * point + c];
   }
 
+  template <typename Visitor>
+  static void for_each_joint(const Cloth& cloth, Visitor&& visit) {
+    for_each_spring(cloth, [&](const SpringRun&, int a, int b) { visit(a, b); });
+    for_each_bent_pair(cloth, [&](double, int a, int b) { visit(a, b); });
+  }
+
   void lay_out(const Cloth& cloth) {
+    // Entries below the diagonal: for each point the other ends, ascending.
     const int n = cloth.num_points();
-    ends_.assign(static_cast<std::size_t>(n), {});
-    const auto join = [&](int a, int b) { ends_[static_cast<std::size_t>(a)].push_back(b); };
-    for_each_spring(cloth, [&](const SpringRun&, int a, int b) { join(a, b); });
-    for_each_bent_pair(cloth, [&](double, int a, int b) { join(a, b); });
-    for (std::vector<int>& list : ends_) {
+    std::vector<std::vector<int>> ends(static_cast<std::size_t>(n));
+    for_each_joint(cloth, [&](int a, int b) { ends[static_cast<std::size_t>(a)].push_back(b); });
+    for (std::vector<int>& list : ends) {
       std::sort(list.begin(), list.end());
       list.erase(std::unique(list.begin(), list.end()), list.end());
     }
+
+    ranks_.clear();
+    for_each_joint(cloth, [&](int a, int b) {
+      const std::vector<int>& list = ends[static_cast<std::size_t>(a)];
+      const auto place = std::lower_bound(list.begin(), list.end(), b);
+      ranks_.push_back(static_cast<int>(place - list.begin()));
+    });
 
     std::vector<Eigen::Triplet<double>> entries;
     for (int a = 0; a < n; ++a) {
       for (int c = 0; c < Size; ++c) {
         for (int r = c; r < Size; ++r) entries.emplace_back(Size * a + r, Size * a + c, 1.0);
-        for (const int b : ends_[static_cast<std::size_t>(a)]) {
+        for (const int b : ends[static_cast<std::size_t>(a)]) {
           for (int r = 0; r < Size; ++r) entries.emplace_back(Size * b + r, Size * a + c, 1.0);
         }
       }
@@ -116,7 +124,7 @@ class SpringSystem {
   }
 
   Joints joints_;                       // of the layout
-  std::vector<std::vector<int>> ends_;  // by point a: the points b > a that it is joined to, sorted
+  std::vector<int> ranks_;              // by pair: place of b among the ends of a
   Eigen::SparseMatrix<double> matrix_;  // lower half
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;
 };

@@ -28,9 +28,9 @@ namespace clothsim {
 /// the places that the multipliers give with the springs' present directions.
 ///
 /// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
-/// bend is a constraint on the three components of its stencil. Internal damping makes constraints
-/// stiffer, towards their values at the step's start: see DampedSpring; that of a bend along its
-/// direction at that time alone.
+/// bend is a constraint on the three components of its stencil; its direction never turns.
+/// Internal damping makes constraints stiffer, towards their values at the step's start: see
+/// DampedSpring.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
@@ -81,15 +81,10 @@ class Xpbd {
   /// `Stencil`: Bend or PatchBend.
   template <typename Stencil>
   struct BendConstraint {
-    struct Stiffness {
-      double compliance;  // as above
-      double share;       // 1 / (sum of w times squared coefficient + compliance)
-    };
     Stencil bend;
-    Stiffness elastic;
-    Stiffness damped;  // along u
-    Vector3 u;         // of a step: see Past::BendPast; 0 without internal damping
-    double target;     // of a step: u . b that damping and elasticity aim at together [m]
+    double compliance;  // as above
+    double share;       // 1 / (sum of w times squared coefficient + compliance)
+    Vector3 target;     // [m], of a step
     Vector3 lambda;
   };
 

@@ -39,13 +39,6 @@ struct BendRun {
   double stiffness;  // [N/m]
 };
 
-/// The stencils (i, i + a, i + b, i + a + b) of all i, see BendRun.
-struct BendBand {
-  int a;
-  int b;
-  Scalars stiffness;  // [N/m], N - a - b; zero where there is none
-};
-
 /// The sum of all energies between points i and i + offset, i in [0, N - offset): a spring, and the
 /// terms of bending stencils, which are quadratic in the points' difference: k (l - L0)^2 / 2 + w
 /// l^2 / 2.
@@ -67,8 +60,7 @@ struct Cloth {
   std::vector<int> first_triangles;                       // the same
   std::vector<SpringRun> springs;                         // of the families switched on
   std::vector<BendRun> bends;                             // of a fabric
-  std::vector<PairBand> pairs;                            // of a fabric: see set_bands()
-  std::vector<BendBand> bend_bands;                       // the same
+  std::vector<PairBand> pairs;                            // of a fabric: see pair_bands()
   std::shared_ptr<const TriangleFabric> triangle_fabric;  // of a mesh, null for a grid
   Scalars mass;                                           // [kg], N
   Scalars inv_mass;                                       // [1/kg], N; zero at pins
@@ -95,8 +87,7 @@ inline bool is_damped(const Cloth& cloth) {
   return cloth.internal_damping != std::array<double, 2>{};
 }
 
-/// Sums up the springs and bends of a grid by point, for the computation of forces: `pairs`,
-/// `bend_bands`.
-void set_bands(Cloth&);
+/// Springs and bends of a cloth, summed up by pairs of points, for the computation of forces.
+std::vector<PairBand> pair_bands(const Cloth&);
 
 }  // namespace clothsim

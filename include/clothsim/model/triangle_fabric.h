@@ -63,13 +63,6 @@ struct TriangleFabric {
     int number;
   };
 
-  /// The bends of one triangle, for kernels: up to three with the same points.
-  struct Patch {
-    std::array<int, PatchBend::size> points;
-    std::array<std::array<double, 3>, PatchBend::size> coefficients;  // by point and bend
-    std::array<double, 3> stiffness;                                  // 0: no bend
-  };
-
   std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
   std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k of both sides; else 3 T
   std::vector<Triangle> triangles;           // as cloth.triangles
@@ -77,10 +70,6 @@ struct TriangleFabric {
   std::vector<Pair> pairs;       // of bends; first those of edges, in their order
   std::vector<Link> links;       // of point 0, point 1 ..
   std::vector<int> first_links;  // by point, and one past all
-  std::vector<int> edge_links;   // by point: how many of its links, the first ones, are edges
-  std::vector<Patch> patches;
-  std::vector<int> places;        // of point 0, point 1 .. in patches: size * patch + k
-  std::vector<int> first_places;  // by point, and one past all
 };
 
 struct Cloth;
