@@ -60,6 +60,7 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
     const int i = p.hold.point;
     const Vector3 d = row(state.positions, s.other) - row(state.positions, i);
     const Vector3 rate = row(state.velocities, s.other) - row(state.velocities, i);
+    // Not relative to a rotation (see remove_rotation()), which adds some 1e-5 of a load.
     Vector3 force = s.bend * (d + of_bends * rate);
     const double length = d.norm();
     if (length > 0) {

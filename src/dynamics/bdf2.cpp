@@ -45,7 +45,7 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
     weights[i] = cloth.mass[i] / (gain[i] * time);
   }
   const Past past = all_have_history ? past_of(cloth, start.positions, last_.positions, h)
-                                     : past_of(cloth, start.positions, h);
+                                     : past_of(cloth, start, h);
   last_ = start;
 
   // The change by springs.

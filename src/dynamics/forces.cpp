@@ -1,5 +1,6 @@
 #include "clothsim/dynamics/forces.h"
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
@@ -10,6 +11,11 @@ void compute_forces(const Cloth& cloth, const Loads& loads, const Points& positi
   forces.resize(cloth.num_points(), 3);
   if (cloth.is_mesh()) {
     return compute_triangle_forces(cloth, loads, positions, forces, workers, velocities);
+  }
+  static thread_local Points relative;
+  if (velocities != nullptr && has_damped_bends(cloth)) {
+    remove_rotation(cloth, positions, *velocities, relative, workers);
+    velocities = &relative;
   }
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (ForceBlocks<double> blocks(cloth, loads, positions, begin, end, velocities);

@@ -6,7 +6,7 @@ namespace clothsim {
 
 void ImplicitEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                          const Workers&) {
-  const Past past = past_of(cloth, state.positions, h);
+  const Past past = past_of(cloth, state, h);
   coast(cloth, loads, h, state);
   solver_.solve(cloth, coast_weights(cloth, h), state.positions, displacement_, past);
   state.positions += displacement_;

@@ -1,5 +1,6 @@
 #include "clothsim/dynamics/internal_damping.h"
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -54,16 +55,17 @@ void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& p
 
 }  // namespace
 
-Past past_of(const Cloth& cloth, const Points& positions, double h) {
+Past past_of(const Cloth& cloth, const State& state, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{h, {}, {}, positions};
+  const Points& positions = state.positions;
+  Past past{h, {}, {}, positions, positions + h / 2 * state.velocities};
   take_lengths(cloth, past, [&](const auto& length_of) { return length_of(positions); });
   return past;
 }
 
 Past past_of(const Cloth& cloth, const Points& positions, const Points& last, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3};
+  Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3, 2 * positions - last};
   take_lengths(cloth, past, [&](const auto& length_of) {
     return (4 * length_of(positions) - length_of(last)) / 3;
   });
@@ -86,9 +88,14 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
     }
   }
   double of_bends = 0;
-  for_each_bend(cloth, [&](const auto& bend) {
-    of_bends += bend.stiffness * (bend.of(positions) - bend.of(past.points)).squaredNorm() / 2;
-  });
+  if (has_damped_bends(cloth)) {
+    const Points change = positions - past.points;
+    Points relative;
+    remove_rotation(cloth, past.frame, change, relative);
+    for_each_bend(cloth, [&](const auto& bend) {
+      of_bends += bend.stiffness * bend.of(change).dot(bend.of(relative)) / 2;
+    });
+  }
   const auto& [springs, bends] = cloth.internal_damping;
   return (springs * of_springs + bends * of_bends) / past.time;
 }
@@ -112,10 +119,11 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
       if (length > 0) add(a, b, springs / past.time * run.stiffness * change / length * d);
     });
   }
+  if (!has_damped_bends(cloth)) return;
+  Points relative;
+  remove_rotation(cloth, past.frame, positions - past.points, relative);
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
-    const Eigen::RowVector3d change =
-        (positions.row(b) - positions.row(a)) - (past.points.row(b) - past.points.row(a));
-    add(a, b, bends / past.time * w * change);
+    add(a, b, bends / past.time * w * (relative.row(b) - relative.row(a)));
   });
 }
 

@@ -140,6 +140,8 @@ void NewtonSolver::Impl::add_triangles(const Cloth& cloth, const Past& past) {
 }
 
 /// Their pairs follow the springs. Some are negative, but all together are positive semidefinite.
+/// The rotation of damping, of rank 3, is left out: with a matrix too stiff there the method
+/// converges.
 void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
   const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
   int id = cloth.num_springs();

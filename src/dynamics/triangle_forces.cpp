@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -26,6 +27,8 @@ struct Scratch {
     pulls.resize(3 * fabric.triangles.size() + 1);
     factors.resize(links);
     weights.resize(links);
+    bends.resize(4 * points);
+    rates.resize(4 * points);
   }
 
   std::vector<double> positions, velocities;  // by point, a Quad each
@@ -33,6 +36,8 @@ struct Scratch {
   std::vector<double> pulls;                  // by triangle and edge, and a 0 [N/m]
   std::vector<double> factors;                // by link [N/m]
   std::vector<double> weights;                // of bends, times tau_1 [N s/m]
+  std::vector<double> bends, rates;  // by point, a Quad each: sums of weight * (x_j - x_i) [N s],
+                                     // and of weight * (v_j - v_i) [N]
 };
 
 Scratch& scratch_of(const TriangleFabric& fabric) {
@@ -40,6 +45,8 @@ Scratch& scratch_of(const TriangleFabric& fabric) {
   scratch.fit(fabric);
   return scratch;
 }
+
+Quad* quads(std::vector<double>& numbers) { return reinterpret_cast<Quad*>(numbers.data()); }
 
 void interleave(const Points& points, int begin, int end, double* quads) {
   for (int i = begin; i < end; ++i) {
@@ -80,35 +87,82 @@ void pull_triangles(const TriangleFabric& fabric, const double* squares, int beg
   }
 }
 
-/// Sums the links of points [begin, end), each of a force factor * (x_j - x_i), with damping also
-/// of weight * (v_j - v_i).
+/// Sums the links of points [begin, end), each of a force factor * (x_j - x_i). Where bends are
+/// `damped`, also their sums for damping.
 template <bool damped>
-[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric,
-                                                const Scratch& scratch, const Motion& at, int begin,
-                                                int end, Points& forces) {
+[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric, const Motion& at,
+                                                int begin, int end, Scratch& scratch,
+                                                Points& forces) {
   const double* const factors = scratch.factors.data();
   const double* const weights = scratch.weights.data();
   const TriangleFabric::Link* const links = fabric.links.data();
   for (int i = begin; i < end; ++i) {
-    Quad sum = {};
+    Quad sum = {}, bend = {}, rate = {};
     const int last = fabric.first_links[static_cast<std::size_t>(i) + 1];
     for (int l = fabric.first_links[static_cast<std::size_t>(i)]; l < last; ++l) {
       const auto& [j, number] = links[l];
-      sum += factors[number] * (at.x[j] - at.x[i]);
-      if constexpr (damped) sum += weights[number] * (at.v[j] - at.v[i]);
+      const Quad d = at.x[j] - at.x[i];
+      sum += factors[number] * d;
+      if constexpr (damped) {
+        bend += weights[number] * d;
+        rate += weights[number] * (at.v[j] - at.v[i]);
+      }
     }
     for (int axis = 0; axis < 3; ++axis) forces(i, axis) += sum[axis];
+    if constexpr (damped) {
+      quads(scratch.bends)[i] = bend;
+      quads(scratch.rates)[i] = rate;
+    }
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void sum_links(const TriangleFabric& fabric, const Scratch& scratch, const Motion& at, double tau,
-               int begin, int end, Points& forces) {
-  if (at.v != nullptr && tau > 0) {
-    sum_links_of<true>(fabric, scratch, at, begin, end, forces);
+void sum_links(const TriangleFabric& fabric, const Motion& at, bool damped, int begin, int end,
+               Scratch& scratch, Points& forces) {
+  if (damped) {
+    sum_links_of<true>(fabric, at, begin, end, scratch, forces);
   } else {
-    sum_links_of<false>(fabric, scratch, at, begin, end, forces);
+    sum_links_of<false>(fabric, at, begin, end, scratch, forces);
   }
+}
+
+/// The angular velocity of each piece. Sums over pairs are sums over points: that of w d d^T is
+/// that of -x_i sum_j w (x_j - x_i)^T; that of w d x d' alike.
+std::vector<Vector3> rotations_of(const TriangleFabric& fabric, double tau,
+                                  const Scratch& scratch) {
+  std::vector<BendMotion> motions(fabric.pieces.size());
+  for (std::size_t i = 0; i < fabric.piece_ids.size(); ++i) {
+    const auto piece = static_cast<std::size_t>(fabric.piece_ids[i]);
+    const auto centre = static_cast<std::size_t>(fabric.pieces[piece].first_point);
+    const auto point = [](const std::vector<double>& quads, std::size_t k) {
+      return Eigen::Map<const Vector3>(&quads[4 * k]);
+    };
+    const Vector3 arm = point(scratch.positions, i) - point(scratch.positions, centre);
+    motions[piece].squares.noalias() -= arm * point(scratch.bends, i).transpose();
+    motions[piece].moment -= arm.cross(point(scratch.rates, i));
+  }
+  std::vector<Vector3> rotations;
+  for (std::size_t piece = 0; piece < motions.size(); ++piece) {
+    motions[piece].stiffness = tau * fabric.pieces[piece].weight;
+    rotations.push_back(motions[piece].rotation());
+  }
+  return rotations;
+}
+
+/// Damping of bends, relative to the rotation of their piece: see remove_rotation().
+void add_damping_of_bends(const TriangleFabric& fabric, double tau, const Scratch& scratch,
+                          const Workers& workers, Points& forces) {
+  const std::vector<Vector3> rotations = rotations_of(fabric, tau, scratch);
+  workers.parallel_for(static_cast<int>(fabric.piece_ids.size()), [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Vector3& omega = rotations[static_cast<std::size_t>(fabric.piece_of(i))];
+      const double* const b = &scratch.bends[4 * static_cast<std::size_t>(i)];
+      const double* const rate = &scratch.rates[4 * static_cast<std::size_t>(i)];
+      forces(i, 0) += rate[0] - (omega[1] * b[2] - omega[2] * b[1]);
+      forces(i, 1) += rate[1] - (omega[2] * b[0] - omega[0] * b[2]);
+      forces(i, 2) += rate[2] - (omega[0] * b[1] - omega[1] * b[0]);
+    }
+  });
 }
 
 /// The factors of links [begin, end): pulls of both triangles of an edge, and bends.
@@ -149,9 +203,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
   Scratch& scratch = scratch_of(fabric);
   const auto& [of_membrane, of_bends] = cloth.internal_damping;
   const bool damped = velocities != nullptr && is_damped(cloth);
-  const auto quads = [](const std::vector<double>& numbers) {
-    return reinterpret_cast<const Quad*>(numbers.data());
-  };
+  const bool has_rates = damped && has_damped_bends(cloth);
   const Motion at{quads(scratch.positions), damped ? quads(scratch.velocities) : nullptr};
   const auto num_triangles = static_cast<int>(fabric.triangles.size());
 
@@ -174,8 +226,9 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
       forces.col(axis).segment(begin, end - begin) =
           loads.gravity[axis] * cloth.mass.segment(begin, end - begin);
     }
-    sum_links(fabric, scratch, at, of_bends, begin, end, forces);
+    sum_links(fabric, at, has_rates, begin, end, scratch, forces);
   });
+  if (has_rates) add_damping_of_bends(fabric, of_bends, scratch, workers, forces);
 }
 
 Vector3 squared_edges(const std::array<int, 3>& corners, const Points& positions) {

@@ -1,5 +1,6 @@
 #include "clothsim/dynamics/verlet.h"
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -109,6 +110,20 @@ void VelocityVerlet::step_mesh(const Cloth& cloth, const Loads& loads, double h,
   });
 }
 
+/// Velocities for internal damping, of the next band too; null without damping.
+const Points* VelocityVerlet::damped_velocities(const Cloth& cloth, const Points& middle,
+                                                const Points& velocities, const Workers& workers) {
+  if (!is_damped(cloth)) return nullptr;
+  if (has_damped_bends(cloth)) {
+    remove_rotation(cloth, middle, velocities, velocities_, workers);
+  } else if (workers.threads() > 1) {
+    velocities_ = velocities;
+  } else {
+    return &velocities;
+  }
+  return &velocities_;
+}
+
 template <typename Forces>
 void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& loads, double h,
                              State& state, const Workers& workers) {
@@ -121,17 +136,11 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   if (middle.rows() != n) middle.resize(n, 3);  // another thread may read the size
   forces.resize(n);
 
-  // Internal damping needs velocities, of the next band too.
-  const Points* velocities = nullptr;
-  if (is_damped(cloth)) {
-    if (workers.threads() > 1) velocities_ = state.velocities;
-    velocities = workers.threads() > 1 ? &velocities_ : &state.velocities;
-  }
-
   workers.parallel_for(n, [&](int begin, int end) {
     drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
           {state.positions, begin}, {middle, begin});
   });
+  const Points* const velocities = damped_velocities(cloth, middle, state.velocities, workers);
   workers.parallel_for(n, [&](int begin, int end) {
     for (ForceBlocks<Real> blocks(cloth, loads, middle, begin, end, velocities); blocks.next();) {
       const int i = blocks.first();

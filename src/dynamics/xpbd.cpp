@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -120,8 +121,8 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
 
 /// Sets the targets of constraints in a step from `positions`, between their rest values and the
 /// present ones.
-void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
-  const auto& [of_springs, of_bends] = cloth.internal_damping;
+void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
+  const double of_springs = cloth.internal_damping[0];
   for (Constraint& spring : constraints_) {
     const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
     spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
@@ -130,13 +131,17 @@ void Xpbd::prepare(const Cloth& cloth, double h, const Points& positions) {
     c.target =
         (c.rest2 + of_springs / h * squared_edges(c.corners, positions)) / (1 + of_springs / h);
   }
-  const auto set_targets = [&](auto& bends) {
-    for (auto& c : bends.list) {
-      c.target = of_bends / h / (1 + of_bends / h) * c.bend.of(positions);
-    }
-  };
-  set_targets(bends_);
-  set_targets(patch_bends_);
+}
+
+/// The same for bends, which turn as points do that move by `displacements`: see Past.
+void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displacements,
+                            const Workers& workers) {
+  const double of_bends = cloth.internal_damping[1];
+  const double share = of_bends / h / (1 + of_bends / h);
+  remove_rotation(cloth, frame_, displacements, turned_, workers);
+  turned_ = past_ + displacements - turned_;
+  for (auto& c : bends_.list) c.target = share * c.bend.of(turned_);
+  for (auto& c : patch_bends_.list) c.target = share * c.bend.of(turned_);
 }
 
 void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
@@ -259,7 +264,13 @@ void Xpbd::add_reactions(const Cloth& cloth, double h, Points& impulses) const {
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                 const Workers& workers) {
   if (watch_.changed(cloth, h)) build(cloth, h);
-  if (is_damped(cloth)) prepare(cloth, h, state.positions);
+  const bool has_targets = has_damped_bends(cloth);
+  if (is_damped(cloth)) set_targets(cloth, h, state.positions);
+  if (has_targets) {
+    past_ = state.positions;
+    frame_ = past_ + h / 2 * state.velocities;
+    set_bend_targets(cloth, h, h * state.velocities, workers);
+  }
 
   coast(cloth, loads, h, state);
   start_ = state.positions;
@@ -270,6 +281,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (auto& c : patch_bends_.list) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
+    if (i > 0 && has_targets) set_bend_targets(cloth, h, state.positions - past_, workers);
     solve_springs(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {

@@ -35,6 +35,15 @@ void add_pairs(const BendRun& run, int num_points, std::vector<PairBand>& bands)
   add(run.a, run.b, -1);
 }
 
+BendBand& bend_band_of(const BendRun& run, int num_points, std::vector<BendBand>& bands) {
+  const auto found = std::find_if(bands.begin(), bands.end(), [&](const BendBand& band) {
+    return band.a == run.a && band.b == run.b;
+  });
+  if (found != bands.end()) return *found;
+  bands.push_back({run.a, run.b, Scalars::Zero(num_points - run.a - run.b)});
+  return bands.back();
+}
+
 }  // namespace
 
 int Cloth::num_springs() const {
@@ -50,16 +59,20 @@ int Cloth::num_bends() const {
   return count;
 }
 
-std::vector<PairBand> pair_bands(const Cloth& cloth) {
+void set_bands(Cloth& cloth) {
   const int n = cloth.num_points();
-  std::vector<PairBand> bands;
+  cloth.pairs.clear();
+  cloth.bend_bands.clear();
   for (const SpringRun& run : cloth.springs) {
-    PairBand& band = band_of(run.offset, run.rest_length, n, bands);
+    PairBand& band = band_of(run.offset, run.rest_length, n, cloth.pairs);
     if (band.spring.size() == 0) band.spring.setZero(n - run.offset);
     band.spring.segment(run.first, run.count).array() += run.stiffness;
   }
-  for (const BendRun& run : cloth.bends) add_pairs(run, n, bands);
-  return bands;
+  for (const BendRun& run : cloth.bends) {
+    add_pairs(run, n, cloth.pairs);
+    bend_band_of(run, n, cloth.bend_bands).stiffness.segment(run.first, run.count).array() +=
+        run.stiffness;
+  }
 }
 
 }  // namespace clothsim

@@ -125,7 +125,7 @@ void add_fabric(const ClothSpec& spec, Cloth& cloth) {
   if (grid.has(SpringFamily::structural)) add_threads(grid, cloth);
   if (grid.has_diagonals()) add_diagonals(grid, cloth);
   if (grid.has(SpringFamily::bending)) add_bends(grid, cloth);
-  cloth.pairs = pair_bands(cloth);
+  set_bands(cloth);
 }
 
 }  // namespace clothsim

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -251,6 +252,25 @@ void add_links(int points, TriangleFabric& fabric) {
   fabric.first_links.push_back(static_cast<int>(fabric.links.size()));
 }
 
+void add_pieces(const ClothMesh& mesh, int points, TriangleFabric& fabric) {
+  boost::disjoint_sets_with_storage<> groups(static_cast<std::size_t>(points));
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::size_t k : {1, 2}) {
+      groups.union_set(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[k]));
+    }
+  }
+  std::map<std::size_t, int> numbers;
+  for (int i = 0; i < points; ++i) {
+    const std::size_t group = groups.find_set(static_cast<std::size_t>(i));
+    const auto [found, is_new] = numbers.emplace(group, static_cast<int>(numbers.size()));
+    fabric.piece_ids.push_back(found->second);
+    if (is_new) fabric.pieces.push_back({i, 0});
+  }
+  for (const TriangleFabric::Pair& pair : fabric.pairs) {
+    fabric.pieces[static_cast<std::size_t>(fabric.piece_of(pair.i))].weight += pair.weight;
+  }
+}
+
 /// The edges as springs, each of the stiffness d(2 s l)/dl = 4 K_kk L^2 that its triangles give.
 void add_springs(const TriangleFabric& fabric, const std::vector<int>& batches, Cloth& cloth) {
   Scalars stiffness = Scalars::Zero(static_cast<Eigen::Index>(fabric.edges.size()));
@@ -290,6 +310,7 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   for (std::size_t t = 0; t < material.size(); ++t) bends.add(static_cast<int>(t), *material[t]);
   add_pairs(*fabric);
   add_links(n, *fabric);
+  add_pieces(mesh, n, *fabric);
   add_springs(*fabric, batches, cloth);
   cloth.internal_damping = spec.material.fabric->internal_damping;
   cloth.inv_mass = cloth.mass.cwiseInverse();

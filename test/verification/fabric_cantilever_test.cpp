@@ -89,7 +89,7 @@ class BiasStrip {
         cloth_(make_grid(spec())) {
     cut(cloth_.springs);
     cut(cloth_.bends);
-    cloth_.pairs = pair_bands(cloth_);
+    set_bands(cloth_);
     for (int i = 0; i < cloth_.num_points(); ++i) {
       cloth_.mass[i] *= (line(i) == lines_ - 1 ? 0.5 : 1) * (is_edge(i) ? 0.5 : 1);
       cloth_.inv_mass[i] = has(i) && line(i) > 1 ? 1 / cloth_.mass[i] : 0;

@@ -28,7 +28,7 @@ template <typename Real>
 class ForceBlocks {
  public:
   /// All must outlive this. `positions`: N x 3 [m]. `velocities`: N x 3 [m/s], for internal
-  /// damping; null: no damping.
+  /// damping, of bends by remove_rotation(); null: no damping.
   ForceBlocks(const Cloth&, const Loads&, const Points& positions, int begin, int end,
               const Points* velocities = nullptr);
 

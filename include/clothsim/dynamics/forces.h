@@ -17,7 +17,8 @@ struct Loads {
 /// has no direction and no force. Bends: minus the gradient of their energy, see BendRun.
 ///
 /// `velocities` [m/s], N x 3: adds internal damping, k tau_0 times the rate of a spring's length,
-/// and the force of bends at tau_1 times the velocities. Null: no damping.
+/// and the force of bends at tau_1 times the velocities less a rotation, see remove_rotation().
+/// Null: no damping.
 void compute_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
                     const Workers& = {}, const Points* velocities = nullptr);
 

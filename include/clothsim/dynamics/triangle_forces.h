@@ -11,7 +11,7 @@
 namespace clothsim {
 
 /// compute_forces() for a cloth that is a mesh, see TriangleFabric. Internal damping makes squared
-/// lengths q + tau_0 q' of q, so that rigid rotation is not damped.
+/// lengths q + tau_0 q' of q.
 void compute_triangle_forces(const Cloth&, const Loads&, const Points& positions, Points& forces,
                              const Workers&, const Points* velocities);
 

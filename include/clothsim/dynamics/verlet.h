@@ -48,10 +48,12 @@ class VelocityVerlet {
   void step_mesh(const Cloth&, const Loads&, double h, State&, const Workers&);
   template <typename Forces>
   void step_by(Forces&, const Cloth&, const Loads&, double h, State&, const Workers&);
+  const Points* damped_velocities(const Cloth&, const Points& middle, const Points& velocities,
+                                  const Workers&);
 
   Parameters parameters_;
   Points middle_;      // positions in the middle of the step [m], N x 3; empty with one thread
-  Points velocities_;  // before the step [m/s], N x 3; only with threads and internal damping
+  Points velocities_;  // for internal damping [m/s], N x 3, see remove_rotation()
   Scalars forces_;     // along one axis [N], N; empty in single precision
   Eigen::VectorXf single_forces_;  // the same in single precision
   Points mesh_forces_;             // of a mesh [N], N x 3

@@ -102,7 +102,8 @@ class Xpbd {
   void build_membranes(const Cloth&, double h);
   template <typename Stencil>
   void build_bends(const Cloth&, double h, Bends<Stencil>&);
-  void prepare(const Cloth&, double h, const Points& positions);
+  void set_targets(const Cloth&, double h, const Points& positions);
+  void set_bend_targets(const Cloth&, double h, const Points& displacements, const Workers&);
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
   template <typename Stencil>
   void solve_bends(const Cloth&, bool back, Bends<Stencil>&, Points& positions, const Workers&);
@@ -121,6 +122,9 @@ class Xpbd {
   Bends<Bend> bends_;             // of a grid
   Bends<PatchBend> patch_bends_;  // of a mesh
   Points reactions_;              // sums of corrections on held points [kg m], N x 3
+  Points past_;                   // positions before the step [m], N x 3; with damped bends
+  Points frame_;                  // see Past; the same
+  Points turned_;                 // past_, turned with the cloth; the same
   Points start_;                  // positions before the passes [m], N x 3
   Points target_;                 // of points, by the multipliers [m], N x 3
   Scalars turn_;                  // stiffness against turning, times inverse mass, N

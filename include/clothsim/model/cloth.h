@@ -39,6 +39,13 @@ struct BendRun {
   double stiffness;  // [N/m]
 };
 
+/// The stencils (i, i + a, i + b, i + a + b) of all points i in [0, N - a - b), see BendRun.
+struct BendBand {
+  int a;
+  int b;
+  Scalars stiffness;  // [N/m], zero where there is none
+};
+
 /// The sum of all energies between points i and i + offset, i in [0, N - offset): a spring, and the
 /// terms of bending stencils, which are quadratic in the points' difference: k (l - L0)^2 / 2 + w
 /// l^2 / 2.
@@ -60,7 +67,8 @@ struct Cloth {
   std::vector<int> first_triangles;                       // the same
   std::vector<SpringRun> springs;                         // of the families switched on
   std::vector<BendRun> bends;                             // of a fabric
-  std::vector<PairBand> pairs;                            // of a fabric: see pair_bands()
+  std::vector<BendBand> bend_bands;                       // of a fabric on a grid: see set_bands()
+  std::vector<PairBand> pairs;                            // the same
   std::shared_ptr<const TriangleFabric> triangle_fabric;  // of a mesh, null for a grid
   Scalars mass;                                           // [kg], N
   Scalars inv_mass;                                       // [1/kg], N; zero at pins
@@ -87,7 +95,7 @@ inline bool is_damped(const Cloth& cloth) {
   return cloth.internal_damping != std::array<double, 2>{};
 }
 
-/// Springs and bends of a cloth, summed up by pairs of points, for the computation of forces.
-std::vector<PairBand> pair_bands(const Cloth&);
+/// Sets the bands of a grid by its springs and bends: bends by stencil, and all by pairs of points.
+void set_bands(Cloth&);
 
 }  // namespace clothsim

@@ -62,6 +62,10 @@ struct TriangleFabric {
     int other;
     int number;
   };
+  struct Piece {
+    int first_point;  // its lowest
+    double weight;    // sum of those of its pairs [N/m]
+  };
 
   std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
   std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k of both sides; else 3 T
@@ -70,6 +74,10 @@ struct TriangleFabric {
   std::vector<Pair> pairs;       // of bends; first those of edges, in their order
   std::vector<Link> links;       // of point 0, point 1 ..
   std::vector<int> first_links;  // by point, and one past all
+  std::vector<Piece> pieces;     // joined by triangles
+  std::vector<int> piece_ids;    // by point
+
+  int piece_of(int point) const { return piece_ids[static_cast<std::size_t>(point)]; }
 };
 
 struct Cloth;
