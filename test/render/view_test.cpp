@@ -59,8 +59,8 @@ std::vector<std::string> shipped_scenes() {
 
 TEST_P(SceneInView, StaysInThePictureAndFillsIt) {
   ImageStore images(textures_folder());
-  const bool has_own = std::set<std::string>{"arm",     "bag",     "curtain", "drag",    "flag",
-                                             "napkins", "t_shirt", "towel",   "trousers"}
+  const bool has_own = std::set<std::string>{"arm",  "bag",     "curtain", "disc",  "drag",
+                                             "flag", "napkins", "t_shirt", "towel", "trousers"}
                            .count(GetParam()) > 0;
   const std::string own = package_folder("config/views") + "/" + GetParam() + ".yaml";
   const YAML::Node view = has_own ? load_scene_file(own) : YAML::Load("{}");
