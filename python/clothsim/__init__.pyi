@@ -9,6 +9,7 @@ __version__: str
 _Source = Union[str, os.PathLike[str], Mapping[str, Any]]
 _Array = NDArray[np.float64]
 _Pose = ArrayLike  # [x, y, z, qx, qy, qz, qw] or [x, y, z]
+_Points = Union[ArrayLike, Sequence[Union[int, Sequence[int], Mapping[str, Any]]]]  # numbers, [column, row], places
 _Targets = Dict[str, Union[_Pose, Tuple[_Pose, _Pose]]]
 
 class InvalidValue(ValueError):
@@ -138,12 +139,15 @@ class Simulator:
         self,
         frame: str,
         pose: Optional[_Pose] = ...,
-        points: Optional[ArrayLike] = ...,
+        points: Optional[_Points] = ...,
         radius: Optional[float] = ...,
         tear_force: Optional[float] = ...,
         strength: Optional[float] = ...,
+        cloth: Optional[str] = ...,
     ) -> List[int]: ...
-    def detach(self, frame: Optional[str] = ..., points: Optional[ArrayLike] = ...) -> None: ...
+    def detach(
+        self, frame: Optional[str] = ..., points: Optional[_Points] = ..., cloth: Optional[str] = ...
+    ) -> None: ...
     @property
     def grips(self) -> Dict[str, Dict[str, Any]]: ...
     @property

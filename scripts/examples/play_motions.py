@@ -8,6 +8,7 @@ frames, files of key frames, switches of colliders and changes of values are not
 Parameter: ~speed (1), factor on the speed of the motions.
 """
 
+import json
 import threading
 import time
 
@@ -18,7 +19,7 @@ from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from scipy.spatial.transform import Rotation, Slerp
 from std_msgs.msg import Header
 
-from clothsim.msg import Change, ClothState, ClothTopology
+from clothsim.msg import Change, ClothState
 from clothsim.srv import Attach, AttachBody, Detach, DetachBody
 
 RATE = 90   # [Hz] of the broadcasts
@@ -102,52 +103,26 @@ class Player:
         """The answers of the services that an event calls."""
         if "body" in event:
             self.held.setdefault(event["attach"], []).append(event["body"])
-            yield call("attach_body", AttachBody, event["body"], event["attach"])
+            yield call("attach_body", AttachBody, name=event["body"], frame=event["attach"])
         elif "attach" in event:
-            yield call("attach", Attach, event["attach"], numbers(event), event.get("radius", 0),
-                       event.get("tear_force", 0), event.get("strength", 0))
+            values = {key: event[key] for key in ("radius", "tear_force", "strength") if key in event}
+            yield call("attach", Attach, frame=event["attach"], **points_of(event), **values)
         else:
             bodies = [] if "points" in event else self.held.pop(event["detach"], [])
             for body in bodies:
-                yield call("detach_body", DetachBody, body)
+                yield call("detach_body", DetachBody, name=body)
             if not bodies:
-                yield call("detach", Detach, event["detach"], numbers(event))
+                yield call("detach", Detach, frame=event["detach"], **points_of(event))
 
 
-def numbers(event):
-    """The numbers of an event's points, which a scene names by number, as [column, row] or by their place at the
-    start, of all points or of the cloth that the event names."""
-    points = event.get("points", [])
-    if "cloth" not in event and all(isinstance(point, int) for point in points):
-        return points
-    cloth = rospy.wait_for_message("clothsim/topology", ClothTopology)
-    rest, uv = np.reshape(cloth.rest_positions, (-1, 3)), np.reshape(cloth.uv, (-1, 2))
-    first, columns = 0, cloth.columns
-    if "cloth" in event:
-        index = cloth.cloths.index(event["cloth"])
-        first, columns = cloth.first_points[index], cloth.cloth_columns[index]
-        end = [*cloth.first_points, len(rest)][index + 1]
-        rest, uv = rest[first:end], uv[first:end]
-    found = []
-    for point in points:
-        if isinstance(point, int):
-            found.append(point)
-        elif isinstance(point, list):
-            found.append(point[1] * columns + point[0])
-        elif "within" in point:
-            found.extend(np.flatnonzero(np.linalg.norm(rest - point["of"], axis=1) <= point["within"] + 1e-6))
-        elif "near" in point or "uv" in point:
-            away = rest - point["near"] if "near" in point else uv - point["uv"]
-            found.append(np.linalg.norm(away, axis=1).argmin())
-        else:
-            raise SystemExit("motions: got %s, expected points by number or place, as the node does not publish "
-                             "the names of a pattern" % point)
-    return [first + point for point in found]
+def points_of(event):
+    """The points of an event for a service, which knows the ways to name them in a scene."""
+    return {"places": json.dumps(event["points"]), "cloth": event.get("cloth", "")} if "points" in event else {}
 
 
-def call(name, service_type, *arguments):
+def call(name, service_type, **arguments):
     rospy.wait_for_service("clothsim/" + name)
-    return rospy.ServiceProxy("clothsim/" + name, service_type)(*arguments)
+    return rospy.ServiceProxy("clothsim/" + name, service_type)(**arguments)
 
 
 def main():

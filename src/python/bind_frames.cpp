@@ -3,9 +3,11 @@
 #include "bindings.h"
 #include "bodies.h"
 #include "clothsim/model/checks.h"
+#include "clothsim/scene/points_yaml.h"
 #include "clothsim/simulation/grips.h"
 #include "frames.h"
 #include "robots.h"
+#include "yaml_objects.h"
 
 namespace clothsim_python {
 
@@ -33,20 +35,41 @@ void place_at_once(Simulation& simulation, const std::string& frame, const py::o
   simulation.with([&](Run& run) { place_frame(run, frame, at); });
 }
 
+bool is_list(py::handle object) {
+  return py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object);
+}
+
+/// The points of a list of numbers, or of numbers, [column, row] and places as in a scene; those of
+/// the cloth of that name, if one is given.
+std::vector<int> to_points(const Run& run, const py::object& points,
+                           const std::optional<std::string>& cloth) {
+  bool has_places = cloth.has_value();
+  for (const py::handle item : is_list(points) ? points : py::list()) {
+    has_places = has_places || py::isinstance<py::dict>(item) || is_list(item);
+  }
+  if (!has_places) return to_indices(points, "points");
+  if (cloth && cloth->empty()) throw InvalidValue({"cloth"}, "\"\"", "the name of a cloth");
+  YAML::Node list;
+  clothsim::inside("points", [&] { list = to_yaml(points); });
+  return clothsim::read_points(list, "points", run.simulator.scene().cloth, cloth.value_or(""));
+}
+
 /// The points to attach: the given ones, or the free ones within the radius.
 std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::object& points,
-                        std::optional<double> radius) {
+                        std::optional<double> radius, const std::optional<std::string>& cloth) {
   if (points.is_none() == !radius) {
     throw InvalidValue({"points"}, radius ? "points and a radius" : "nothing",
                        "points or a radius, one of the two");
   }
-  if (!radius) return to_indices(points, "points");
+  if (!radius) return to_points(run, points, cloth);
+  if (cloth) throw InvalidValue({"cloth"}, '"' + *cloth + '"', "none without points");
   return run.simulator.free_points_near(pose.position, *radius);
 }
 
 std::vector<int> attach(Simulation& simulation, const std::string& frame, const py::object& pose,
                         const py::object& points, std::optional<double> radius,
-                        std::optional<double> tear_force, std::optional<double> strength) {
+                        std::optional<double> tear_force, std::optional<double> strength,
+                        const std::optional<std::string>& cloth) {
   check_frame_name(frame);
   return simulation.with([&](Run& run) {
     if (!pose.is_none()) check_no_body(frame, run.simulator);
@@ -55,7 +78,7 @@ std::vector<int> attach(Simulation& simulation, const std::string& frame, const 
       throw InvalidValue({"pose"}, "nothing", "where frame \"" + frame + "\" is");
     }
     const clothsim::Pose at = pose.is_none() ? *now : to_pose(pose, "pose");
-    const std::vector<int> held = chosen(run, at, points, radius);
+    const std::vector<int> held = chosen(run, at, points, radius, cloth);
     run.simulator.attach(frame, at, held, {tear_force, strength});
     if (!pose.is_none()) place_frame(run, frame, at);
     return held;
@@ -70,10 +93,13 @@ std::vector<int> held_by(const clothsim::Grip& grip) {
 }
 
 void detach(Simulation& simulation, const std::optional<std::string>& frame,
-            const py::object& points) {
+            const py::object& points, const std::optional<std::string>& cloth) {
   simulation.with([&](Run& run) {
     std::vector<int> free;
-    if (!points.is_none()) free = to_indices(points, "points");
+    if (!points.is_none()) free = to_points(run, points, cloth);
+    if (points.is_none() && cloth) {
+      throw InvalidValue({"cloth"}, '"' + *cloth + '"', "none without points");
+    }
     const auto& grips = run.simulator.grips();
     if (frame && (grips.count(*frame) == 0 || grips.at(*frame).held.empty())) {
       throw InvalidValue({"frame"}, '"' + *frame + '"', "a frame that points are attached to");
@@ -154,8 +180,12 @@ void bind_frames(SimulationClass& simulator) {
           "attach", &attach, py::arg("frame"), py::arg("pose") = py::none(),
           py::arg("points") = py::none(), py::arg("radius") = py::none(),
           py::arg("tear_force") = py::none(), py::arg("strength") = py::none(),
+          py::arg("cloth") = py::none(),
           "Fixes points of the cloth to a frame, or to the body of that name, which feels their "
-          "pull: the `points` given, or all free ones within `radius` [m] of it. `pose` is where "
+          "pull: the `points` given, or all free ones within `radius` [m] of it. `points` are "
+          "numbers, or as in a scene: [column, row], {'near': [x, y, z]}, {'within': r, 'of': [x, "
+          "y, z]}, {'uv': [u, v]}, {'corner': name}, {'side': name}, by their places at the start; "
+          "with `cloth` of the cloth of that name alone. `pose` is where "
           "the frame is; None: where it was left. Beyond "
           "`tear_force` [N] it lets go. It pulls with `strength` [N] at most: beyond, its points "
           "lag behind their places; None: ten weights of the cloth, of several those it holds, "
@@ -163,8 +193,9 @@ void bind_frames(SimulationClass& simulator) {
           "the points' springs to their limit. Returns the points. Raises InvalidValue and changes "
           "nothing.")
       .def("detach", &detach, py::arg("frame") = py::none(), py::arg("points") = py::none(),
-           "Lets go the points of a frame or body, or `points`; all of frames where neither is "
-           "given. Raises InvalidValue for points that are not attached.")
+           py::arg("cloth") = py::none(),
+           "Lets go the points of a frame or body, or `points`, named as for attach(); all of "
+           "frames where neither is given. Raises InvalidValue for points that are not attached.")
       .def_property_readonly(
           "grips", &grips,
           "Attached points, by frame: {'pose': [7], 'points': list, 'force': [3] [N], 'torque': "

@@ -11,6 +11,8 @@
 #include "clothsim/model/checks.h"
 #include "clothsim/ros/conversions.h"
 #include "clothsim/ros/names.h"
+#include "clothsim/scene/points_yaml.h"
+#include "clothsim/scene/scene_yaml.h"
 
 namespace clothsim_ros {
 namespace {
@@ -41,6 +43,23 @@ geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const clot
   geometry_msgs::WrenchStamped msg = to_stamped_msg(frame, stamp);
   msg.wrench = to_wrench_msg(grip.wrench, grip.pose.orientation);
   return msg;
+}
+
+/// The points that a request of ~attach or ~detach names by number or place. Throws InvalidValue.
+template <typename Request>
+std::vector<int> points_of(const Request& request, const clothsim::ClothSpec& cloth) {
+  if (!request.places.empty() && !request.points.empty()) {
+    throw InvalidValue({"places"}, "places and points", "one of the two");
+  }
+  if (request.places.empty() && !request.cloth.empty()) {
+    throw InvalidValue({"cloth"}, '"' + request.cloth + '"', "none without places");
+  }
+  if (request.places.empty()) return {request.points.begin(), request.points.end()};
+  const std::string key = "places";
+  const YAML::Node list = clothsim::load_scene_text(request.places, key);
+  const std::vector<int> points = clothsim::read_points(list, key, cloth, request.cloth);
+  if (points.empty()) throw InvalidValue({key}, "none", "one or more");
+  return points;
 }
 
 /// Largest distance of the points and bodies from the frame's origin [m].
@@ -205,11 +224,12 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     clothsim::check_frame(request.frame);
     const std::string name = body_or_frame(request.frame);
     check_topic(name);
+    std::vector<int> points = points_of(request, simulator_.scene().cloth);
     const std::string radius = clothsim::to_text(request.radius);
-    if (request.points.empty() && !(request.radius > 0)) {  // true for NaN
+    if (points.empty() && !(request.radius > 0)) {  // true for NaN
       throw InvalidValue({"radius"}, radius + " and no points", "a number above 0 [m], or points");
     }
-    if (!request.points.empty() && request.radius != 0) {
+    if (!points.empty() && request.radius != 0) {
       throw InvalidValue({"radius"}, radius + " and points", "one of the two");
     }
 
@@ -217,7 +237,6 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     TfFrame frame(name, tf_);
     const std::optional<int> body = simulator_.body_named(name);
     const clothsim::Pose pose = body ? simulator_.collider_pose(*body) : first_pose(frame);
-    std::vector<int> points(request.points.begin(), request.points.end());
     if (points.empty()) points = simulator_.free_points_near(pose.position, request.radius);
 
     std::optional<double> tear_force;
@@ -257,7 +276,7 @@ bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Respo
                                                : "a frame that points are attached to");
     }
     held = sorted(std::move(held));
-    std::vector<int> points(request.points.begin(), request.points.end());
+    std::vector<int> points = points_of(request, simulator_.scene().cloth);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (std::binary_search(held.begin(), held.end(), points[i])) continue;
       throw InvalidValue(

@@ -1,4 +1,3 @@
-#include <map>
 #include <string>
 #include <utility>
 
@@ -11,11 +10,7 @@ namespace clothsim {
 namespace {
 
 ReadValue into_points(PointReader& reader, std::vector<int>& points) {
-  return [&](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) {
-      append_points(item, reader.read_indices(item), points);
-    });
-  };
+  return [&](const YAML::Node& list) { points = read_points(list, reader); };
 }
 
 /// A quaternion [x, y, z, w] of any length.
@@ -99,31 +94,13 @@ std::vector<Kind> kinds() {
           {"set", ChangeValues(), read_set}};
 }
 
-/// Readers of the points of all cloths, and of each of several by its name.
-class PointReaders {
- public:
-  explicit PointReaders(const ClothSpec& cloth) : all_(cloth) {
-    for (const ClothPart& part : cloth.parts) named_.emplace(part.name, PointReader(cloth, &part));
-  }
-
-  /// The reader for an entry: that of the cloth which its key `cloth` names.
-  PointReader& of(const YAML::Node& entry) {
-    if (!entry["cloth"].IsDefined()) return all_;
-    std::string name;
-    inside("cloth", [&] { into(name)(entry["cloth"]); });
-    const auto found = named_.find(name);
-    if (found != named_.end()) return found->second;
-    std::vector<std::string> names;
-    for (const auto& [known, reader] : named_) names.push_back(known);
-    throw InvalidValue(
-        {"cloth"}, '"' + name + '"',
-        names.empty() ? "no such key, as the scene has one cloth" : "one of " + join(names));
-  }
-
- private:
-  PointReader all_;
-  std::map<std::string, PointReader> named_;
-};
+/// The reader for an entry: that of the cloth which its key `cloth` names.
+PointReader& reader_for(const YAML::Node& entry, PointReaders& readers) {
+  if (!entry["cloth"].IsDefined()) return readers.all();
+  std::string name;
+  inside("cloth", [&] { into(name)(entry["cloth"]); });
+  return readers.of(name);
+}
 
 MotionEntry read_entry(const YAML::Node& node, PointReaders& readers) {
   if (!node.IsMap()) throw InvalidValue({}, describe(node), "a map");
@@ -133,7 +110,7 @@ MotionEntry read_entry(const YAML::Node& node, PointReaders& readers) {
     if (!node[kind.key].IsDefined()) continue;
     MotionEntry entry{0, std::move(kind.action)};
     const bool has_points = kind.key == "attach" || kind.key == "detach";
-    PointReader& points = has_points ? readers.of(node) : readers.of({});
+    PointReader& points = has_points ? reader_for(node, readers) : readers.all();
     std::vector<Field> all =
         std::visit([&](auto& action) { return fields(action, points); }, entry.action);
     if (has_points) all.push_back({"cloth", [](const YAML::Node&) {}});  // read first

@@ -145,4 +145,35 @@ std::vector<int> PointReader::within(double radius, const Vector3& center) {
   return found;
 }
 
+PointReaders::PointReaders(const ClothSpec& cloth) : all_(cloth) {
+  for (const ClothPart& part : cloth.parts) named_.emplace(part.name, PointReader(cloth, &part));
+}
+
+PointReader& PointReaders::of(const std::string& name) {
+  const auto found = named_.find(name);
+  if (found != named_.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, reader] : named_) names.push_back(known);
+  throw InvalidValue(
+      {"cloth"}, '"' + name + '"',
+      names.empty() ? "no such key, as the scene has one cloth" : "one of " + join(names));
+}
+
+std::vector<int> read_points(const YAML::Node& list, PointReader& reader) {
+  std::vector<int> points;
+  read_list(list, [&](const YAML::Node& item) {
+    append_points(item, reader.read_indices(item), points);
+  });
+  return points;
+}
+
+std::vector<int> read_points(const YAML::Node& list, const std::string& key, const ClothSpec& cloth,
+                             const std::string& name) {
+  PointReaders readers(cloth);
+  PointReader& reader = name.empty() ? readers.all() : readers.of(name);
+  std::vector<int> points;
+  inside(key, [&] { points = read_points(list, reader); });
+  return points;
+}
+
 }  // namespace clothsim

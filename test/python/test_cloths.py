@@ -85,7 +85,8 @@ def test_a_hand_holds_points_of_one_cloth():
     scene = clothsim.Scene(str(SCENES / "napkins.yaml"), {"motions": []})
     simulator = clothsim.Simulator(scene)
     lower, upper = simulator.cloths["lower"], simulator.cloths["upper"]
-    simulator.attach("mine", [0.01, 0.02, 0], points=list(upper.points)[:3])
+    held = simulator.attach("mine", [0.01, 0.02, 0], points=[0, [1, 0], {"near": [0.04, 0.02, 0.002]}], cloth="upper")
+    assert held == list(upper.points)[:3]
     start = lower.positions.copy()
     for i in range(10):
         simulator.step(9, targets={"mine": [0.01, 0.02, 0.02 * (i + 1)]})

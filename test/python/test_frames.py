@@ -1,6 +1,7 @@
 """Frames that a script moves, and their followers: colliders, pins, attached points."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -52,6 +53,50 @@ def test_what_hangs_on_a_frame_pulls_it_down():
     assert simulator.grips["hand"]["points"] == [1, 2, 10]
     simulator.detach("hand")
     assert simulator.grips == {}
+
+
+def test_points_by_place():
+    simulator = Simulator(free(10))
+    places = [{"near": [1, 0, 1]}, (0, 9), 50, {"within": 0.12, "of": np.array([0, 0, 1])}, {"uv": [1, 1]}]
+    assert simulator.attach("hand", [0, 0, 1], points=places) == [9, 90, 50, 0, 1, 10, 99]
+    simulator.detach(points=[{"uv": [1, 1]}, [0, 9]])
+    assert simulator.grips["hand"]["points"] == [0, 1, 9, 10, 50]
+    simulator.step(5)  # places are those at the start
+    simulator.detach("hand")
+    assert simulator.attach("hand", points=[{"near": [0, 0, 1]}]) == [0]
+
+
+def test_points_by_the_names_of_a_pattern():
+    square = [[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]]
+    simulator = Simulator({"cloth": {"fabric": "silk", "pattern": {
+        "cell": 0.05, "panels": [{"name": "front", "outline": square, "pose": {"xyz": [0, 0, 1]}}]}}})
+    side = simulator.attach("hand", [0, 0, 1], points=[{"side": "front.2"}])
+    assert len(side) == 3
+    assert np.allclose(simulator.positions[side, 1], 0.1)
+    (corner,) = simulator.attach("other", [0, 0, 1], points=[{"corner": "front.1"}])
+    assert np.allclose(simulator.positions[corner], [0.1, 0, 1])
+
+
+@pytest.mark.parametrize("points, cloth, message", [
+    ([{"near": [0, 0]}], None, "points.0.near: got"),
+    ([{"nearby": [0, 0, 1]}], None, "points.0.nearby: got"),
+    ([{"near": [0, 0, 1], "uv": [0, 0]}], None, "points.0: got a part of a place, or two"),
+    ([[10, 0]], None, "points.0"),
+    ([1, {"within": 0.1, "of": [9, 9, 9]}], None, "points.1.within: got 0.1"),
+    ([{"side": "front.2"}], None, "points.0.side: got \"front.2\", expected none"),
+    ([{"near": {1, 2}}], None, "points.0.near: got"),
+    ([0, {"near": [0, 0, 1]}], None, "points.1: got 0"),
+    ([1], "shirt", "cloth: got \"shirt\""),
+    ([1], "", "cloth: got"),
+    (None, "shirt", "cloth: got \"shirt\", expected none without points")])
+def test_wrong_places_are_refused(points, cloth, message):
+    simulator = Simulator(free(10))
+    radius = 0.1 if points is None else None
+    with pytest.raises(clothsim.InvalidValue, match=re.escape(message)):
+        simulator.attach("hand", [0, 0, 1], points=points, radius=radius, cloth=cloth)
+    assert simulator.grips == {}
+    with pytest.raises(clothsim.InvalidValue):
+        simulator.detach(points=points, cloth=cloth or "shirt")
 
 
 def test_a_weak_frame_lets_go():

@@ -56,11 +56,11 @@ class Grasp(unittest.TestCase):
         self.hands.send()
         time.sleep(0.1)
 
-    def attach(self, frame, points=(), radius=0.0, tear_force=0.0, strength=0.0):
-        return call("/clothsim/attach", Attach, frame, points, radius, tear_force, strength)
+    def attach(self, frame, points=(), radius=0.0, tear_force=0.0, strength=0.0, places="", cloth=""):
+        return call("/clothsim/attach", Attach, frame, points, radius, tear_force, strength, places, cloth)
 
-    def detach(self, frame="", points=()):
-        return call("/clothsim/detach", Detach, frame, points)
+    def detach(self, frame="", points=(), places="", cloth=""):
+        return call("/clothsim/detach", Detach, frame, points, places, cloth)
 
     def take_corners(self, strength=0.0):
         for frame, corner in CORNERS.items():
@@ -274,6 +274,17 @@ class Grasp(unittest.TestCase):
         self.assertEqual(self.detach("right").message,
                          'frame: got "right", expected a frame that points are attached to')
 
+    def test_points_by_place(self):
+        answer = self.attach("right", places="[{near: [1, 0, 1]}, [0, 9], 50, {within: 0.12, of: [0, 0, 1]}]")
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(list(answer.points), [0, 1, 9, 10, 50, 90])
+        self.cloth.step(1)
+        self.assertEqual(sorted(self.cloth.states.wait("held points", lambda m: len(m.held) == 6).held),
+                         [0, 1, 9, 10, 50, 90])
+        answer = self.detach("right", places="[{uv: [1, 0]}, {within: 0.12, of: [0, 0, 1]}]")
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(list(answer.points), [0, 1, 9, 10])
+
     def test_refused(self):
         self.assertTrue(self.attach("left", points=[0]).success)
         self.cloth.step(3)
@@ -295,7 +306,18 @@ class Grasp(unittest.TestCase):
                 (("right", [9, 0]), "points/1: got 0 ... held"),
                 (("right", [9, 9]), "points/1: got 9 ... again"),
                 (("right", [9], 0.0, -1.0), "tear_force: got -1"),
-                (("right", [9], 0.0, NAN), "tear_force: got nan")):
+                (("right", [9], 0.0, NAN), "tear_force: got nan"),
+                (("right", [9], 0, 0, 0, "[1]"), "places: got places and points ... one of the two"),
+                (("right", [], 0.1, 0, 0, "[1]"), "radius: got 0.1 and points ... one of the two"),
+                (("right", [9], 0, 0, 0, "", "shirt"), 'cloth: got "shirt" ... none without places'),
+                (("right", [], 0, 0, 0, "[1]", "shirt"), 'cloth: got "shirt" ... one cloth'),
+                (("right", [], 0, 0, 0, "[1"), "places: got ... YAML"),
+                (("right", [], 0, 0, 0, "{near: [0, 0, 1]}"), "places: got a map"),
+                (("right", [], 0, 0, 0, "[{near: [0, 0]}]"), "places/0/near: got"),
+                (("right", [], 0, 0, 0, "[{side: front.1}]"), "places/0/side: got ... no pattern"),
+                (("right", [], 0, 0, 0, "[100]"), "places/0: got 100"),
+                (("right", [], 0, 0, 0, "[]"), "places: got none"),
+                (("right", [], 0, 0, 0, "[9, {near: [1, 0, 1]}]"), "points/1: got 9 ... again")):
             answer = self.attach(*request)
             self.assertFalse(answer.success, request)
             self.assertRegex(answer.message, says(message))
@@ -305,7 +327,9 @@ class Grasp(unittest.TestCase):
         for request, message in (
                 (("right",), 'frame: got "right" ... attached'),
                 (("left", [1]), "points/0: got 1 ... attached to left"),
-                (("", [0, 55]), "points/1: got 55 ... attached")):
+                (("", [0, 55]), "points/1: got 55 ... attached"),
+                (("left", [], "[{near: [1, 0, 1]}]"), "points/0: got 9 ... attached to left"),
+                (("left", [0], "[0]"), "places: got places and points ... one of the two")):
             answer = self.detach(*request)
             self.assertFalse(answer.success, request)
             self.assertRegex(answer.message, says(message))

@@ -104,15 +104,15 @@ class Bag(unittest.TestCase):
         self.cloth.step(5)
         corner = positions(self.cloth.step(1))[CORNER]
         self.put_hand(corner[0], corner[2])
-        answer = call("/clothsim/attach", Attach, "hand", [], 0.01 + abs(corner[1]), 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "hand", [], 0.01 + abs(corner[1]), 0.0, 0.0, "", "")
         self.assertIn(CORNER, answer.points, answer.message)
         for i in range(15):
             self.put_hand(corner[0] + 0.01 * i, corner[2] + 0.005 * i)
             self.cloth.step(1)
-        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
-        self.assertTrue(call("/clothsim/attach", Attach, "sphere", [2499], 0.0, 1.0, 0.0).success)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", [], "", "").success)
+        self.assertTrue(call("/clothsim/attach", Attach, "sphere", [2499], 0.0, 1.0, 0.0, "", "").success)
         self.cloth.step(10)
-        self.assertFalse(call("/clothsim/detach", Detach, "sphere", []).success)  # it is torn off
+        self.assertFalse(call("/clothsim/detach", Detach, "sphere", [], "", "").success)  # it is torn off
         self.live.update_configuration({"gravity_x": 2.0})
         self.cloth.step(9)
         self.sphere.update_configuration({"friction": 0.4})
@@ -196,7 +196,7 @@ class Bag(unittest.TestCase):
         self.put_hand(5, 5)
         self.blow(-1.0)
         self.live.update_configuration({"ks": 700.0, "damping": 9.0, "gravity_x": -1.0})
-        self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER, 60], 0.0, 0.0, 0.0).success)
+        self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER, 60], 0.0, 0.0, 0.0, "", "").success)
         answers = []
         again = self.record("calls_again", lambda: answers.append(self.replay(path)))
         self.assertEqual((answers[0].returncode, answers[0].stderr), (0, ""))
@@ -225,7 +225,7 @@ class Bag(unittest.TestCase):
             self.blow(-1.0)
             self.put_sphere(0.4, 0.3)
             self.put_hand(0, 1.1)
-            self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER], 0.0, 0.0, 0.0).success)
+            self.assertTrue(call("/clothsim/attach", Attach, "hand", [CORNER], 0.0, 0.0, 0.0, "", "").success)
             self.live.update_configuration({"ks": 700.0, "damping": 9.0})
             self.cloth.step(7)
             before = self.all_of_the_node()
@@ -321,8 +321,8 @@ class Bag(unittest.TestCase):
         changes = Recorder(CHANGES, Change)
         wait_for(changes.connected, "the node's changes")
         self.cloth.reset()
-        self.assertFalse(call("/clothsim/attach", Attach, "nowhere", [0], 0.0, 0.0, 0.0).success)
-        self.assertFalse(call("/clothsim/detach", Detach, "", []).success)
+        self.assertFalse(call("/clothsim/attach", Attach, "nowhere", [0], 0.0, 0.0, 0.0, "", "").success)
+        self.assertFalse(call("/clothsim/detach", Detach, "", [], "", "").success)
         self.assertFalse(call("/clothsim/restore_state", RestoreState, "never saved").success)
         self.live.update_configuration({"ks": -1.0})
         self.live.update_configuration(LIVE)

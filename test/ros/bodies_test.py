@@ -110,11 +110,11 @@ class BodiesTest(unittest.TestCase):
 
     def test_points_on_one_pull_on_it(self):
         self.assertTrue(self.put(there(0.5, 0.5, 1.2)).success)
-        answer = call("/clothsim/attach", Attach, "ball", [15 * 31 + 15], 0, 0, 0)
+        answer = call("/clothsim/attach", Attach, "ball", [15 * 31 + 15], 0, 0, 0, "", "")
         self.assertTrue(answer.success, answer.message)
         bodies = self.step(180)
         self.assertGreater(bodies["ball"].pose.position.z, 0.2)
-        answer = call("/clothsim/attach", Attach, "ball", [3], 0, 0, 5)
+        answer = call("/clothsim/attach", Attach, "ball", [3], 0, 0, 5, "", "")
         self.assertRegex(answer.message, says("strength: got 5"))
 
     def test_saved_states_have_them(self):

@@ -82,7 +82,7 @@ class ContactTopics(unittest.TestCase):
     def test_colliders_and_what_is_held(self):
         call("/clothsim/enable_collider", EnableCollider, "ground", False)
         self.frames.send(make_transform("hand", (1, 1, 0)))
-        self.assertTrue(call("/clothsim/attach", Attach, "hand", [143, 142], 0, 7.5, 0.0).success)
+        self.assertTrue(call("/clothsim/attach", Attach, "hand", [143, 142], 0, 7.5, 0.0, "", "").success)
         step = self.cloth.step(1).step
         message = self.colliders.wait("the colliders", lambda m: m.step == step and len(m.held) > 1)
         ground, tray = message.colliders

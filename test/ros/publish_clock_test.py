@@ -63,10 +63,10 @@ class PublishClock(unittest.TestCase):
             make_transform("hand", (0, 0, 1), stamp=rospy.Time.now())))
         before = cloth.states.all()[-1].step
         cloth.states.wait("a second with the hand", lambda s: s.step > before + 90)
-        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0, 0.0, "", "")
         timer.shutdown()
         self.assertTrue(answer.success, answer.message)
-        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", [], "", "").success)
 
     def test_refuses_a_second_source(self):
         Cloth().states.wait("a state of the first source")

@@ -118,7 +118,7 @@ class SimTime(unittest.TestCase):
         hand = make_transform("hand", (0.5, 0, 1))
         broadcaster = StaticTransformBroadcaster()
         broadcaster.sendTransform(hand)  # the node waits for a frame that has not been broadcast yet
-        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "hand", [1275], 0.0, 0.0, 0.0, "", "")
         self.assertTrue(answer.success, answer.message)
         before = positions(self.cloth.step(1))[1275]
         hand.transform.translation.z += 0.01
@@ -126,7 +126,7 @@ class SimTime(unittest.TestCase):
         time.sleep(0.2)
         lifted = positions(self.cloth.step(1))[1275]
         self.assertAlmostEqual(lifted[2] - before[2], 0.01, delta=1e-6)
-        self.assertTrue(call("/clothsim/detach", Detach, "hand", []).success)
+        self.assertTrue(call("/clothsim/detach", Detach, "hand", [], "", "").success)
 
         # The image of a step's last frame comes.
         images = Recorder("/clothsim/camera/color/image_raw", Image)

@@ -154,14 +154,14 @@ class Soak(unittest.TestCase):
             place = (0, 0, 1 + 1e-3 * math.sin(time.monotonic()))
             self.broadcaster.sendTransform(make_transform("soak", place, stamp=rospy.Time.now()))
         timer = rospy.Timer(rospy.Duration(0.01), send)
-        answer = call("/clothsim/attach", Attach, "soak", [MIDDLE], 0.0, 0.0, 0.0)
+        answer = call("/clothsim/attach", Attach, "soak", [MIDDLE], 0.0, 0.0, 0.0, "", "")
         assert answer.success, answer.message
         time.sleep(max(0, (begin + end) / 2 - time.monotonic()))
         timer.shutdown()
         self.diagnostics.wait("the lost frame", lambda array: any(
             "lost tf frame soak" in s.message for s in array.status))
         time.sleep(max(0, end - time.monotonic()))
-        assert call("/clothsim/detach", Detach, "soak", []).success
+        assert call("/clothsim/detach", Detach, "soak", [], "", "").success
 
     def run_phase(self, phase):
         """Rate [Hz] and memory [kB] while the node is disturbed; it kept its rate, or reported the reason."""

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,5 +67,27 @@ class PointReader {
   int first_;                   // its first point
   std::optional<Cloth> cloth_;  // once a place is named
 };
+
+/// Readers of the points of all cloths, and of each of several by its name.
+class PointReaders {
+ public:
+  explicit PointReaders(const ClothSpec&);
+
+  PointReader& all() { return all_; }
+  /// That of the cloth `name`. Throws InvalidValue where there is none.
+  PointReader& of(const std::string& name);
+
+ private:
+  PointReader all_;
+  std::map<std::string, PointReader> named_;
+};
+
+/// Reads a list of points as indices. Throws InvalidValue.
+std::vector<int> read_points(const YAML::Node& list, PointReader&);
+
+/// The same, of the cloth of a scene: `name` is that of one of several, whose own numbers, [column,
+/// row] and places the list has; empty: of all. `key`: that of the list, for errors.
+std::vector<int> read_points(const YAML::Node& list, const std::string& key, const ClothSpec&,
+                             const std::string& name);
 
 }  // namespace clothsim
