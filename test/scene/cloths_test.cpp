@@ -124,6 +124,43 @@ TEST(Cloths, KeepTheirDistanceHoweverNearTheyStart) {
   }
 }
 
+TEST(Cloths, SlipOnEachOtherAtCoulombsAngle) {
+  // A towel on another one that is held, both tilted: its acceleration is g (sin - mu cos).
+  for (const double friction : {0.2, 0.5}) {
+    for (const double share : {0.999, 1.001, 1.1}) {  // of the tangent of Coulomb's angle
+      YAML::Node root = YAML::Load("{simulation: {method: xpbd, substeps: 10}}");
+      const double angle = std::atan(friction * share);
+      root["simulation"]["gravity"] =
+          std::vector<double>{9.8 * std::sin(angle), 0, -9.8 * std::cos(angle)};
+      for (int i = 0; i < 2; ++i) {
+        YAML::Node cloth = YAML::Load("{fabric: cotton_towel, damping: 0}");
+        cloth["name"] = i == 0 ? "lower" : "upper";
+        cloth["width"] = cloth["height"] = i == 0 ? 0.4 : 0.2;
+        cloth["columns"] = cloth["rows"] = i == 0 ? 21 : 11;
+        cloth["friction"] = friction;
+        cloth["origin"] = std::vector<double>{0.0537 * i, 0.0519 * i, 0.004 * i};
+        root["cloths"].push_back(cloth);
+      }
+      root["cloths"][0]["pinned"] = YAML::Load("[{within: 1, of: [0, 0, 0]}]");
+      Simulator simulator(read_scene(root));
+      const auto speed = [&] {
+        const ClothPart& part = simulator.scene().cloth.parts[1];
+        return simulator.state()
+            .velocities.middleRows(part.first_point, part.num_points())
+            .col(0)
+            .mean();
+      };
+      while (simulator.state().time < 0.3) simulator.step();
+      const double start = simulator.state().time, before = speed();
+      while (simulator.state().time < 0.6) simulator.step();
+      const double acceleration = (speed() - before) / (simulator.state().time - start);
+      const double expected = std::max(0.0, 9.8 * (std::sin(angle) - friction * std::cos(angle)));
+      EXPECT_NEAR(acceleration, expected, 1e-2 * expected + 1e-5) << friction << " " << share;
+      if (share < 1) EXPECT_LT(std::abs(speed()), 1e-6) << friction;
+    }
+  }
+}
+
 TEST(Cloths, AutoTakesTheMethodOfTheLargest) {
   // A second cloth far away is no larger cloth.
   YAML::Node root = stack(0);
