@@ -161,6 +161,32 @@ TEST(Cloths, SlipOnEachOtherAtCoulombsAngle) {
   }
 }
 
+TEST(Cloths, APileOf52CardsRests) {
+  YAML::Node root = YAML::Load(R"(
+colliders: [{name: floor, shape: plane, friction: 0.4}]
+simulation: {method: xpbd, substeps: 10}
+)");
+  constexpr int count = 52;
+  constexpr double thickness = 1.5e-3;  // [m] of a card
+  const Points shifts = random_points(count, 0.01, 1);
+  for (int i = 0; i < count; ++i) {
+    YAML::Node card = YAML::Load(
+        "{fabric: felt, bending_stiffness: 2.0e-2, density: 0.3, damping: 0.5, friction: 0.3, "
+        "thickness: 7.5e-4, width: 0.1, height: 0.1, columns: 4, rows: 4}");
+    card["name"] = "card_" + std::to_string(i);
+    card["origin"] = std::vector<double>{shifts(i, 0), shifts(i, 1), 0.002 + 0.004 * i};
+    root["cloths"].push_back(card);
+  }
+  Simulator simulator(read_scene(root));
+  for (const double end : {2.0, 3.0}) {
+    while (simulator.state().time < end) simulator.step();
+    EXPECT_LT(rms_velocity(simulator.state()), 2e-3) << end;
+    EXPECT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0);
+  }
+  const double height = simulator.state().positions.col(2).maxCoeff();
+  EXPECT_NEAR(height, count * thickness, 0.03 * count * thickness);
+}
+
 TEST(Cloths, AutoTakesTheMethodOfTheLargest) {
   // A second cloth far away is no larger cloth.
   YAML::Node root = stack(0);
