@@ -108,7 +108,7 @@ class Player:
             values = {key: event[key] for key in ("radius", "tear_force", "strength") if key in event}
             yield call("attach", Attach, frame=event["attach"], **points_of(event), **values)
         else:
-            bodies = [] if "points" in event else self.held.pop(event["detach"], [])
+            bodies = [] if event.get("points") else self.held.pop(event["detach"], [])
             for body in bodies:
                 yield call("detach_body", DetachBody, name=body)
             if not bodies:
@@ -117,7 +117,9 @@ class Player:
 
 def points_of(event):
     """The points of an event for a service, which knows the ways to name them in a scene."""
-    return {"places": json.dumps(event["points"]), "cloth": event.get("cloth", "")} if "points" in event else {}
+    if not event.get("points"):
+        return {}
+    return {"places": json.dumps(event["points"], ensure_ascii=False), "cloth": event.get("cloth", "")}
 
 
 def call(name, service_type, **arguments):

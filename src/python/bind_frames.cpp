@@ -5,6 +5,7 @@
 #include "clothsim/model/checks.h"
 #include "clothsim/scene/points_yaml.h"
 #include "clothsim/simulation/grips.h"
+#include "errors.h"
 #include "frames.h"
 #include "robots.h"
 #include "yaml_objects.h"
@@ -35,23 +36,33 @@ void place_at_once(Simulation& simulation, const std::string& frame, const py::o
   simulation.with([&](Run& run) { place_frame(run, frame, at); });
 }
 
-bool is_list(py::handle object) {
-  return py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object);
+constexpr const char* points_form = "a list of numbers, [column, row] or places";
+
+/// The items of an array of numpy or of something else that is no map and no text.
+py::list items(py::handle object) {
+  if (py::hasattr(object, "tolist")) return items(object.attr("tolist")());
+  const bool is_iterable = py::isinstance<py::iterable>(object) &&
+                           !py::isinstance<py::dict>(object) && !py::isinstance<py::str>(object) &&
+                           !py::isinstance<py::bytes>(object);
+  if (!is_iterable) throw InvalidValue({"points"}, describe(object), points_form);
+  return py::list(py::reinterpret_borrow<py::object>(object));
 }
 
 /// The points of a list of numbers, or of numbers, [column, row] and places as in a scene; those of
 /// the cloth of that name, if one is given.
 std::vector<int> to_points(const Run& run, const py::object& points,
                            const std::optional<std::string>& cloth) {
-  bool has_places = cloth.has_value();
-  for (const py::handle item : is_list(points) ? points : py::list()) {
-    has_places = has_places || py::isinstance<py::dict>(item) || is_list(item);
-  }
-  if (!has_places) return to_indices(points, "points");
-  if (cloth && cloth->empty()) throw InvalidValue({"cloth"}, "\"\"", "the name of a cloth");
-  YAML::Node list;
-  clothsim::inside("points", [&] { list = to_yaml(points); });
-  return clothsim::read_points(list, "points", run.simulator.scene().cloth, cloth.value_or(""));
+  const py::list all = items(points);
+  const bool has_places = std::any_of(all.begin(), all.end(), [](py::handle item) {
+    return py::isinstance<py::dict>(item) || py::isinstance<py::list>(item) ||
+           py::isinstance<py::tuple>(item) || (py::hasattr(item, "ndim") && py::len_hint(item) > 0);
+  });
+  if (!cloth && !has_places) return to_indices(all, "points");
+  clothsim::PointReaders readers(run.simulator.scene().cloth, &run.simulator.cloth());
+  clothsim::PointReader& reader = cloth ? readers.of(*cloth) : readers.all();
+  std::vector<int> found;
+  clothsim::inside("points", [&] { found = clothsim::read_points(to_yaml(all), reader); });
+  return found;
 }
 
 /// The points to attach: the given ones, or the free ones within the radius.

@@ -26,6 +26,9 @@ constexpr std::uint32_t wrench_queue = 100;
 /// and subscribers need not connect again if the frame soon grasps again.
 const ros::WallDuration linger(1);
 
+/// Longest text of places: more than a hundred thousand of them.
+constexpr std::size_t longest_places = 10'000'000;
+
 /// Below the node's name; characters that are invalid in a topic become underscores.
 std::string wrench_topic(const std::string& frame) {
   return "wrench/" + to_ros_name(frame, "frame_");
@@ -47,7 +50,7 @@ geometry_msgs::WrenchStamped to_stamped_msg(const std::string& frame, const clot
 
 /// The points that a request of ~attach or ~detach names by number or place. Throws InvalidValue.
 template <typename Request>
-std::vector<int> points_of(const Request& request, const clothsim::ClothSpec& cloth) {
+std::vector<int> points_of(const Request& request, const clothsim::Simulator& simulator) {
   if (!request.places.empty() && !request.points.empty()) {
     throw InvalidValue({"places"}, "places and points", "one of the two");
   }
@@ -55,10 +58,16 @@ std::vector<int> points_of(const Request& request, const clothsim::ClothSpec& cl
     throw InvalidValue({"cloth"}, '"' + request.cloth + '"', "none without places");
   }
   if (request.places.empty()) return {request.points.begin(), request.points.end()};
-  const std::string key = "places";
-  const YAML::Node list = clothsim::load_scene_text(request.places, key);
-  const std::vector<int> points = clothsim::read_points(list, key, cloth, request.cloth);
-  if (points.empty()) throw InvalidValue({key}, "none", "one or more");
+  if (request.places.size() > longest_places) {
+    throw InvalidValue({"places"}, std::to_string(request.places.size()) + " characters",
+                       "at most " + std::to_string(longest_places));
+  }
+  clothsim::PointReaders readers(simulator.scene().cloth, &simulator.cloth());
+  clothsim::PointReader& reader = request.cloth.empty() ? readers.all() : readers.of(request.cloth);
+  const YAML::Node list = clothsim::load_scene_text(request.places, "places");
+  std::vector<int> points;
+  clothsim::inside("places", [&] { points = clothsim::read_points(list, reader); });
+  if (points.empty()) throw InvalidValue({"places"}, "none", "one or more");
   return points;
 }
 
@@ -224,7 +233,7 @@ bool Grasper::attach(clothsim::Attach::Request& request, clothsim::Attach::Respo
     clothsim::check_frame(request.frame);
     const std::string name = body_or_frame(request.frame);
     check_topic(name);
-    std::vector<int> points = points_of(request, simulator_.scene().cloth);
+    std::vector<int> points = points_of(request, simulator_);
     const std::string radius = clothsim::to_text(request.radius);
     if (points.empty() && !(request.radius > 0)) {  // true for NaN
       throw InvalidValue({"radius"}, radius + " and no points", "a number above 0 [m], or points");
@@ -276,7 +285,7 @@ bool Grasper::detach(clothsim::Detach::Request& request, clothsim::Detach::Respo
                                                : "a frame that points are attached to");
     }
     held = sorted(std::move(held));
-    std::vector<int> points = points_of(request, simulator_.scene().cloth);
+    std::vector<int> points = points_of(request, simulator_);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (std::binary_search(held.begin(), held.end(), points[i])) continue;
       throw InvalidValue(

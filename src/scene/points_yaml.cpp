@@ -1,6 +1,7 @@
 #include "clothsim/scene/points_yaml.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "clothsim/model/make_cloth.h"
 #include "clothsim/scene/yaml_values.h"
@@ -55,8 +56,8 @@ std::vector<Field> fields(PointPlace& place) {
           {"side", [&](const YAML::Node& node) { into(place.side.emplace())(node); }}};
 }
 
-PointReader::PointReader(const ClothSpec& spec, const ClothPart* part)
-    : spec_(spec), first_(part ? part->first_point : 0) {
+PointReader::PointReader(const ClothSpec& spec, const ClothPart* part, const Cloth* made)
+    : spec_(spec), first_(part ? part->first_point : 0), made_(made) {
   named_.columns = part ? part->columns : spec.columns;
   named_.rows = part ? part->rows : spec.rows;
   if (!part || !part->is_grid) named_.mesh = spec.mesh;
@@ -99,6 +100,7 @@ std::vector<int> PointReader::read_indices(const YAML::Node& node) {
 }
 
 const Cloth& PointReader::cloth() {
+  if (made_ != nullptr) return *made_;
   if (!cloth_) {
     ClothSpec free = spec_;  // its points may be invalid yet
     free.pinned.clear();
@@ -145,8 +147,10 @@ std::vector<int> PointReader::within(double radius, const Vector3& center) {
   return found;
 }
 
-PointReaders::PointReaders(const ClothSpec& cloth) : all_(cloth) {
-  for (const ClothPart& part : cloth.parts) named_.emplace(part.name, PointReader(cloth, &part));
+PointReaders::PointReaders(const ClothSpec& cloth, const Cloth* made) : all_(cloth, nullptr, made) {
+  for (const ClothPart& part : cloth.parts) {
+    named_.emplace(part.name, PointReader(cloth, &part, made));
+  }
 }
 
 PointReader& PointReaders::of(const std::string& name) {
@@ -154,25 +158,23 @@ PointReader& PointReaders::of(const std::string& name) {
   if (found != named_.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [known, reader] : named_) names.push_back(known);
-  throw InvalidValue(
-      {"cloth"}, '"' + name + '"',
-      names.empty() ? "no such key, as the scene has one cloth" : "one of " + join(names));
+  throw InvalidValue({"cloth"}, '"' + name + '"',
+                     names.empty() ? "none, as the scene has one cloth" : "one of " + join(names));
 }
 
 std::vector<int> read_points(const YAML::Node& list, PointReader& reader) {
   std::vector<int> points;
+  std::unordered_set<int> known;
   read_list(list, [&](const YAML::Node& item) {
-    append_points(item, reader.read_indices(item), points);
+    const bool is_side = item.IsMap() && item["side"].IsDefined();  // sides share points
+    for (const int point : reader.read_indices(item)) {
+      const bool is_new = known.insert(point).second;
+      if (is_new) points.push_back(point);
+      if (!is_new && !is_side) {
+        throw InvalidValue({}, std::to_string(point) + " again", "each point once");
+      }
+    }
   });
-  return points;
-}
-
-std::vector<int> read_points(const YAML::Node& list, const std::string& key, const ClothSpec& cloth,
-                             const std::string& name) {
-  PointReaders readers(cloth);
-  PointReader& reader = name.empty() ? readers.all() : readers.of(name);
-  std::vector<int> points;
-  inside(key, [&] { points = read_points(list, reader); });
   return points;
 }
 

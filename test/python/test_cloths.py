@@ -87,6 +87,7 @@ def test_a_hand_holds_points_of_one_cloth():
     lower, upper = simulator.cloths["lower"], simulator.cloths["upper"]
     held = simulator.attach("mine", [0.01, 0.02, 0], points=[0, [1, 0], {"near": [0.04, 0.02, 0.002]}], cloth="upper")
     assert held == list(upper.points)[:3]
+    assert simulator.attach("mine", points=range(4, 6), cloth="upper") == list(upper.points)[4:6]
     start = lower.positions.copy()
     for i in range(10):
         simulator.step(9, targets={"mine": [0.01, 0.02, 0.02 * (i + 1)]})

@@ -64,6 +64,10 @@ def test_points_by_place():
     simulator.step(5)  # places are those at the start
     simulator.detach("hand")
     assert simulator.attach("hand", points=[{"near": [0, 0, 1]}]) == [0]
+    simulator.detach("hand")
+    assert simulator.attach("hand", points=np.array([[0, 9], [1, 9]])) == [90, 91]
+    assert simulator.attach("hand", points=np.array([{"near": [1, 0, 1]}, 5], dtype=object)) == [9, 5]
+    assert simulator.attach("hand", points=[np.array([3, 3])]) == [33]
 
 
 def test_points_by_the_names_of_a_pattern():
@@ -85,6 +89,9 @@ def test_points_by_the_names_of_a_pattern():
     ([1, {"within": 0.1, "of": [9, 9, 9]}], None, "points.1.within: got 0.1"),
     ([{"side": "front.2"}], None, "points.0.side: got \"front.2\", expected none"),
     ([{"near": {1, 2}}], None, "points.0.near: got"),
+    ({"near": [0, 0, 1]}, None, "points: got a value of type dict, expected a list of numbers, [column, row] or places"),
+    ("12", None, "points: got"),
+    ([{"within": 100, "of": [0, 0, 0]}] * 2, None, "points.1: got 0 again, expected each point once"),
     ([0, {"near": [0, 0, 1]}], None, "points.1: got 0"),
     ([1], "shirt", "cloth: got \"shirt\""),
     ([1], "", "cloth: got"),
@@ -95,8 +102,10 @@ def test_wrong_places_are_refused(points, cloth, message):
     with pytest.raises(clothsim.InvalidValue, match=re.escape(message)):
         simulator.attach("hand", [0, 0, 1], points=points, radius=radius, cloth=cloth)
     assert simulator.grips == {}
+    simulator.attach("hand", [0, 0, 1], points=range(20))
     with pytest.raises(clothsim.InvalidValue):
-        simulator.detach(points=points, cloth=cloth or "shirt")
+        simulator.detach(points=points, cloth=cloth)
+    assert simulator.grips["hand"]["points"] == list(range(20))
 
 
 def test_a_weak_frame_lets_go():

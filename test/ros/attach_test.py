@@ -317,7 +317,9 @@ class Grasp(unittest.TestCase):
                 (("right", [], 0, 0, 0, "[{side: front.1}]"), "places/0/side: got ... no pattern"),
                 (("right", [], 0, 0, 0, "[100]"), "places/0: got 100"),
                 (("right", [], 0, 0, 0, "[]"), "places: got none"),
-                (("right", [], 0, 0, 0, "[9, {near: [1, 0, 1]}]"), "points/1: got 9 ... again")):
+                (("right", [], 0, 0, 0, "[9, {near: [1, 0, 1]}]"), "places/1: got 9 ... again"),
+                (("right", [], 0, 0, 0, "[&a {within: 9, of: [0, 0, 0]}" + ", *a" * 10000 + "]"), "places/1: got 0 again"),
+                (("right", [], 0, 0, 0, "[" + " " * 10000000 + "]"), "places: got 10000002 characters")):
             answer = self.attach(*request)
             self.assertFalse(answer.success, request)
             self.assertRegex(answer.message, says(message))

@@ -38,8 +38,8 @@ void append_points(const YAML::Node& item, const std::vector<Point>& named,
                    std::vector<Point>& points) {
   const bool is_side = item.IsMap() && item["side"].IsDefined();
   for (const Point& point : named) {
-    const bool is_known = std::find(points.begin(), points.end(), point) != points.end();
-    if (!is_side || !is_known) points.push_back(point);
+    if (is_side && std::find(points.begin(), points.end(), point) != points.end()) continue;
+    points.push_back(point);
   }
 }
 
@@ -48,8 +48,9 @@ void append_points(const YAML::Node& item, const std::vector<Point>& named,
 class PointReader {
  public:
   /// For the cloth of `spec`, which is valid apart from its pins, or for one of its parts, by its
-  /// own [column, row].
-  explicit PointReader(const ClothSpec& spec, const ClothPart* part = nullptr);
+  /// own [column, row]. `made`: that cloth, if it exists; it must outlive this.
+  explicit PointReader(const ClothSpec& spec, const ClothPart* part = nullptr,
+                       const Cloth* made = nullptr);
 
   /// [column, row] in the grid, or a map with a place. Not for parts.
   std::vector<std::array<int, 2>> read(const YAML::Node&);
@@ -65,13 +66,15 @@ class PointReader {
   const ClothSpec& spec_;
   ClothSpec named_;             // the cloth whose points are named: its mesh, columns and rows
   int first_;                   // its first point
-  std::optional<Cloth> cloth_;  // once a place is named
+  const Cloth* made_;           // null: none
+  std::optional<Cloth> cloth_;  // else, once a place is named
 };
 
 /// Readers of the points of all cloths, and of each of several by its name.
 class PointReaders {
  public:
-  explicit PointReaders(const ClothSpec&);
+  /// As for PointReader.
+  explicit PointReaders(const ClothSpec&, const Cloth* made = nullptr);
 
   PointReader& all() { return all_; }
   /// That of the cloth `name`. Throws InvalidValue where there is none.
@@ -82,12 +85,7 @@ class PointReaders {
   std::map<std::string, PointReader> named_;
 };
 
-/// Reads a list of points as indices. Throws InvalidValue.
+/// Reads a list of points as indices. Throws InvalidValue, also for a point that is named twice.
 std::vector<int> read_points(const YAML::Node& list, PointReader&);
-
-/// The same, of the cloth of a scene: `name` is that of one of several, whose own numbers, [column,
-/// row] and places the list has; empty: of all. `key`: that of the list, for errors.
-std::vector<int> read_points(const YAML::Node& list, const std::string& key, const ClothSpec&,
-                             const std::string& name);
 
 }  // namespace clothsim
