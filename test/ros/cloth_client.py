@@ -119,9 +119,11 @@ class Recorder:
         return wait_for(newest, what)
 
     def connected(self):
-        """Whether all publishers of the topic are connected."""
-        publishers = dict(rospy.get_master().getSystemState()[2][0]).get(self._subscriber.resolved_name, [])
-        return 0 < len(publishers) <= self._subscriber.get_num_connections()
+        """Whether all publishers of the topic send to this node, by their own account: the node of a subscriber knows
+        of a connection a moment earlier, and would miss a message in between."""
+        topic = self._subscriber.resolved_name
+        publishers = dict(rospy.get_master().getSystemState()[2][0]).get(topic, [])
+        return bool(publishers) and all(is_connected(topic, rospy.get_name(), node) for node in publishers)
 
     def close(self):
         self._subscriber.unregister()
