@@ -156,7 +156,9 @@ TEST(Cloths, SlipOnEachOtherAtCoulombsAngle) {
       const double acceleration = (speed() - before) / (simulator.state().time - start);
       const double expected = std::max(0.0, 9.8 * (std::sin(angle) - friction * std::cos(angle)));
       EXPECT_NEAR(acceleration, expected, 1e-2 * expected + 1e-5) << friction << " " << share;
-      if (share < 1) EXPECT_LT(std::abs(speed()), 1e-6) << friction;
+      if (share < 1) {
+        EXPECT_LT(std::abs(speed()), 1e-6) << friction;
+      }
     }
   }
 }
