@@ -39,13 +39,14 @@ void place_at_once(Simulation& simulation, const std::string& frame, const py::o
 constexpr const char* points_form = "a list of numbers, [column, row] or places";
 
 /// The items of an array of numpy or of something else that is no map and no text.
-py::list items(py::handle object) {
-  if (py::hasattr(object, "tolist")) return items(object.attr("tolist")());
+py::list items(const py::object& given) {
+  const py::object object =
+      py::hasattr(given, "tolist") ? py::object(given.attr("tolist")()) : given;
   const bool is_iterable = py::isinstance<py::iterable>(object) &&
                            !py::isinstance<py::dict>(object) && !py::isinstance<py::str>(object) &&
                            !py::isinstance<py::bytes>(object);
-  if (!is_iterable) throw InvalidValue({"points"}, describe(object), points_form);
-  return py::list(py::reinterpret_borrow<py::object>(object));
+  if (!is_iterable) throw InvalidValue({"points"}, describe(given), points_form);
+  return py::list(object);
 }
 
 /// The points of a list of numbers, or of numbers, [column, row] and places as in a scene; those of
