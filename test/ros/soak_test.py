@@ -185,7 +185,7 @@ class Soak(unittest.TestCase):
     def test_soak(self):
         afterwards = []  # memory at the end of each cycle
         begin = time.monotonic()
-        for _ in range(self.cycles):
+        for cycle in range(self.cycles + 2):
             for phase in (self.storm, self.storm_of_all, self.comers, self.stalled, self.states,
                           self.lost_frame, self.quiet):
                 reached, memory, said = self.run_phase(phase)
@@ -196,6 +196,9 @@ class Soak(unittest.TestCase):
                                     "%s at %.1f Hz, and it said %s" % (phase.__name__, reached, said))
             afterwards.append(memory)
             print("after %.0f s: %d kB" % (time.monotonic() - begin, memory), file=sys.stderr)
+            # The allocator may keep what stalled subscribers had queued (8 MB): a leak grows with further cycles.
+            if cycle + 1 >= self.cycles and (memory - afterwards[0] < GROWTH or SLOWER != 1):
+                break
         print("after each cycle [kB]: %s" % afterwards, file=sys.stderr)
         if SLOWER == 1:  # a sanitizer's memory grows
             self.assertLess(afterwards[-1] - afterwards[0], GROWTH)
