@@ -53,6 +53,16 @@ void read_pins(const YAML::Node& node, PointReader& reader, std::vector<Pin>& pi
   }
 }
 
+/// Appends the points of an item. Sides of a pattern share points, which count once.
+void append_points(const YAML::Node& item, const std::vector<std::array<int, 2>>& named,
+                   std::vector<std::array<int, 2>>& points) {
+  const bool is_side = item.IsMap() && item["side"].IsDefined();
+  for (const std::array<int, 2>& point : named) {
+    if (is_side && std::find(points.begin(), points.end(), point) != points.end()) continue;
+    points.push_back(point);
+  }
+}
+
 BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
   BodyPoints attached;
   const auto read_points = [&](const YAML::Node& list) {

@@ -175,14 +175,19 @@ TEST(FabricSteps, ExplicitStepsAreStableUpToTheBound) {
 
 // ---- Newton's method
 
-TEST(FabricSteps, NewtonsStepIsThatOfTheExactHessian) {
-  // Stretched everywhere, so that nothing is clamped: one iteration from d = 0 is -H^-1 g with H by
-  // central differences of the gradient. The past is flat and has no rotation, which H leaves out.
+/// Bends as stiff as springs, strongly damped.
+Cloth damped_and_pinned() {
   ClothSpec spec = fabric_spec(5, 4, 0.02, 0.02);
   spec.pinned = {{0, 0, ""}, {4, 3, ""}};
   spec.material.fabric->bending_stiffness = {1e-2, 2e-2};
   spec.material.fabric->internal_damping = {2e-3, 4e-3};
-  const Cloth cloth = make_grid(spec);
+  return make_grid(spec);
+}
+
+TEST(FabricSteps, NewtonsStepIsThatOfTheExactHessian) {
+  // Stretched everywhere, so that nothing is clamped: one iteration from d = 0 is -H^-1 g with H by
+  // central differences of the gradient. The past is flat and has no rotation, which H leaves out.
+  const Cloth cloth = damped_and_pinned();
   const int n = cloth.num_points();
   const Points y = 1.2 * shaken(cloth, 5e-4, 1);
   const Past past = past_of(cloth, State{1.1 * cloth.rest_positions, Points::Zero(n, 3), 0}, 1e-2);
@@ -218,11 +223,7 @@ TEST(FabricSteps, NewtonsStepIsThatOfTheExactHessian) {
 }
 
 TEST(FabricSteps, NewtonConvergesThoughItsHessianLeavesOutTheRotationOfDamping) {
-  ClothSpec spec = fabric_spec(5, 4, 0.02, 0.02);
-  spec.pinned = {{0, 0, ""}, {4, 3, ""}};
-  spec.material.fabric->bending_stiffness = {1e-2, 2e-2};
-  spec.material.fabric->internal_damping = {2e-3, 4e-3};
-  const Cloth cloth = make_grid(spec);
+  const Cloth cloth = damped_and_pinned();
   const int n = cloth.num_points();
   const Points y = 1.2 * shaken(cloth, 2e-4, 1);
   const Past past =

@@ -2,7 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -30,18 +29,6 @@ struct PointPlace {
 
 /// Its keys, for read_map().
 std::vector<Field> fields(PointPlace&);
-
-/// Appends the points that an item of a list names. Sides of a pattern share points: of a side
-/// those that the list has are left out.
-template <class Point>
-void append_points(const YAML::Node& item, const std::vector<Point>& named,
-                   std::vector<Point>& points) {
-  const bool is_side = item.IsMap() && item["side"].IsDefined();
-  for (const Point& point : named) {
-    if (is_side && std::find(points.begin(), points.end(), point) != points.end()) continue;
-    points.push_back(point);
-  }
-}
 
 /// Reads which points of a cloth a scene names, as [column, row] or by their place. Points that are
 /// equally near: the first. Throws InvalidValue.
