@@ -2,13 +2,14 @@
 """Each scene's launch file has every argument of scene.launch and passes it on."""
 
 import os
-import subprocess
 import tempfile
 import unittest
 
+import roslaunch.arg_dump
+import roslaunch.config
+import roslaunch.xmlloader
 import roslib.packages
 import rosunit
-import yaml
 
 FOLDER = os.path.join(roslib.packages.get_pkg_dir("clothsim"), "launch")
 ARGUMENTS = {"rviz": "false", "interactive": "false", "paused": "true", "realtime_factor": "0.25",
@@ -20,11 +21,11 @@ PARAMETERS = {"paused": True, "realtime_factor": 0.25, "world_frame": "odom", "p
 
 
 class LaunchFiles(unittest.TestCase):
-    def parameters(self, *command):
-        """The parameters that a roslaunch command sets."""
-        done = subprocess.run(["roslaunch", *command, "--dump-params"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return yaml.safe_load(done.stdout)
+    def parameters(self, path, *arguments):
+        """The parameters that roslaunch sets for a file (as of roslaunch --dump-params, in this process)."""
+        config = roslaunch.config.ROSLaunchConfig()
+        roslaunch.xmlloader.XmlLoader().load(path, config, argv=list(arguments), verbose=False)
+        return {name: parameter.value for name, parameter in config.params.items()}
 
     def expect_passed_on(self, given):
         for name, value in PARAMETERS.items():
@@ -45,7 +46,7 @@ class LaunchFiles(unittest.TestCase):
 
     def test_a_scene_of_ones_own(self):
         scene = os.path.join(os.path.dirname(__file__), "attach_scene.yaml")
-        given = self.parameters("clothsim", "scene.launch", "scene:=" + scene,
+        given = self.parameters(os.path.join(FOLDER, "scene.launch"), "scene:=" + scene,
                                 *["%s:=%s" % item for item in ARGUMENTS.items()])
         self.expect_passed_on(given)
         self.assertEqual(given["/clothsim/scene_file"], os.path.abspath(scene))
@@ -53,21 +54,22 @@ class LaunchFiles(unittest.TestCase):
     def test_no_argument_is_required(self):
         """roslaunch takes an argument with an empty default for a required one."""
         for file in sorted(os.listdir(FOLDER)):
-            listed = subprocess.run(["roslaunch", "clothsim", file, "--ros-args"], capture_output=True, text=True)
-            self.assertNotIn("Required", listed.stdout, file)
-            self.assertIn('jump_speed (default "none")', listed.stdout, file)
+            arguments = roslaunch.arg_dump.get_args([os.path.join(FOLDER, file)])
+            self.assertEqual([name for name, (_, default) in arguments.items() if not default], [], file)
+            self.assertEqual(arguments["jump_speed"][1], "none", file)
 
     def test_empty_is_none(self):
         """As from a user's own launch file that passes an empty argument on."""
-        plain = self.parameters("clothsim", "sphere.launch")
-        self.assertEqual(self.parameters("clothsim", "sphere.launch", "view:=", "params:=", "jump_speed:="), plain)
+        sphere = os.path.join(FOLDER, "sphere.launch")
+        plain = self.parameters(sphere)
+        self.assertEqual(self.parameters(sphere, "view:=", "params:=", "jump_speed:="), plain)
         self.assertFalse([name for name in plain if "jump_speed" in name or "/camera/" in name])
 
     def test_paths_of_scenes(self):
         """Paths are relative to the working directory of roslaunch, or to a package."""
         for scene, file in (("a/b.yaml", os.environ["PWD"] + "/a/b.yaml"),
                             ("package://a/b.yaml", "package://a/b.yaml")):
-            given = self.parameters("clothsim", "scene.launch", "scene:=" + scene)
+            given = self.parameters(os.path.join(FOLDER, "scene.launch"), "scene:=" + scene)
             self.assertEqual(given["/clothsim/scene_file"], file)
 
 
