@@ -16,7 +16,8 @@ bool same(const BendRun& a, const BendRun& b) {
 }
 
 bool same(const PatchBend& a, const PatchBend& b) {
-  return a.points == b.points && a.coefficients == b.coefficients && a.stiffness == b.stiffness;
+  return a.points == b.points && a.coefficients == b.coefficients && a.stiffness == b.stiffness &&
+         a.curvature == b.curvature;
 }
 
 template <typename Run>

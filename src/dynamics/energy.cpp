@@ -52,7 +52,7 @@ double elastic_energy(const Cloth& cloth, const Points& positions) {
     });
   }
   for_each_bend(cloth, [&](const auto& bend) {
-    energy += bend.stiffness * bend.of(positions).squaredNorm() / 2;
+    energy += bend.stiffness * bend.deviation(positions).squaredNorm() / 2;
   });
   return energy;
 }

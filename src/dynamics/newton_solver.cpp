@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/spring_system.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
+#include "clothsim/model/smooth_normal.h"
 
 namespace clothsim {
 namespace {
@@ -36,6 +37,7 @@ struct NewtonSolver::Impl {
   void add_springs(const Cloth& cloth, const Past& past);
   void add_triangles(const Cloth& cloth, const Past& past);
   void add_bends(const Cloth& cloth, const Past& past);
+  void add_curved(const Cloth& cloth);
   void add_between(const Cloth& cloth, int id, int a, int b, const Eigen::Matrix3d& block);
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
                Points& d);
@@ -151,6 +153,36 @@ void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
   });
 }
 
+/// The part of CurvedTriangle in J^T k J, with J the derivatives of b - B n: the rest of J^T k J is
+/// that of the pairs. The second derivative of n, which vanishes at rest, is left out, so that all
+/// stays positive semidefinite.
+void NewtonSolver::Impl::add_curved(const Cloth& cloth) {
+  for (const CurvedTriangle& curved : cloth.triangle_fabric->curved) {
+    const SmoothNormal normal(curved, positions);
+    std::array<Eigen::Matrix3d, 3> turns;
+    for (std::size_t k = 0; k < 3; ++k) turns[k] = normal.derivative(k);
+    std::size_t pair = 0;
+    for (std::size_t k = 0; k < PatchBend::size; ++k) {
+      for (std::size_t l = k; l < PatchBend::size; ++l) {
+        const int number = l > k ? curved.pairs[pair++] : -1;
+        const int a = curved.points[k], b = curved.points[l];
+        if (cloth.inv_mass[a] == 0 || cloth.inv_mass[b] == 0) continue;
+        Eigen::Matrix3d block = Eigen::Matrix3d::Zero();  // rows of a, columns of b
+        if (l < 3) block -= curved.weights[k] * turns[l];
+        if (k < 3) block -= curved.weights[l] * turns[k].transpose();
+        if (l < 3) block += curved.stiffness * turns[k].transpose() * turns[l];
+        if (number >= 0) {
+          const int id = cloth.num_springs() + number;
+          system.add_between(id, std::min(a, b),
+                             a < b ? Eigen::Matrix3d(block.transpose()) : block);
+        } else {
+          system.add_to_point(a, l > k ? Eigen::Matrix3d(block + block.transpose()) : block);
+        }
+      }
+    }
+  }
+}
+
 /// Newton's step from `positions` and `gradient`. False where there is none.
 bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, const Past& past) {
   system.begin(cloth);
@@ -164,6 +196,7 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
     add_springs(cloth, past);
   }
   add_bends(cloth, past);
+  if (cloth.is_mesh()) add_curved(cloth);
   if (!system.factorize()) return false;
 
   rhs = -gradient.transpose();

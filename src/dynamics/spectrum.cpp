@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -206,8 +207,9 @@ double largest_eigenvalue(const Matrices<double>& s, int i) {
   return solver.eigenvalues()[2];
 }
 
-/// omega_b^2 of the bends.
-double bends_omega2(const Cloth& cloth) {
+/// omega_b^2 of the bends. Where triangles are curved at rest, |b - B n|^2 changes by at most the
+/// square of the sum of both changes.
+double bends_omega2(const Cloth& cloth, const Points& positions) {
   Scalars sums = Scalars::Zero(cloth.num_points());
   if (cloth.is_mesh()) {
     for (const auto& [i, j, weight] : cloth.triangle_fabric->pairs) {
@@ -220,13 +222,19 @@ double bends_omega2(const Cloth& cloth) {
     sums.head(count) += band.bend.cwiseAbs() + band.bend;
     sums.tail(count) += band.bend.cwiseAbs() + band.bend;
   }
-  return sums.cwiseProduct(cloth.inv_mass).maxCoeff();
+  const double flat = sums.cwiseProduct(cloth.inv_mass).maxCoeff();
+  if (!cloth.is_mesh() || cloth.triangle_fabric->curved.empty()) return flat;
+  sums.setZero();
+  add_curved_sums(cloth, positions, sums);
+  const double curved = sums.cwiseProduct(cloth.inv_mass).maxCoeff();
+  return flat + curved + 2 * std::sqrt(flat * curved);
 }
 
 /// The effect of bends and internal damping on the springs' frequencies.
 struct BendsAndDamping {
-  explicit BendsAndDamping(const Cloth& cloth)
-      : bends(cloth.num_bends() == 0 ? 0 : bends_omega2(cloth)), damping(cloth.internal_damping) {}
+  BendsAndDamping(const Cloth& cloth, const Points& positions)
+      : bends(cloth.num_bends() == 0 ? 0 : bends_omega2(cloth, positions)),
+        damping(cloth.internal_damping) {}
 
   /// Is there any effect?
   bool any() const { return bends > 0 || damping != std::array<double, 2>{}; }
@@ -286,7 +294,7 @@ double springs_bound(const Cloth& cloth) {
 
 double omega_max_bound(const Cloth& cloth, const Points& positions, double min_omega,
                        const Workers& workers) {
-  const BendsAndDamping added(cloth);
+  const BendsAndDamping added(cloth, positions);
   if (!added.any()) return springs_bound(cloth, positions, min_omega, workers);
   const double springs = springs_bound(cloth, positions, added.without(min_omega), workers);
   return std::max(added.with(springs * springs), min_omega);
@@ -295,7 +303,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double min_o
 double omega_max_bound(const Cloth& cloth) {
   if (cloth.is_mesh()) return std::numeric_limits<double>::infinity();
   const double springs = springs_bound(cloth);
-  const BendsAndDamping added(cloth);
+  const BendsAndDamping added(cloth, cloth.rest_positions);
   return added.any() ? added.with(springs * springs) : springs;
 }
 

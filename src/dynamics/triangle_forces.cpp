@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "clothsim/dynamics/bend_rotation.h"
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -228,6 +229,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
     }
     sum_links(fabric, at, has_rates, begin, end, scratch, forces);
   });
+  add_curved_forces(fabric, scratch.positions.data(), workers, forces);
   if (has_rates) add_damping_of_bends(fabric, of_bends, scratch, workers, forces);
 }
 

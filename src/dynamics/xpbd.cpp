@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/point_colours.h"
+#include "clothsim/model/smooth_normal.h"
 
 namespace clothsim {
 
@@ -54,6 +55,21 @@ void parallel_for_colours(const std::vector<int>& ends, bool back, const Workers
   }
 }
 
+bool is_curved(const Bend&) { return false; }
+bool is_curved(const PatchBend& bend) { return bend.curvature != 0; }
+
+/// Derivatives of b - B n by the points of a bend [1/m^2].
+using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
+
+Derivatives derivatives_of(const PatchBend& bend, const SmoothNormal& normal) {
+  Derivatives all;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k] = bend.coefficients[k] * Eigen::Matrix3d::Identity();
+    if (k < 3) all[k] -= bend.curvature * normal.derivative(k);
+  }
+  return all;
+}
+
 }  // namespace
 
 void Xpbd::build(const Cloth& cloth, double h) {
@@ -67,6 +83,7 @@ void Xpbd::build(const Cloth& cloth, double h) {
   }
   build_bends(cloth, h, bends_);
   build_bends(cloth, h, patch_bends_);
+  build_curved(cloth, h);
 }
 
 void Xpbd::build_membranes(const Cloth& cloth, double h) {
@@ -99,10 +116,12 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
 template <typename Stencil>
 void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
   const double time2 = h * Drag(cloth.damping, h).distance;
-  const double damped = 1 + cloth.internal_damping[1] / h;
+  const double damping = cloth.internal_damping[1] / h;  // its stiffness by that of the bend
   Colouring<BendConstraint<Stencil>> colouring(cloth);
   for_each_bend(cloth, [&](const auto& bend) {
     if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Stencil>) {
+      const double stiffness = bend.stiffness * (damping + (is_curved(bend) ? 0 : 1));
+      if (stiffness == 0) return;
       double inv_mass = 0;
       for (std::size_t k = 0; k < bend.points.size(); ++k) {
         for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
@@ -110,13 +129,25 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
           inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
         }
       }
-      const double compliance = 1 / (bend.stiffness * damped * time2);
-      colouring.add(
-          {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
-          bend.points);
+      const double compliance = 1 / (stiffness * time2);
+      colouring.add({bend, compliance, 1 / (inv_mass + compliance),
+                     bend.stiffness * damping / stiffness, Vector3::Zero(), Vector3::Zero()},
+                    bend.points);
     }
   });
   colouring.move_to(bends.list, bends.colour_ends);
+}
+
+void Xpbd::build_curved(const Cloth& cloth, double h) {
+  const double time2 = h * Drag(cloth.damping, h).distance;
+  Colouring<CurvedConstraint> colouring(cloth);
+  for_each_bend(cloth, [&](const auto& bend) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, PatchBend>) {
+      if (!is_curved(bend)) return;
+      colouring.add({bend, 1 / (bend.stiffness * time2), Vector3::Zero()}, bend.points);
+    }
+  });
+  colouring.move_to(curved_.list, curved_.colour_ends);
 }
 
 /// Sets the targets of constraints in a step from `positions`, between their rest values and the
@@ -134,14 +165,12 @@ void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
 }
 
 /// The same for bends, which turn as points do that move by `displacements`: see Past.
-void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displacements,
+void Xpbd::set_bend_targets(const Cloth& cloth, const Points& displacements,
                             const Workers& workers) {
-  const double of_bends = cloth.internal_damping[1];
-  const double share = of_bends / h / (1 + of_bends / h);
   remove_rotation(cloth, frame_, displacements, turned_, workers);
   turned_ = past_ + displacements - turned_;
-  for (auto& c : bends_.list) c.target = share * c.bend.of(turned_);
-  for (auto& c : patch_bends_.list) c.target = share * c.bend.of(turned_);
+  for (auto& c : bends_.list) c.target = c.past_share * c.bend.of(turned_);
+  for (auto& c : patch_bends_.list) c.target = c.past_share * c.bend.of(turned_);
 }
 
 void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
@@ -207,6 +236,89 @@ void Xpbd::solve_bends(const Cloth& cloth, bool back, Bends<Stencil>& bends, Poi
   });
 }
 
+/// A pass over bends that are curved at rest: as the others, with a matrix for 1 / share.
+void Xpbd::solve_curved(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  parallel_for_colours(curved_.colour_ends, back, workers, [&](std::size_t id) {
+    CurvedConstraint& c = curved_.list[id];
+    const auto& points = c.bend.points;
+    const SmoothNormal normal(c.bend, positions);
+    const Derivatives derivatives = derivatives_of(c.bend, normal);
+    Eigen::Matrix3d matrix = c.compliance * Eigen::Matrix3d::Identity();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      for (std::size_t l = 0; l < points.size(); ++l) {
+        if (points[k] != points[l]) continue;
+        matrix += cloth.inv_mass[points[k]] * derivatives[k] * derivatives[l].transpose();
+      }
+    }
+    const Vector3 deviation = c.bend.of(positions) - c.bend.curvature * normal.normal();
+    const Vector3 change = matrix.inverse() * (-deviation - c.compliance * c.lambda);
+    c.lambda += change;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::RowVector3d correction = change.transpose() * derivatives[k];
+      positions.row(points[k]) += cloth.inv_mass[points[k]] * correction;
+      react(cloth, points[k], correction);
+    }
+  });
+}
+
+void Xpbd::pull(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
+  target_.row(i) += cloth.inv_mass[i] * correction;
+  react(cloth, i, correction);
+}
+
+void Xpbd::pull_by_springs(const Cloth& cloth, const Points& positions) {
+  for (std::size_t c = 0; c < constraints_.size(); ++c) {
+    const Constraint& spring = constraints_[c];
+    const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
+    const double length = d.norm();
+    if (length == 0) continue;
+    const double correction = lambda_[c] / length;
+    pull(cloth, spring.a, -correction * d.transpose());
+    pull(cloth, spring.b, correction * d.transpose());
+    turn_[spring.a] += 2 * cloth.inv_mass[spring.a] * std::abs(correction);
+    turn_[spring.b] += 2 * cloth.inv_mass[spring.b] * std::abs(correction);
+  }
+}
+
+void Xpbd::pull_by_membranes(const Cloth& cloth, const Points& positions) {
+  for (const MembraneConstraint& c : membranes_.list) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = c.corners[k], b = c.corners[(k + 1) % 3];
+      const double lambda = 2 * c.lambda[static_cast<Eigen::Index>(k)];
+      const Eigen::RowVector3d correction = lambda * (positions.row(b) - positions.row(a));
+      pull(cloth, a, -correction);
+      pull(cloth, b, correction);
+      turn_[a] += 2 * cloth.inv_mass[a] * std::abs(lambda);
+      turn_[b] += 2 * cloth.inv_mass[b] * std::abs(lambda);
+    }
+  }
+}
+
+template <typename Stencil>
+void Xpbd::pull_by_bends(const Cloth& cloth, const Bends<Stencil>& bends) {
+  for (const BendConstraint<Stencil>& c : bends.list) {
+    for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
+      pull(cloth, c.bend.points[k], c.bend.coefficient(k) * c.lambda.transpose());
+    }
+  }
+}
+
+/// For the stiffness against turning see add_curved_sums().
+void Xpbd::pull_by_curved(const Cloth& cloth, const Points& positions) {
+  for (const CurvedConstraint& c : curved_.list) {
+    const SmoothNormal normal(c.bend, positions);
+    const Derivatives derivatives = derivatives_of(c.bend, normal);
+    for (std::size_t k = 0; k < derivatives.size(); ++k) {
+      pull(cloth, c.bend.points[k], c.lambda.transpose() * derivatives[k]);
+    }
+    const double slopes = normal.slope(0) + normal.slope(1) + normal.slope(2);
+    for (std::size_t k = 0; k < 3; ++k) {
+      turn_[c.bend.points[k]] += 5 * cloth.inv_mass[c.bend.points[k]] * std::abs(c.bend.curvature) *
+                                 c.lambda.norm() * normal.slope(k) * slopes;
+    }
+  }
+}
+
 /// With r the difference to start + w sum of lambda u, points move by r / (1 + 2 w sum of |lambda|
 /// / l): a displacement across a spring of tension lambda turns its force by lambda / l of that,
 /// and its other end may do the same. This converges however long the step.
@@ -214,46 +326,11 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
   target_ = start_;
   reactions_.setZero();
   turn_.setOnes(cloth.num_points());
-  for (std::size_t c = 0; c < constraints_.size(); ++c) {
-    const Constraint& spring = constraints_[c];
-    const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
-    const double length = d.norm();
-    if (length == 0) continue;
-    const double correction = lambda_[c] / length;
-    const double w_a = cloth.inv_mass[spring.a];
-    const double w_b = cloth.inv_mass[spring.b];
-    target_.row(spring.a) -= w_a * correction * d.transpose();
-    target_.row(spring.b) += w_b * correction * d.transpose();
-    react(cloth, spring.a, -correction * d.transpose());
-    react(cloth, spring.b, correction * d.transpose());
-    turn_[spring.a] += 2 * w_a * std::abs(correction);
-    turn_[spring.b] += 2 * w_b * std::abs(correction);
-  }
-  for (const MembraneConstraint& c : membranes_.list) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int a = c.corners[k], b = c.corners[(k + 1) % 3];
-      const double lambda = 2 * c.lambda[static_cast<Eigen::Index>(k)];
-      const Eigen::RowVector3d pull = lambda * (positions.row(b) - positions.row(a));
-      target_.row(a) -= cloth.inv_mass[a] * pull;
-      target_.row(b) += cloth.inv_mass[b] * pull;
-      react(cloth, a, -pull);
-      react(cloth, b, pull);
-      turn_[a] += 2 * cloth.inv_mass[a] * std::abs(lambda);
-      turn_[b] += 2 * cloth.inv_mass[b] * std::abs(lambda);
-    }
-  }
-  const auto add_bends = [&](const auto& bends) {
-    for (const auto& c : bends.list) {
-      for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
-        const int i = c.bend.points[k];
-        const Eigen::RowVector3d correction = c.bend.coefficient(k) * c.lambda.transpose();
-        target_.row(i) += cloth.inv_mass[i] * correction;
-        react(cloth, i, correction);
-      }
-    }
-  };
-  add_bends(bends_);
-  add_bends(patch_bends_);
+  pull_by_springs(cloth, positions);
+  pull_by_membranes(cloth, positions);
+  pull_by_bends(cloth, bends_);
+  pull_by_bends(cloth, patch_bends_);
+  pull_by_curved(cloth, positions);
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
 }
 
@@ -269,7 +346,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   if (has_targets) {
     past_ = state.positions;
     frame_ = past_ + h / 2 * state.velocities;
-    set_bend_targets(cloth, h, h * state.velocities, workers);
+    set_bend_targets(cloth, h * state.velocities, workers);
   }
 
   coast(cloth, loads, h, state);
@@ -279,14 +356,16 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
   for (auto& c : bends_.list) c.lambda.setZero();
   for (auto& c : patch_bends_.list) c.lambda.setZero();
+  for (CurvedConstraint& c : curved_.list) c.lambda.setZero();
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
-    if (i > 0 && has_targets) set_bend_targets(cloth, h, state.positions - past_, workers);
+    if (i > 0 && has_targets) set_bend_targets(cloth, state.positions - past_, workers);
     solve_springs(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {
       solve_bends(cloth, back, bends_, state.positions, workers);
       solve_bends(cloth, back, patch_bends_, state.positions, workers);
+      solve_curved(cloth, back, state.positions, workers);
     }
     solve_membranes(cloth, true, state.positions, workers);
     solve_springs(cloth, true, state.positions, workers);

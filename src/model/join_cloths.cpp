@@ -56,7 +56,7 @@ void check(const NamedCloth& cloth, const NamedCloth& first) {
 ClothMesh mesh_of_grid(ClothSpec spec) {
   spec.material.springs = {};
   const Cloth grid = make_grid(spec);
-  ClothMesh mesh{grid.rest_positions, grid.triangles, {}, grid.uv};
+  ClothMesh mesh{grid.rest_positions, grid.triangles, {}, grid.uv, {}};
   const auto flat = [&](int i) {
     return ClothMesh::Flat(grid.uv(i, 0) * spec.width, grid.uv(i, 1) * spec.height);
   };
@@ -72,6 +72,11 @@ void append(const ClothMesh& more, ClothMesh& mesh) {
   mesh.uv.conservativeResize(first + count, 2);
   mesh.uv.bottomRows(count) = more.uv;
   mesh.flat.insert(mesh.flat.end(), more.flat.begin(), more.flat.end());
+  if (!mesh.curved.empty() || !more.curved.empty()) {
+    mesh.curved.resize(mesh.triangles.size());
+    mesh.curved.insert(mesh.curved.end(), more.curved.begin(), more.curved.end());
+    mesh.curved.resize(mesh.triangles.size() + more.triangles.size());
+  }
   for (const auto& [a, b, c] : more.triangles) {
     mesh.triangles.push_back({first + a, first + b, first + c});
   }

@@ -10,6 +10,8 @@
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/point_colours.h"
+#include "clothsim/model/rest_curvature.h"
+#include "clothsim/model/smooth_normal.h"
 
 namespace clothsim {
 namespace {
@@ -106,6 +108,7 @@ class Bends {
           bend.coefficients[k] -= share * neighbours[n].shares[static_cast<Eigen::Index>(k)];
         }
       }
+      if (mesh_.is_curved(t)) keep_curvature(mesh_.positions, bend);
       fabric_.bends.push_back(bend);
     }
   }
@@ -220,7 +223,7 @@ void add_pairs(TriangleFabric& fabric) {
       for (std::size_t l = k + 1; l < bend.points.size(); ++l) {
         const double weight = -bend.stiffness * bend.coefficients[k] * bend.coefficients[l];
         const auto [i, j] = std::minmax(bend.points[k], bend.points[l]);
-        if (weight != 0 && i != j) weights[{i, j}] += weight;
+        if ((weight != 0 || bend.curvature != 0) && i != j) weights[{i, j}] += weight;
       }
     }
   }
@@ -293,6 +296,12 @@ void add_springs(const TriangleFabric& fabric, const std::vector<int>& batches, 
 
 }  // namespace
 
+Vector3 PatchBend::deviation(const Points& positions) const {
+  const Vector3 b = of(positions);
+  if (curvature == 0) return b;
+  return b - curvature * SmoothNormal(*this, positions).normal();
+}
+
 void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   const ClothMesh& mesh = *spec.mesh;
   const auto n = static_cast<int>(mesh.positions.rows());
@@ -311,6 +320,7 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   add_pairs(*fabric);
   add_links(n, *fabric);
   add_pieces(mesh, n, *fabric);
+  add_curved_triangles(*fabric);
   add_springs(*fabric, batches, cloth);
   cloth.internal_damping = spec.material.fabric->internal_damping;
   cloth.inv_mass = cloth.mass.cwiseInverse();

@@ -21,6 +21,7 @@ struct MeshKeys {
   Pose pose;
   Vector3 warp{1, 0, 0};  // in the file's axes
   RestLengths lengths = RestLengths::surface;
+  bool is_curved = false;
 };
 
 MeshKeys read_keys(const YAML::Node& node) {
@@ -33,11 +34,15 @@ MeshKeys read_keys(const YAML::Node& node) {
   const auto read_lengths = [&](const YAML::Node& value) {
     keys.lengths = static_cast<RestLengths>(read_choice(value, {"surface", "uv"}));
   };
+  const auto read_rest = [&](const YAML::Node& value) {
+    keys.is_curved = read_choice(value, {"flat", "as_is"}) == 1;
+  };
   read_map(node, {{"file", into(keys.file)},
                   {"scale", read_scale},
                   {"pose", [&](const YAML::Node& value) { read_pose(value, keys.pose); }},
                   {"warp", [&](const YAML::Node& value) { keys.warp = read_direction(value); }},
-                  {"lengths", read_lengths}});
+                  {"lengths", read_lengths},
+                  {"rest", read_rest}});
   check_range("scale", keys.scale.cwiseAbs(), mesh_scale_range);
   if (keys.lengths == RestLengths::uv && node["warp"]) {
     throw InvalidValue({"warp"}, describe(node["warp"]),
@@ -58,6 +63,7 @@ void read_cloth_mesh(const YAML::Node& node, const std::filesystem::path& folder
   inside("file", [&] {
     const MeshTriangles given = read_mesh_triangles(find_resource(keys.file, folder), keys.scale);
     ClothMesh mesh = make_cloth_mesh(given, keys.warp, keys.lengths);
+    if (keys.is_curved) mesh.curved.assign(mesh.triangles.size(), 1);
     const Eigen::Matrix3d turn = keys.pose.orientation.toRotationMatrix();
     mesh.positions = (mesh.positions * turn.transpose()).rowwise() + keys.pose.position.transpose();
     cloth.columns = static_cast<int>(mesh.positions.rows());

@@ -39,8 +39,8 @@ std::size_t hash_of(const ClothMesh& mesh) {
                             static_cast<std::size_t>(list.size()) * sizeof(*list.data()));
   };
   std::size_t hash = 0;
-  for (const std::string_view part :
-       {bytes(mesh.positions), bytes(mesh.triangles), bytes(mesh.flat), bytes(mesh.uv)}) {
+  for (const std::string_view part : {bytes(mesh.positions), bytes(mesh.triangles),
+                                      bytes(mesh.flat), bytes(mesh.uv), bytes(mesh.curved)}) {
     hash = 31 * hash + std::hash<std::string_view>()(part);
   }
   return hash;

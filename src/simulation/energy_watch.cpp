@@ -9,6 +9,7 @@
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
+#include "clothsim/model/smooth_normal.h"
 #include "clothsim/model/surface.h"
 
 namespace clothsim {
@@ -84,16 +85,26 @@ Drive drive_of(const Cloth& cloth, double dt, const State& before, const State& 
   return drive;
 }
 
+/// How far the curvature at rest of a bend turns when points are driven by these lengths [1/m].
+double turn_of(const Bend&, const State&, const Scalars&) { return 0; }
+double turn_of(const PatchBend& bend, const State& before, const Scalars& lengths) {
+  if (bend.curvature == 0) return 0;
+  const SmoothNormal normal(bend, before.positions);
+  double turn = 0;
+  for (std::size_t k = 0; k < 3; ++k) turn += normal.slope(k) * lengths[bend.points[k]];
+  return std::abs(bend.curvature) * std::min(turn, 2.0);
+}
+
 /// Work [J] against bends when points are driven by these lengths [m], as in work_on_springs().
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const auto& bend) {
-    double way = 0;  // of the stencil
+    double way = turn_of(bend, before, lengths);  // of the stencil
     for (std::size_t k = 0; k < bend.points.size(); ++k) {
       way += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
     }
     if (way == 0) return;
-    work += bend.stiffness * (bend.of(before.positions).norm() * way + way * way / 2);
+    work += bend.stiffness * (bend.deviation(before.positions).norm() * way + way * way / 2);
   });
   return work;
 }

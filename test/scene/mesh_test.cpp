@@ -103,6 +103,45 @@ TEST(Mesh, FallsWithItsMomenta) {
   EXPECT_LT((now.second - before.second).norm(), 1e-11 * before.second.norm());
 }
 
+/// A sheet in four pleats, held at three points of its upper edge.
+ClothSpec pleats(bool curved) {
+  Sheet sheet{17, 11, 0.16, 0.2};
+  MeshTriangles triangles = triangles_of(sheet);
+  for (Vector3& p : triangles.vertices) {
+    const double along = p.x() / 0.04, fold = std::abs(along - std::round(along));
+    p = {p.x(), 0.04 * (fold - 0.25), -p.y()};
+  }
+  Material felt = cotton();
+  felt.density = 0.25;
+  felt.damping = 3;
+  ClothSpec spec = curved ? curved_spec(triangles, felt) : mesh_spec(triangles, felt);
+  for (int i = 0; i < spec.columns; ++i) {
+    const Vector3 x = row(spec.mesh->positions, i);
+    const bool is_held = x.x() == 0.01 || std::abs(x.x() - 0.07) < 1e-9 || x.x() == 0.15;
+    if (x.z() == 0 && is_held) spec.pinned.push_back({i, 0, "", {}});
+  }
+  EXPECT_EQ(spec.pinned.size(), 3u);
+  return spec;
+}
+
+TEST(Mesh, KeepsItsShapeAtRest) {
+  const auto change = [](bool curved, const std::string& method) {
+    Scene scene;
+    scene.cloth = pleats(curved);
+    scene.simulation.method = method;
+    if (method == "xpbd") scene.simulation.substeps = 20;
+    Simulator simulator(scene);
+    const Points start = simulator.state().positions;
+    const Points end = after(simulator, 3);
+    if (curved) EXPECT_LT(rms_velocity(simulator.state()), 2e-3) << method;
+    return (end - start).rowwise().norm().maxCoeff();
+  };
+  for (const char* method : {"verlet", "xpbd", "implicit_euler", "bdf2"}) {
+    EXPECT_LT(change(true, method), 0.004) << method;
+    EXPECT_GT(change(false, method), 0.012) << method;
+  }
+}
+
 TEST(Mesh, HasEqualBitsFromThreadsAndAfterRestore) {
   ClothSpec spec = mesh_spec(triangles_of({30, 30, 0.3, 0.3, 0, 0.15, 0, true}), cotton());
   spec.pinned = {{0, 0, "", {}}};

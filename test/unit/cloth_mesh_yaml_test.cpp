@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "clothsim/dynamics/energy.h"
 #include "clothsim/model/make_cloth.h"
 #include "says.h"
 #include "scene_text.h"
@@ -62,6 +63,43 @@ TEST_F(ClothMeshYaml, NamesPointsByNumberAndPlace) {
                    "cloth.pinned.0: got 4 ... 0 to 3"));
   EXPECT_TRUE(says(mistake("file: square.obj", "fabric: felt, pinned: [[0, 0]]"),
                    "cloth.pinned.0: got [0, 0] ... number of a point"));
+}
+
+TEST_F(ClothMeshYaml, IsFlatAtRestOrAsItIs) {
+  write("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nf 1 2 3\nf 1 3 4\n");
+  const auto energy_at_start = [](const ClothSpec& spec) {
+    return elastic_energy(make_cloth(spec), spec.mesh->positions);
+  };
+  EXPECT_GT(energy_at_start(read("file: bent.obj").cloth), 1e-6);
+  EXPECT_GT(energy_at_start(read("file: bent.obj, rest: flat").cloth), 1e-6);
+  EXPECT_LT(energy_at_start(read("file: bent.obj, rest: as_is").cloth), 1e-20);
+  const Scene placed = read(
+      "file: bent.obj, rest: as_is, scale: [-1, 1, 1], pose: {xyz: [1, 2, 3], rpy: [1, 2, 3]}");
+  EXPECT_LT(energy_at_start(placed.cloth), 1e-20);
+  EXPECT_TRUE(
+      says(mistake("file: bent.obj, rest: folded"), "cloth.mesh.rest: got folded ... as_is"));
+
+  // Each of several cloths by itself.
+  const auto joined = [&](const std::string& one, const std::string& other) {
+    SceneSources sources;
+    sources.folder = folder_.path();
+    const std::string grid =
+        "{name: grid, fabric: felt, columns: 3, rows: 3, self_collision: false}";
+    const auto bent = [](const std::string& name, const std::string& rest) {
+      return "{name: " + name +
+             ", fabric: felt, self_collision: false, mesh: {file: bent.obj, rest: " + rest +
+             ", pose: {xyz: [" + (name == "one" ? "5" : "-5") + ", 0, 0]}}}";
+    };
+    return energy_at_start(read_scene(YAML::Load("cloths: [" + bent("one", one) + ", " + grid +
+                                                 ", " + bent("other", other) + "]"),
+                                      sources)
+                               .cloth);
+  };
+  const double bent = joined("as_is", "flat");
+  EXPECT_LT(joined("as_is", "as_is"), 1e-20);
+  EXPECT_GT(bent, 1e-6);
+  EXPECT_NEAR(joined("flat", "as_is"), bent, 1e-12 * bent);
+  EXPECT_NEAR(joined("flat", "flat"), 2 * bent, 1e-12 * bent);
 }
 
 TEST_F(ClothMeshYaml, RefusesMistakes) {

@@ -66,4 +66,14 @@ inline ClothSpec mesh_spec(const MeshTriangles& triangles, const Material& mater
   return spec;
 }
 
+/// The same, with the start as the shape at rest.
+inline ClothSpec curved_spec(const MeshTriangles& triangles, const Material& material,
+                             double warp = 0) {
+  ClothSpec spec = mesh_spec(triangles, material, warp);
+  ClothMesh mesh = *spec.mesh;
+  mesh.curved.assign(mesh.triangles.size(), 1);
+  spec.mesh = std::make_shared<const ClothMesh>(std::move(mesh));
+  return spec;
+}
+
 }  // namespace clothsim::testing

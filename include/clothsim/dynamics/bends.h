@@ -20,6 +20,7 @@ struct Bend {
             values.row(points[3]))
         .transpose();
   }
+  Vector3 deviation(const Points& positions) const { return of(positions); }  // flat at rest
 };
 
 /// Calls visit(bend) for every stencil, a Bend of a grid, in the order of cloth.bends, or a

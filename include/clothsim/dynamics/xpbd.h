@@ -84,7 +84,14 @@ class Xpbd {
     Stencil bend;
     double compliance;  // as above
     double share;       // 1 / (sum of w times squared coefficient + compliance)
+    double past_share;  // of the bend before the step in its target
     Vector3 target;     // [m], of a step
+    Vector3 lambda;
+  };
+  /// A bend that is curved at rest, without its damping, which is a BendConstraint.
+  struct CurvedConstraint {
+    PatchBend bend;
+    double compliance;
     Vector3 lambda;
   };
 
@@ -102,12 +109,20 @@ class Xpbd {
   void build_membranes(const Cloth&, double h);
   template <typename Stencil>
   void build_bends(const Cloth&, double h, Bends<Stencil>&);
+  void build_curved(const Cloth&, double h);
   void set_targets(const Cloth&, double h, const Points& positions);
-  void set_bend_targets(const Cloth&, double h, const Points& displacements, const Workers&);
+  void set_bend_targets(const Cloth&, const Points& displacements, const Workers&);
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
   template <typename Stencil>
   void solve_bends(const Cloth&, bool back, Bends<Stencil>&, Points& positions, const Workers&);
+  void solve_curved(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
+  void pull(const Cloth&, int i, const Eigen::RowVector3d& correction);
+  void pull_by_springs(const Cloth&, const Points& positions);
+  void pull_by_membranes(const Cloth&, const Points& positions);
+  template <typename Stencil>
+  void pull_by_bends(const Cloth&, const Bends<Stencil>&);
+  void pull_by_curved(const Cloth&, const Points& positions);
   void realign(const Cloth&, Points& positions);
   void react(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
     if (cloth.inv_mass[i] == 0) reactions_.row(i) += correction;
@@ -121,13 +136,14 @@ class Xpbd {
   Coloured<MembraneConstraint> membranes_;
   Bends<Bend> bends_;             // of a grid
   Bends<PatchBend> patch_bends_;  // of a mesh
-  Points reactions_;              // sums of corrections on held points [kg m], N x 3
-  Points past_;                   // positions before the step [m], N x 3; with damped bends
-  Points frame_;                  // see Past; the same
-  Points turned_;                 // past_, turned with the cloth; the same
-  Points start_;                  // positions before the passes [m], N x 3
-  Points target_;                 // of points, by the multipliers [m], N x 3
-  Scalars turn_;                  // stiffness against turning, times inverse mass, N
+  Coloured<CurvedConstraint> curved_;
+  Points reactions_;  // sums of corrections on held points [kg m], N x 3
+  Points past_;       // positions before the step [m], N x 3; with damped bends
+  Points frame_;      // see Past; the same
+  Points turned_;     // past_, turned with the cloth; the same
+  Points start_;      // positions before the passes [m], N x 3
+  Points target_;     // of points, by the multipliers [m], N x 3
+  Scalars turn_;      // stiffness against turning, times inverse mass, N
 };
 
 }  // namespace clothsim

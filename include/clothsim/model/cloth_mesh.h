@@ -17,6 +17,11 @@ struct ClothMesh {
   std::vector<std::array<int, 3>> triangles;    // counter-clockwise seen from the front
   std::vector<std::array<Flat, 3>> flat;        // corners of each triangle at rest
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;  // texture coordinates, N x 2
+  std::vector<char> curved;  // by triangle: its curvature at rest is that at the start; empty: none
+
+  bool is_curved(int triangle) const {
+    return !curved.empty() && curved[static_cast<std::size_t>(triangle)] != 0;
+  }
 };
 
 /// Points of a mesh by the names of a sewing pattern, PANEL.NUMBER.

@@ -9,13 +9,15 @@
 
 namespace clothsim {
 
-/// A stencil of bending of a triangle and its neighbours: the energy k |sum c_i x_i|^2 / 2, with
-/// coefficients c of sum 0.
+/// A stencil of bending of a triangle and its neighbours: the energy k |b - B n|^2 / 2, with b the
+/// sum of c_i x_i, coefficients c of sum 0, the curvature at rest B and the triangle's normal n.
 struct PatchBend {
   enum { size = 6 };
   std::array<int, size> points;  // a triangle without three neighbours repeats its first corner
-  std::array<double, size> coefficients;  // [1/m]; 0 for repeated points
+  std::array<double, size> coefficients;  // [1/m^2]; 0 for repeated points
   double stiffness;                       // [N m^3]
+  double curvature = 0;                   // B [1/m]
+  double softening = 0;                   // of n, see SmoothNormal [m^2]
 
   double coefficient(std::size_t k) const { return coefficients[k]; }
   Vector3 of(const Points& values) const {
@@ -25,6 +27,18 @@ struct PatchBend {
     }
     return sum;
   }
+  /// b - B n at these positions [1/m].
+  Vector3 deviation(const Points& positions) const;
+};
+
+/// A triangle that is curved at rest: the terms with n of the energy of its bends,
+/// S |n|^2 / 2 - n . (sum of g_i x_i).
+struct CurvedTriangle {
+  std::array<int, PatchBend::size> points;      // as those of its bends
+  std::array<double, PatchBend::size> weights;  // g: sums of k B c [N/m]
+  double stiffness;                             // S: sum of k B^2 [N m]
+  double softening;                             // of n, see SmoothNormal [m^2]
+  std::array<int, 15> pairs;  // of points k < l in order, in TriangleFabric::pairs; -1: one point
 };
 
 /// A fabric on a mesh: an orthotropic St. Venant-Kirchhoff membrane, and bending.
@@ -40,8 +54,10 @@ struct PatchBend {
 /// surface's slope across an edge of length l and normal n (Onate & Cervera 1993, "Derivation of
 /// thin plate bending elements with one degree of freedom per node", BST). A free edge has no kink.
 /// The energy by area is that of the grid, see add_fabric(), and is quadratic: J is linear in the
-/// positions of four points. On regular meshes that energy is exact for quadratic surfaces, on
-/// irregular ones too stiff, by a share that does not fall with the size of cells: docs/limits.md.
+/// positions of four points. Triangles may be curved at rest (ClothMesh::curved): their energy is
+/// that of the difference to that curvature, see keep_curvature(). On regular meshes that energy is
+/// exact for quadratic surfaces, on irregular ones too stiff, by a share that does not fall with
+/// the size of cells: docs/limits.md.
 struct TriangleFabric {
   struct Triangle {
     std::array<int, 3> edges;  // by number; edge k joins corners k and k + 1
@@ -62,6 +78,11 @@ struct TriangleFabric {
     int other;
     int number;
   };
+  /// A curved triangle of a point, and its place there.
+  struct CurvedLink {
+    int curved;
+    int place;
+  };
   struct Piece {
     int first_point;  // its lowest
     double weight;    // sum of those of its pairs [N/m]
@@ -74,8 +95,11 @@ struct TriangleFabric {
   std::vector<Pair> pairs;       // of bends; first those of edges, in their order
   std::vector<Link> links;       // of point 0, point 1 ..
   std::vector<int> first_links;  // by point, and one past all
-  std::vector<Piece> pieces;     // joined by triangles
-  std::vector<int> piece_ids;    // by point
+  std::vector<CurvedTriangle> curved;
+  std::vector<CurvedLink> curved_links;  // of point 0, point 1 ..
+  std::vector<int> first_curved_links;   // by point, and one past all; empty: none is curved
+  std::vector<Piece> pieces;             // joined by triangles
+  std::vector<int> piece_ids;            // by point
 
   int piece_of(int point) const { return piece_ids[static_cast<std::size_t>(point)]; }
 };

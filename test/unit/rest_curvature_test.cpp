@@ -1,0 +1,238 @@
+// A mesh whose triangles are curved at rest: forces, energies, Hessians and frequencies.
+
+#include "clothsim/model/rest_curvature.h"
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "clothsim/dynamics/energy.h"
+#include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/implicit_euler.h"
+#include "clothsim/dynamics/incremental_potential.h"
+#include "clothsim/dynamics/internal_damping.h"
+#include "clothsim/dynamics/newton_solver.h"
+#include "clothsim/dynamics/spectrum.h"
+#include "clothsim/dynamics/xpbd.h"
+#include "meshes.h"
+#include "verification/mesh_fabric_testing.h"
+
+namespace clothsim {
+namespace {
+
+using namespace testing;
+
+const Loads none{Vector3::Zero()};
+
+Material material() {
+  Material m = fabric_spec(2, 2, 0.1, 0.1).material;
+  m.fabric->shear_stiffness = 80;
+  m.fabric->bending_stiffness = {3e-3, 1e-3};
+  return m;
+}
+
+/// An uneven sheet rolled to an arc of `angle` [rad], with a crease of 1 rad along its middle.
+MeshTriangles rolled(double angle) {
+  const Sheet shape{9, 6, 0.7, 0.5, 0.4, 0.3, 0, true};
+  MeshTriangles mesh = triangles_of(shape);
+  const double radius = shape.width / angle;
+  for (Vector3& p : mesh.vertices) {
+    const double turn = p.x() / radius;
+    const double up = std::max(0.0, p.y() - shape.height / 2);
+    p = {(radius - up * std::sin(1.0)) * std::sin(turn), p.y() - up + up * std::cos(1.0),
+         radius - (radius - up * std::sin(1.0)) * std::cos(turn)};
+  }
+  return mesh;
+}
+
+MeshTriangles triangles_of(const TriangleSoup& soup) {
+  return {soup.vertices, {}, soup.triangles, true};
+}
+
+Cloth curved_cloth(const MeshTriangles& triangles, const Material& m = material(),
+                   const std::vector<Pin>& pins = {}) {
+  ClothSpec spec = curved_spec(triangles, m, 0.4);
+  spec.pinned = pins;
+  return make_cloth(spec);
+}
+
+/// Sheets, a ring, and the smallest closed surface, whose triangles share all neighbours.
+std::vector<Cloth> cloths(const Material& m = material()) {
+  return {curved_cloth(rolled(0.3), m), curved_cloth(rolled(2), m),
+          curved_cloth(triangles_of(torus_soup(0.2, 0.08, 9, 6)), m),
+          curved_cloth({{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}},
+                        {},
+                        {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+                        true},
+                       m)};
+}
+
+Points moved(const Cloth& cloth, double most, unsigned seed = 3) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<> random(-most, most);
+  Points x = cloth.rest_positions;
+  for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] += random(engine);
+  return x;
+}
+
+Points forces_at(const Cloth& cloth, const Points& x, const Workers& workers = {}) {
+  Points forces;
+  compute_forces(cloth, none, x, forces, workers, nullptr);
+  return forces;
+}
+
+TEST(RestCurvature, TheRestShapeHasNoForce) {
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(2, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
+  for (const Cloth& cloth : cloths()) {
+    ASSERT_FALSE(cloth.triangle_fabric->curved.empty());
+    for (const Points& x : {cloth.rest_positions, Points(cloth.rest_positions * turn)}) {
+      EXPECT_LT(elastic_energy(cloth, x), 1e-20);
+      EXPECT_LT(forces_at(cloth, x).cwiseAbs().maxCoeff(), 1e-9);
+    }
+    EXPECT_GT(elastic_energy(cloth, moved(cloth, 0.001)), 1e-6);
+  }
+}
+
+TEST(RestCurvature, ForcesAreTheGradientOfTheEnergy) {
+  for (const Cloth& cloth : cloths()) {
+    for (const double most : {0.001, 0.02, 0.1}) {
+      Points x = moved(cloth, most);
+      const Points forces = forces_at(cloth, x);
+      constexpr double step = 1e-6;
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const double at = x.data()[i];
+        x.data()[i] = at + step;
+        const double above = elastic_energy(cloth, x);
+        x.data()[i] = at - step;
+        const double below = elastic_energy(cloth, x);
+        x.data()[i] = at;
+        ASSERT_NEAR(forces.data()[i], (below - above) / (2 * step),
+                    1e-6 * (1 + forces.cwiseAbs().maxCoeff()));
+      }
+    }
+  }
+}
+
+TEST(RestCurvature, ForcesHaveNoSumAndNoTorque) {
+  for (const Cloth& cloth : cloths()) {
+    const Points x = moved(cloth, 0.02), forces = forces_at(cloth, x);
+    const double size = forces.rowwise().norm().sum();
+    Vector3 torque = Vector3::Zero();
+    for (int i = 0; i < cloth.num_points(); ++i) torque += row(x, i).cross(row(forces, i));
+    EXPECT_LT(forces.colwise().sum().norm(), 1e-13 * size);
+    EXPECT_LT(torque.norm(), 1e-13 * size);
+  }
+}
+
+TEST(RestCurvature, FlatTrianglesOfACurvedMeshAreAsOthers) {
+  const MeshTriangles flat = triangles_of(Sheet{8, 6, 0.7, 0.5, 0.4, 0.3, 0, true});
+  const Cloth one = curved_cloth(flat), other = make_cloth(mesh_spec(flat, material(), 0.4));
+  EXPECT_TRUE(one.triangle_fabric->curved.empty());
+  EXPECT_EQ(forces_at(one, moved(one, 0.03)), forces_at(other, moved(other, 0.03)));
+}
+
+TEST(RestCurvature, CollapsedTrianglesHaveFiniteForces) {
+  for (const Cloth& cloth : cloths()) {
+    Points line = cloth.rest_positions;
+    line.rightCols<2>().setZero();
+    for (const Points& x : {Points(0 * line), line, Points(1e-9 * cloth.rest_positions)}) {
+      EXPECT_TRUE(forces_at(cloth, x).allFinite());
+      EXPECT_LT(forces_at(cloth, x).cwiseAbs().maxCoeff(), 1e3);
+      EXPECT_TRUE(std::isfinite(elastic_energy(cloth, x)));
+      EXPECT_TRUE(std::isfinite(omega_max_bound(cloth, x)));
+    }
+  }
+}
+
+/// Exact highest frequency of the elastic forces [rad/s], by differences.
+double exact_omega(const Cloth& cloth, Points x) {
+  Eigen::MatrixXd matrix(x.size(), x.size());
+  for (Eigen::Index c = 0; c < x.size(); ++c) {
+    constexpr double step = 1e-6;
+    x.data()[c] += step;
+    const Points above = forces_at(cloth, x);
+    x.data()[c] -= 2 * step;
+    const Points change = (above - forces_at(cloth, x)) / (2 * step);
+    x.data()[c] += step;
+    matrix.col(c) = -change.reshaped();
+  }
+  const Eigen::VectorXd root = cloth.inv_mass.cwiseSqrt().replicate(3, 1);
+  const Eigen::MatrixXd scaled =
+      root.asDiagonal() * (matrix + matrix.transpose()) / 2 * root.asDiagonal();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
+}
+
+TEST(RestCurvature, FrequenciesAreBelowTheirBound) {
+  Material bends = material();  // with hardly anything else
+  bends.fabric->stretch_stiffness = {1e-3, 1e-3};
+  bends.fabric->shear_stiffness = 1e-3;
+  for (const Material& m : {material(), bends}) {
+    for (const Cloth& cloth : cloths(m)) {
+      for (const double most : {0.0, 0.005, 0.02}) {
+        const Points x = moved(cloth, most);
+        const double exact = exact_omega(cloth, x), bound = omega_max_bound(cloth, x);
+        EXPECT_LE(exact, bound * (1 + 1e-6)) << most;
+        EXPECT_LE(bound, 6 * exact) << most;
+      }
+    }
+  }
+}
+
+TEST(RestCurvature, NewtonsMatrixIsExactAtRest) {
+  for (const Cloth& cloth : cloths()) {
+    const Scalars weights = cloth.mass.array() / 1e-4;
+    NewtonSolver::Parameters parameters;
+    parameters.tolerance = 1e-9;
+    NewtonSolver solver(parameters);
+    Points d;
+    // Errors fall by squares: 1e-6 of the displacement, then 1e-12.
+    EXPECT_LE(solver.solve(cloth, weights, moved(cloth, 1e-6), d, Past{}), 3);
+    EXPECT_FALSE(solver.unconverged());
+  }
+}
+
+TEST(RestCurvature, NewtonFindsTheMinimumOfAStep) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0.02};
+  const Cloth cloth = curved_cloth(rolled(2), m, {{0, 0, "", {}}, {7, 0, "", {}}});
+  const Points y = moved(cloth, 0.02);
+  const Past past = past_of(cloth, State{cloth.rest_positions, 0 * cloth.rest_positions, 0}, 1e-2);
+  const Scalars weights = (cloth.inv_mass.array() > 0).select(cloth.mass.array() / 1e-4, 0);
+  NewtonSolver::Parameters parameters;
+  parameters.tolerance = 1e-12;
+  parameters.max_iterations = 100;
+  NewtonSolver solver(parameters);
+  Points d;
+  solver.solve(cloth, weights, y, d, past);
+  Points gradient(cloth.num_points(), 3);
+  potential_gradient(cloth, weights, y + d, d, gradient, past);
+  EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(RestCurvature, XpbdConvergesToImplicitEuler) {
+  for (const double damping : {0.0, 0.01}) {
+    Material m = material();
+    m.fabric->internal_damping = {0.005, damping};
+    const Cloth cloth = curved_cloth(rolled(2), m, {{0, 0, "", {}}, {7, 0, "", {}}});
+    State one{moved(cloth, 0.01), Points::Zero(cloth.num_points(), 3), 0};
+    for (const int pin : cloth.pinned) one.positions.row(pin) = cloth.rest_positions.row(pin);
+    State two = one;
+    ImplicitEuler::Parameters exact;
+    exact.tolerance = 1e-10;
+    ImplicitEuler(exact).step(cloth, Loads{}, 2e-3, one);
+    Xpbd::Parameters many;
+    many.iterations = 4000;
+    Xpbd(many).step(cloth, Loads{}, 2e-3, two);
+    EXPECT_LT((one.positions - two.positions).cwiseAbs().maxCoeff(), 1e-8) << damping;
+  }
+}
+
+TEST(RestCurvature, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const Cloth& cloth : cloths()) {
+    const Points x = moved(cloth, 0.02);
+    EXPECT_EQ(forces_at(cloth, x, Workers(3)), forces_at(cloth, x));
+  }
+}
+
+}  // namespace
+}  // namespace clothsim
