@@ -2,6 +2,7 @@
 
 #include "clothsim/constraints/holders.h"
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
 namespace clothsim {
@@ -83,6 +84,14 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
     };
     pull(held.corner, next);
     pull(last, last);
+  }
+  if (!cloth.is_mesh()) return;
+  for (const Point& p : points_) {
+    const int i = p.hold.point;
+    if (p.slips) continue;
+    const Vector3 force =
+        curved_force_on(*cloth.triangle_fabric, i, state.positions, velocities, of_bends);
+    impulses.row(i) += h * force.transpose();
   }
 }
 

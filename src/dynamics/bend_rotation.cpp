@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
 
@@ -147,6 +148,7 @@ std::vector<BendMotion> motions_of_mesh(const Cloth& cloth, const Points& positi
     motion.moment += weight * d.cross(rate);
     motion.stiffness += weight;
   }
+  add_curved_motions(fabric, PointView(positions), PointView(rates), 1, motions);
   return motions;
 }
 

@@ -11,45 +11,150 @@ namespace {
 /// The forces of a triangle on its points [N].
 using TriangleForces = std::array<Vector3, PatchBend::size>;
 
-TriangleForces forces_of(const CurvedTriangle& curved, const double* positions) {
-  const auto at = [&](std::size_t k) {
-    return Eigen::Map<const Vector3>(positions + 4 * curved.points[k]);
-  };
-  const SmoothNormal normal(at(0), at(1), at(2), curved.softening);
-  const Vector3& n = normal.normal();
-  Vector3 gradient = -curved.stiffness * n;
-  for (std::size_t k = 0; k < PatchBend::size; ++k) gradient += curved.weights[k] * at(k);
+template <typename View>
+SmoothNormal normal_of(const CurvedTriangle& curved, const View& positions) {
+  const auto& [a, b, c, d, e, f] = curved.points;
+  return {positions(a), positions(b), positions(c), curved.softening};
+}
+
+/// The sum of g_i times `values`.
+template <typename View>
+Vector3 weighted_sum(const CurvedTriangle& curved, const View& values) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 0; k < PatchBend::size; ++k) {
+    sum += curved.weights[k] * values(curved.points[k]);
+  }
+  return sum;
+}
+
+/// The sum of g_i x_i and n, or their rates.
+struct Terms {
+  Vector3 sum;
+  Vector3 normal;
+};
+
+template <typename View>
+Terms terms_of(const CurvedTriangle& curved, const SmoothNormal& normal, const View& positions) {
+  return {weighted_sum(curved, positions), normal.normal()};
+}
+
+template <typename View>
+Terms rates_of(const CurvedTriangle& curved, const SmoothNormal& normal, const View& rates) {
+  const auto& [a, b, c, d, e, f] = curved.points;
+  return {weighted_sum(curved, rates), normal.rate(rates(a), rates(b), rates(c))};
+}
+
+/// J^T k B (b - B n) without the pairs' part, or the same of rates.
+TriangleForces forces_of(const CurvedTriangle& curved, const SmoothNormal& normal,
+                         const Terms& terms) {
+  const Vector3 gradient = terms.sum - curved.stiffness * terms.normal;
   TriangleForces forces;
-  for (std::size_t k = 0; k < PatchBend::size; ++k) forces[k] = curved.weights[k] * n;
+  for (std::size_t k = 0; k < PatchBend::size; ++k) forces[k] = curved.weights[k] * terms.normal;
   for (std::size_t k = 0; k < 3; ++k) forces[k] += normal.pulled_back(k, gradient);
   return forces;
 }
 
-}  // namespace
+/// Forces by the rates of a triangle, less those of a rotation.
+template <typename View>
+TriangleForces damping_of(const CurvedTriangle& curved, const View& positions,
+                          const View& velocities, const Vector3& rotation) {
+  const SmoothNormal normal = normal_of(curved, positions);
+  Terms rates = rates_of(curved, normal, velocities);
+  rates.sum -= rotation.cross(weighted_sum(curved, positions));
+  rates.normal -= rotation.cross(normal.normal());
+  return forces_of(curved, normal, rates);
+}
 
-void add_curved_forces(const TriangleFabric& fabric, const double* positions,
-                       const Workers& workers, Points& forces) {
-  if (fabric.curved.empty()) return;
+template <typename View>
+TriangleForces elastic_of(const CurvedTriangle& curved, const View& positions) {
+  const SmoothNormal normal = normal_of(curved, positions);
+  return forces_of(curved, normal, terms_of(curved, normal, positions));
+}
+
+/// Calls visit(triangle, place) for each curved triangle of a point.
+template <typename Visitor>
+void for_each_link(const TriangleFabric& fabric, int point, const Visitor& visit) {
+  const auto i = static_cast<std::size_t>(point);
+  for (int l = fabric.first_curved_links[i]; l < fabric.first_curved_links[i + 1]; ++l) {
+    const auto& [curved, place] = fabric.curved_links[static_cast<std::size_t>(l)];
+    visit(static_cast<std::size_t>(curved), static_cast<std::size_t>(place));
+  }
+}
+
+/// Adds `factor` times the forces of all triangles, forces_on(curved) each.
+template <typename ForcesOn>
+void add_forces(const TriangleFabric& fabric, double factor, const Workers& workers,
+                const ForcesOn& forces_on, Points& forces) {
   static thread_local std::vector<TriangleForces> of_triangles;
   std::vector<TriangleForces>& all = of_triangles;  // of this thread, for all workers
   all.resize(fabric.curved.size());
   workers.parallel_for(static_cast<int>(all.size()), [&](int begin, int end) {
     for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
-      all[t] = forces_of(fabric.curved[t], positions);
+      all[t] = forces_on(fabric.curved[t]);
     }
   });
   workers.parallel_for(static_cast<int>(forces.rows()), [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const auto point = static_cast<std::size_t>(i);
       Vector3 sum = Vector3::Zero();
-      for (int l = fabric.first_curved_links[point]; l < fabric.first_curved_links[point + 1];
-           ++l) {
-        const auto& [curved, place] = fabric.curved_links[static_cast<std::size_t>(l)];
-        sum += all[static_cast<std::size_t>(curved)][static_cast<std::size_t>(place)];
-      }
-      forces.row(i) += sum.transpose();
+      for_each_link(fabric, i, [&](std::size_t t, std::size_t place) { sum += all[t][place]; });
+      forces.row(i) += factor * sum.transpose();
     }
   });
+}
+
+}  // namespace
+
+template <typename View>
+void add_curved_forces(const TriangleFabric& fabric, const View& positions, const Workers& workers,
+                       Points& forces) {
+  if (fabric.curved.empty()) return;
+  const auto forces_on = [&](const CurvedTriangle& curved) {
+    return elastic_of(curved, positions);
+  };
+  add_forces(fabric, 1, workers, forces_on, forces);
+}
+
+template <typename View>
+void add_curved_damping(const TriangleFabric& fabric, double tau, const View& positions,
+                        const View& velocities, const std::vector<Vector3>& rotations,
+                        const Workers& workers, Points& forces) {
+  if (fabric.curved.empty()) return;
+  const auto forces_on = [&](const CurvedTriangle& curved) {
+    const auto piece = static_cast<std::size_t>(fabric.piece_of(curved.points[0]));
+    return damping_of(curved, positions, velocities,
+                      rotations.empty() ? Vector3(Vector3::Zero()) : rotations[piece]);
+  };
+  add_forces(fabric, tau, workers, forces_on, forces);
+}
+
+Vector3 curved_force_on(const TriangleFabric& fabric, int point, const Points& positions,
+                        const Points* velocities, double tau) {
+  Vector3 sum = Vector3::Zero();
+  if (fabric.curved.empty()) return sum;
+  const PointView x(positions);
+  for_each_link(fabric, point, [&](std::size_t t, std::size_t place) {
+    const CurvedTriangle& curved = fabric.curved[t];
+    sum += elastic_of(curved, x)[place];
+    if (velocities == nullptr) return;
+    sum += tau * damping_of(curved, x, PointView(*velocities), Vector3::Zero())[place];
+  });
+  return sum;
+}
+
+template <typename View>
+void add_curved_motions(const TriangleFabric& fabric, const View& positions, const View& rates,
+                        double factor, std::vector<BendMotion>& motions) {
+  for (const CurvedTriangle& curved : fabric.curved) {
+    const SmoothNormal normal = normal_of(curved, positions);
+    const Terms at = terms_of(curved, normal, positions);
+    const Terms rate = rates_of(curved, normal, rates);
+    const double s = curved.stiffness;
+    BendMotion& motion = motions[static_cast<std::size_t>(fabric.piece_of(curved.points[0]))];
+    const Eigen::Matrix3d mixed = at.sum * at.normal.transpose();
+    motion.squares += factor * (s * at.normal * at.normal.transpose() - mixed - mixed.transpose());
+    motion.moment += factor * (s * at.normal.cross(rate.normal) - at.sum.cross(rate.normal) -
+                               at.normal.cross(rate.sum));
+  }
 }
 
 void add_curved_sums(const Cloth& cloth, const Points& positions, Scalars& sums) {
@@ -66,5 +171,15 @@ void add_curved_sums(const Cloth& cloth, const Points& positions, Scalars& sums)
     }
   }
 }
+
+template void add_curved_forces(const TriangleFabric&, const QuadView&, const Workers&, Points&);
+template void add_curved_damping(const TriangleFabric&, double, const QuadView&, const QuadView&,
+                                 const std::vector<Vector3>&, const Workers&, Points&);
+template void add_curved_damping(const TriangleFabric&, double, const PointView&, const PointView&,
+                                 const std::vector<Vector3>&, const Workers&, Points&);
+template void add_curved_motions(const TriangleFabric&, const QuadView&, const QuadView&, double,
+                                 std::vector<BendMotion>&);
+template void add_curved_motions(const TriangleFabric&, const PointView&, const PointView&, double,
+                                 std::vector<BendMotion>&);
 
 }  // namespace clothsim

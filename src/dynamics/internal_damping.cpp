@@ -2,6 +2,7 @@
 
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
@@ -93,7 +94,8 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
     Points relative;
     remove_rotation(cloth, past.frame, change, relative);
     for_each_bend(cloth, [&](const auto& bend) {
-      of_bends += bend.stiffness * bend.of(change).dot(bend.of(relative)) / 2;
+      const Vector3 rate = bend.rate(past.frame, relative);
+      of_bends += bend.stiffness * bend.rate(past.frame, change).dot(rate) / 2;
     });
   }
   const auto& [springs, bends] = cloth.internal_damping;
@@ -125,6 +127,11 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
     add(a, b, bends / past.time * w * (relative.row(b) - relative.row(a)));
   });
+  if (!cloth.is_mesh() || cloth.triangle_fabric->curved.empty()) return;
+  Points forces = Points::Zero(gradient.rows(), 3);
+  add_curved_damping(*cloth.triangle_fabric, bends / past.time, PointView(past.frame),
+                     PointView(relative), {}, {}, forces);
+  gradient -= forces;
 }
 
 }  // namespace clothsim

@@ -37,7 +37,7 @@ struct NewtonSolver::Impl {
   void add_springs(const Cloth& cloth, const Past& past);
   void add_triangles(const Cloth& cloth, const Past& past);
   void add_bends(const Cloth& cloth, const Past& past);
-  void add_curved(const Cloth& cloth);
+  void add_curved(const Cloth& cloth, const Past& past);
   void add_between(const Cloth& cloth, int id, int a, int b, const Eigen::Matrix3d& block);
   bool descend(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
                Points& d);
@@ -155,8 +155,9 @@ void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
 
 /// The part of CurvedTriangle in J^T k J, with J the derivatives of b - B n: the rest of J^T k J is
 /// that of the pairs. The second derivative of n, which vanishes at rest, is left out, so that all
-/// stays positive semidefinite.
-void NewtonSolver::Impl::add_curved(const Cloth& cloth) {
+/// stays positive semidefinite. For damping J is that of the end, not of Past::frame.
+void NewtonSolver::Impl::add_curved(const Cloth& cloth, const Past& past) {
+  const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
   for (const CurvedTriangle& curved : cloth.triangle_fabric->curved) {
     const SmoothNormal normal(curved, positions);
     std::array<Eigen::Matrix3d, 3> turns;
@@ -171,6 +172,7 @@ void NewtonSolver::Impl::add_curved(const Cloth& cloth) {
         if (l < 3) block -= curved.weights[k] * turns[l];
         if (k < 3) block -= curved.weights[l] * turns[k].transpose();
         if (l < 3) block += curved.stiffness * turns[k].transpose() * turns[l];
+        block *= 1 + share;
         if (number >= 0) {
           const int id = cloth.num_springs() + number;
           system.add_between(id, std::min(a, b),
@@ -196,7 +198,7 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
     add_springs(cloth, past);
   }
   add_bends(cloth, past);
-  if (cloth.is_mesh()) add_curved(cloth);
+  if (cloth.is_mesh()) add_curved(cloth, past);
   if (!system.factorize()) return false;
 
   rhs = -gradient.transpose();

@@ -142,6 +142,8 @@ std::vector<Vector3> rotations_of(const TriangleFabric& fabric, double tau,
     motions[piece].squares.noalias() -= arm * point(scratch.bends, i).transpose();
     motions[piece].moment -= arm.cross(point(scratch.rates, i));
   }
+  add_curved_motions(fabric, QuadView(scratch.positions), QuadView(scratch.velocities), tau,
+                     motions);
   std::vector<Vector3> rotations;
   for (std::size_t piece = 0; piece < motions.size(); ++piece) {
     motions[piece].stiffness = tau * fabric.pieces[piece].weight;
@@ -164,6 +166,8 @@ void add_damping_of_bends(const TriangleFabric& fabric, double tau, const Scratc
       forces(i, 2) += rate[2] - (omega[0] * b[1] - omega[1] * b[0]);
     }
   });
+  add_curved_damping(fabric, tau, QuadView(scratch.positions), QuadView(scratch.velocities),
+                     rotations, workers, forces);
 }
 
 /// The factors of links [begin, end): pulls of both triangles of an edge, and bends.
@@ -229,7 +233,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
     }
     sum_links(fabric, at, has_rates, begin, end, scratch, forces);
   });
-  add_curved_forces(fabric, scratch.positions.data(), workers, forces);
+  add_curved_forces(fabric, QuadView(scratch.positions), workers, forces);
   if (has_rates) add_damping_of_bends(fabric, of_bends, scratch, workers, forces);
 }
 

@@ -8,67 +8,14 @@
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
-#include "clothsim/model/point_colours.h"
-#include "clothsim/model/smooth_normal.h"
+#include "colouring.h"
 
 namespace clothsim {
 
 namespace {
 
-/// Sorts constraints by colour.
-template <typename Constraint>
-class Colouring {
- public:
-  explicit Colouring(const Cloth& cloth) : of_points_(cloth.num_points()) {}
-
-  template <typename Ids>
-  void add(const Constraint& constraint, const Ids& points) {
-    const std::size_t colour = of_points_.next(points);
-    if (colour == colours_.size()) colours_.emplace_back();
-    colours_[colour].push_back(constraint);
-  }
-
-  void move_to(std::vector<Constraint>& constraints, std::vector<int>& ends) const {
-    constraints.clear();
-    ends.clear();
-    for (const std::vector<Constraint>& colour : colours_) {
-      constraints.insert(constraints.end(), colour.begin(), colour.end());
-      ends.push_back(static_cast<int>(constraints.size()));
-    }
-  }
-
- private:
-  PointColours of_points_;
-  std::vector<std::vector<Constraint>> colours_;
-};
-
-/// Calls visit(c) for each constraint, colour after colour; `back`: from the last one on.
-template <typename Visitor>
-void parallel_for_colours(const std::vector<int>& ends, bool back, const Workers& workers,
-                          Visitor&& visit) {
-  for (std::size_t k = 0; k < ends.size(); ++k) {
-    const std::size_t colour = back ? ends.size() - 1 - k : k;
-    const int first = colour > 0 ? ends[colour - 1] : 0;
-    workers.parallel_for(ends[colour] - first, [&](int from, int to) {
-      for (int c = first + from; c < first + to; ++c) visit(static_cast<std::size_t>(c));
-    });
-  }
-}
-
 bool is_curved(const Bend&) { return false; }
 bool is_curved(const PatchBend& bend) { return bend.curvature != 0; }
-
-/// Derivatives of b - B n by the points of a bend [1/m^2].
-using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
-
-Derivatives derivatives_of(const PatchBend& bend, const SmoothNormal& normal) {
-  Derivatives all;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    all[k] = bend.coefficients[k] * Eigen::Matrix3d::Identity();
-    if (k < 3) all[k] -= bend.curvature * normal.derivative(k);
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -116,12 +63,11 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
 template <typename Stencil>
 void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
   const double time2 = h * Drag(cloth.damping, h).distance;
-  const double damping = cloth.internal_damping[1] / h;  // its stiffness by that of the bend
+  const double damped = 1 + cloth.internal_damping[1] / h;
   Colouring<BendConstraint<Stencil>> colouring(cloth);
   for_each_bend(cloth, [&](const auto& bend) {
     if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Stencil>) {
-      const double stiffness = bend.stiffness * (damping + (is_curved(bend) ? 0 : 1));
-      if (stiffness == 0) return;
+      if (is_curved(bend)) return;
       double inv_mass = 0;
       for (std::size_t k = 0; k < bend.points.size(); ++k) {
         for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
@@ -129,25 +75,13 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
           inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
         }
       }
-      const double compliance = 1 / (stiffness * time2);
-      colouring.add({bend, compliance, 1 / (inv_mass + compliance),
-                     bend.stiffness * damping / stiffness, Vector3::Zero(), Vector3::Zero()},
-                    bend.points);
+      const double compliance = 1 / (bend.stiffness * damped * time2);
+      colouring.add(
+          {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
+          bend.points);
     }
   });
   colouring.move_to(bends.list, bends.colour_ends);
-}
-
-void Xpbd::build_curved(const Cloth& cloth, double h) {
-  const double time2 = h * Drag(cloth.damping, h).distance;
-  Colouring<CurvedConstraint> colouring(cloth);
-  for_each_bend(cloth, [&](const auto& bend) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, PatchBend>) {
-      if (!is_curved(bend)) return;
-      colouring.add({bend, 1 / (bend.stiffness * time2), Vector3::Zero()}, bend.points);
-    }
-  });
-  colouring.move_to(curved_.list, curved_.colour_ends);
 }
 
 /// Sets the targets of constraints in a step from `positions`, between their rest values and the
@@ -165,12 +99,15 @@ void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
 }
 
 /// The same for bends, which turn as points do that move by `displacements`: see Past.
-void Xpbd::set_bend_targets(const Cloth& cloth, const Points& displacements,
+void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displacements,
                             const Workers& workers) {
+  const double of_bends = cloth.internal_damping[1];
+  const double share = of_bends / h / (1 + of_bends / h);
   remove_rotation(cloth, frame_, displacements, turned_, workers);
   turned_ = past_ + displacements - turned_;
-  for (auto& c : bends_.list) c.target = c.past_share * c.bend.of(turned_);
-  for (auto& c : patch_bends_.list) c.target = c.past_share * c.bend.of(turned_);
+  for (auto& c : bends_.list) c.target = share * c.bend.of(turned_);
+  for (auto& c : patch_bends_.list) c.target = share * c.bend.of(turned_);
+  set_curved_targets();
 }
 
 void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
@@ -236,31 +173,6 @@ void Xpbd::solve_bends(const Cloth& cloth, bool back, Bends<Stencil>& bends, Poi
   });
 }
 
-/// A pass over bends that are curved at rest: as the others, with a matrix for 1 / share.
-void Xpbd::solve_curved(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  parallel_for_colours(curved_.colour_ends, back, workers, [&](std::size_t id) {
-    CurvedConstraint& c = curved_.list[id];
-    const auto& points = c.bend.points;
-    const SmoothNormal normal(c.bend, positions);
-    const Derivatives derivatives = derivatives_of(c.bend, normal);
-    Eigen::Matrix3d matrix = c.compliance * Eigen::Matrix3d::Identity();
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      for (std::size_t l = 0; l < points.size(); ++l) {
-        if (points[k] != points[l]) continue;
-        matrix += cloth.inv_mass[points[k]] * derivatives[k] * derivatives[l].transpose();
-      }
-    }
-    const Vector3 deviation = c.bend.of(positions) - c.bend.curvature * normal.normal();
-    const Vector3 change = matrix.inverse() * (-deviation - c.compliance * c.lambda);
-    c.lambda += change;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Eigen::RowVector3d correction = change.transpose() * derivatives[k];
-      positions.row(points[k]) += cloth.inv_mass[points[k]] * correction;
-      react(cloth, points[k], correction);
-    }
-  });
-}
-
 void Xpbd::pull(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
   target_.row(i) += cloth.inv_mass[i] * correction;
   react(cloth, i, correction);
@@ -303,22 +215,6 @@ void Xpbd::pull_by_bends(const Cloth& cloth, const Bends<Stencil>& bends) {
   }
 }
 
-/// For the stiffness against turning see add_curved_sums().
-void Xpbd::pull_by_curved(const Cloth& cloth, const Points& positions) {
-  for (const CurvedConstraint& c : curved_.list) {
-    const SmoothNormal normal(c.bend, positions);
-    const Derivatives derivatives = derivatives_of(c.bend, normal);
-    for (std::size_t k = 0; k < derivatives.size(); ++k) {
-      pull(cloth, c.bend.points[k], c.lambda.transpose() * derivatives[k]);
-    }
-    const double slopes = normal.slope(0) + normal.slope(1) + normal.slope(2);
-    for (std::size_t k = 0; k < 3; ++k) {
-      turn_[c.bend.points[k]] += 5 * cloth.inv_mass[c.bend.points[k]] * std::abs(c.bend.curvature) *
-                                 c.lambda.norm() * normal.slope(k) * slopes;
-    }
-  }
-}
-
 /// With r the difference to start + w sum of lambda u, points move by r / (1 + 2 w sum of |lambda|
 /// / l): a displacement across a spring of tension lambda turns its force by lambda / l of that,
 /// and its other end may do the same. This converges however long the step.
@@ -346,7 +242,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   if (has_targets) {
     past_ = state.positions;
     frame_ = past_ + h / 2 * state.velocities;
-    set_bend_targets(cloth, h * state.velocities, workers);
+    set_bend_targets(cloth, h, h * state.velocities, workers);
   }
 
   coast(cloth, loads, h, state);
@@ -356,10 +252,13 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
   for (auto& c : bends_.list) c.lambda.setZero();
   for (auto& c : patch_bends_.list) c.lambda.setZero();
-  for (CurvedConstraint& c : curved_.list) c.lambda.setZero();
+  for (CurvedConstraint& c : curved_.list) {
+    c.lambda.setZero();
+    c.damping_lambda.setZero();
+  }
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
-    if (i > 0 && has_targets) set_bend_targets(cloth, state.positions - past_, workers);
+    if (i > 0 && has_targets) set_bend_targets(cloth, h, state.positions - past_, workers);
     solve_springs(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {

@@ -9,21 +9,9 @@
 namespace clothsim {
 namespace {
 
-/// A bend that is shorter than this share of its terms is flat.
-constexpr double flat_share = 1e-9;
 /// SmoothNormal's softening as a share of the triangle's |N|: it shortens the normal by half a
 /// percent, and a collapsed triangle turns it at most ten times as fast as the triangle at rest.
 constexpr double softening_share = 0.1;
-
-double largest_term(const Points& positions, const PatchBend& bend) {
-  const Vector3 centre = row(positions, bend.points[0]);
-  double largest = 0;
-  for (std::size_t k = 1; k < bend.points.size(); ++k) {
-    const double way = (row(positions, bend.points[k]) - centre).norm();
-    largest = std::max(largest, std::abs(bend.coefficients[k]) * way);
-  }
-  return largest;
-}
 
 /// Index of each pair of points.
 std::map<std::array<int, 2>, int> pair_numbers(const TriangleFabric& fabric) {
@@ -36,11 +24,17 @@ std::map<std::array<int, 2>, int> pair_numbers(const TriangleFabric& fabric) {
 
 }  // namespace
 
-void keep_curvature(const Points& positions, PatchBend& bend) {
-  const Vector3 along = bend.of(positions);
-  if (along.norm() <= flat_share * largest_term(positions, bend)) return;
-  const Vector3 first = row(positions, bend.points[1]) - row(positions, bend.points[0]);
-  const Vector3 second = row(positions, bend.points[2]) - row(positions, bend.points[0]);
+double angle_across(const std::array<Vector3, 3>& corners, std::size_t k, const Vector3& far) {
+  const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  const Vector3 outward = (corners[(k + 1) % 3] - corners[k]).normalized().cross(normal);
+  const Vector3 to = far - corners[k];
+  return std::atan2(to.dot(normal), to.dot(outward));
+}
+
+void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBend& bend) {
+  Vector3 along = Vector3::Zero();
+  for (std::size_t k = 0; k < places.size(); ++k) along += bend.coefficients[k] * places[k];
+  const Vector3 first = places[1] - places[0], second = places[2] - places[0];
   Eigen::Matrix3d axes;  // both sides, and the normal N
   axes << first, second, first.cross(second);
   const Vector3 parts = axes.inverse() * along;

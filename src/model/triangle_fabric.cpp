@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/point_colours.h"
@@ -72,6 +73,7 @@ struct Across {
   int point;       // of the cloth
   double height;   // of its place over the edge [m]
   Vector3 shares;  // barycentric coordinates of its place
+  Flat foot;       // of its place on the edge's line
 };
 
 Flat outward_normal(const std::array<Flat, 3>& x, std::size_t k) {
@@ -93,6 +95,7 @@ class Bends {
     const std::vector<Across> neighbours = across(t);
     if (neighbours.empty()) return;
     const Eigen::Matrix3d curvatures = by_kinks(flat, neighbours);
+    const std::optional<Places> bent = mesh_.is_curved(t) ? places(t, neighbours) : std::nullopt;
     const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
     for (Eigen::Index c = 0; c < 3; ++c) {
       const double stiffness = area_of(flat) * by_area[static_cast<std::size_t>(c)];
@@ -108,7 +111,7 @@ class Bends {
           bend.coefficients[k] -= share * neighbours[n].shares[static_cast<Eigen::Index>(k)];
         }
       }
-      if (mesh_.is_curved(t)) keep_curvature(mesh_.positions, bend);
+      if (bent) keep_curvature(*bent, bend);
       fabric_.bends.push_back(bend);
     }
   }
@@ -137,8 +140,9 @@ class Bends {
       const Flat side = there[b] - there[a], to = there[far] - there[a];
       const double share = side.dot(to) / side.squaredNorm();
       const double height = std::abs(cross(side, to)) / side.norm();
-      Across found{k, others[far], height, {}};
-      const Flat place = flat[k] + share * edge(flat, k) + height * outward_normal(flat, k);
+      const Flat foot = flat[k] + share * edge(flat, k);
+      Across found{k, others[far], height, {}, foot};
+      const Flat place = foot + height * outward_normal(flat, k);
       const double whole = cross(flat[1] - flat[0], flat[2] - flat[0]);
       for (std::size_t i = 0; i < 3; ++i) {
         found.shares[static_cast<Eigen::Index>(i)] =
@@ -146,6 +150,34 @@ class Bends {
       }
       all.push_back(found);
     }
+    return all;
+  }
+
+  using Places = std::array<Vector3, PatchBend::size>;
+
+  /// The points of a bend with the lengths of the rest shape and the angles of the start; none
+  /// where it is flat.
+  std::optional<Places> places(int t, const std::vector<Across>& neighbours) const {
+    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
+    const auto lifted = [](const Flat& x, double z) { return Vector3(x.x(), x.y(), z); };
+    const double side = cross(flat[1] - flat[0], flat[2] - flat[0]) > 0 ? 1 : -1;  // of the normal
+    Places all;
+    all.fill(lifted(flat[0], 0));
+    std::array<Vector3, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      at[k] = row(mesh_.positions, corners[k]);
+      all[k] = lifted(flat[k], 0);
+    }
+    bool is_flat = true;
+    for (std::size_t n = 0; n < neighbours.size(); ++n) {
+      const Across& a = neighbours[n];
+      const double angle = angle_across(at, a.edge, row(mesh_.positions, a.point));
+      is_flat = is_flat && std::abs(angle) < least_angle;
+      const Flat out = a.height * std::cos(angle) * outward_normal(flat, a.edge);
+      all[3 + n] = lifted(a.foot + out, side * a.height * std::sin(angle));
+    }
+    if (is_flat) return std::nullopt;
     return all;
   }
 
@@ -300,6 +332,14 @@ Vector3 PatchBend::deviation(const Points& positions) const {
   const Vector3 b = of(positions);
   if (curvature == 0) return b;
   return b - curvature * SmoothNormal(*this, positions).normal();
+}
+
+Vector3 PatchBend::rate(const Points& positions, const Points& rates) const {
+  const Vector3 b = of(rates);
+  if (curvature == 0) return b;
+  const SmoothNormal normal(*this, positions);
+  return b - curvature *
+                 normal.rate(row(rates, points[0]), row(rates, points[1]), row(rates, points[2]));
 }
 
 void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {

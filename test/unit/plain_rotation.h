@@ -18,9 +18,9 @@ inline Vector3 plain_rotation(const Cloth& cloth, const Points& x, const Points&
   for_each_bend(cloth, [&](const auto& bend) {
     const double weight = std::sqrt(bend.stiffness);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      turning.block<3, 1>(first, axis) = weight * Vector3::Unit(axis).cross(bend.of(x));
+      turning.block<3, 1>(first, axis) = weight * Vector3::Unit(axis).cross(bend.deviation(x));
     }
-    rates.segment<3>(first) = weight * bend.of(v);
+    rates.segment<3>(first) = weight * bend.rate(x, v);
     first += 3;
   });
   double weights = 0;

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/implicit_euler.h"
@@ -14,6 +15,7 @@
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/xpbd.h"
 #include "meshes.h"
+#include "unit/plain_rotation.h"
 #include "verification/mesh_fabric_testing.h"
 
 namespace clothsim {
@@ -129,6 +131,111 @@ TEST(RestCurvature, FlatTrianglesOfACurvedMeshAreAsOthers) {
   const Cloth one = curved_cloth(flat), other = make_cloth(mesh_spec(flat, material(), 0.4));
   EXPECT_TRUE(one.triangle_fabric->curved.empty());
   EXPECT_EQ(forces_at(one, moved(one, 0.03)), forces_at(other, moved(other, 0.03)));
+}
+
+TEST(RestCurvature, DampingIsTheSumOverBendsLessARotation) {
+  Material m = material();
+  m.fabric->internal_damping = {0, 0.02};
+  for (const Cloth& cloth : cloths(m)) {
+    const Points x = moved(cloth, 0.02), v = moved(cloth, 0.3, 4);
+    const Vector3 omega = plain_rotation(cloth, x, v);
+    Points relative;
+    remove_rotation(cloth, x, v, relative);
+    // A force is minus the derivative of half the power by the velocity of a point.
+    const auto half_power = [&](const Points& rates) {
+      double sum = 0;
+      for (const PatchBend& bend : cloth.triangle_fabric->bends) {
+        const Vector3 rate = bend.rate(x, rates) - omega.cross(bend.deviation(x));
+        sum += 0.02 * bend.stiffness * rate.squaredNorm() / 2;
+      }
+      return sum;
+    };
+    Points damped;
+    compute_forces(cloth, none, x, damped, {}, &v);
+    const Points damping = damped - forces_at(cloth, x);
+    Points rates = v;
+    for (Eigen::Index i = 0; i < v.size(); ++i) {
+      constexpr double step = 1e-3;  // a quadratic function
+      rates.data()[i] += step;
+      const double above = half_power(rates);
+      rates.data()[i] -= 2 * step;
+      const double below = half_power(rates);
+      rates.data()[i] = v.data()[i];
+      ASSERT_NEAR(damping.data()[i], (below - above) / (2 * step),
+                  1e-8 * damping.cwiseAbs().maxCoeff());
+    }
+    Vector3 torque = Vector3::Zero();
+    for (int i = 0; i < cloth.num_points(); ++i) torque += row(x, i).cross(row(damping, i));
+    EXPECT_LT(damping.colwise().sum().norm(), 1e-12 * damping.norm());
+    EXPECT_LT(torque.norm(), 1e-8 * damping.norm());
+  }
+}
+
+TEST(RestCurvature, DampingGradientIsThatOfItsPotential) {
+  Material m = material();
+  m.fabric->internal_damping = {0.01, 0.02};
+  for (const Cloth& cloth : cloths(m)) {
+    Points x = moved(cloth, 0.03);
+    const Past past = past_of(cloth, moved(cloth, 0.03, 5), moved(cloth, 0.03, 6), 1e-2);
+    Points gradient = Points::Zero(cloth.num_points(), 3);
+    add_damping_gradient(cloth, past, x, gradient);
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      constexpr double step = 1e-6;
+      const double at = x.data()[i];
+      x.data()[i] = at + step;
+      const double above = damping_potential(cloth, past, x);
+      x.data()[i] = at - step;
+      const double below = damping_potential(cloth, past, x);
+      x.data()[i] = at;
+      ASSERT_NEAR(gradient.data()[i], (above - below) / (2 * step),
+                  1e-6 * gradient.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+TEST(RestCurvature, PartsTurnWithoutDamping) {
+  // Every triangle turns about the x axis, each at its own rate: those of a part between two
+  // straight lines at one rate.
+  Material m = material();
+  m.fabric->internal_damping = {0, 0.02};
+  MeshTriangles pleats = triangles_of(Sheet{9, 13, 0.16, 0.24});
+  for (Vector3& p : pleats.vertices) {
+    const double along = p.x() / 0.04;
+    p.z() = 0.02 * std::abs(along - std::round(along));
+  }
+  const Cloth cloth = curved_cloth(pleats, m);
+  Points v = Points::Zero(cloth.num_points(), 3);
+  for (int i = 0; i < cloth.num_points(); ++i) {  // one half about the axis y = 0.12, z = 0
+    const Vector3 x = row(cloth.rest_positions, i);
+    if (x.y() > 0.12) v.row(i) = Vector3(5, 0, 0).cross(x - Vector3(0, 0.12, 0)).transpose();
+  }
+  Points damped;
+  compute_forces(cloth, none, cloth.rest_positions, damped, {}, &v);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    const double y = cloth.rest_positions(i, 1);
+    if (std::abs(y - 0.12) < 0.045) continue;  // bends that cross the axis
+    EXPECT_LT(damped.row(i).norm(), 1e-12) << y;
+  }
+}
+
+TEST(RestCurvature, LengthsOfTheRestShapeHaveTheAnglesOfTheStart) {
+  // At twice the size in all directions, angles are the same.
+  ClothSpec spec = curved_spec(rolled(2), material(), 0.4);
+  ClothMesh mesh = *spec.mesh;
+  for (auto& corners : mesh.flat) {
+    for (auto& corner : corners) corner *= 2;
+  }
+  spec.mesh = std::make_shared<const ClothMesh>(mesh);
+  const Cloth cloth = make_cloth(spec);
+  EXPECT_LT(elastic_energy(cloth, 2 * cloth.rest_positions), 1e-20);
+  EXPECT_GT(elastic_energy(cloth, cloth.rest_positions), 1);
+}
+
+TEST(RestCurvature, RoundingOfAFileIsFlat) {
+  MeshTriangles flat = triangles_of(Sheet{8, 6, 0.7, 0.5, 0.4, 0.3, 0, true});
+  for (Vector3& p : flat.vertices)
+    p = (1e6 * Vector3(p.x(), p.y(), p.x() + p.y())).array().round() / 1e6;
+  EXPECT_TRUE(curved_cloth(flat).triangle_fabric->curved.empty());
 }
 
 TEST(RestCurvature, CollapsedTrianglesHaveFiniteForces) {

@@ -18,7 +18,7 @@ inline bool has_damped_bends(const Cloth& cloth) {
 inline constexpr double min_bend = 1e-8;
 
 /// The motion of the bends of one piece of cloth: sums over their stencils b of stiffness k with
-/// the rates b', or over pairs of points, see PairBand.
+/// the rates b', or over pairs of points, see PairBand. For a PatchBend, b stands for b - B n.
 struct BendMotion {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();  // sum of k b b^T [N m]
   Vector3 moment = Vector3::Zero();                   // sum of k b x b' [N m/s]

@@ -20,7 +20,9 @@ struct Bend {
             values.row(points[3]))
         .transpose();
   }
-  Vector3 deviation(const Points& positions) const { return of(positions); }  // flat at rest
+  // As those of a PatchBend, flat at rest.
+  Vector3 deviation(const Points& positions) const { return of(positions); }
+  Vector3 rate(const Points&, const Points& rates) const { return of(rates); }
 };
 
 /// Calls visit(bend) for every stencil, a Bend of a grid, in the order of cloth.bends, or a

@@ -1,20 +1,58 @@
 #pragma once
 
+#include <vector>
+
+#include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/triangle_fabric.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/workers.h"
 
 namespace clothsim {
 
-/// Adds the forces of the terms of CurvedTriangle to those of the bends' pairs [N]. `positions`:
-/// four numbers a point, the first three are its coordinates.
-void add_curved_forces(const TriangleFabric&, const double* positions, const Workers&,
+// The terms of CurvedTriangle, in addition to those of the bends' pairs: see PairBand.
+
+/// Points for the functions below, which are instantiated for both kinds of views.
+struct PointView {
+  explicit PointView(const Points& values) : points(values) {}
+  Vector3 operator()(int i) const { return row(points, i); }
+  const Points& points;
+};
+
+/// The same with four numbers a point, the first three its coordinates.
+struct QuadView {
+  explicit QuadView(const std::vector<double>& quads) : data(quads.data()) {}
+  Eigen::Map<const Vector3> operator()(int i) const {
+    return Eigen::Map<const Vector3>(data + 4 * i);
+  }
+  const double* data;
+};
+
+/// Adds the elastic forces [N].
+template <typename View>
+void add_curved_forces(const TriangleFabric&, const View& positions, const Workers&,
                        Points& forces);
 
-/// Adds to `sums`, by point, Gershgorin's row sums of the terms of CurvedTriangle that are
-/// quadratic in changes of normals [N/m]: S |dn|^2, and at most 5 |sum of k B (b - B n)| |dn|^2
-/// for the second derivative of n, since |d^2 n| <= 3 |dN|^2 / |N|^2 + |d^2 N| / |N|, each at
-/// most the square of sum |dn / dx_i| |dx_i|, times 3 and 2.
+/// Adds `tau` times the forces by the rates of b - B n, less those of a rotation by piece [rad/s]:
+/// see bend_rotations(). Without `rotations` nothing is left out.
+template <typename View>
+void add_curved_damping(const TriangleFabric&, double tau, const View& positions,
+                        const View& velocities, const std::vector<Vector3>& rotations,
+                        const Workers&, Points& forces);
+
+/// Both for one point, without rotations. `velocities`: null without damping.
+Vector3 curved_force_on(const TriangleFabric&, int point, const Points& positions,
+                        const Points* velocities, double tau);
+
+/// Adds the sums of BendMotion, times `factor`, by piece.
+template <typename View>
+void add_curved_motions(const TriangleFabric&, const View& positions, const View& rates,
+                        double factor, std::vector<BendMotion>& motions);
+
+/// Adds to `sums`, by point, Gershgorin's row sums of the terms that are quadratic in changes of
+/// normals [N/m]: S |dn|^2, and at most 5 |sum of k B (b - B n)| |dn|^2 for the second derivative
+/// of n. With s = sqrt(|N|^2 + e^2), |d^2 n| <= 3 |dN|^2 / s^2 + |d^2 N| / s, the first at most 3
+/// times, the second 2 times the square of sum |dn / dx_i| |dx_i|, where |N| is at least e / 2.
 void add_curved_sums(const Cloth&, const Points& positions, Scalars& sums);
 
 }  // namespace clothsim

@@ -84,15 +84,20 @@ class Xpbd {
     Stencil bend;
     double compliance;  // as above
     double share;       // 1 / (sum of w times squared coefficient + compliance)
-    double past_share;  // of the bend before the step in its target
     Vector3 target;     // [m], of a step
     Vector3 lambda;
   };
-  /// A bend that is curved at rest, without its damping, which is a BendConstraint.
+  /// Derivatives of b - B n by the points of a bend [1/m^2].
+  using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
+  /// A bend that is curved at rest, with its damping: two constraints of the same points.
   struct CurvedConstraint {
     PatchBend bend;
     double compliance;
     Vector3 lambda;
+    double damping_compliance;  // infinite without damping
+    Vector3 damping_lambda;     // of b - B n less its target, with the derivatives of a step
+    Derivatives at_frame;       // of a step
+    Vector3 target;             // of a step
   };
 
   /// Constraints by colour.
@@ -111,11 +116,14 @@ class Xpbd {
   void build_bends(const Cloth&, double h, Bends<Stencil>&);
   void build_curved(const Cloth&, double h);
   void set_targets(const Cloth&, double h, const Points& positions);
-  void set_bend_targets(const Cloth&, const Points& displacements, const Workers&);
+  void set_curved_targets();
+  void set_bend_targets(const Cloth&, double h, const Points& displacements, const Workers&);
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
   template <typename Stencil>
   void solve_bends(const Cloth&, bool back, Bends<Stencil>&, Points& positions, const Workers&);
   void solve_curved(const Cloth&, bool back, Points& positions, const Workers&);
+  void solve_curved(const Cloth&, const PatchBend&, const Derivatives&, const Vector3& residual,
+                    double compliance, Vector3& lambda, Points& positions);
   void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
   void pull(const Cloth&, int i, const Eigen::RowVector3d& correction);
   void pull_by_springs(const Cloth&, const Points& positions);

@@ -1,16 +1,25 @@
 #pragma once
 
+#include <array>
+
 #include "clothsim/model/triangle_fabric.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
 
-/// Makes the shape at `positions` the rest shape of a bend: its curvature becomes that in the
-/// direction of the triangle's normal. A bend has also a part in the triangle's plane, of the
-/// second order in the angles to its neighbours; the coefficients of the corners change by the
-/// multiples of both sides that remove it. Nothing changes where the triangle and its neighbours
-/// are flat.
-void keep_curvature(const Points& positions, PatchBend& bend);
+/// Angles in a file below this one are taken for rounding [rad]: numbers of six decimals, or of
+/// single precision.
+inline constexpr double least_angle = 1e-4;
+
+/// The angle across an edge from corner k of a triangle to the next one [rad]: that of the other
+/// triangle, with the corner `far`, to the plane of this one, positive to the side of its normal.
+double angle_across(const std::array<Vector3, 3>& corners, std::size_t k, const Vector3& far);
+
+/// Makes the shape with its points at `places` the rest shape of a bend: its curvature becomes that
+/// along the triangle's normal. A bend has also a part in the triangle's plane, of the second order
+/// in the angles to its neighbours; the coefficients of the corners change by the multiples of both
+/// sides that remove it.
+void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBend& bend);
 
 /// Sums the bends with a curvature at rest by triangle: sets fabric.curved. `fabric` has its pairs.
 void add_curved_triangles(TriangleFabric& fabric);

@@ -26,6 +26,11 @@ class SmoothNormal {
 
   const Vector3& normal() const { return normal_; }
 
+  /// dn / dt for these velocities of the corners [1/s].
+  Vector3 rate(const Vector3& a, const Vector3& b, const Vector3& c) const {
+    return across(a.cross(sides_[0]) + b.cross(sides_[1]) + c.cross(sides_[2]));
+  }
+
   /// Bound on |dn / dx_k| of a corner [1/m].
   double slope(std::size_t corner) const { return inverse_ * sides_[corner].norm(); }
 

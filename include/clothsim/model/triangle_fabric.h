@@ -29,13 +29,15 @@ struct PatchBend {
   }
   /// b - B n at these positions [1/m].
   Vector3 deviation(const Points& positions) const;
+  /// Its derivative there, times velocities [m/s] or displacements [m].
+  Vector3 rate(const Points& positions, const Points& rates) const;
 };
 
 /// A triangle that is curved at rest: the terms with n of the energy of its bends,
 /// S |n|^2 / 2 - n . (sum of g_i x_i).
 struct CurvedTriangle {
   std::array<int, PatchBend::size> points;      // as those of its bends
-  std::array<double, PatchBend::size> weights;  // g: sums of k B c [N/m]
+  std::array<double, PatchBend::size> weights;  // g: sums of k B c [N]
   double stiffness;                             // S: sum of k B^2 [N m]
   double softening;                             // of n, see SmoothNormal [m^2]
   std::array<int, 15> pairs;  // of points k < l in order, in TriangleFabric::pairs; -1: one point
@@ -53,11 +55,11 @@ struct CurvedTriangle {
 /// gradient of both triangles at each edge: the sum of l J n n^T / (2 A), with the kink J of the
 /// surface's slope across an edge of length l and normal n (Onate & Cervera 1993, "Derivation of
 /// thin plate bending elements with one degree of freedom per node", BST). A free edge has no kink.
-/// The energy by area is that of the grid, see add_fabric(), and is quadratic: J is linear in the
-/// positions of four points. Triangles may be curved at rest (ClothMesh::curved): their energy is
-/// that of the difference to that curvature, see keep_curvature(). On regular meshes that energy is
-/// exact for quadratic surfaces, on irregular ones too stiff, by a share that does not fall with
-/// the size of cells: docs/limits.md.
+/// The energy by area is that of the grid, see add_fabric(). Where the rest shape is flat it is
+/// quadratic, as J is linear in the positions of four points; triangles that are curved at rest
+/// (ClothMesh::curved) have that of the difference to their curvature, see PatchBend and
+/// keep_curvature(). On regular meshes it is exact for quadratic surfaces, on irregular ones too
+/// stiff, by a share that does not fall with the size of cells: docs/limits.md.
 struct TriangleFabric {
   struct Triangle {
     std::array<int, 3> edges;  // by number; edge k joins corners k and k + 1
