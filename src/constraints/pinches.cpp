@@ -16,17 +16,17 @@ Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
 }
 
 /// Friction at a point on one side: that of the collider, or the least in a row of layers.
-double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
+double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth, int point) {
   const double of_collider = side.collider->friction();
-  return side.touches ? of_collider : std::min(of_collider, cloth.friction);
+  return side.touches ? of_collider : std::min(of_collider, cloth.friction_at(point));
 }
 
 /// Firmness of that grip: surfaces rub in series, with a compliance of 1 / friction each.
-double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth) {
-  if (friction_of(side, cloth) == 0) return 0;
+double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth, int point) {
+  if (friction_of(side, cloth, point) == 0) return 0;
   const double layers = (side.layer_height - cloth.offset) / (2 * cloth.thickness);
   const double yield = 1 / side.collider->friction();
-  return 1 / (side.touches ? yield : yield + layers / cloth.friction);
+  return 1 / (side.touches ? yield : yield + layers / cloth.friction_at(point));
 }
 
 /// Is the wedge between them so narrow that friction keeps its content from slipping out? It is
@@ -87,9 +87,9 @@ void Pinches::add(int point, const Vector3& x, const ColliderDistance& a, const 
   const Vector3 of_a = (a.collider->carried(x) - x) / h_, of_b = (b.collider->carried(x) - x) / h_;
   const double share = share_across(a, b);
   const double rate = across.dot((1 - share) * of_a + share * of_b);
-  const double firm_a = firmness_of(a, cloth), firm_b = firmness_of(b, cloth);
-  const bool sticks =
-      firm_a + firm_b > 0 && jams(a.normal, b.normal, friction_of(a, cloth), friction_of(b, cloth));
+  const double firm_a = firmness_of(a, cloth, point), firm_b = firmness_of(b, cloth, point);
+  const bool sticks = firm_a + firm_b > 0 && jams(a.normal, b.normal, friction_of(a, cloth, point),
+                                                  friction_of(b, cloth, point));
   const double share_of_b = sticks ? firm_b / (firm_a + firm_b) : 0.5;
   const Vector3 along = (1 - share_of_b) * of_a + share_of_b * of_b;
   const double grip = sticks ? strongest_grip * weight(cloth) * cloth.inv_mass[point] : 0;

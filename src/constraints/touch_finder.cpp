@@ -66,7 +66,7 @@ std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPai
   contact.impulse = {s.normal,
                      Vector3::Zero(),
                      target_velocity,
-                     query.cloth.friction,
+                     query.cloth.friction_between(pair.points.front(), pair.points.back()),
                      query.strongest + 2 * to_stop,
                      Pinches::max_overlap_impulse * query.strongest};
   if (last) contact.impulse.keep(last->impulse);

@@ -1,6 +1,7 @@
 #include "clothsim/model/cloth.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace clothsim {
@@ -50,6 +51,11 @@ int Cloth::num_springs() const {
   int count = 0;
   for (const SpringRun& run : springs) count += run.count;
   return count;
+}
+
+double Cloth::friction_between(int i, int j) const {
+  const double a = friction_at(i), b = friction_at(j);
+  return a == b ? a : std::sqrt(a * b);  // the square's root is rounded
 }
 
 int Cloth::num_bends() const {

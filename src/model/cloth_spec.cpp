@@ -199,7 +199,10 @@ void validate_as_triangles(const ClothSpec& spec) {
     if (!spec.material.fabric) {
       throw InvalidValue({"fabric"}, "none", "a fabric, which a mesh needs");
     }
-    for (const ClothPart& part : spec.parts) validate(part.material);
+    for (const ClothPart& part : spec.parts) {
+      validate(part.material);
+      validate_contact(spec.thickness, part.friction);
+    }
     return;
   }
   if (spec.self_collision == SelfCollision::surface && (spec.columns < 2 || spec.rows < 2)) {

@@ -22,7 +22,6 @@ std::string text(const std::array<double, 2>& pair) {
 template <typename Visit>
 void for_each_shared(const ClothSpec& one, const ClothSpec& other, Visit&& visit) {
   visit("thickness", one.thickness, other.thickness);
-  visit("friction", one.friction, other.friction);
   visit("self_collision", one.self_collision, other.self_collision);
   visit("untangle", one.untangle, other.untangle);
   visit("damping", one.material.damping, other.material.damping);
@@ -123,7 +122,7 @@ ClothSpec join_cloths(const std::vector<NamedCloth>& cloths) {
       append(spec.mesh ? *spec.mesh : mesh_of_grid(spec), mesh);
       joined.parts.push_back({name, first, spec.columns, spec.rows, first_triangle,
                               static_cast<int>(mesh.triangles.size()) - first_triangle,
-                              spec.material, spec.mesh == nullptr,
+                              spec.material, spec.friction, spec.mesh == nullptr,
                               !spec.mesh && spec.orientation == Orientation::vertical, spec.width,
                               spec.height, joined.attached.size(), spec.pattern});
       append_held(spec, first, joined);

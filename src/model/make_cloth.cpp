@@ -22,6 +22,10 @@ Cloth make_cloth(const ClothSpec& spec, double gravity) {
   }
   add_triangle_fabric(spec, cloth);
   set_common(spec, cloth);
+  if (!spec.parts.empty()) cloth.frictions.resize(cloth.num_points());
+  for (const ClothPart& part : spec.parts) {
+    cloth.frictions.segment(part.first_point, part.num_points()).setConstant(part.friction);
+  }
   const bool is_automatic = spec.self_collision == SelfCollision::automatic;
   cloth.self_collision = is_automatic ? SelfCollision::surface : spec.self_collision;
   return cloth;

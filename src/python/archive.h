@@ -104,6 +104,11 @@ void serialize(Archive& archive, clothsim::SimulationSpec& spec) {
 }
 
 template <class Archive>
+void serialize(Archive& archive, clothsim::LiveSpec::OfCloth& cloth) {
+  archive(cloth.material, cloth.friction);
+}
+
+template <class Archive>
 void serialize(Archive& archive, clothsim::LiveSpec& live) {
   archive(live.material, live.thickness, live.self_collision, live.friction, live.collider_friction,
           live.simulation, live.cloths);

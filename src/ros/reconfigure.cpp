@@ -200,15 +200,16 @@ struct Reconfigure::Impl {
   void reset_cloths() {
     if (cloths.empty()) return;
     clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
-    live.material = cloths.front();
+    live.material = cloths.front().material;
+    live.friction = cloths.front().friction;
     live.cloths = cloths;
     simulator.set(live);
   }
 
   clothsim::Simulator& simulator;
-  const std::vector<clothsim::Material> cloths;  // of several, at the start
-  bool serving = false;                          // false at the start, which is no call
-  Config last;                                   // accepted last
+  const std::vector<clothsim::LiveSpec::OfCloth> cloths;  // of several, at the start
+  bool serving = false;                                   // false at the start, which is no call
+  Config last;                                            // accepted last
   LiveValues<Config> values;
   std::vector<std::pair<std::string, std::unique_ptr<LiveValues<ColliderConfig>>>> colliders;
 };

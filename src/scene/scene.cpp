@@ -196,7 +196,9 @@ LiveSpec live_values(const Scene& scene) {
                 {},
                 scene.simulation,
                 {}};
-  for (const ClothPart& part : cloth.parts) live.cloths.push_back(part.material);
+  for (const ClothPart& part : cloth.parts) {
+    live.cloths.push_back({part.material, part.friction});
+  }
   for (const ColliderSpec& collider : scene.colliders) {
     live.collider_friction[collider.name] = collider.friction;
   }
@@ -205,7 +207,10 @@ LiveSpec live_values(const Scene& scene) {
 
 void validate(const LiveSpec& live) {
   validate(live.material);
-  for (const Material& material : live.cloths) validate(material);
+  for (const LiveSpec::OfCloth& cloth : live.cloths) {
+    validate(cloth.material);
+    validate_contact(live.thickness, cloth.friction);
+  }
   validate_contact(live.thickness, live.friction);
   inside("collider_friction", [&] {
     for (const auto& [name, friction] : live.collider_friction) {

@@ -19,7 +19,7 @@ bool join_alike(const Cloth& one, const Cloth& other) {
                     });
 }
 
-/// Gives the cloths of `spec` their materials of `live`; see LiveSpec.
+/// Gives the cloths of `spec` their materials and friction of `live`; see LiveSpec.
 void set_materials(const LiveSpec& live, ClothSpec& spec) {
   if (live.cloths.size() != spec.parts.size()) {
     throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " materials",
@@ -27,15 +27,20 @@ void set_materials(const LiveSpec& live, ClothSpec& spec) {
   }
   if (spec.parts.empty()) {
     spec.material = live.material;
+    spec.friction = live.friction;
     return;
   }
-  Material first = live.cloths.front();
-  take_changes(spec.material, live.material, first);
+  LiveSpec::OfCloth first = live.cloths.front();
+  take_changes(spec.material, live.material, first.material);
+  if (live.friction != spec.friction) first.friction = live.friction;
+  const bool is_new_friction = first.friction != live.cloths.front().friction;
   for (std::size_t i = 0; i < spec.parts.size(); ++i) {
-    spec.parts[i].material = live.cloths[i];
-    take_changes(live.cloths.front(), first, spec.parts[i].material);
+    spec.parts[i].material = live.cloths[i].material;
+    take_changes(live.cloths.front().material, first.material, spec.parts[i].material);
+    spec.parts[i].friction = is_new_friction ? first.friction : live.cloths[i].friction;
   }
-  spec.material = first;
+  spec.material = first.material;
+  spec.friction = first.friction;
 }
 
 }  // namespace
@@ -70,7 +75,6 @@ void Simulator::set(const LiveSpec& live) {
   set_materials(live, spec);
   spec.thickness = live.thickness;
   spec.self_collision = live.self_collision;
-  spec.friction = live.friction;
   validate(spec);
   Cloth cloth = make_cloth(spec, live.simulation.gravity.norm());
   const bool springs_changed = !join_alike(impl_->cloth, cloth);

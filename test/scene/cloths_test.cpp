@@ -1,5 +1,8 @@
 // Several cloths in whole scenes.
 
+#include <array>
+#include <cmath>
+
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/join_cloths.h"
@@ -125,8 +128,10 @@ TEST(Cloths, KeepTheirDistanceHoweverNearTheyStart) {
 }
 
 TEST(Cloths, SlipOnEachOtherAtCoulombsAngle) {
-  // A towel on another one that is held, both tilted: its acceleration is g (sin - mu cos).
-  for (const double friction : {0.2, 0.5}) {
+  // A towel on another one that is held, both tilted: its acceleration is g (sin - mu cos), with
+  // the geometric mean mu of both coefficients.
+  for (const auto& frictions : {std::array{0.2, 0.2}, {0.5, 0.5}, {0.9, 0.1}}) {
+    const double friction = std::sqrt(frictions[0] * frictions[1]);
     for (const double share : {0.999, 1.001, 1.1}) {  // of the tangent of Coulomb's angle
       YAML::Node root = YAML::Load("{simulation: {method: xpbd, substeps: 10}}");
       const double angle = std::atan(friction * share);
@@ -137,7 +142,7 @@ TEST(Cloths, SlipOnEachOtherAtCoulombsAngle) {
         cloth["name"] = i == 0 ? "lower" : "upper";
         cloth["width"] = cloth["height"] = i == 0 ? 0.4 : 0.2;
         cloth["columns"] = cloth["rows"] = i == 0 ? 21 : 11;
-        cloth["friction"] = friction;
+        cloth["friction"] = frictions[static_cast<std::size_t>(i)];
         cloth["origin"] = std::vector<double>{0.0537 * i, 0.0519 * i, 0.004 * i};
         root["cloths"].push_back(cloth);
       }

@@ -101,10 +101,13 @@ TEST(Cloths, ALiveValueIsSetInEach) {
   LiveSpec live = live_values(scene);
   const double first = live.material.density;
   ASSERT_NE(first, 0.5);
-  read_live_values(YAML::Load("{density: " + to_text(first) + ", strain_limit: 0.2}"), live);
-  for (const Material& material : live.cloths) {
-    EXPECT_EQ(material.density, first);
-    EXPECT_EQ(material.strain_limit, 0.2);
+  read_live_values(
+      YAML::Load("{density: " + to_text(first) + ", strain_limit: 0.2, friction: 0.7}"), live);
+  EXPECT_EQ(live.friction, 0.7);
+  for (const LiveSpec::OfCloth& cloth : live.cloths) {
+    EXPECT_EQ(cloth.material.density, first);
+    EXPECT_EQ(cloth.material.strain_limit, 0.2);
+    EXPECT_EQ(cloth.friction, 0.7);
   }
 }
 

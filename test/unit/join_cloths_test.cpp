@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/simulation/simulator.h"
 #include "says.h"
@@ -142,7 +144,6 @@ TEST(JoinCloths, RefusesValuesOfItsOwnThatCannotDiffer) {
     return mistake(cloths);
   };
   EXPECT_TRUE(says(with([](ClothSpec& c) { c.thickness *= 2; }), "1.thickness ... napkin"));
-  EXPECT_TRUE(says(with([](ClothSpec& c) { c.friction += 0.1; }), "1.friction ... napkin"));
   EXPECT_TRUE(says(with([](ClothSpec& c) { c.self_collision = SelfCollision::surface; }),
                    "1.self_collision ... surface ... napkin"));
   EXPECT_TRUE(says(with([](ClothSpec& c) { c.untangle = true; }), "1.untangle ... true ... false"));
@@ -183,16 +184,56 @@ TEST(JoinCloths, AChangedValueIsThatOfAllCloths) {
   EXPECT_EQ(part(1).fabric->shear_stiffness, two_cloths()[1].spec.material.fabric->shear_stiffness);
 }
 
+TEST(JoinCloths, EachHasItsOwnFriction) {
+  std::vector<NamedCloth> cloths = two_cloths();
+  cloths[0].spec.friction = 0.2;
+  cloths[1].spec.friction = 0.8;
+  Scene scene;
+  scene.cloth = join_cloths(cloths);
+  scene.cloth.attached.clear();
+  Simulator simulator(scene);
+  const int other = scene.cloth.parts[1].first_point;
+  const auto frictions = [&] {
+    const Cloth& cloth = simulator.cloth();
+    return std::array<double, 3>{cloth.friction_between(0, 1), cloth.friction_between(0, other),
+                                 cloth.friction_between(other + 1, other)};
+  };
+  const auto expect = [&](double one, double between, double second) {
+    EXPECT_EQ(frictions()[0], one);
+    EXPECT_NEAR(frictions()[1], between, 1e-15);
+    EXPECT_EQ(frictions()[2], second);
+  };
+  expect(0.2, 0.4, 0.8);
+  LiveSpec live = live_values(simulator.scene());
+  live.cloths[1].friction = 0.05;  // of one
+  simulator.set(live);
+  expect(0.2, 0.1, 0.05);
+  live = live_values(simulator.scene());
+  live.material.density = 0.5;  // another value
+  simulator.set(live);
+  expect(0.2, 0.1, 0.05);
+  live = live_values(simulator.scene());
+  live.friction = 0.3;  // of all
+  simulator.set(live);
+  expect(0.3, 0.3, 0.3);
+  simulator.reset_values();
+  expect(0.2, 0.4, 0.8);
+  live = live_values(simulator.scene());
+  live.cloths[1].friction = -1;
+  EXPECT_THROW(simulator.set(live), InvalidValue);
+  expect(0.2, 0.4, 0.8);
+}
+
 TEST(JoinCloths, AClothMayChangeAlone) {
   Simulator simulator(joined_scene());
   LiveSpec live = live_values(simulator.scene());
-  live.cloths[1].density = 9;
+  live.cloths[1].material.density = 9;
   simulator.set(live);
   const ClothPart& flag = simulator.scene().cloth.parts[1];
   EXPECT_NEAR(simulator.cloth().mass.segment(flag.first_point, 20).sum(), 9 * 0.4 * 0.3, 1e-12);
   EXPECT_EQ(simulator.scene().cloth.parts[0].material.density, live.material.density);
   live = live_values(simulator.scene());
-  live.cloths[0].density = 4;
+  live.cloths[0].material.density = 4;
   simulator.set(live);
   EXPECT_EQ(simulator.scene().cloth.material.density, 4);
   EXPECT_EQ(simulator.scene().cloth.parts[1].material.density, 9);

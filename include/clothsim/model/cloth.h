@@ -78,11 +78,15 @@ struct Cloth {
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // of the cloth with itself
+  Scalars frictions;                                  // the same by point, N; empty: `friction`
   double thickness = 0;                               // [m]
   double offset = surface_offset;                     // from colliders [m]
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
+  double friction_at(int i) const { return frictions.size() > 0 ? frictions[i] : friction; }
+  /// Coefficient between layers with these points: the geometric mean of both.
+  double friction_between(int i, int j) const;
   int num_bends() const;
 
   /// Whether there are forces between its points.

@@ -70,8 +70,8 @@ inline constexpr std::array<const char*, 4> self_collision_names = {"off", "poin
                                                                     "automatic"};
 
 /// One of several cloths that are simulated as one: its points and triangles in their mesh. Its
-/// material has a stiffness, a density and spring families of its own; other values are those of
-/// all.
+/// material has a stiffness, a density and spring families of its own; its other values are those
+/// of all.
 struct ClothPart {
   std::string name;
   int first_point = 0;
@@ -80,6 +80,7 @@ struct ClothPart {
   int first_triangle = 0;
   int triangles = 0;
   Material material{};
+  double friction = 0;  // as in ClothSpec
   bool is_grid = false;
   bool is_vertical = false;  // a grid that starts upright
   double width = 0;          // of a grid [m]

@@ -18,8 +18,8 @@ struct NamedCloth {
 ///
 /// Throws InvalidValue, with keys such as {"1", "thickness"}: no cloth, a name that is empty or
 /// taken, a cloth without a fabric or without an area, and a value that all cloths share and that
-/// is not that of the first: thickness, friction, self_collision, untangle, damping, drag,
-/// strain_limit, internal_damping.
+/// is not that of the first: thickness, self_collision, untangle, damping, drag, strain_limit,
+/// internal_damping.
 ClothSpec join_cloths(const std::vector<NamedCloth>& cloths);
 
 }  // namespace clothsim

@@ -76,13 +76,18 @@ struct Scene {
 /// material of each and `material` that of the first; a value of `material` that differs from the
 /// simulator's present one becomes that of all cloths.
 struct LiveSpec {
+  struct OfCloth {
+    Material material;
+    double friction;
+  };
+
   Material material;
   double thickness;  // these three as in ClothSpec
   SelfCollision self_collision;
   double friction;
   std::map<std::string, double> collider_friction;  // by name of the collider
   SimulationSpec simulation;
-  std::vector<Material> cloths{};  // of several, by ClothSpec::parts; empty: one cloth
+  std::vector<OfCloth> cloths{};  // of several, by ClothSpec::parts; empty: one cloth
 };
 
 LiveSpec live_values(const Scene&);
