@@ -15,7 +15,8 @@ Vector3 direction_across(const Vector3& normal_a, const Vector3& normal_b) {
   return (normal_a - normal_b).normalized();
 }
 
-/// Friction at a point on one side: that of the collider, or the least in a row of layers.
+/// Friction at a point on one side: that of the collider, or the least in a row of layers, which
+/// count with that of the point's own cloth.
 double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth, int point) {
   const double of_collider = side.collider->friction();
   return side.touches ? of_collider : std::min(of_collider, cloth.friction_at(point));

@@ -242,6 +242,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   if (has_targets) {
     past_ = state.positions;
     frame_ = past_ + h / 2 * state.velocities;
+    set_curved_frames();
     set_bend_targets(cloth, h, h * state.velocities, workers);
   }
 

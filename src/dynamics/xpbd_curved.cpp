@@ -33,16 +33,23 @@ void Xpbd::build_curved(const Cloth& cloth, double h) {
     if (bend.curvature == 0) continue;
     const double compliance = 1 / (bend.stiffness * time2);
     const Vector3 none = Vector3::Zero();
-    colouring.add({bend, compliance, none, compliance * h / cloth.internal_damping[1], none,
-                   derivatives_of(bend, SmoothNormal(bend, cloth.rest_positions)), none},
-                  bend.points);
+    Derivatives unset;
+    unset.fill(Eigen::Matrix3d::Zero());
+    colouring.add(
+        {bend, compliance, none, compliance * h / cloth.internal_damping[1], none, unset, none},
+        bend.points);
   }
   colouring.move_to(curved_.list, curved_.colour_ends);
 }
 
-void Xpbd::set_curved_targets() {
+void Xpbd::set_curved_frames() {
   for (CurvedConstraint& c : curved_.list) {
     c.at_frame = derivatives_of(c.bend, SmoothNormal(c.bend, frame_));
+  }
+}
+
+void Xpbd::set_curved_targets() {
+  for (CurvedConstraint& c : curved_.list) {
     c.target.setZero();
     for (std::size_t k = 0; k < c.at_frame.size(); ++k) {
       c.target += c.at_frame[k] * row(turned_, c.bend.points[k]);

@@ -12,6 +12,8 @@ namespace {
 /// SmoothNormal's softening as a share of the triangle's |N|: it shortens the normal by half a
 /// percent, and a collapsed triangle turns it at most ten times as fast as the triangle at rest.
 constexpr double softening_share = 0.1;
+/// A curvature below this share of its terms is 0.
+constexpr double rounding = 1e-9;
 
 /// Index of each pair of points.
 std::map<std::array<int, 2>, int> pair_numbers(const TriangleFabric& fabric) {
@@ -33,7 +35,11 @@ double angle_across(const std::array<Vector3, 3>& corners, std::size_t k, const 
 
 void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBend& bend) {
   Vector3 along = Vector3::Zero();
-  for (std::size_t k = 0; k < places.size(); ++k) along += bend.coefficients[k] * places[k];
+  double size = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    along += bend.coefficients[k] * places[k];
+    size += std::abs(bend.coefficients[k]) * (places[k] - places[0]).norm();
+  }
   const Vector3 first = places[1] - places[0], second = places[2] - places[0];
   Eigen::Matrix3d axes;  // both sides, and the normal N
   axes << first, second, first.cross(second);
@@ -44,6 +50,7 @@ void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBen
     bend.coefficients[0] += part;
   }
   const double area2 = axes.col(2).norm();
+  if (std::abs(parts[2]) * area2 < rounding * size) return;  // as the twist of a cylinder
   bend.softening = softening_share * area2;
   bend.curvature = parts[2] * std::hypot(area2, bend.softening);
 }

@@ -173,9 +173,10 @@ class Bends {
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const Across& a = neighbours[n];
       const double angle = angle_across(at, a.edge, row(mesh_.positions, a.point));
-      is_flat = is_flat && std::abs(angle) < least_angle;
+      const double offset = a.height * std::sin(angle);
+      is_flat = is_flat && (std::abs(angle) < least_angle || std::abs(offset) < least_offset);
       const Flat out = a.height * std::cos(angle) * outward_normal(flat, a.edge);
-      all[3 + n] = lifted(a.foot + out, side * a.height * std::sin(angle));
+      all[3 + n] = lifted(a.foot + out, side * offset);
     }
     if (is_flat) return std::nullopt;
     return all;

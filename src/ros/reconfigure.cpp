@@ -196,7 +196,8 @@ struct Reconfigure::Impl {
         ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns), start, apply));
   }
 
-  /// Gives several cloths their materials of the start, which the values of the first do not tell.
+  /// Gives several cloths their materials and friction of the start, which the values of the first
+  /// do not tell.
   void reset_cloths() {
     if (cloths.empty()) return;
     clothsim::LiveSpec live = clothsim::live_values(simulator.scene());

@@ -32,6 +32,17 @@ std::string text(const MeshShape& mesh) {
                text(mesh.padding), mesh.file->solid.is_sheet() ? "sheet" : "solid"});
 }
 
+/// The values that each of several cloths has of its own; a program knows those of the first.
+std::string text(const Material& material) {
+  const Fabric& fabric = *material.fabric;
+  const auto& [warp, weft] = fabric.stretch_stiffness;
+  const auto& [bend_warp, bend_weft] = fabric.bending_stiffness;
+  std::string springs;
+  for (const bool on : material.springs) springs += on ? '1' : '0';
+  return join({text(material.density), text(warp), text(weft), text(fabric.shear_stiffness),
+               text(bend_warp), text(bend_weft), springs});
+}
+
 /// Hash of all numbers of a mesh.
 std::size_t hash_of(const ClothMesh& mesh) {
   const auto bytes = [](const auto& list) {
@@ -62,8 +73,10 @@ void add(const ClothSpec& cloth, Lines& lines) {
                                 std::to_string(cloth.columns) + " points, " +
                                 std::to_string(hash_of(*cloth.mesh)));
   }
-  for (const ClothPart& part : cloth.parts) {
-    lines.add("cloths", part.name + ' ' + grid_point_text(part.columns, part.rows));
+  for (std::size_t i = 0; i < cloth.parts.size(); ++i) {
+    const ClothPart& part = cloth.parts[i];
+    const std::string own = i == 0 ? "" : ' ' + text(part.material) + ' ' + text(part.friction);
+    lines.add("cloths", part.name + ' ' + grid_point_text(part.columns, part.rows) + own);
   }
   lines.add("cloth.columns", std::to_string(cloth.columns));
   lines.add("cloth.rows", std::to_string(cloth.rows));

@@ -20,9 +20,9 @@ bool join_alike(const Cloth& one, const Cloth& other) {
 }
 
 /// Gives the cloths of `spec` their materials and friction of `live`; see LiveSpec.
-void set_materials(const LiveSpec& live, ClothSpec& spec) {
+void set_cloths(const LiveSpec& live, ClothSpec& spec) {
   if (live.cloths.size() != spec.parts.size()) {
-    throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " materials",
+    throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " values",
                        std::to_string(spec.parts.size()) + ", one for each of several cloths");
   }
   if (spec.parts.empty()) {
@@ -72,7 +72,7 @@ void Simulator::Impl::set_collider_friction() {
 void Simulator::set(const LiveSpec& live) {
   validate(live);
   ClothSpec spec = impl_->scene.cloth;
-  set_materials(live, spec);
+  set_cloths(live, spec);
   spec.thickness = live.thickness;
   spec.self_collision = live.self_collision;
   validate(spec);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "clothsim/dynamics/bend_rotation.h"
+#include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/implicit_euler.h"
@@ -194,8 +195,7 @@ TEST(RestCurvature, DampingGradientIsThatOfItsPotential) {
 }
 
 TEST(RestCurvature, PartsTurnWithoutDamping) {
-  // Every triangle turns about the x axis, each at its own rate: those of a part between two
-  // straight lines at one rate.
+  // One half turns about a line across the pleats, the other one rests.
   Material m = material();
   m.fabric->internal_damping = {0, 0.02};
   MeshTriangles pleats = triangles_of(Sheet{9, 13, 0.16, 0.24});
@@ -205,7 +205,7 @@ TEST(RestCurvature, PartsTurnWithoutDamping) {
   }
   const Cloth cloth = curved_cloth(pleats, m);
   Points v = Points::Zero(cloth.num_points(), 3);
-  for (int i = 0; i < cloth.num_points(); ++i) {  // one half about the axis y = 0.12, z = 0
+  for (int i = 0; i < cloth.num_points(); ++i) {
     const Vector3 x = row(cloth.rest_positions, i);
     if (x.y() > 0.12) v.row(i) = Vector3(5, 0, 0).cross(x - Vector3(0, 0.12, 0)).transpose();
   }
@@ -231,11 +231,43 @@ TEST(RestCurvature, LengthsOfTheRestShapeHaveTheAnglesOfTheStart) {
   EXPECT_GT(elastic_energy(cloth, cloth.rest_positions), 1);
 }
 
+TEST(RestCurvature, MirroredPanelsHaveTheSameAngles) {
+  ClothSpec spec = curved_spec(rolled(2), material(), 0.4);
+  ClothMesh mesh = *spec.mesh;
+  for (auto& corners : mesh.flat) {
+    for (auto& corner : corners) corner.x() *= -1;
+  }
+  spec.mesh = std::make_shared<const ClothMesh>(mesh);
+  const Cloth cloth = make_cloth(spec);
+  EXPECT_FALSE(cloth.triangle_fabric->curved.empty());
+  EXPECT_LT(elastic_energy(cloth, cloth.rest_positions), 1e-20);
+}
+
 TEST(RestCurvature, RoundingOfAFileIsFlat) {
-  MeshTriangles flat = triangles_of(Sheet{8, 6, 0.7, 0.5, 0.4, 0.3, 0, true});
-  for (Vector3& p : flat.vertices)
-    p = (1e6 * Vector3(p.x(), p.y(), p.x() + p.y())).array().round() / 1e6;
-  EXPECT_TRUE(curved_cloth(flat).triangle_fabric->curved.empty());
+  for (const double size : {0.7, 0.035}) {  // cells of 0.1 m and of 5 mm
+    MeshTriangles flat = triangles_of(Sheet{8, 8, size, size, 0.4, 0.1, 0, true});
+    for (Vector3& p : flat.vertices) {
+      p = (1e6 * Vector3(p.x(), p.y(), p.x() + p.y())).array().round() / 1e6;
+    }
+    EXPECT_TRUE(curved_cloth(flat).triangle_fabric->curved.empty()) << size;
+  }
+}
+
+TEST(RestCurvature, ForcesOnOnePointAreThoseOfAll) {
+  for (const Cloth& cloth : cloths()) {
+    const TriangleFabric& fabric = *cloth.triangle_fabric;
+    const Points x = moved(cloth, 0.02), v = moved(cloth, 0.3, 4);
+    Points all = Points::Zero(cloth.num_points(), 3);
+    std::vector<double> quads;
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      for (const double value : {x(i, 0), x(i, 1), x(i, 2), 0.0}) quads.push_back(value);
+    }
+    add_curved_forces(fabric, QuadView(quads), {}, all);
+    add_curved_damping(fabric, 0.02, PointView(x), PointView(v), {}, {}, all);
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      EXPECT_LT((curved_force_on(fabric, i, x, &v, 0.02) - row(all, i)).norm(), 1e-13 * all.norm());
+    }
+  }
 }
 
 TEST(RestCurvature, CollapsedTrianglesHaveFiniteForces) {

@@ -73,6 +73,7 @@ inline std::string print(const Scene& scene) {
   for (const Pin& pin : cloth.pinned) {
     out << "pin " << pin.column << ' ' << pin.row << ' ' << pin.frame << ' ';
   }
+  for (const ClothPart& part : cloth.parts) out << part.name << ' ' << part.friction << ' ';
   const Material& material = cloth.material;
   out << material.ks << ' ' << material.density << ' ' << material.damping << ' '
       << material.strain_limit.value_or(-1) << ' ';

@@ -20,7 +20,7 @@ struct Bend {
             values.row(points[3]))
         .transpose();
   }
-  // As those of a PatchBend, flat at rest.
+  // As PatchBend's, for a stencil that is flat at rest.
   Vector3 deviation(const Points& positions) const { return of(positions); }
   Vector3 rate(const Points&, const Points& rates) const { return of(rates); }
 };

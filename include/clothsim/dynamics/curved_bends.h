@@ -40,7 +40,8 @@ void add_curved_damping(const TriangleFabric&, double tau, const View& positions
                         const View& velocities, const std::vector<Vector3>& rotations,
                         const Workers&, Points& forces);
 
-/// Both for one point, without rotations. `velocities`: null without damping.
+/// The elastic force on a point, plus `tau` times that by rates, without rotations [N].
+/// `velocities`: null without damping.
 Vector3 curved_force_on(const TriangleFabric&, int point, const Points& positions,
                         const Points* velocities, double tau);
 
@@ -50,9 +51,9 @@ void add_curved_motions(const TriangleFabric&, const View& positions, const View
                         double factor, std::vector<BendMotion>& motions);
 
 /// Adds to `sums`, by point, Gershgorin's row sums of the terms that are quadratic in changes of
-/// normals [N/m]: S |dn|^2, and at most 5 |sum of k B (b - B n)| |dn|^2 for the second derivative
-/// of n. With s = sqrt(|N|^2 + e^2), |d^2 n| <= 3 |dN|^2 / s^2 + |d^2 N| / s, the first at most 3
-/// times, the second 2 times the square of sum |dn / dx_i| |dx_i|, where |N| is at least e / 2.
+/// normals [N/m]: S |dn|^2, and at most |sum of k B (b - B n)| |d^2 n| for the second derivative of
+/// n. |dn| is at most the sum of |dn / dx_i| |dx_i|, |d^2 n| at most 5 times the square of that
+/// where |N| is e / 2 or more, see SmoothNormal.
 void add_curved_sums(const Cloth&, const Points& positions, Scalars& sums);
 
 }  // namespace clothsim

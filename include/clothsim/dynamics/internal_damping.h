@@ -42,7 +42,7 @@ inline DampedSpring damped(const SpringRun& run, double damping, double past, do
 
 /// Sum of (k tau / time) (l - l_past)^2 / 2 over the springs, plus the same for bends, of which the
 /// changes d are relative to a rotation: d . d_relative, the least |d_relative|^2 of any rotation
-/// [J].
+/// [J]. The change of a bend is its derivative at Past::frame times the displacements.
 double damping_potential(const Cloth&, const Past&, const Points& positions);
 
 /// Adds its derivative by positions [N].

@@ -28,9 +28,9 @@ namespace clothsim {
 /// the places that the multipliers give with the springs' present directions.
 ///
 /// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
-/// bend is a constraint on the three components of its stencil; its direction never turns.
-/// Internal damping makes constraints stiffer, towards their values at the step's start: see
-/// DampedSpring.
+/// bend is a constraint on the three components of its stencil, see PatchBend. Internal damping
+/// makes constraints stiffer, towards their values at the step's start: see DampedSpring. That of a
+/// bend that is curved at rest is a constraint of its own, linear in the positions.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
@@ -89,15 +89,16 @@ class Xpbd {
   };
   /// Derivatives of b - B n by the points of a bend [1/m^2].
   using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
-  /// A bend that is curved at rest, with its damping: two constraints of the same points.
+  /// A bend that is curved at rest, and its damping: the constraint that the sum of at_frame_i x_i
+  /// is the target.
   struct CurvedConstraint {
     PatchBend bend;
     double compliance;
     Vector3 lambda;
     double damping_compliance;  // infinite without damping
-    Vector3 damping_lambda;     // of b - B n less its target, with the derivatives of a step
-    Derivatives at_frame;       // of a step
-    Vector3 target;             // of a step
+    Vector3 damping_lambda;
+    Derivatives at_frame;  // at Past::frame of a step
+    Vector3 target;        // of a step [1/m]
   };
 
   /// Constraints by colour.
@@ -116,6 +117,7 @@ class Xpbd {
   void build_bends(const Cloth&, double h, Bends<Stencil>&);
   void build_curved(const Cloth&, double h);
   void set_targets(const Cloth&, double h, const Points& positions);
+  void set_curved_frames();
   void set_curved_targets();
   void set_bend_targets(const Cloth&, double h, const Points& displacements, const Workers&);
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);

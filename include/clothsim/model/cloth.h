@@ -77,7 +77,7 @@ struct Cloth {
   std::array<double, 2> internal_damping{};               // [s] of springs and of bends, see Fabric
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
-  double friction = 0;                                // of the cloth with itself
+  double friction = 0;                                // between layers
   Scalars frictions;                                  // the same by point, N; empty: `friction`
   double thickness = 0;                               // [m]
   double offset = surface_offset;                     // from colliders [m]

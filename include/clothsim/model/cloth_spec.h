@@ -70,8 +70,8 @@ inline constexpr std::array<const char*, 4> self_collision_names = {"off", "poin
                                                                     "automatic"};
 
 /// One of several cloths that are simulated as one: its points and triangles in their mesh. Its
-/// material has a stiffness, a density and spring families of its own; its other values are those
-/// of all.
+/// material has a stiffness, a density and spring families of its own; the material's other values
+/// are those of all.
 struct ClothPart {
   std::string name;
   int first_point = 0;
@@ -106,7 +106,7 @@ struct ClothSpec {
   Material material;
   double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
   SelfCollision self_collision = SelfCollision::off;
-  double friction = 0.3;           // Coulomb's coefficient between layers of the cloth
+  double friction = 0.3;           // Coulomb's, between layers; of several cloths that of the first
   bool untangle = false;           // untangles a state that is set and crosses itself
   std::vector<ClothPart> parts{};  // of `mesh`, see join_cloths(); empty: one cloth
   std::shared_ptr<const PatternPoints> pattern{};  // of a mesh from a pattern; null: none

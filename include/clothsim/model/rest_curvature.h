@@ -7,9 +7,10 @@
 
 namespace clothsim {
 
-/// Angles in a file below this one are taken for rounding [rad]: numbers of six decimals, or of
-/// single precision.
+/// Angles below the first [rad], and neighbours nearer to a triangle's plane than the second [m],
+/// are taken for rounding of a file: numbers of six decimals, or of single precision.
 inline constexpr double least_angle = 1e-4;
+inline constexpr double least_offset = 2e-6;
 
 /// The angle across an edge from corner k of a triangle to the next one [rad]: that of the other
 /// triangle, with the corner `far`, to the plane of this one, positive to the side of its normal.

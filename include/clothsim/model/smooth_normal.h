@@ -18,7 +18,7 @@ class SmoothNormal {
     inverse_ = 1 / std::sqrt(area2.squaredNorm() + softening * softening);
     normal_ = inverse_ * area2;
   }
-  /// Of the first three points of `bend`, at these positions.
+  /// The normal of the first three points of `bend`, a PatchBend or a CurvedTriangle.
   template <typename Bend>
   SmoothNormal(const Bend& bend, const Points& positions)
       : SmoothNormal(row(positions, bend.points[0]), row(positions, bend.points[1]),

@@ -73,8 +73,8 @@ struct Scene {
 };
 
 /// Values of a scene that may change between two frames. With several cloths, `cloths` has the
-/// material of each and `material` that of the first; a value of `material` that differs from the
-/// simulator's present one becomes that of all cloths.
+/// material and the friction of each, `material` and `friction` those of the first; a value of
+/// these two that differs from the simulator's present one becomes that of all cloths.
 struct LiveSpec {
   struct OfCloth {
     Material material;
