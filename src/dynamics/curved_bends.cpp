@@ -160,10 +160,8 @@ void add_curved_motions(const TriangleFabric& fabric, const View& positions, con
 void add_curved_sums(const Cloth& cloth, const Points& positions, Scalars& sums) {
   for (const CurvedTriangle& curved : cloth.triangle_fabric->curved) {
     const SmoothNormal normal(curved, positions);
-    Vector3 gradient = -curved.stiffness * normal.normal();
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
-      gradient += curved.weights[k] * row(positions, curved.points[k]);
-    }
+    const Vector3 gradient =
+        weighted_sum(curved, PointView(positions)) - curved.stiffness * normal.normal();
     const double stiffness = curved.stiffness + 5 * gradient.norm();
     const double slopes = normal.slope(0) + normal.slope(1) + normal.slope(2);
     for (std::size_t k = 0; k < 3; ++k) {

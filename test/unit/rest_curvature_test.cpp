@@ -2,13 +2,9 @@
 
 #include "clothsim/model/rest_curvature.h"
 
-#include <Eigen/Eigenvalues>
-#include <random>
-
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/energy.h"
-#include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/implicit_euler.h"
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/internal_damping.h"
@@ -16,6 +12,7 @@
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/xpbd.h"
 #include "meshes.h"
+#include "unit/plain_forces.h"
 #include "unit/plain_rotation.h"
 #include "verification/mesh_fabric_testing.h"
 
@@ -23,8 +20,6 @@ namespace clothsim {
 namespace {
 
 using namespace testing;
-
-const Loads none{Vector3::Zero()};
 
 Material material() {
   Material m = fabric_spec(2, 2, 0.1, 0.1).material;
@@ -69,20 +64,6 @@ std::vector<Cloth> cloths(const Material& m = material()) {
                        m)};
 }
 
-Points moved(const Cloth& cloth, double most, unsigned seed = 3) {
-  std::mt19937 engine(seed);
-  std::uniform_real_distribution<> random(-most, most);
-  Points x = cloth.rest_positions;
-  for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] += random(engine);
-  return x;
-}
-
-Points forces_at(const Cloth& cloth, const Points& x, const Workers& workers = {}) {
-  Points forces;
-  compute_forces(cloth, none, x, forces, workers, nullptr);
-  return forces;
-}
-
 TEST(RestCurvature, TheRestShapeHasNoForce) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(2, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
@@ -99,19 +80,9 @@ TEST(RestCurvature, TheRestShapeHasNoForce) {
 TEST(RestCurvature, ForcesAreTheGradientOfTheEnergy) {
   for (const Cloth& cloth : cloths()) {
     for (const double most : {0.001, 0.02, 0.1}) {
-      Points x = moved(cloth, most);
-      const Points forces = forces_at(cloth, x);
-      constexpr double step = 1e-6;
-      for (Eigen::Index i = 0; i < x.size(); ++i) {
-        const double at = x.data()[i];
-        x.data()[i] = at + step;
-        const double above = elastic_energy(cloth, x);
-        x.data()[i] = at - step;
-        const double below = elastic_energy(cloth, x);
-        x.data()[i] = at;
-        ASSERT_NEAR(forces.data()[i], (below - above) / (2 * step),
-                    1e-6 * (1 + forces.cwiseAbs().maxCoeff()));
-      }
+      const Points x = moved(cloth, most), forces = forces_at(cloth, x);
+      const auto energy = [&](const Points& at) { return elastic_energy(cloth, at); };
+      EXPECT_LT(gradient_error(energy, x, -forces), 1e-6 * (1 + forces.cwiseAbs().maxCoeff()));
     }
   }
 }
@@ -140,8 +111,6 @@ TEST(RestCurvature, DampingIsTheSumOverBendsLessARotation) {
   for (const Cloth& cloth : cloths(m)) {
     const Points x = moved(cloth, 0.02), v = moved(cloth, 0.3, 4);
     const Vector3 omega = plain_rotation(cloth, x, v);
-    Points relative;
-    remove_rotation(cloth, x, v, relative);
     // A force is minus the derivative of half the power by the velocity of a point.
     const auto half_power = [&](const Points& rates) {
       double sum = 0;
@@ -151,20 +120,8 @@ TEST(RestCurvature, DampingIsTheSumOverBendsLessARotation) {
       }
       return sum;
     };
-    Points damped;
-    compute_forces(cloth, none, x, damped, {}, &v);
-    const Points damping = damped - forces_at(cloth, x);
-    Points rates = v;
-    for (Eigen::Index i = 0; i < v.size(); ++i) {
-      constexpr double step = 1e-3;  // a quadratic function
-      rates.data()[i] += step;
-      const double above = half_power(rates);
-      rates.data()[i] -= 2 * step;
-      const double below = half_power(rates);
-      rates.data()[i] = v.data()[i];
-      ASSERT_NEAR(damping.data()[i], (below - above) / (2 * step),
-                  1e-8 * damping.cwiseAbs().maxCoeff());
-    }
+    const Points damping = forces_at(cloth, x, &v) - forces_at(cloth, x);
+    EXPECT_LT(gradient_error(half_power, v, -damping), 1e-6 * damping.cwiseAbs().maxCoeff());
     Vector3 torque = Vector3::Zero();
     for (int i = 0; i < cloth.num_points(); ++i) torque += row(x, i).cross(row(damping, i));
     EXPECT_LT(damping.colwise().sum().norm(), 1e-12 * damping.norm());
@@ -176,21 +133,12 @@ TEST(RestCurvature, DampingGradientIsThatOfItsPotential) {
   Material m = material();
   m.fabric->internal_damping = {0.01, 0.02};
   for (const Cloth& cloth : cloths(m)) {
-    Points x = moved(cloth, 0.03);
+    const Points x = moved(cloth, 0.03);
     const Past past = past_of(cloth, moved(cloth, 0.03, 5), moved(cloth, 0.03, 6), 1e-2);
     Points gradient = Points::Zero(cloth.num_points(), 3);
     add_damping_gradient(cloth, past, x, gradient);
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      constexpr double step = 1e-6;
-      const double at = x.data()[i];
-      x.data()[i] = at + step;
-      const double above = damping_potential(cloth, past, x);
-      x.data()[i] = at - step;
-      const double below = damping_potential(cloth, past, x);
-      x.data()[i] = at;
-      ASSERT_NEAR(gradient.data()[i], (above - below) / (2 * step),
-                  1e-6 * gradient.cwiseAbs().maxCoeff());
-    }
+    const auto potential = [&](const Points& at) { return damping_potential(cloth, past, at); };
+    EXPECT_LT(gradient_error(potential, x, gradient), 1e-6 * gradient.cwiseAbs().maxCoeff());
   }
 }
 
@@ -209,8 +157,7 @@ TEST(RestCurvature, PartsTurnWithoutDamping) {
     const Vector3 x = row(cloth.rest_positions, i);
     if (x.y() > 0.12) v.row(i) = Vector3(5, 0, 0).cross(x - Vector3(0, 0.12, 0)).transpose();
   }
-  Points damped;
-  compute_forces(cloth, none, cloth.rest_positions, damped, {}, &v);
+  const Points damped = forces_at(cloth, cloth.rest_positions, &v);
   for (int i = 0; i < cloth.num_points(); ++i) {
     const double y = cloth.rest_positions(i, 1);
     if (std::abs(y - 0.12) < 0.045) continue;  // bends that cross the axis
@@ -283,24 +230,6 @@ TEST(RestCurvature, CollapsedTrianglesHaveFiniteForces) {
   }
 }
 
-/// Exact highest frequency of the elastic forces [rad/s], by differences.
-double exact_omega(const Cloth& cloth, Points x) {
-  Eigen::MatrixXd matrix(x.size(), x.size());
-  for (Eigen::Index c = 0; c < x.size(); ++c) {
-    constexpr double step = 1e-6;
-    x.data()[c] += step;
-    const Points above = forces_at(cloth, x);
-    x.data()[c] -= 2 * step;
-    const Points change = (above - forces_at(cloth, x)) / (2 * step);
-    x.data()[c] += step;
-    matrix.col(c) = -change.reshaped();
-  }
-  const Eigen::VectorXd root = cloth.inv_mass.cwiseSqrt().replicate(3, 1);
-  const Eigen::MatrixXd scaled =
-      root.asDiagonal() * (matrix + matrix.transpose()) / 2 * root.asDiagonal();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
-}
-
 TEST(RestCurvature, FrequenciesAreBelowTheirBound) {
   Material bends = material();  // with hardly anything else
   bends.fabric->stretch_stiffness = {1e-3, 1e-3};
@@ -369,7 +298,7 @@ TEST(RestCurvature, XpbdConvergesToImplicitEuler) {
 TEST(RestCurvature, AnyNumberOfThreadsGivesTheSameBits) {
   for (const Cloth& cloth : cloths()) {
     const Points x = moved(cloth, 0.02);
-    EXPECT_EQ(forces_at(cloth, x, Workers(3)), forces_at(cloth, x));
+    EXPECT_EQ(forces_at(cloth, x, nullptr, Workers(3)), forces_at(cloth, x));
   }
 }
 

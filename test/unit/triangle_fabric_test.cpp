@@ -2,13 +2,9 @@
 
 #include "clothsim/model/triangle_fabric.h"
 
-#include <Eigen/Eigenvalues>
-#include <random>
-
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
 #include "clothsim/dynamics/energy.h"
-#include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/implicit_euler.h"
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/internal_damping.h"
@@ -17,6 +13,7 @@
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/dynamics/xpbd.h"
+#include "unit/plain_forces.h"
 #include "unit/plain_rotation.h"
 #include "verification/mesh_fabric_testing.h"
 
@@ -36,40 +33,6 @@ const Sheet uneven{8, 6, 0.7, 0.5, 0.4, 0.3, 0, true};
 
 Cloth sheet(const Material& m = material(), const Sheet& shape = uneven) {
   return make_cloth(mesh_spec(triangles_of(shape), m, shape.warp));
-}
-
-/// The cloth's points moved at random by up to `most` [m].
-Points moved(const Cloth& cloth, double most, unsigned seed = 3) {
-  std::mt19937 engine(seed);
-  std::uniform_real_distribution<> random(-most, most);
-  Points x = cloth.rest_positions;
-  for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] += random(engine);
-  return x;
-}
-
-const Loads none{Vector3::Zero()};
-
-Points forces_at(const Cloth& cloth, const Points& x, const Points* velocities = nullptr) {
-  Points forces;
-  compute_forces(cloth, none, x, forces, {}, velocities);
-  return forces;
-}
-
-/// The largest difference of a gradient and central differences of a function.
-template <typename Function>
-double gradient_error(const Function& function, Points x, const Points& gradient) {
-  constexpr double step = 1e-6;
-  double error = 0;
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const double at = x.data()[i];
-    x.data()[i] = at + step;
-    const double above = function(x);
-    x.data()[i] = at - step;
-    const double below = function(x);
-    x.data()[i] = at;
-    error = std::max(error, std::abs((above - below) / (2 * step) - gradient.data()[i]));
-  }
-  return error;
 }
 
 TEST(TriangleFabric, HasTheMassOfItsArea) {
@@ -253,26 +216,6 @@ TEST(TriangleFabric, NewtonFindsTheMinimumOfAStep) {
   Points gradient(cloth.num_points(), 3);
   potential_gradient(cloth, weights, y + d, d, gradient, past);
   EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);
-}
-
-/// Exact highest frequency of the elastic forces [rad/s], by differences.
-double exact_omega(const Cloth& cloth, const Points& at) {
-  const Eigen::Index size = 3 * cloth.num_points();
-  Eigen::MatrixXd matrix(size, size);
-  Points x = at;
-  for (Eigen::Index c = 0; c < size; ++c) {
-    constexpr double step = 1e-6;
-    x.data()[c] += step;
-    const Points above = forces_at(cloth, x);
-    x.data()[c] -= 2 * step;
-    const Points change = (above - forces_at(cloth, x)) / (2 * step);
-    x.data()[c] += step;
-    matrix.col(c) = -change.reshaped();
-  }
-  const Eigen::VectorXd root = cloth.inv_mass.cwiseSqrt().replicate(3, 1);
-  const Eigen::MatrixXd scaled =
-      root.asDiagonal() * (matrix + matrix.transpose()) / 2 * root.asDiagonal();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
 }
 
 TEST(TriangleFabric, FrequenciesAreBelowTheirBound) {
