@@ -63,7 +63,7 @@ std::vector<BodyTouch> BodyAttachments::touches(const Cloth& cloth,
       const Vector3 side = to_local(colliders[k].previous(), row(start, r.attachment.point));
       const Distance distance =
           signed_distance(colliders[k].shape(), to_local(colliders[k].pose(), x), side);
-      const double gap = distance.value - keeps;
+      const double gap = distance.value - keeps + cloth.nearer_by(r.attachment.point);
       if (gap > reach) continue;
       result.push_back({r.attachment.body, k, x, colliders[k].pose().orientation * distance.normal,
                         gap, colliders[k].friction()});

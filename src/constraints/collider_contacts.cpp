@@ -99,7 +99,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     leave_out_passing(s, collider, cloth, step, state);
   }
   if (s.is_close) {
-    const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, near));
+    const ContactSlots::Detector detector(collider, cloth, s.keeps, s.asked(collider, cloth, near));
     for (const Span& span : s.near) {
       const int end = ContactSlots::end_of(span.end - 1, cloth);
       for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
@@ -117,7 +117,8 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
 void ColliderContacts::find_points(ColliderCache& s, const MovingCollider& collider,
                                    const Cloth& cloth, const ContactStep& step, const State& state,
                                    std::optional<double> travelled) {
-  const ContactSlots::Detector detector(collider, s.keeps, s.asked(collider, cloth, s.within));
+  const ContactSlots::Detector detector(collider, cloth, s.keeps,
+                                        s.asked(collider, cloth, s.within));
   for (const Span& span : s.near) {
     double nearest[Span::longest];
     s.slots.find(span, detector, cloth, step, state, nearest);

@@ -65,7 +65,8 @@ void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider&
       const Vector3 x = row(state.positions, i);
       const Vector3 way = step.h * (row(state.velocities, i) - collider.velocity_at(x));
       const Vector3 end = to_local(collider.pose(), x + way);
-      if (signed_distance(collider.shape(), end, end).value >= s.keeps - passing_depth) {
+      const double keeps = s.keeps - cloth.nearer_by(i);
+      if (signed_distance(collider.shape(), end, end).value >= keeps - passing_depth) {
         s.slots.remove(i);
       }
     }
@@ -180,7 +181,7 @@ void ColliderContacts::follow_bodies(const std::vector<MovingCollider>& collider
 }
 
 std::vector<Overlap> ColliderContacts::overlaps(const std::vector<MovingCollider>& colliders,
-                                                const Points& positions) const {
+                                                const Cloth& cloth, const Points& positions) const {
   const auto distance = [&](std::size_t k, const Vector3& x) {
     const Vector3 local = to_local(colliders[k].pose(), x);
     return signed_distance(colliders[k].shape(), local, local).value;
@@ -193,7 +194,7 @@ std::vector<Overlap> ColliderContacts::overlaps(const std::vector<MovingCollider
     } else {
       place.points.fill(c.point);
       place.weights = {1, 0, 0, 0};
-      place.nearest = caches_[c.a].keeps;
+      place.nearest = caches_[c.a].keeps - cloth.nearer_by(c.point);
       place.impulse.normal = caches_[c.a].slots.normal(c.point);
     }
     const Vector3 x = weighted_sum(place.points, place.weights, positions);
@@ -202,7 +203,8 @@ std::vector<Overlap> ColliderContacts::overlaps(const std::vector<MovingCollider
     for (std::size_t k = 0; k < 3; ++k) {
       if (place.weights[k] == 0) continue;
       const int point = place.points[k];
-      gap += place.weights[k] * (distance(c.b, row(positions, point)) - caches_[c.b].keeps);
+      const double keeps = caches_[c.b].keeps - cloth.nearer_by(point);
+      gap += place.weights[k] * (distance(c.b, row(positions, point)) - keeps);
       normal += place.weights[k] * caches_[c.b].slots.normal(point);
     }
     if (gap < 0) result.push_back({c.a, c.b, x, normal.normalized(), -gap});

@@ -39,7 +39,7 @@ void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     ColliderCache& s = caches_[k];
     if (s.near.empty()) continue;
-    const ContactSlots::Detector detector(colliders[k], s.keeps,
+    const ContactSlots::Detector detector(colliders[k], cloth, s.keeps,
                                           s.asked(colliders[k], cloth, 2 * s.keeps));
     double longest = 0;
     for (const Span& span : s.near) {
@@ -82,7 +82,7 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
   s.sleep_bounds.find_near(motion_bound_.total(), 2 * keeps.points, s.inside);
   s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
-  const ContactSlots::Detector detector(collider, keeps.points,
+  const ContactSlots::Detector detector(collider, cloth, keeps.points,
                                         s.asked(collider, cloth, 2 * keeps.points));
   double longest = 0;
   for (const Span& span : s.inside) {

@@ -101,7 +101,8 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
   Vector3 to = to_local(collider.pose(), row(state.positions, i));
 
   // A point that may have passed through moves on along the surface from its entry.
-  const auto entry = swept_entry(collider, from, to, detector.offset);
+  const double offset = detector.offset_at(i);
+  const auto entry = swept_entry(collider, from, to, offset);
   if (entry) {
     to = entry->end;
     state.positions.row(i) = to_world(collider.pose(), to).transpose();
@@ -119,7 +120,7 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
   const Vector3 surface_velocity = collider.velocity_at(row(state.positions, i));
   const double rate = normal.dot(row(state.velocities, i) - surface_velocity);
   const double drift = normal.dot(row(step.drifted, i) - surface_velocity);
-  const double gap = d.value - detector.offset - step.displacement_factor * step.h * drift;
+  const double gap = d.value - offset - step.displacement_factor * step.h * drift;
   const double target_velocity = entry ? 0 : -std::max(gap, 0.0) / step.h;
   // The impulse that ends its approach will move it on to there.
   if (entry && drift < 0)
@@ -160,14 +161,20 @@ ContactManifold ColliderContacts::manifold_of(int number, const MovingCollider& 
       collider, clearance(collider.shape(), cloth, stretch_, has_pinched_).points, {}};
   const ContactSlots& slots = cache(number).slots;
   slots.for_each_touching_both(slots, [&](int i) {
-    manifold.contact_points.push_back(
-        {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, slots.normal(i), 0});
+    manifold.contact_points.push_back({ContactPoint::no_triangle,
+                                       {i, i, i},
+                                       {1, 0, 0},
+                                       slots.normal(i),
+                                       0,
+                                       manifold.offset - cloth.nearer_by(i)});
   });
-  faces_.for_each_on(number, [&](int triangle, const auto& weights, const Vector3& normal,
-                                 double distance) {
-    manifold.contact_points.push_back(
-        {triangle, cloth.triangles[static_cast<std::size_t>(triangle)], weights, normal, distance});
-  });
+  faces_.for_each_on(
+      number, [&](int triangle, const auto& weights, const Vector3& normal, double distance) {
+        const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
+        const double nearer = cloth.nearer_by(corners[0]);
+        manifold.contact_points.push_back(
+            {triangle, corners, weights, normal, distance - nearer, manifold.offset - nearer});
+      });
   return manifold;
 }
 
@@ -277,7 +284,8 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const MovingCollider& collider = detector.collider;
   const Vector3 from = to_local(collider.previous(), row(start, i));
   Vector3 to = to_local(collider.pose(), row(positions, i));
-  const auto entry = swept_entry(collider, from, to, detector.offset);
+  const double offset = detector.offset_at(i);
+  const auto entry = swept_entry(collider, from, to, offset);
   if (entry) to = entry->end;
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
@@ -286,9 +294,8 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;
-    to +=
-        std::max(0.0, required_distance(before, detector.offset, recovery_factor_ * h_) - d.value) *
-        d.normal;
+    to += std::max(0.0, required_distance(before, offset, recovery_factor_ * h_) - d.value) *
+          d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= may_sink;

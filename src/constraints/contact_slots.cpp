@@ -223,8 +223,19 @@ struct SpanDistances {
 
 }  // namespace
 
-ContactSlots::Detector::Detector(const MovingCollider& c, double kept, const Asked& all)
-    : collider(c), frame(c.pose()), before(c.previous()), offset(kept), asked_(all) {}
+ContactSlots::Detector::Detector(const MovingCollider& moving, const Cloth& all_points, double kept,
+                                 const Asked& all)
+    : collider(moving),
+      cloth(all_points),
+      frame(moving.pose()),
+      before(moving.previous()),
+      offset(kept),
+      asked_(all) {}
+
+void ContactSlots::Detector::add_nearer(int first, int count, double* distances) const {
+  if (cloth.thicknesses.size() == 0) return;
+  for (int i = 0; i < count; ++i) distances[i] += cloth.nearer_by(first + i);
+}
 
 Asked ContactSlots::Detector::asked(int first) const {
   return {asked_.near, asked_.neighbourhoods ? asked_.neighbourhoods + first : nullptr};
@@ -252,6 +263,7 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
   signed_distances(collider.shape(), detector.frame, {x, y, z}, detector.before,
                    run_from(step.start, first), count, detector.asked(first), distances.value,
                    distances.normals());
+  detector.add_nearer(first, count, distances.value);
   long touching[Span::longest];
   mark_touching(count,
                 {step.h, way, detector.offset, &cloth.inv_mass[first], distances.value,
@@ -354,6 +366,7 @@ double ContactSlots::project_positions(const Span& span, const Detector& detecto
   signed_distances(detector.collider.shape(), detector.frame, run_from(positions, first),
                    detector.before, run_from(start, first), count, detector.asked(first),
                    distances.value, distances.normals());
+  detector.add_nearer(first, count, distances.value);
   double highest[block_size] = {};
   lift_out(count, detector.offset, free, distances.value, distances.normals(),
            run_from(positions, first), highest);

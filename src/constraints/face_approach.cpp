@@ -36,7 +36,7 @@ double leeway(double lever, const Triangle& t) {
 
 double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
               const CornerWeights& weights) {
-  return leeway(lever_of(cloth, corners, weights), t);
+  return leeway(lever_of(cloth, corners, weights), t) + cloth.nearer_by(corners[0]);
 }
 
 std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
@@ -65,7 +65,7 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const 
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
     auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                     to_world(collider.pose(), to), cloth.offset);
+                                     to_world(collider.pose(), to), cloth.offset_at(corners[0]));
     if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;

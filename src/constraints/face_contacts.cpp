@@ -142,7 +142,7 @@ bool FaceContacts::passes_by(const ColliderQuery& at, const Corners& corners) {
         row(at.state.velocities, i) - at.collider.velocity_at(row(at.state.positions, i));
     end[k] += at.step.h * (at.collider.pose().orientation.conjugate() * v);
   }
-  const double keeps = at.cloth.offset - passing_depth;
+  const double keeps = at.cloth.offset_at(corners[0]) - passing_depth;
   const auto distance = face_distance(at.collider.shape(), end, keeps);
   return !distance || distance->value >= keeps;
 }
@@ -181,7 +181,7 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   contact.points = {corners[0], corners[1], corners[2], corners[0]};
   contact.weights = {weights[0], weights[1], weights[2], 0};
   contact.compute_effective_mass(cloth);
-  contact.nearest = cloth.offset;
+  contact.nearest = cloth.offset_at(corners[0]);
   const bool is_body = step.bodies && step.bodies->is_body(static_cast<std::size_t>(number));
   const double recovery = is_body ? 0 : lever * step.recovery_factor * way_out_speed(depth);
   contact.impulse = {normal, surface_velocity, target_velocity + recovery, collider.friction()};
@@ -210,7 +210,7 @@ void FaceContacts::release_pinched(const Pinches& pinches,
       held += c.weights[k] * pinches.velocity(corners[k]);
       const Vector3 x = to_local(collider.previous(), row(step.start, corners[k]));
       const double distance = signed_distance(collider.shape(), x, x).value;
-      lacking += c.weights[k] * std::max(0.0, cloth.offset - distance);
+      lacking += c.weights[k] * std::max(0.0, cloth.offset_at(corners[k]) - distance);
       c.hold(k);
     }
     if (c.mass == 0) {

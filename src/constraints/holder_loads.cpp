@@ -54,11 +54,11 @@ void Holders::list_springs(const Cloth& cloth) {
 
 void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& state,
                                   Points& impulses) const {
-  const auto& [of_springs, of_bends] = cloth.internal_damping;
   for (const Spring& s : springs_) {
     const Point& p = points_[s.point];
     if (p.slips) continue;
     const int i = p.hold.point;
+    const auto& [of_springs, of_bends] = cloth.internal_damping_at(i);
     const Vector3 d = row(state.positions, s.other) - row(state.positions, i);
     const Vector3 rate = row(state.velocities, s.other) - row(state.velocities, i);
     // Not relative to a rotation (see remove_rotation()), which adds some 1e-5 of a load.
@@ -89,8 +89,7 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
   for (const Point& p : points_) {
     const int i = p.hold.point;
     if (p.slips) continue;
-    const Vector3 force =
-        curved_force_on(*cloth.triangle_fabric, i, state.positions, velocities, of_bends);
+    const Vector3 force = curved_force_on(*cloth.triangle_fabric, i, state.positions, velocities);
     impulses.row(i) += h * force.transpose();
   }
 }

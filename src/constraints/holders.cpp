@@ -200,7 +200,7 @@ bool Holders::begin_substep(double h, const Cloth& cloth,
   for (Point& p : points_) {
     const Vector3 x = row(positions, p.hold.point);
     p.is_pressed = std::any_of(colliders.begin(), colliders.end(), [&](const MovingCollider& c) {
-      return is_pressed_into(c, x, velocity_now(p), cloth.offset);
+      return is_pressed_into(c, x, velocity_now(p), cloth.offset_at(p.hold.point));
     });
     if (!p.is_pressed || p.slips) continue;
     release(p, strengths_[static_cast<std::size_t>(p.hold.holder)], Vector3::Zero());

@@ -39,9 +39,8 @@ Pinches::ColliderDistance distance_to(const ContactManifold& manifold, const Vec
   return {&manifold.collider, pose.orientation * d.normal, d.value, 0, false};
 }
 
-Pinches::ColliderDistance touching(const ContactManifold& manifold,
-                                   Pinches::ColliderDistance side) {
-  side.layer_height = manifold.offset;
+Pinches::ColliderDistance touching(const ContactPoint& f, Pinches::ColliderDistance side) {
+  side.layer_height = f.offset;
   side.touches = true;
   return side;
 }
@@ -50,9 +49,9 @@ Pinches::ColliderDistance touching(const ContactManifold& manifold,
 Pinches::ColliderDistance own_distance(const ContactManifold& manifold, const ContactPoint& f,
                                        const Points& start) {
   if (f.triangle == ContactPoint::no_triangle) {
-    return touching(manifold, distance_to(manifold, f.place(start)));
+    return touching(f, distance_to(manifold, f.place(start)));
   }
-  return touching(manifold, {&manifold.collider, f.normal, f.distance, 0, false});
+  return touching(f, {&manifold.collider, f.normal, f.distance, 0, false});
 }
 
 /// The contacts of a manifold by point and triangle.
@@ -82,7 +81,7 @@ class ContactPointIndex {
       touches = touches && (f.weights[k] == 0 || points_.count(f.points[k]) > 0);
     }
     const Pinches::ColliderDistance side = distance_to(manifold_, f.place(start));
-    return touches ? touching(manifold_, side) : side;
+    return touches ? touching(f, side) : side;
   }
 
  private:

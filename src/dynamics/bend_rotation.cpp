@@ -148,7 +148,7 @@ std::vector<BendMotion> motions_of_mesh(const Cloth& cloth, const Points& positi
     motion.moment += weight * d.cross(rate);
     motion.stiffness += weight;
   }
-  add_curved_motions(fabric, PointView(positions), PointView(rates), 1, motions);
+  add_curved_motions(fabric, PointView(positions), PointView(rates), motions);
   return motions;
 }
 

@@ -33,7 +33,12 @@ bool same(const std::shared_ptr<const TriangleFabric>& a,
   const auto alike = [](const TriangleFabric::Triangle& s, const TriangleFabric::Triangle& t) {
     return s.edges == t.edges && s.rest2 == t.rest2 && s.stretch == t.stretch && s.mass == t.mass;
   };
+  const auto damped_alike = [](const TriangleFabric::Piece& p, const TriangleFabric::Piece& q) {
+    return p.first_point == q.first_point && p.internal_damping == q.internal_damping;
+  };
   return a->edges == b->edges && same(a->bends, b->bends) &&
+         std::equal(a->pieces.begin(), a->pieces.end(), b->pieces.begin(), b->pieces.end(),
+                    damped_alike) &&
          std::equal(a->triangles.begin(), a->triangles.end(), b->triangles.begin(),
                     b->triangles.end(), alike);
 }

@@ -54,14 +54,15 @@ TriangleForces forces_of(const CurvedTriangle& curved, const SmoothNormal& norma
   return forces;
 }
 
-/// Forces by the rates of a triangle, less those of a rotation.
+/// Damping forces of a triangle, by its rates less those of a rotation.
 template <typename View>
-TriangleForces damping_of(const CurvedTriangle& curved, const View& positions,
-                          const View& velocities, const Vector3& rotation) {
+TriangleForces damping_of(const TriangleFabric& fabric, const CurvedTriangle& curved,
+                          const View& positions, const View& velocities, const Vector3& rotation) {
+  const double tau = fabric.internal_damping_at(curved.points[0])[1];
   const SmoothNormal normal = normal_of(curved, positions);
   Terms rates = rates_of(curved, normal, velocities);
-  rates.sum -= rotation.cross(weighted_sum(curved, positions));
-  rates.normal -= rotation.cross(normal.normal());
+  rates.sum = tau * (rates.sum - rotation.cross(weighted_sum(curved, positions)));
+  rates.normal = tau * (rates.normal - rotation.cross(normal.normal()));
   return forces_of(curved, normal, rates);
 }
 
@@ -115,20 +116,20 @@ void add_curved_forces(const TriangleFabric& fabric, const View& positions, cons
 }
 
 template <typename View>
-void add_curved_damping(const TriangleFabric& fabric, double tau, const View& positions,
+void add_curved_damping(const TriangleFabric& fabric, double factor, const View& positions,
                         const View& velocities, const std::vector<Vector3>& rotations,
                         const Workers& workers, Points& forces) {
   if (fabric.curved.empty()) return;
   const auto forces_on = [&](const CurvedTriangle& curved) {
     const auto piece = static_cast<std::size_t>(fabric.piece_of(curved.points[0]));
-    return damping_of(curved, positions, velocities,
+    return damping_of(fabric, curved, positions, velocities,
                       rotations.empty() ? Vector3(Vector3::Zero()) : rotations[piece]);
   };
-  add_forces(fabric, tau, workers, forces_on, forces);
+  add_forces(fabric, factor, workers, forces_on, forces);
 }
 
 Vector3 curved_force_on(const TriangleFabric& fabric, int point, const Points& positions,
-                        const Points* velocities, double tau) {
+                        const Points* velocities) {
   Vector3 sum = Vector3::Zero();
   if (fabric.curved.empty()) return sum;
   const PointView x(positions);
@@ -136,14 +137,14 @@ Vector3 curved_force_on(const TriangleFabric& fabric, int point, const Points& p
     const CurvedTriangle& curved = fabric.curved[t];
     sum += elastic_of(curved, x)[place];
     if (velocities == nullptr) return;
-    sum += tau * damping_of(curved, x, PointView(*velocities), Vector3::Zero())[place];
+    sum += damping_of(fabric, curved, x, PointView(*velocities), Vector3::Zero())[place];
   });
   return sum;
 }
 
 template <typename View>
 void add_curved_motions(const TriangleFabric& fabric, const View& positions, const View& rates,
-                        double factor, std::vector<BendMotion>& motions) {
+                        std::vector<BendMotion>& motions) {
   for (const CurvedTriangle& curved : fabric.curved) {
     const SmoothNormal normal = normal_of(curved, positions);
     const Terms at = terms_of(curved, normal, positions);
@@ -151,9 +152,9 @@ void add_curved_motions(const TriangleFabric& fabric, const View& positions, con
     const double s = curved.stiffness;
     BendMotion& motion = motions[static_cast<std::size_t>(fabric.piece_of(curved.points[0]))];
     const Eigen::Matrix3d mixed = at.sum * at.normal.transpose();
-    motion.squares += factor * (s * at.normal * at.normal.transpose() - mixed - mixed.transpose());
-    motion.moment += factor * (s * at.normal.cross(rate.normal) - at.sum.cross(rate.normal) -
-                               at.normal.cross(rate.sum));
+    motion.squares += s * at.normal * at.normal.transpose() - mixed - mixed.transpose();
+    motion.moment +=
+        s * at.normal.cross(rate.normal) - at.sum.cross(rate.normal) - at.normal.cross(rate.sum);
   }
 }
 
@@ -175,9 +176,9 @@ template void add_curved_damping(const TriangleFabric&, double, const QuadView&,
                                  const std::vector<Vector3>&, const Workers&, Points&);
 template void add_curved_damping(const TriangleFabric&, double, const PointView&, const PointView&,
                                  const std::vector<Vector3>&, const Workers&, Points&);
-template void add_curved_motions(const TriangleFabric&, const QuadView&, const QuadView&, double,
+template void add_curved_motions(const TriangleFabric&, const QuadView&, const QuadView&,
                                  std::vector<BendMotion>&);
-template void add_curved_motions(const TriangleFabric&, const PointView&, const PointView&, double,
+template void add_curved_motions(const TriangleFabric&, const PointView&, const PointView&,
                                  std::vector<BendMotion>&);
 
 }  // namespace clothsim

@@ -42,7 +42,7 @@ void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& p
                            Points& gradient) {
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const Vector3 pulls =
-        cloth.internal_damping[0] / past.time *
+        cloth.internal_damping_at(cloth.triangles[t][0])[0] / past.time *
         (cloth.triangle_fabric->triangles[t].stretch * change_of(cloth, t, past, positions));
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = cloth.triangles[t][k], b = cloth.triangles[t][(k + 1) % 3];
@@ -80,12 +80,13 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
   if (!cloth.is_mesh()) {
     for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
       const double change = length_of(positions, a, b) - past.lengths[id++];
-      of_springs += run.stiffness * change * change / 2;
+      of_springs += cloth.internal_damping[0] * run.stiffness * change * change / 2;
     });
   } else {
     for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
       const Vector3 change = change_of(cloth, t, past, positions);
-      of_springs += change.dot(cloth.triangle_fabric->triangles[t].stretch * change) / 2;
+      of_springs += cloth.internal_damping_at(cloth.triangles[t][0])[0] *
+                    change.dot(cloth.triangle_fabric->triangles[t].stretch * change) / 2;
     }
   }
   double of_bends = 0;
@@ -95,11 +96,11 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
     remove_rotation(cloth, past.frame, change, relative);
     for_each_bend(cloth, [&](const auto& bend) {
       const Vector3 rate = bend.rate(past.frame, relative);
-      of_bends += bend.stiffness * bend.rate(past.frame, change).dot(rate) / 2;
+      of_bends += cloth.internal_damping_at(bend.points[0])[1] * bend.stiffness *
+                  bend.rate(past.frame, change).dot(rate) / 2;
     });
   }
-  const auto& [springs, bends] = cloth.internal_damping;
-  return (springs * of_springs + bends * of_bends) / past.time;
+  return (of_springs + of_bends) / past.time;
 }
 
 void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& positions,
@@ -109,7 +110,6 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
     gradient.row(a) -= pull;
     gradient.row(b) += pull;
   };
-  const auto& [springs, bends] = cloth.internal_damping;
   std::size_t id = 0;
   if (cloth.is_mesh()) {
     add_membrane_gradient(cloth, past, positions, gradient);
@@ -118,18 +118,21 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
       const Eigen::RowVector3d d = positions.row(b) - positions.row(a);
       const double length = d.norm();
       const double change = length - past.lengths[id++];
-      if (length > 0) add(a, b, springs / past.time * run.stiffness * change / length * d);
+      if (length > 0) {
+        add(a, b, cloth.internal_damping[0] / past.time * run.stiffness * change / length * d);
+      }
     });
   }
   if (!has_damped_bends(cloth)) return;
   Points relative;
   remove_rotation(cloth, past.frame, positions - past.points, relative);
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
-    add(a, b, bends / past.time * w * (relative.row(b) - relative.row(a)));
+    const double tau = cloth.internal_damping_at(a)[1];
+    add(a, b, tau / past.time * w * (relative.row(b) - relative.row(a)));
   });
   if (!cloth.is_mesh() || cloth.triangle_fabric->curved.empty()) return;
   Points forces = Points::Zero(gradient.rows(), 3);
-  add_curved_damping(*cloth.triangle_fabric, bends / past.time, PointView(past.frame),
+  add_curved_damping(*cloth.triangle_fabric, 1 / past.time, PointView(past.frame),
                      PointView(relative), {}, {}, forces);
   gradient -= forces;
 }

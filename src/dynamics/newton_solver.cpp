@@ -99,9 +99,9 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
 /// The Hessian of a triangle: 4 J K J^T, with the columns J of half the derivatives of q, and a
 /// stiffness 2 s across each edge, which an edge of two triangles bears half of from each.
 void NewtonSolver::Impl::add_triangles(const Cloth& cloth, const Past& past) {
-  const double share = past.empty() ? 0 : cloth.internal_damping[0] / past.time;
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const std::array<int, 3>& corners = cloth.triangles[t];
+    const double share = past.empty() ? 0 : cloth.internal_damping_at(corners[0])[0] / past.time;
     const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
     const Vector3 q = squared_edges(corners, positions);
     Vector3 change = q - triangle.rest2;
@@ -145,9 +145,9 @@ void NewtonSolver::Impl::add_triangles(const Cloth& cloth, const Past& past) {
 /// The rotation of damping, of rank 3, is left out: with a matrix too stiff there the method
 /// converges.
 void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
-  const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
   int id = cloth.num_springs();
   for_each_bent_pair(cloth, [&](double w, int a, int b) {
+    const double share = past.empty() ? 0 : cloth.internal_damping_at(a)[1] / past.time;
     add_between(cloth, id, a, b, w * (1 + share) * Eigen::Matrix3d::Identity());
     ++id;
   });
@@ -157,8 +157,9 @@ void NewtonSolver::Impl::add_bends(const Cloth& cloth, const Past& past) {
 /// that of the pairs. The second derivative of n, which vanishes at rest, is left out, so that all
 /// stays positive semidefinite. For damping J is that of the end, not of Past::frame.
 void NewtonSolver::Impl::add_curved(const Cloth& cloth, const Past& past) {
-  const double share = past.empty() ? 0 : cloth.internal_damping[1] / past.time;
   for (const CurvedTriangle& curved : cloth.triangle_fabric->curved) {
+    const double share =
+        past.empty() ? 0 : cloth.internal_damping_at(curved.points[0])[1] / past.time;
     const SmoothNormal normal(curved, positions);
     std::array<Eigen::Matrix3d, 3> turns;
     for (std::size_t k = 0; k < 3; ++k) turns[k] = normal.derivative(k);

@@ -33,7 +33,7 @@ struct Scratch {
   }
 
   std::vector<double> positions, velocities;  // by point, a Quad each
-  std::vector<double> squares;                // by edge: q + tau q' [m^2]
+  std::vector<double> squares;                // by edge: q + tau_0 q' [m^2]
   std::vector<double> pulls;                  // by triangle and edge, and a 0 [N/m]
   std::vector<double> factors;                // by link [N/m]
   std::vector<double> weights;                // of bends, times tau_1 [N s/m]
@@ -67,13 +67,14 @@ double dot(const Quad& a, const Quad& b) {
   return product[0] + product[1] + product[2];
 }
 
-void square_edges(const TriangleFabric& fabric, const Motion& at, double tau, int begin, int end,
+void square_edges(const TriangleFabric& fabric, const Motion& at, int begin, int end,
                   double* squares) {
   for (int e = begin; e < end; ++e) {
     const auto& [a, b] = fabric.edges[static_cast<std::size_t>(e)];
     const Quad d = at.x[b] - at.x[a];
     squares[e] = dot(d, d);
-    if (at.v != nullptr) squares[e] += 2 * tau * dot(d, at.v[b] - at.v[a]);
+    if (at.v == nullptr) continue;
+    squares[e] += 2 * fabric.internal_damping_at(a)[0] * dot(d, at.v[b] - at.v[a]);
   }
 }
 
@@ -129,9 +130,15 @@ void sum_links(const TriangleFabric& fabric, const Motion& at, bool damped, int 
 
 /// The angular velocity of each piece. Sums over pairs are sums over points: that of w d d^T is
 /// that of -x_i sum_j w (x_j - x_i)^T; that of w d x d' alike.
-std::vector<Vector3> rotations_of(const TriangleFabric& fabric, double tau,
-                                  const Scratch& scratch) {
+std::vector<Vector3> rotations_of(const TriangleFabric& fabric, const Scratch& scratch) {
   std::vector<BendMotion> motions(fabric.pieces.size());
+  add_curved_motions(fabric, QuadView(scratch.positions), QuadView(scratch.velocities), motions);
+  for (std::size_t piece = 0; piece < motions.size(); ++piece) {
+    const double tau = fabric.pieces[piece].internal_damping[1];  // as in the sums over points
+    motions[piece].squares *= tau;
+    motions[piece].moment *= tau;
+    motions[piece].stiffness = tau * fabric.pieces[piece].weight;
+  }
   for (std::size_t i = 0; i < fabric.piece_ids.size(); ++i) {
     const auto piece = static_cast<std::size_t>(fabric.piece_ids[i]);
     const auto centre = static_cast<std::size_t>(fabric.pieces[piece].first_point);
@@ -142,20 +149,15 @@ std::vector<Vector3> rotations_of(const TriangleFabric& fabric, double tau,
     motions[piece].squares.noalias() -= arm * point(scratch.bends, i).transpose();
     motions[piece].moment -= arm.cross(point(scratch.rates, i));
   }
-  add_curved_motions(fabric, QuadView(scratch.positions), QuadView(scratch.velocities), tau,
-                     motions);
   std::vector<Vector3> rotations;
-  for (std::size_t piece = 0; piece < motions.size(); ++piece) {
-    motions[piece].stiffness = tau * fabric.pieces[piece].weight;
-    rotations.push_back(motions[piece].rotation());
-  }
+  for (const BendMotion& motion : motions) rotations.push_back(motion.rotation());
   return rotations;
 }
 
 /// Damping of bends, relative to the rotation of their piece: see remove_rotation().
-void add_damping_of_bends(const TriangleFabric& fabric, double tau, const Scratch& scratch,
+void add_damping_of_bends(const TriangleFabric& fabric, const Scratch& scratch,
                           const Workers& workers, Points& forces) {
-  const std::vector<Vector3> rotations = rotations_of(fabric, tau, scratch);
+  const std::vector<Vector3> rotations = rotations_of(fabric, scratch);
   workers.parallel_for(static_cast<int>(fabric.piece_ids.size()), [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Vector3& omega = rotations[static_cast<std::size_t>(fabric.piece_of(i))];
@@ -166,17 +168,20 @@ void add_damping_of_bends(const TriangleFabric& fabric, double tau, const Scratc
       forces(i, 2) += rate[2] - (omega[0] * b[1] - omega[1] * b[0]);
     }
   });
-  add_curved_damping(fabric, tau, QuadView(scratch.positions), QuadView(scratch.velocities),
+  add_curved_damping(fabric, 1, QuadView(scratch.positions), QuadView(scratch.velocities),
                      rotations, workers, forces);
 }
 
 /// The factors of links [begin, end): pulls of both triangles of an edge, and bends.
-void add_factors(const TriangleFabric& fabric, double tau, int begin, int end, Scratch& scratch) {
+void add_factors(const TriangleFabric& fabric, bool damped, int begin, int end, Scratch& scratch) {
   for (int l = begin; l < end; ++l) {
     const auto number = static_cast<std::size_t>(l);
     const double weight = fabric.pairs.empty() ? 0 : fabric.pairs[number].weight;
     scratch.factors[number] = weight;
-    if (tau > 0) scratch.weights[number] = tau * weight;
+    if (damped) {
+      const double tau = fabric.internal_damping_at(fabric.pairs[number].i)[1];
+      scratch.weights[number] = tau * weight;
+    }
     if (number >= fabric.edges.size()) continue;
     const auto& [one, other] = fabric.pulls_of[number];
     scratch.factors[number] += 2 * (scratch.pulls[static_cast<std::size_t>(one)] +
@@ -206,7 +211,6 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
                              Points& forces, const Workers& workers, const Points* velocities) {
   const TriangleFabric& fabric = *cloth.triangle_fabric;
   Scratch& scratch = scratch_of(fabric);
-  const auto& [of_membrane, of_bends] = cloth.internal_damping;
   const bool damped = velocities != nullptr && is_damped(cloth);
   const bool has_rates = damped && has_damped_bends(cloth);
   const Motion at{quads(scratch.positions), damped ? quads(scratch.velocities) : nullptr};
@@ -217,14 +221,14 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
     if (damped) interleave(*velocities, begin, end, scratch.velocities.data());
   });
   workers.parallel_for(static_cast<int>(fabric.edges.size()), [&](int begin, int end) {
-    square_edges(fabric, at, of_membrane, begin, end, scratch.squares.data());
+    square_edges(fabric, at, begin, end, scratch.squares.data());
   });
   workers.parallel_for(num_triangles, [&](int begin, int end) {
     pull_triangles(fabric, scratch.squares.data(), begin, end, scratch.pulls.data());
   });
   scratch.pulls.back() = 0;
   workers.parallel_for(static_cast<int>(scratch.factors.size()), [&](int begin, int end) {
-    add_factors(fabric, of_bends, begin, end, scratch);
+    add_factors(fabric, has_rates, begin, end, scratch);
   });
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -234,7 +238,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
     sum_links(fabric, at, has_rates, begin, end, scratch, forces);
   });
   add_curved_forces(fabric, QuadView(scratch.positions), workers, forces);
-  if (has_rates) add_damping_of_bends(fabric, of_bends, scratch, workers, forces);
+  if (has_rates) add_damping_of_bends(fabric, scratch, workers, forces);
 }
 
 Vector3 squared_edges(const std::array<int, 3>& corners, const Points& positions) {
@@ -265,7 +269,7 @@ Vector3 triangle_pulls(const Cloth& cloth, std::size_t triangle, const Points& p
   for (std::size_t k = 0; k < 3; ++k) {
     const int a = corners[k], b = corners[(k + 1) % 3];
     change[static_cast<Eigen::Index>(k)] +=
-        2 * cloth.internal_damping[0] *
+        2 * cloth.internal_damping_at(a)[0] *
         (positions.row(b) - positions.row(a)).dot(velocities->row(b) - velocities->row(a));
   }
   return of.stretch * change;

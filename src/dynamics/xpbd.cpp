@@ -35,10 +35,10 @@ void Xpbd::build(const Cloth& cloth, double h) {
 
 void Xpbd::build_membranes(const Cloth& cloth, double h) {
   const double time2 = h * Drag(cloth.damping, h).distance;
-  const double damped = 1 + cloth.internal_damping[0] / h;
   Colouring<MembraneConstraint> colouring(cloth);
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
+    const double damped = 1 + cloth.internal_damping_at(cloth.triangles[t][0])[0] / h;
     colouring.add({cloth.triangles[t], triangle.rest2, damped * time2 * triangle.stretch,
                    triangle.rest2, Vector3::Zero()},
                   cloth.triangles[t]);
@@ -63,7 +63,6 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
 template <typename Stencil>
 void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
   const double time2 = h * Drag(cloth.damping, h).distance;
-  const double damped = 1 + cloth.internal_damping[1] / h;
   Colouring<BendConstraint<Stencil>> colouring(cloth);
   for_each_bend(cloth, [&](const auto& bend) {
     if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Stencil>) {
@@ -75,6 +74,7 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
           inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
         }
       }
+      const double damped = 1 + cloth.internal_damping_at(bend.points[0])[1] / h;
       const double compliance = 1 / (bend.stiffness * damped * time2);
       colouring.add(
           {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
@@ -93,20 +93,22 @@ void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
     spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
   }
   for (MembraneConstraint& c : membranes_.list) {
-    c.target =
-        (c.rest2 + of_springs / h * squared_edges(c.corners, positions)) / (1 + of_springs / h);
+    const double share = cloth.internal_damping_at(c.corners[0])[0] / h;
+    c.target = (c.rest2 + share * squared_edges(c.corners, positions)) / (1 + share);
   }
 }
 
 /// The same for bends, which turn as points do that move by `displacements`: see Past.
 void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displacements,
                             const Workers& workers) {
-  const double of_bends = cloth.internal_damping[1];
-  const double share = of_bends / h / (1 + of_bends / h);
+  const auto target = [&](const auto& bend) {
+    const double share = cloth.internal_damping_at(bend.points[0])[1] / h;
+    return Vector3(share / (1 + share) * bend.of(turned_));
+  };
   remove_rotation(cloth, frame_, displacements, turned_, workers);
   turned_ = past_ + displacements - turned_;
-  for (auto& c : bends_.list) c.target = share * c.bend.of(turned_);
-  for (auto& c : patch_bends_.list) c.target = share * c.bend.of(turned_);
+  for (auto& c : bends_.list) c.target = target(c.bend);
+  for (auto& c : patch_bends_.list) c.target = target(c.bend);
   set_curved_targets();
 }
 

@@ -32,12 +32,11 @@ void Xpbd::build_curved(const Cloth& cloth, double h) {
   for (const PatchBend& bend : cloth.triangle_fabric->bends) {
     if (bend.curvature == 0) continue;
     const double compliance = 1 / (bend.stiffness * time2);
+    const double tau = cloth.internal_damping_at(bend.points[0])[1];
     const Vector3 none = Vector3::Zero();
     Derivatives unset;
     unset.fill(Eigen::Matrix3d::Zero());
-    colouring.add(
-        {bend, compliance, none, compliance * h / cloth.internal_damping[1], none, unset, none},
-        bend.points);
+    colouring.add({bend, compliance, none, compliance * h / tau, none, unset, none}, bend.points);
   }
   colouring.move_to(curved_.list, curved_.colour_ends);
 }
@@ -79,14 +78,13 @@ void Xpbd::solve_curved(const Cloth& cloth, const PatchBend& bend, const Derivat
 }
 
 void Xpbd::solve_curved(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  const bool damped = has_damped_bends(cloth);
   parallel_for_colours(curved_.colour_ends, back, workers, [&](std::size_t id) {
     CurvedConstraint& c = curved_.list[id];
     const SmoothNormal normal(c.bend, positions);
     const Vector3 deviation = c.bend.of(positions) - c.bend.curvature * normal.normal();
     solve_curved(cloth, c.bend, derivatives_of(c.bend, normal), deviation, c.compliance, c.lambda,
                  positions);
-    if (!damped) return;
+    if (!c.is_damped()) return;
     Vector3 residual = -c.target;
     for (std::size_t k = 0; k < c.at_frame.size(); ++k) {
       residual += c.at_frame[k] * row(positions, c.bend.points[k]);
@@ -98,13 +96,12 @@ void Xpbd::solve_curved(const Cloth& cloth, bool back, Points& positions, const 
 
 /// For the stiffness against turning see add_curved_sums().
 void Xpbd::pull_by_curved(const Cloth& cloth, const Points& positions) {
-  const bool damped = has_damped_bends(cloth);
   for (const CurvedConstraint& c : curved_.list) {
     const SmoothNormal normal(c.bend, positions);
     const Derivatives derivatives = derivatives_of(c.bend, normal);
     for (std::size_t k = 0; k < derivatives.size(); ++k) {
       pull(cloth, c.bend.points[k], c.lambda.transpose() * derivatives[k]);
-      if (!damped) continue;
+      if (!c.is_damped()) continue;
       pull(cloth, c.bend.points[k], c.damping_lambda.transpose() * c.at_frame[k]);
     }
     const double slopes = normal.slope(0) + normal.slope(1) + normal.slope(2);

@@ -58,6 +58,15 @@ double Cloth::friction_between(int i, int j) const {
   return a == b ? a : std::sqrt(a * b);  // the square's root is rounded
 }
 
+double Cloth::min_thickness() const {
+  return thicknesses.size() > 0 ? thicknesses.minCoeff() : thickness;
+}
+
+bool has_same_thickness(const Cloth& a, const Cloth& b) {
+  return a.thickness == b.thickness && a.thicknesses.size() == b.thicknesses.size() &&
+         a.thicknesses == b.thicknesses;
+}
+
 int Cloth::num_bends() const {
   if (is_mesh()) return static_cast<int>(triangle_fabric->bends.size());
   int count = 0;

@@ -201,7 +201,7 @@ void validate_as_triangles(const ClothSpec& spec) {
     }
     for (const ClothPart& part : spec.parts) {
       validate(part.material);
-      validate_contact(spec.thickness, part.friction);
+      validate_contact(part.thickness, part.friction);
     }
     return;
   }

@@ -21,14 +21,11 @@ std::string text(const std::array<double, 2>& pair) {
 /// Calls visit(key, value of one, value of other) for the values that cloths share.
 template <typename Visit>
 void for_each_shared(const ClothSpec& one, const ClothSpec& other, Visit&& visit) {
-  visit("thickness", one.thickness, other.thickness);
   visit("self_collision", one.self_collision, other.self_collision);
   visit("untangle", one.untangle, other.untangle);
   visit("damping", one.material.damping, other.material.damping);
   visit("drag", one.material.drag, other.material.drag);
   visit("strain_limit", one.material.strain_limit, other.material.strain_limit);
-  visit("internal_damping", one.material.fabric->internal_damping,
-        other.material.fabric->internal_damping);
 }
 
 void check(const NamedCloth& cloth, const NamedCloth& first) {
@@ -122,7 +119,7 @@ ClothSpec join_cloths(const std::vector<NamedCloth>& cloths) {
       append(spec.mesh ? *spec.mesh : mesh_of_grid(spec), mesh);
       joined.parts.push_back({name, first, spec.columns, spec.rows, first_triangle,
                               static_cast<int>(mesh.triangles.size()) - first_triangle,
-                              spec.material, spec.friction, spec.mesh == nullptr,
+                              spec.material, spec.friction, spec.thickness, spec.mesh == nullptr,
                               !spec.mesh && spec.orientation == Orientation::vertical, spec.width,
                               spec.height, joined.attached.size(), spec.pattern});
       append_held(spec, first, joined);

@@ -7,6 +7,23 @@
 
 namespace clothsim {
 
+namespace {
+
+/// The values by point that are those of each cloth.
+void set_by_point(const std::vector<ClothPart>& parts, Cloth& cloth) {
+  if (parts.empty()) return;
+  cloth.frictions.resize(cloth.num_points());
+  cloth.thicknesses.resize(cloth.num_points());
+  for (const ClothPart& part : parts) {
+    cloth.frictions.segment(part.first_point, part.num_points()).setConstant(part.friction);
+    cloth.thicknesses.segment(part.first_point, part.num_points()).setConstant(part.thickness);
+  }
+  cloth.thickness = cloth.thicknesses.maxCoeff();
+  cloth.offset = std::max(surface_offset, cloth.thickness);
+}
+
+}  // namespace
+
 Cloth make_cloth(const ClothSpec& spec, double gravity) {
   if (!spec.mesh) return make_grid(spec, gravity);
   validate(spec);
@@ -22,10 +39,7 @@ Cloth make_cloth(const ClothSpec& spec, double gravity) {
   }
   add_triangle_fabric(spec, cloth);
   set_common(spec, cloth);
-  if (!spec.parts.empty()) cloth.frictions.resize(cloth.num_points());
-  for (const ClothPart& part : spec.parts) {
-    cloth.frictions.segment(part.first_point, part.num_points()).setConstant(part.friction);
-  }
+  set_by_point(spec.parts, cloth);
   const bool is_automatic = spec.self_collision == SelfCollision::automatic;
   cloth.self_collision = is_automatic ? SelfCollision::surface : spec.self_collision;
   return cloth;

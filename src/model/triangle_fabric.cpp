@@ -300,7 +300,7 @@ void add_pieces(const ClothMesh& mesh, int points, TriangleFabric& fabric) {
     const std::size_t group = groups.find_set(static_cast<std::size_t>(i));
     const auto [found, is_new] = numbers.emplace(group, static_cast<int>(numbers.size()));
     fabric.piece_ids.push_back(found->second);
-    if (is_new) fabric.pieces.push_back({i, 0});
+    if (is_new) fabric.pieces.push_back({i, 0, {}});
   }
   for (const TriangleFabric::Pair& pair : fabric.pairs) {
     fabric.pieces[static_cast<std::size_t>(fabric.piece_of(pair.i))].weight += pair.weight;
@@ -363,7 +363,15 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   add_pieces(mesh, n, *fabric);
   add_curved_triangles(*fabric);
   add_springs(*fabric, batches, cloth);
-  cloth.internal_damping = spec.material.fabric->internal_damping;
+  for (std::size_t t = 0; t < material.size(); ++t) {
+    const auto piece = static_cast<std::size_t>(fabric->piece_of(mesh.triangles[t][0]));
+    fabric->pieces[piece].internal_damping = material[t]->fabric->internal_damping;
+  }
+  for (const TriangleFabric::Piece& piece : fabric->pieces) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      cloth.internal_damping[k] = std::max(cloth.internal_damping[k], piece.internal_damping[k]);
+    }
+  }
   cloth.inv_mass = cloth.mass.cwiseInverse();
   cloth.triangle_fabric = std::move(fabric);
 }

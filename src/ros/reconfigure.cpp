@@ -203,6 +203,7 @@ struct Reconfigure::Impl {
     clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
     live.material = cloths.front().material;
     live.friction = cloths.front().friction;
+    live.thickness = cloths.front().thickness;
     live.cloths = cloths;
     simulator.set(live);
   }

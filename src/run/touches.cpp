@@ -18,6 +18,7 @@ void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
   Scalars distances(cloth.num_points());
   for (int i = 0; i < cloth.num_points(); ++i) {
     distances[i] = signed_distance(shape, row(local, i), row(local, i)).value;
+    distances[i] += cloth.nearer_by(i);
     if (distances[i] > reach) continue;
     ++touch.count;
     touch.middle += row(local, i);
@@ -26,7 +27,7 @@ void add_touches(const Shape& shape, const Clearance& keeps, const Cloth& cloth,
   for (const auto& [a, b, c] : cloth.triangles) {
     if (distances[a] <= reach || distances[b] <= reach || distances[c] <= reach) continue;
     const Triangle corners = {row(local, a), row(local, b), row(local, c)};
-    const auto nearest = face_distance(shape, corners, reach);
+    const auto nearest = face_distance(shape, corners, reach - cloth.nearer_by(a));
     if (!nearest) continue;
     ++touch.count;
     for (std::size_t i = 0; i < 3; ++i) touch.middle += nearest->weights[i] * corners[i];

@@ -75,7 +75,9 @@ void add(const ClothSpec& cloth, Lines& lines) {
   }
   for (std::size_t i = 0; i < cloth.parts.size(); ++i) {
     const ClothPart& part = cloth.parts[i];
-    const std::string own = i == 0 ? "" : ' ' + text(part.material) + ' ' + text(part.friction);
+    const std::string own =
+        i == 0 ? ""
+               : ' ' + text(part.material) + ' ' + text(part.friction) + ' ' + text(part.thickness);
     lines.add("cloths", part.name + ' ' + grid_point_text(part.columns, part.rows) + own);
   }
   lines.add("cloth.columns", std::to_string(cloth.columns));

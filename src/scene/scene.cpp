@@ -197,7 +197,7 @@ LiveSpec live_values(const Scene& scene) {
                 scene.simulation,
                 {}};
   for (const ClothPart& part : cloth.parts) {
-    live.cloths.push_back({part.material, part.friction});
+    live.cloths.push_back({part.material, part.friction, part.thickness});
   }
   for (const ColliderSpec& collider : scene.colliders) {
     live.collider_friction[collider.name] = collider.friction;
@@ -209,7 +209,7 @@ void validate(const LiveSpec& live) {
   validate(live.material);
   for (const LiveSpec::OfCloth& cloth : live.cloths) {
     validate(cloth.material);
-    validate_contact(live.thickness, cloth.friction);
+    validate_contact(cloth.thickness, cloth.friction);
   }
   validate_contact(live.thickness, live.friction);
   inside("collider_friction", [&] {

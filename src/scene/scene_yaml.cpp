@@ -113,10 +113,10 @@ void read_springs(const YAML::Node& node, std::array<bool, 3>& springs) {
 
 void read_live_values(const YAML::Node& node, LiveSpec& live) {
   std::vector<Field> fields = live_fields(live.material);
-  fields.push_back({"friction", into(live.friction)});
+  append({{"friction", into(live.friction)}, {"thickness", into(live.thickness)}}, fields);
   for (LiveSpec::OfCloth& cloth : live.cloths) {  // the same value for each
     std::vector<Field> own = live_fields(cloth.material);
-    own.push_back({"friction", into(cloth.friction)});
+    append({{"friction", into(cloth.friction)}, {"thickness", into(cloth.thickness)}}, own);
     for (std::size_t i = 0; i < fields.size(); ++i) {
       fields[i].read = [first = fields[i].read, next = own[i].read](const YAML::Node& value) {
         first(value);
@@ -124,8 +124,7 @@ void read_live_values(const YAML::Node& node, LiveSpec& live) {
       };
     }
   }
-  append({{"thickness", into(live.thickness)},
-          {"self_collision",
+  append({{"self_collision",
            [&](const YAML::Node& value) { read_self_collision(value, live.self_collision); }},
           {"collider_friction",
            [&](const YAML::Node& map) {

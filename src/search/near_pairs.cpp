@@ -17,6 +17,14 @@ constexpr double margin_share = 0.036;
 /// that were found late are found then.
 constexpr int longest_sleep = 256;
 
+/// By cloth [m].
+std::vector<double> thickness_of(const Cloth& cloth) {
+  if (cloth.first_points.empty()) return {cloth.thickness};
+  std::vector<double> all;
+  for (const int first : cloth.first_points) all.push_back(cloth.thickness_at(first));
+  return all;
+}
+
 }  // namespace
 
 NearPairs::Surface NearPairs::of_grid(const Cloth& cloth, const Tiling::Range& stencils) {
@@ -28,7 +36,8 @@ NearPairs::Surface NearPairs::of_grid(const Cloth& cloth, const Tiling::Range& s
           tiling, patches, std::make_shared<NearestDistances>(cloth, tiling, *patches, stencils)};
 }
 
-NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& rest, double thickness,
+NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& rest,
+                                      const std::vector<double>& thickness,
                                       const Tiling::Range& stencils) {
   const auto tiling = std::make_shared<Tiling>(mesh);
   const auto patches = std::make_shared<std::vector<Patch>>(cut_into_patches(*tiling, rest));
@@ -38,13 +47,13 @@ NearPairs::Surface NearPairs::of_mesh(const SurfaceMesh& mesh, const Points& res
 }
 
 NearPairs::NearPairs(const Cloth& cloth, const Tiling::Range& stencils)
-    : NearPairs(cloth.is_mesh()
-                    ? of_mesh(SurfaceMesh(cloth), cloth.rest_positions, cloth.thickness, stencils)
-                    : of_grid(cloth, stencils),
+    : NearPairs(cloth.is_mesh() ? of_mesh(SurfaceMesh(cloth), cloth.rest_positions,
+                                          thickness_of(cloth), stencils)
+                                : of_grid(cloth, stencils),
                 stencils) {}
 
-NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest, double thickness,
-                     const Tiling::Range& stencils)
+NearPairs::NearPairs(const SurfaceMesh& mesh, const Points& rest,
+                     const std::vector<double>& thickness, const Tiling::Range& stencils)
     : NearPairs(of_mesh(mesh, rest, thickness, stencils), stencils) {}
 
 NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)

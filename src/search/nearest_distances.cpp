@@ -59,17 +59,19 @@ double distance_at_rest(const SurfacePair& pair, const Points& rest) {
 
 }  // namespace
 
-/// `at_rest`: the distance of each pair of features; below 0 where they share a point.
+/// `max`: where features are no neighbours [m]. `at_rest`: the distance of each pair; below 0 where
+/// they share a point.
 template <typename AtRest>
-NearestDistances::Tiles NearestDistances::make_tiles(const AtRest& at_rest) const {
-  Tiles tiles;
+NearestDistances::Tiles NearestDistances::make_tiles(double max, const AtRest& at_rest) {
+  Tiles tiles{max, {}, {}};
   for (std::size_t k = 0; k < Tiling::count; ++k) {
     const double distance = at_rest(k);
-    tiles.of[k] = distance < 0 ? -1 : std::min(max(), neighbour_share * distance);
+    tiles.of[k] = distance < 0 ? -1 : std::min(max, neighbour_share * distance);
     if (k == Tiling::own_points) {
-      tiles.of[k] = distance < apart_at_rest * max() ? -1 : max();
+      tiles.of[k] = distance < apart_at_rest * max ? -1 : max;
     }
-    tiles.inside[k] = static_cast<float>(std::min(tiles.of[k], max_distance(Tiling::inside, k)));
+    tiles.inside[k] =
+        static_cast<float>(std::min(tiles.of[k], max_distance(max, Tiling::inside, k)));
   }
   return tiles;
 }
@@ -82,7 +84,7 @@ float NearestDistances::max_distance(const Tiles& tiles) const {
 
 NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Tiling> tiling,
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
-    : tiling_(std::move(tiling)), stencils_(stencils), thickness_(cloth.thickness) {
+    : tiling_(std::move(tiling)), stencils_(stencils), thickness_{cloth.thickness} {
   const Eigen::Vector2d spacing = spacing_of(cloth);
   spacing_ = spacing.minCoeff();
   min_at_rest_ = spacing.prod() / spacing.norm();
@@ -129,33 +131,40 @@ NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector
     if (i >= 4) place += way;
     corners.block<1, 2>(i, 0) = place.cast<double>().cwiseProduct(spacing).transpose();
   }
-  return make_tiles([&](std::size_t k) {
+  return make_tiles(max(), [&](std::size_t k) {
     const double distance = separation(cells.pair(0, 4, k), corners).distance;
     return distance < min_at_rest_ / 2 ? -1 : distance;  // they share a point
   });
 }
 
-NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, double thickness,
+NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
+                                   std::vector<double> thickness,
                                    std::shared_ptr<const Tiling> tiling,
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
-    : tiling_(std::move(tiling)), stencils_(stencils), thickness_(thickness) {
+    : tiling_(std::move(tiling)), stencils_(stencils), thickness_(std::move(thickness)) {
   spacing_ = mean_edge(mesh, rest);
   if (spacing_ == 0) spacing_ = max();
   min_at_rest_ = spacing_;
-  // Number 0: far from each other.
-  tiles_.push_back(make_tiles([](std::size_t) { return infinity; }));
+  for (const double a : thickness_) {
+    for (const double b : thickness_) {
+      tiles_.push_back(make_tiles(a + b, [](std::size_t) { return infinity; }));
+    }
+  }
+  for (const auto& tile : tiling_->tiles()) {
+    cloths_.push_back(static_cast<std::size_t>(mesh.cloth_of(tile.points[0])));
+  }
   of_patches_.emplace_back().fill(static_cast<float>(max()));
   NearWays tile_ways(tiling_->tiles().size()), patch_ways(patches.size());
-  const auto cloth_of = [&](int tile) { return mesh.cloth_of(tiling_->at(tile).points[0]); };
   const auto add = [&](int a, int b) {
-    if (cloth_of(a) != cloth_of(b)) return;  // different cloths are no neighbours
-    const Tiles both = make_tiles_of_mesh(a, b, rest);
-    if (both.of == tiles_[NearWays::far].of) return;
+    const std::size_t cloth = cloths_[static_cast<std::size_t>(a)];
+    if (cloth != cloths_[static_cast<std::size_t>(b)]) return;  // no neighbours
+    const Tiles both = make_tiles_of_mesh(2 * thickness_[cloth], a, b, rest);
+    if (both.of == tiles_[far_number(a, b)].of) return;
     tile_ways.add(a, b, static_cast<int>(tiles_.size()));
     tiles_.push_back(both);
     if (tiles_.size() <= max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64))
       return;
-    throw InvalidValue({"thickness"}, to_text(thickness_),
+    throw InvalidValue({"thickness"}, to_text(thickness_[cloth]),
                        "less beside the mesh's edges of some " + to_text(spacing_) + " m");
   };
   visit_near_patches(patches, rest, max() / neighbour_share, [&](int p, int q) {
@@ -169,15 +178,18 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest, 
       if (a == Patch::none || b == Patch::none) continue;
       add(a, b);
       if (p != q) add(b, a);
-      values[k] = max_distance(tiles_[static_cast<std::size_t>(tile_ways.number(a, b))]);
+      const int own = tile_ways.number(a, b);
+      values[k] = max_distance(
+          tiles_[own != NearWays::far ? static_cast<std::size_t>(own) : far_number(a, b)]);
     }
   });
   tile_ways_ = std::move(tile_ways);
   patch_ways_ = std::move(patch_ways);
 }
 
-NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(int a, int b, const Points& rest) {
-  return make_tiles([&](std::size_t k) {
+NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(double max, int a, int b,
+                                                             const Points& rest) {
+  return make_tiles(max, [&](std::size_t k) {
     if (place(a, b, k) == Tiling::lacking) return infinity;
     const double distance = distance_at_rest(tiling_->pair(a, b, k), rest);
     if (distance < seam * spacing_) return -1.0;
@@ -196,7 +208,7 @@ NearestDistances::OfTiles NearestDistances::of_tiles(int a, int b) const {
   if (tiling_->at(a).is_inside && tiling_->at(b).is_inside) return both.inside;
   OfTiles of;
   for (std::size_t k = 0; k < Tiling::count; ++k) {
-    of[k] = static_cast<float>(std::min(both.of[k], max_distance(place(a, b, k), k)));
+    of[k] = static_cast<float>(std::min(both.of[k], max_distance(both.max, place(a, b, k), k)));
   }
   return of;
 }

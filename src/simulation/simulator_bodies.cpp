@@ -75,7 +75,8 @@ void Simulator::Impl::solve_bodies_alone() {
 
 void Simulator::Impl::end_bodies() {
   const std::vector<Overlap> by_points =
-      touches() ? collider_contacts.overlaps(colliders, state.positions) : std::vector<Overlap>();
+      touches() ? collider_contacts.overlaps(colliders, cloth, state.positions)
+                : std::vector<Overlap>();
   bodies.end_step(body_contacts.pushes(bodies, by_points), colliders);
   if (touches()) collider_contacts.follow_bodies(colliders, bodies, state.positions);
 }

@@ -143,7 +143,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
 
 bool Simulator::Impl::outruns_contacts(double h, const StepReport& report) const {
   return !scene.simulation.substeps && report.pinched == 0 &&
-         longest_row(state.velocities) * h > cloth.thickness;
+         longest_row(state.velocities) * h > cloth.min_thickness();
 }
 
 void Simulator::Impl::tell_reasons(StepReport& report) const {

@@ -19,7 +19,7 @@ bool join_alike(const Cloth& one, const Cloth& other) {
                     });
 }
 
-/// Gives the cloths of `spec` their materials and friction of `live`; see LiveSpec.
+/// Gives the cloths of `spec` their values of `live`; see LiveSpec.
 void set_cloths(const LiveSpec& live, ClothSpec& spec) {
   if (live.cloths.size() != spec.parts.size()) {
     throw InvalidValue({"cloths"}, std::to_string(live.cloths.size()) + " values",
@@ -28,19 +28,25 @@ void set_cloths(const LiveSpec& live, ClothSpec& spec) {
   if (spec.parts.empty()) {
     spec.material = live.material;
     spec.friction = live.friction;
+    spec.thickness = live.thickness;
     return;
   }
   LiveSpec::OfCloth first = live.cloths.front();
   take_changes(spec.material, live.material, first.material);
   if (live.friction != spec.friction) first.friction = live.friction;
-  const bool is_new_friction = first.friction != live.cloths.front().friction;
+  if (live.thickness != spec.thickness) first.thickness = live.thickness;
+  const LiveSpec::OfCloth& last = live.cloths.front();
   for (std::size_t i = 0; i < spec.parts.size(); ++i) {
-    spec.parts[i].material = live.cloths[i].material;
-    take_changes(live.cloths.front().material, first.material, spec.parts[i].material);
-    spec.parts[i].friction = is_new_friction ? first.friction : live.cloths[i].friction;
+    const LiveSpec::OfCloth& own = live.cloths[i];
+    ClothPart& part = spec.parts[i];
+    part.material = own.material;
+    take_changes(last.material, first.material, part.material);
+    part.friction = first.friction != last.friction ? first.friction : own.friction;
+    part.thickness = first.thickness != last.thickness ? first.thickness : own.thickness;
   }
   spec.material = first.material;
   spec.friction = first.friction;
+  spec.thickness = first.thickness;
 }
 
 }  // namespace
@@ -56,7 +62,7 @@ void Simulator::Impl::check_feasible(const SimulationSpec& spec, const Cloth& wi
 }
 
 void Simulator::Impl::renew_self_contacts(const Cloth& last, const Cloth& now) {
-  if (now.self_collision != last.self_collision || now.thickness != last.thickness) {
+  if (now.self_collision != last.self_collision || !has_same_thickness(last, now)) {
     self_contacts = make_self_contacts(now);
   } else if (now.mass != last.mass) {  // impulses of pairs depend on their masses
     if (self_contacts) self_contacts->reset();
@@ -73,7 +79,6 @@ void Simulator::set(const LiveSpec& live) {
   validate(live);
   ClothSpec spec = impl_->scene.cloth;
   set_cloths(live, spec);
-  spec.thickness = live.thickness;
   spec.self_collision = live.self_collision;
   validate(spec);
   Cloth cloth = make_cloth(spec, live.simulation.gravity.norm());

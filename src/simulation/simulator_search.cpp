@@ -41,7 +41,7 @@ void Simulator::Impl::plan_detection(double h) {
 
 double Simulator::Impl::max_undetected() {
   double max_way = way_share * shortest_rest_length(cloth);
-  if (self_contacts) max_way = std::min(max_way, 2 * cloth.thickness);
+  if (self_contacts) max_way = std::min(max_way, 2 * cloth.min_thickness());
   if (!std::isfinite(max_way)) return 0;
 
   const Vector3 way = Vector3::Constant(max_way);

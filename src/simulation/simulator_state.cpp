@@ -283,7 +283,7 @@ void Simulator::restore(const Saved& saved) {
       impl_->energy_watch.restart();
     }
     impl_->renew_self_contacts(saved.cloth, cloth);
-    impl_->disturbed = impl_->disturbed || saved.cloth.thickness != cloth.thickness;
+    impl_->disturbed = impl_->disturbed || !has_same_thickness(saved.cloth, cloth);
   } else {
     impl_->forget();  // springs or the method have changed since
     impl_->disturbed = true;

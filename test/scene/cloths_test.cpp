@@ -70,20 +70,27 @@ TEST(Cloths, AHandTakesTheUpperOneOfAStack) {
 }
 
 TEST(Cloths, AClothThatTouchesNothingMovesAsAlone) {
-  // While the other lies on the floor; once it touches itself, both share a number of passes.
-  YAML::Node both = stack(1.0);
-  both["cloths"][0]["pinned"] = YAML::Load("[[0, 0]]");
-  both["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.5};
-  YAML::Node alone = YAML::Clone(both);
-  alone["cloths"].remove(1);
-  Simulator of_both(read_scene(both)), of_one(read_scene(alone));
-  for (int frame = 0; frame < 18; ++frame) {
-    EXPECT_EQ(of_one.step().contacts, 0);
-    of_both.step();
+  // While one of another fabric lies on the floor; once it touches itself, both share a number of
+  // passes.
+  for (const char* simulation : {"{method: xpbd, substeps: 8}", "{method: verlet, substeps: 60}"}) {
+    YAML::Node both = stack(1.0);
+    both["simulation"] = YAML::Load(simulation);
+    both["cloths"][0]["pinned"] = YAML::Load("[[0, 0]]");
+    both["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.5};
+    both["cloths"][1]["fabric"] = "cotton_towel";
+    YAML::Node alone = YAML::Clone(both);
+    alone["cloths"].remove(1);
+    Simulator of_both(read_scene(both)), of_one(read_scene(alone));
+    for (int frame = 0; frame < 18; ++frame) {
+      EXPECT_EQ(of_one.step().contacts, 0);
+      of_both.step();
+    }
+    const Points one = of_one.state().positions;
+    EXPECT_LT(one.col(2).minCoeff(), 0.4);  // it has swung
+    EXPECT_EQ(part_of(of_both, 0), one);
+    EXPECT_EQ(of_both.holders().at(0).force, of_one.holders().at(0).force);
+    EXPECT_GT(of_one.holders().at(0).force, 0);
   }
-  const Points one = of_one.state().positions;
-  EXPECT_LT(one.col(2).minCoeff(), 0.4);  // it has swung
-  EXPECT_EQ(part_of(of_both, 0), one);
 }
 
 TEST(Cloths, CarryEachOther) {
@@ -124,6 +131,79 @@ TEST(Cloths, KeepTheirDistanceHoweverNearTheyStart) {
     const Points lower = part_of(simulator, 0), upper = part_of(simulator, 1);
     const double apart = upper.col(2).mean() - lower.col(2).mean();
     EXPECT_NEAR(apart, 2 * simulator.cloth().thickness, 0.02 * apart) << gap;
+  }
+}
+
+double height_of(const Simulator& simulator, std::size_t i) {
+  return part_of(simulator, i).col(2).mean();
+}
+
+TEST(Cloths, KeepTheSumOfTheirThicknesses) {
+  for (const auto& thickness : {std::array{2e-3, 3e-4, 1e-3}, {3e-4, 1e-3, 2e-3}}) {
+    YAML::Node root = stack(0);
+    root["cloths"].push_back(YAML::Clone(root["cloths"][1]));
+    root["cloths"][2]["name"] = "third";
+    for (std::size_t i = 0; i < 3; ++i) {
+      root["cloths"][i]["thickness"] = thickness[i];
+      root["cloths"][i]["origin"] = std::vector<double>{0, 0, 0.003 + 0.005 * double(i)};
+    }
+    Simulator simulator(read_scene(root));
+    for (int frame = 0; frame < 120; ++frame) simulator.step();
+    double expected = 0, last = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      expected += last + thickness[i];
+      last = thickness[i];
+      EXPECT_NEAR(height_of(simulator, i), expected, 0.02 * expected) << i;
+    }
+    EXPECT_EQ(count_intersections(simulator.cloth(), simulator.state().positions), 0);
+  }
+}
+
+TEST(Cloths, KeepTheirOwnThicknessOffColliders) {
+  for (const char* shape :
+       {"{shape: plane}", "{shape: box, size: [3, 3, 0.1], center: [0, 0, -0.05]}",
+        "{shape: cylinder, radius: 2, length: 0.1, center: [0, 0, -0.05]}"}) {
+    for (const char* method : {"xpbd", "verlet"}) {
+      YAML::Node root = stack(0.3);
+      root["colliders"][0] = YAML::Load(shape);
+      root["simulation"]["method"] = method;
+      if (std::string(method) == "verlet") root["simulation"].remove("substeps");
+      const std::array<double, 2> thickness{3e-4, 4e-3};
+      for (std::size_t i = 0; i < 2; ++i) {
+        root["cloths"][i]["thickness"] = thickness[i];
+        root["cloths"][i]["origin"] = std::vector<double>{0.3 * double(i), 0, 0.006};
+      }
+      Simulator simulator(read_scene(root));
+      for (int frame = 0; frame < 60; ++frame) simulator.step();
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(height_of(simulator, i), thickness[i], 1e-5) << shape << " " << method;
+      }
+      EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
+    }
+  }
+}
+
+TEST(Cloths, OfDifferentThicknessArePinchedWhereTheyHaveNoRoom) {
+  // Between a floor and a plate: each cloth needs twice its thickness.
+  constexpr double thin = 3e-4, thick = 2e-3;
+  for (const bool upside_down : {false, true}) {
+    for (const double share : {0.95, 1.05}) {
+      YAML::Node root = stack(0);
+      const double low = upside_down ? thick : thin, high = upside_down ? thin : thick;
+      root["cloths"][0]["thickness"] = low;
+      root["cloths"][1]["thickness"] = high;
+      root["cloths"][0]["origin"] = std::vector<double>{0, 0, low};
+      root["cloths"][1]["origin"] = std::vector<double>{0, 0, 2 * low + high};
+      const double gap = share * 2 * (thin + thick);
+      YAML::Node plate = YAML::Load("{name: plate, shape: box, size: [0.1, 0.1, 0.02]}");
+      plate["center"] = std::vector<double>{0.1, 0.1, gap + 0.01};
+      plate["friction"] = 0.5;
+      root["colliders"].push_back(plate);
+      Simulator simulator(read_scene(root));
+      int pinched = 0;
+      for (int frame = 0; frame < 10; ++frame) pinched = simulator.step().pinched;
+      EXPECT_EQ(pinched > 0, share < 1) << share << " " << upside_down;
+    }
   }
 }
 

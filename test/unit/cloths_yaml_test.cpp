@@ -66,7 +66,8 @@ TEST(Cloths, MistakesSayWhere) {
   EXPECT_TRUE(says(refusal(single + "cloths: []"), "cloths ... again"));
   EXPECT_TRUE(says(refusal("cloths: []"), "cloths ... empty"));
   EXPECT_TRUE(says(refusal("cloths: {}"), "cloths ... a list"));
-  EXPECT_TRUE(says(refusal(scene_with(", thickness: 0.3")), "cloths.1.thickness ... 0.3 ... one"));
+  EXPECT_TRUE(says(refusal(scene_with(", damping: 0.3")), "cloths.1.damping ... 0.3 ... one"));
+  EXPECT_TRUE(says(refusal(scene_with(", thickness: -0.3")), "cloths.1.thickness: got -0.3"));
   EXPECT_TRUE(says(refusal(scene_with(", nme: x")), "cloths.1.nme ... unknown"));
   EXPECT_TRUE(says(refusal(scene_with(", pinned: [[5, 5]]")), "cloths.1.pinned.0 ... [5, 5]"));
   EXPECT_TRUE(says(refusal("cloth: {name: one}"), "cloth.name ... unknown"));
@@ -96,18 +97,33 @@ TEST(Cloths, TouchEachOtherUnlessSwitchedOff) {
       says(refusal(scene_with(", self_collision: false")), "cloths.1.self_collision ... off"));
 }
 
+TEST(Cloths, MayBeOfTwoFabrics) {
+  YAML::Node root = YAML::Load(scene_with(""));
+  root["cloths"][1]["fabric"] = "cotton_towel";
+  const Scene scene = read_scene(root);
+  const ClothPart &felt = scene.cloth.parts[0], &towel = scene.cloth.parts[1];
+  EXPECT_EQ(felt.thickness, 0.0005);
+  EXPECT_EQ(towel.thickness, 0.001);
+  EXPECT_NE(felt.friction, 0);
+  EXPECT_EQ(felt.material.fabric->internal_damping, (std::array{1e-5, 5e-3}));
+  EXPECT_EQ(towel.material.fabric->internal_damping, (std::array{1e-5, 4e-3}));
+}
+
 TEST(Cloths, ALiveValueIsSetInEach) {
   const Scene scene = read(scene_with(", density: 0.5"));
   LiveSpec live = live_values(scene);
   const double first = live.material.density;
   ASSERT_NE(first, 0.5);
-  read_live_values(
-      YAML::Load("{density: " + to_text(first) + ", strain_limit: 0.2, friction: 0.7}"), live);
+  read_live_values(YAML::Load("{density: " + to_text(first) +
+                              ", strain_limit: 0.2, friction: 0.7, thickness: 2.0e-4}"),
+                   live);
   EXPECT_EQ(live.friction, 0.7);
+  EXPECT_EQ(live.thickness, 2e-4);
   for (const LiveSpec::OfCloth& cloth : live.cloths) {
     EXPECT_EQ(cloth.material.density, first);
     EXPECT_EQ(cloth.material.strain_limit, 0.2);
     EXPECT_EQ(cloth.friction, 0.7);
+    EXPECT_EQ(cloth.thickness, 2e-4);
   }
 }
 

@@ -131,7 +131,7 @@ TEST(ContactSlots, EveryPointHasTheContactThatOneAloneWouldHave) {
       const ContactStep other_step{h, displacement_factor, other_start, other_drifted, Workers()};
       const double scale = k % 2 == 0 ? 1.0 : 0.7;
 
-      const ContactSlots::Detector detector(collider, offset, {});
+      const ContactSlots::Detector detector(collider, cloth, offset, {});
       slots.start_over();
       for (const Span& span : spans) {
         double nearest[Span::longest];
@@ -208,7 +208,7 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   State state{at, still, 0};
   slots.start_over();
   double nearest[1];
-  slots.find({3, 4}, ContactSlots::Detector(plane, offset, {}), cloth,
+  slots.find({3, 4}, ContactSlots::Detector(plane, cloth, offset, {}), cloth,
              {h, displacement_factor, at, still, Workers()}, state, nearest);
   EXPECT_TRUE(std::isinf(nearest[0])) << "a point with an impulse does not sleep";
   slots.close();

@@ -147,25 +147,60 @@ TEST(Patches, OfAMeshHaveEachTileOnceAndAllOfItsCorners) {
   }
 }
 
+/// Both sheets as cloths of their own, and a third one that crosses them.
+SurfaceMesh three_cloths(Mesh& mesh) {
+  const auto n = static_cast<int>(mesh.rest.rows());
+  Points more = mesh.rest.topRows(n / 2);
+  more.col(2) = more.col(0);
+  mesh.rest.conservativeResize(n + n / 2, 3);
+  mesh.rest.bottomRows(n / 2) = more;
+  for (std::size_t t = 0, count = mesh.triangles.size(); t < count; ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    if (a < n / 2) mesh.triangles.push_back({n + a, n + b, n + c});
+  }
+  SurfaceMesh surface = mesh.surface();
+  surface.first_points = {0, n / 2, n};
+  return surface;
+}
+
+/// All of those, each of several cloths of a thickness of its own [m].
+std::vector<Surface> surfaces(double thickness) {
+  std::vector<Surface> all;
+  for (const Mesh& mesh : meshes()) {
+    all.emplace_back(mesh.rest, mesh.surface(), std::vector<double>{thickness});
+  }
+  Mesh mesh = sheets(5);
+  const SurfaceMesh several = three_cloths(mesh);
+  all.emplace_back(mesh.rest, several,
+                   std::vector<double>{0.3 * thickness, thickness, 0.1 * thickness});
+  return all;
+}
+
 TEST(NearestDistances, OfAMeshAreAQuarterOfThoseAtRestUpToTheContactDistance) {
   for (const double thickness : {0.002, 0.01, 0.1}) {
-    for (const Mesh& mesh : meshes()) {
-      const Surface surface(mesh.rest, mesh.surface(), thickness);
+    for (const Surface& surface : surfaces(thickness)) {
+      double least = 1, largest = 0;
       brute_force(surface, [&](const SurfacePair& pair) {
-        const double rest = separation(pair, mesh.rest).distance;
-        double most = 2 * thickness;
+        const auto& [a, b, c, d] = pair.points;
+        double expected = surface.whole_distance(pair);
         if (pair.edges()) {
-          const auto side = [&](int a, int b) {
-            const auto [tile, k] = surface.tile_of(a, b);
+          const auto side = [&](int from, int to) {
+            const auto [tile, k] = surface.tile_of(from, to);
             return surface.tiling->at(tile).own[Tiling::first_edge + k];
           };
-          const auto& [a, b, c, d] = pair.points;
           const bool inside = side(a, b) == Tiling::inside && side(c, d) == Tiling::inside;
-          if (inside) most *= NearestDistances::edge_share;
+          if (inside) expected *= NearestDistances::edge_share;
         }
-        EXPECT_NEAR(pair.nearest, std::min(most, rest / 4), 1e-12);
+        const double rest = separation(pair, surface.rest).distance;
+        const bool one_cloth = surface.mesh.cloth_of(a) == surface.mesh.cloth_of(d);
+        if (one_cloth) expected = std::min(expected, rest / 4);
+        EXPECT_NEAR(pair.nearest, expected, 1e-12);
+        least = std::min(least, pair.nearest);
+        largest = std::max(largest, pair.nearest);
         return false;
       });
+      EXPECT_LE(surface.nearest.min(), least);
+      EXPECT_LE(largest, surface.nearest.max());
     }
   }
 }
@@ -173,7 +208,7 @@ TEST(NearestDistances, OfAMeshAreAQuarterOfThoseAtRestUpToTheContactDistance) {
 TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
   unsigned seed = 10;
   for (const Mesh& mesh : meshes()) {
-    const Surface surface(mesh.rest, mesh.surface(), 0.015);
+    const Surface surface(mesh.rest, mesh.surface(), {0.015});
     NearPairs finder(surface.mesh, surface.rest, surface.thickness);
     const int n = surface.num_points();
     const Points crumpled = random_points(n, 0.15, ++seed);
@@ -204,8 +239,7 @@ TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
 
 TEST(NearPairs, OfAMeshFindTheTrianglesThatPointsTouch) {
   unsigned seed = 20;
-  for (const Mesh& mesh : meshes()) {
-    const Surface surface(mesh.rest, mesh.surface(), 0.015);
+  for (const Surface& surface : surfaces(0.015)) {
     const int n = surface.num_points();
     NearPairs finder(surface.mesh, surface.rest, surface.thickness);
     const Points x = random_points(n, 0.12, ++seed);
@@ -213,15 +247,14 @@ TEST(NearPairs, OfAMeshFindTheTrianglesThatPointsTouch) {
     int touching = 0;
     for (int i = 0; i < n; ++i) {
       // The nearest of the pairs that keep their whole distance.
-      const double most = 2 * surface.thickness;
       const auto of_point = brute_force(surface, [&](const SurfacePair& pair) {
-        return pair.points[0] == i && !pair.edges() && pair.nearest == most;
+        return pair.points[0] == i && !pair.edges() && pair.nearest == surface.whole_distance(pair);
       });
-      double nearest = most, told = 1;
+      double gap = 0, told = 1;
       for (const SurfacePair& pair : of_point) {
-        nearest = std::min(nearest, separation(pair, x).distance);
+        gap = std::min(gap, separation(pair, x).distance - pair.nearest);
       }
-      if (nearest == most) continue;
+      if (gap == 0) continue;
       ++touching;
       for (const NearPair& near : found) {
         if (near.pair.edges() || near.pair.points[0] != i) continue;
@@ -229,7 +262,7 @@ TEST(NearPairs, OfAMeshFindTheTrianglesThatPointsTouch) {
         EXPECT_EQ(near.pair.nearest, surface.nearest_of(near.pair));
         told = std::min(told, near.separation.distance - near.pair.nearest);
       }
-      EXPECT_LE(told, nearest - most + 1e-9) << i;
+      EXPECT_LE(told, gap + 1e-9) << i;
     }
     EXPECT_GT(touching, 1);
   }
@@ -239,7 +272,7 @@ TEST(NearPairs, OfTheSameGridFindTheSameAsAMesh) {
   const Cloth cloth = cloth_of(13, 11, 0.015);
   const SurfaceMesh mesh(cloth);
   for (const Tiling::Range& stencils : {Tiling::of_surfaces, Tiling::of_points}) {
-    NearPairs of_grid(cloth, stencils), of_mesh(mesh, cloth.rest_positions, 0.015, stencils);
+    NearPairs of_grid(cloth, stencils), of_mesh(mesh, cloth.rest_positions, {0.015}, stencils);
     // The least gap of each point: adjacent triangles may have it.
     const auto gaps = [&](const std::vector<NearPair>& pairs) {
       std::vector<double> least(static_cast<std::size_t>(cloth.num_points()), 1);
@@ -275,7 +308,7 @@ TEST(NearPairs, OfAMeshGoOnToTheSameWithTheirMemory) {
     for (const Mesh& mesh : meshes()) {
       const int n = static_cast<int>(mesh.rest.rows());
       const SurfaceMesh surface = mesh.surface();
-      NearPairs finder(surface, mesh.rest, 0.02, stencils), other = finder;
+      NearPairs finder(surface, mesh.rest, {0.02}, stencils), other = finder;
       const auto at = [&](int step) -> Points {
         return random_points(n, 0.15, 5) +
                random_points(n, 3e-3, static_cast<std::uint64_t>(100 + step));
@@ -309,7 +342,7 @@ TEST(NearPairs, OfAMeshBearWhatIsNoSurface) {
   odd.back().rest.row(2) = odd.back().rest.row(1);
   for (const Mesh& mesh : odd) {
     for (const Tiling::Range& stencils : {Tiling::of_surfaces, Tiling::of_points}) {
-      NearPairs finder(mesh.surface(), mesh.rest, 0.004, stencils);
+      NearPairs finder(mesh.surface(), mesh.rest, {0.004}, stencils);
       EXPECT_TRUE(finder.approaching(mesh.rest, mesh.rest).empty());
       EXPECT_GT(finder.sees(), 0);
       EXPECT_GT(finder.min_nearest(), 0);

@@ -210,9 +210,9 @@ TEST(RestCurvature, ForcesOnOnePointAreThoseOfAll) {
       for (const double value : {x(i, 0), x(i, 1), x(i, 2), 0.0}) quads.push_back(value);
     }
     add_curved_forces(fabric, QuadView(quads), {}, all);
-    add_curved_damping(fabric, 0.02, PointView(x), PointView(v), {}, {}, all);
+    add_curved_damping(fabric, 1, PointView(x), PointView(v), {}, {}, all);
     for (int i = 0; i < cloth.num_points(); ++i) {
-      EXPECT_LT((curved_force_on(fabric, i, x, &v, 0.02) - row(all, i)).norm(), 1e-13 * all.norm());
+      EXPECT_LT((curved_force_on(fabric, i, x, &v) - row(all, i)).norm(), 1e-13 * all.norm());
     }
   }
 }

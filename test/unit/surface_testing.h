@@ -68,20 +68,27 @@ inline Cloth cloth_of(int columns, int rows, double thickness) {
 struct Surface {
   Surface(const Cloth& cloth)  // NOLINT: a cloth is one
       : rest(cloth.rest_positions),
-        thickness(cloth.thickness),
+        thickness({cloth.thickness}),
         mesh(cloth),
         tiling(std::make_shared<Tiling>(cloth.columns, cloth.rows)),
         patches(cut_into_patches(*tiling, cloth.columns, cloth.rows)),
         nearest(cloth, tiling, patches, Tiling::of_surfaces) {}
-  Surface(const Points& at_rest, const SurfaceMesh& of, double half_distance)
+  Surface(const Points& at_rest, const SurfaceMesh& of, const std::vector<double>& by_cloth)
       : rest(at_rest),
-        thickness(half_distance),
+        thickness(by_cloth),
         mesh(of),
         tiling(std::make_shared<Tiling>(mesh)),
         patches(cut_into_patches(*tiling, rest)),
         nearest(mesh, rest, thickness, tiling, patches, Tiling::of_surfaces) {}
 
   int num_points() const { return static_cast<int>(rest.rows()); }
+  double thickness_at(int point) const {
+    return thickness[static_cast<std::size_t>(mesh.cloth_of(point))];
+  }
+  /// Contact distance of two features if they are no neighbours, and not both edges inside [m].
+  double whole_distance(const SurfacePair& pair) const {
+    return thickness_at(pair.points.front()) + thickness_at(pair.points.back());
+  }
 
   /// Contact distance of a pair [m], from the tiles that have it.
   double nearest_of(const SurfacePair& pair) const {
@@ -106,7 +113,7 @@ struct Surface {
   }
 
   Points rest;
-  double thickness;
+  std::vector<double> thickness;  // by cloth [m]
   SurfaceMesh mesh;
   std::shared_ptr<const Tiling> tiling;
   std::vector<Patch> patches;

@@ -5,7 +5,8 @@
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/newton_solver.h"
 #include "clothsim/dynamics/spectrum.h"
-#include "verification/fabric_testing.h"
+#include "clothsim/model/join_cloths.h"
+#include "verification/mesh_fabric_testing.h"
 
 namespace clothsim {
 namespace {
@@ -147,6 +148,54 @@ TYPED_TEST(FabricDampingByMethod, InternalDampingTurnsNoClothThatHangsByOneCorne
   for (int second = 0; second < 3; ++second) {
     run(method, cloth, Loads{}, h, static_cast<int>(1 / h), state);
     EXPECT_LT(turning(state.velocities), is_explicit ? 1e-9 : 5e-3) << second;
+  }
+}
+
+// ---- Several cloths
+
+/// A grid, a flat mesh without damping and one that is curved at rest.
+std::vector<NamedCloth> three_cloths() {
+  ClothSpec grid = fabric_spec(5, 4, 0.02, 0.02);
+  grid.pinned = {{0, 0, ""}};
+  grid.material.fabric->internal_damping = {1e-4, 2e-2};
+  Material material = grid.material;
+  material.fabric->internal_damping = {0, 0};
+  const ClothSpec flat = mesh_spec(triangles_of({6, 4, 0.1, 0.06, 0.3, 0.2}), material);
+  MeshTriangles bent = triangles_of({7, 5, 0.12, 0.08, 0.5, 0.2});
+  for (Vector3& p : bent.vertices) p.z() = 0.02 * std::sin(60 * p.x());
+  material.fabric->internal_damping = {3e-4, 5e-3};
+  material.fabric->bending_stiffness = {2e-4, 1e-4};
+  ClothSpec curved = curved_spec(bent, material);
+  curved.pinned = {{3, 0, ""}};
+  return {{"grid", grid}, {"flat", flat}, {"curved", curved}};
+}
+
+TYPED_TEST(FabricDampingByMethod, EachOfSeveralClothsHasItsOwnInternalDamping) {
+  const std::vector<NamedCloth> cloths = three_cloths();
+  const ClothSpec joined = join_cloths(cloths);
+  const auto moved = [](const ClothSpec& spec, const State& start, double h) {
+    const Cloth cloth = make_cloth(spec);
+    TypeParam method = converged<TypeParam>();
+    State state = start;
+    run(method, cloth, Loads{}, h, 40, state);
+    return state.positions;
+  };
+  const Cloth all = make_cloth(joined);
+  State start = start_state(joined, all, 1);
+  start.positions = shaken(all, 2e-3, 3);
+  for (const int pin : all.pinned) start.positions.row(pin) = all.rest_positions.row(pin);
+  const double h = std::isfinite(TypeParam::stability_limit)
+                       ? 0.3 * TypeParam::stability_limit / omega_max_bound(all, start.positions)
+                       : 2e-3;
+  const Points together = moved(joined, start, h);
+  for (std::size_t i = 0; i < cloths.size(); ++i) {
+    const auto part = [&, &of = joined.parts[i]](const Points& points) {
+      return Points(points.middleRows(of.first_point, of.num_points()));
+    };
+    const State own{part(start.positions), part(start.velocities), 0};
+    const Points alone = moved(join_cloths({cloths[i]}), own, h);
+    EXPECT_GT((alone - own.positions).norm(), 1e-3);
+    EXPECT_LT((part(together) - alone).norm(), 1e-6 * (alone - own.positions).norm()) << i;
   }
 }
 

@@ -61,7 +61,8 @@ class ColliderContacts {
 
   /// Overlaps of bodies and other colliders that points between them show, less the cloth's
   /// thickness.
-  std::vector<Overlap> overlaps(const std::vector<MovingCollider>&, const Points& positions) const;
+  std::vector<Overlap> overlaps(const std::vector<MovingCollider>&, const Cloth&,
+                                const Points& positions) const;
 
   /// Moves points that are inside a collider to its surface. Velocities between colliders that push
   /// against each other become those of the motion that is left.

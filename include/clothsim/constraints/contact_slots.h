@@ -72,13 +72,19 @@ class ContactSlots {
 
   /// Data for the detection of contacts with one collider in a step.
   struct Detector {
-    /// `asked`: for all points. Nothing farther away than its `near` can touch.
-    Detector(const MovingCollider&, double offset, const Asked& asked);
+    /// `offset`: that points keep from the surface, those of the thickest cloth [m]. `asked`: for
+    /// all points. Nothing farther away than its `near` can touch.
+    Detector(const MovingCollider&, const Cloth&, double offset, const Asked& asked);
 
     const MovingCollider& collider;
+    const Cloth& cloth;
     Frame frame;
     Frame before;   // at the step's start
-    double offset;  // that points keep from the surface [m]
+    double offset;  // [m]
+
+    double offset_at(int point) const { return offset - cloth.nearer_by(point); }
+    /// Adds to the distances of points, from `first` on, how much nearer than `offset` they come.
+    void add_nearer(int first, int count, double* distances) const;
 
     /// `asked` for the points from `first` on.
     Asked asked(int first) const;

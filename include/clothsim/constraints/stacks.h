@@ -20,6 +20,7 @@ struct ContactPoint {
   std::array<double, 3> weights;  // of the points at the contact; sum 1
   Vector3 normal;                 // of the surface, towards the cloth, unit
   double distance;                // from the surface [m]; for a point it is measured again
+  double offset;                  // distance that it keeps from there [m]
 
   Vector3 place(const Points& positions) const {
     return weights[0] * row(positions, points[0]) + weights[1] * row(positions, points[1]) +
@@ -30,7 +31,7 @@ struct ContactPoint {
 /// A collider that may hold a cloth together with another one, and its contacts.
 struct ContactManifold {
   const MovingCollider& collider;
-  double offset;  // distance that points keep from it [m]
+  double offset;  // distance that points keep from it, those of the thickest cloth [m]
   std::vector<ContactPoint> contact_points;
 };
 

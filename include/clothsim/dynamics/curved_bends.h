@@ -33,22 +33,22 @@ template <typename View>
 void add_curved_forces(const TriangleFabric&, const View& positions, const Workers&,
                        Points& forces);
 
-/// Adds `tau` times the forces by the rates of b - B n, less those of a rotation by piece [rad/s]:
-/// see bend_rotations(). Without `rotations` nothing is left out.
+/// Adds `factor` times the damping forces, by the rates of b - B n less those of a rotation by
+/// piece [rad/s]: see bend_rotations(). Without `rotations` nothing is left out.
 template <typename View>
-void add_curved_damping(const TriangleFabric&, double tau, const View& positions,
+void add_curved_damping(const TriangleFabric&, double factor, const View& positions,
                         const View& velocities, const std::vector<Vector3>& rotations,
                         const Workers&, Points& forces);
 
-/// The elastic force on a point, plus `tau` times that by rates, without rotations [N].
+/// The elastic force on a point, plus that of damping, with rates that include rotations [N].
 /// `velocities`: null without damping.
 Vector3 curved_force_on(const TriangleFabric&, int point, const Points& positions,
-                        const Points* velocities, double tau);
+                        const Points* velocities);
 
-/// Adds the sums of BendMotion, times `factor`, by piece.
+/// Adds the sums of BendMotion, by piece.
 template <typename View>
 void add_curved_motions(const TriangleFabric&, const View& positions, const View& rates,
-                        double factor, std::vector<BendMotion>& motions);
+                        std::vector<BendMotion>& motions);
 
 /// Adds to `sums`, by point, Gershgorin's row sums of the terms that are quadratic in changes of
 /// normals [N/m]: S |dn|^2, and at most |sum of k B (b - B n)| |d^2 n| for the second derivative of

@@ -99,6 +99,8 @@ class Xpbd {
     Vector3 damping_lambda;
     Derivatives at_frame;  // at Past::frame of a step
     Vector3 target;        // of a step [1/m]
+
+    bool is_damped() const { return std::isfinite(damping_compliance); }
   };
 
   /// Constraints by colour.

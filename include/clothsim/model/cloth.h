@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -74,20 +75,34 @@ struct Cloth {
   Scalars inv_mass;                                       // [1/kg], N; zero at pins
   std::vector<int> pinned;                                // point ids, ascending
   double damping = 0;                                     // [1/s]
-  std::array<double, 2> internal_damping{};               // [s] of springs and of bends, see Fabric
+  std::array<double, 2> internal_damping{};  // [s] of springs and of bends, see Fabric; of several
+                                             // cloths the largest, see internal_damping_at()
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // between layers
   Scalars frictions;                                  // the same by point, N; empty: `friction`
-  double thickness = 0;                               // [m]
-  double offset = surface_offset;                     // from colliders [m]
+  double thickness = 0;                               // [m] of several cloths the largest
+  Scalars thicknesses;             // the same by point [m], N; empty: `thickness`
+  double offset = surface_offset;  // from colliders [m]; of several cloths the largest
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
   double friction_at(int i) const { return frictions.size() > 0 ? frictions[i] : friction; }
   /// Coefficient between layers with these points: the geometric mean of both.
   double friction_between(int i, int j) const;
+  double thickness_at(int i) const { return thicknesses.size() > 0 ? thicknesses[i] : thickness; }
+  double min_thickness() const;
+  /// Distance that a point keeps from colliders [m].
+  double offset_at(int i) const {
+    return thicknesses.size() > 0 ? std::max(surface_offset, thicknesses[i]) : offset;
+  }
+  /// How much nearer than `offset` a point comes to colliders [m].
+  double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }
   int num_bends() const;
+  /// Of the springs, triangles and bends at a point [s].
+  const std::array<double, 2>& internal_damping_at(int i) const {
+    return is_mesh() ? triangle_fabric->internal_damping_at(i) : internal_damping;
+  }
 
   /// Whether there are forces between its points.
   bool has_forces() const { return !springs.empty() || !bends.empty(); }
@@ -98,6 +113,9 @@ struct Cloth {
 inline bool is_damped(const Cloth& cloth) {
   return cloth.internal_damping != std::array<double, 2>{};
 }
+
+/// Whether all points have the same thickness in both.
+bool has_same_thickness(const Cloth&, const Cloth&);
 
 /// Sets the bands of a grid by its springs and bends: bends by stencil, and all by pairs of points.
 void set_bands(Cloth&);

@@ -69,9 +69,8 @@ enum class SelfCollision { off, points, surface, automatic };
 inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
                                                                     "automatic"};
 
-/// One of several cloths that are simulated as one: its points and triangles in their mesh. Its
-/// material has a stiffness, a density and spring families of its own; the material's other values
-/// are those of all.
+/// One of several cloths that are simulated as one: its points and triangles in their mesh. The
+/// damping, drag and strain limit of its material are those of all.
 struct ClothPart {
   std::string name;
   int first_point = 0;
@@ -80,7 +79,8 @@ struct ClothPart {
   int first_triangle = 0;
   int triangles = 0;
   Material material{};
-  double friction = 0;  // as in ClothSpec
+  double friction = 0;   // as in ClothSpec
+  double thickness = 0;  // the same
   bool is_grid = false;
   bool is_vertical = false;  // a grid that starts upright
   double width = 0;          // of a grid [m]
@@ -104,7 +104,9 @@ struct ClothSpec {
   std::vector<BodyPoints> attached;
   std::optional<double> pin_strength;  // [N] of pins without a strength; empty: default_strength()
   Material material;
-  double thickness = 0.0095;  // [m] half the distance at which two points of the cloth touch
+  // [m] half the distance at which two points of the cloth touch; of several cloths that of the
+  // first
+  double thickness = 0.0095;
   SelfCollision self_collision = SelfCollision::off;
   double friction = 0.3;           // Coulomb's, between layers; of several cloths that of the first
   bool untangle = false;           // untangles a state that is set and crosses itself

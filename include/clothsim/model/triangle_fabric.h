@@ -86,8 +86,9 @@ struct TriangleFabric {
     int place;
   };
   struct Piece {
-    int first_point;  // its lowest
-    double weight;    // sum of those of its pairs [N/m]
+    int first_point;                         // its lowest
+    double weight;                           // sum of those of its pairs [N/m]
+    std::array<double, 2> internal_damping;  // [s] of its membrane and of its bends, see Fabric
   };
 
   std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
@@ -104,6 +105,9 @@ struct TriangleFabric {
   std::vector<int> piece_ids;            // by point
 
   int piece_of(int point) const { return piece_ids[static_cast<std::size_t>(point)]; }
+  const std::array<double, 2>& internal_damping_at(int point) const {
+    return pieces[static_cast<std::size_t>(piece_of(point))].internal_damping;
+  }
 };
 
 struct Cloth;

@@ -79,6 +79,7 @@ struct LiveSpec {
   struct OfCloth {
     Material material;
     double friction;
+    double thickness;
   };
 
   Material material;

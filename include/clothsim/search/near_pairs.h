@@ -39,9 +39,9 @@ struct NearPair {
 /// write().
 class NearPairs {
  public:
-  /// For a mesh with points at `rest` [m, N x 3], of surfaces or of points. Construction takes some
-  /// 17 kB a point, and three to four times the time of a grid.
-  NearPairs(const SurfaceMesh&, const Points& rest, double thickness,
+  /// For a mesh with points at `rest` [m, N x 3], of surfaces or of points. `thickness`: by cloth
+  /// [m]. Construction takes some 17 kB a point, and three to four times the time of a grid.
+  NearPairs(const SurfaceMesh&, const Points& rest, const std::vector<double>& thickness,
             const Tiling::Range& stencils = Tiling::of_surfaces);
   /// For a cloth, a mesh or a grid, also of one row or column.
   explicit NearPairs(const Cloth&, const Tiling::Range& stencils = Tiling::of_surfaces);
@@ -87,8 +87,8 @@ class NearPairs {
     std::shared_ptr<const NearestDistances> nearest;
   };
   static Surface of_grid(const Cloth&, const Tiling::Range& stencils);
-  static Surface of_mesh(const SurfaceMesh&, const Points& rest, double thickness,
-                         const Tiling::Range& stencils);
+  static Surface of_mesh(const SurfaceMesh&, const Points& rest,
+                         const std::vector<double>& thickness, const Tiling::Range& stencils);
   NearPairs(const Surface&, const Tiling::Range& stencils);
 
   /// Two edges or points that are near, by tiles and the number of the pair among their features.

@@ -15,12 +15,12 @@
 
 namespace clothsim {
 
-/// Contact distance of two features: 2 * thickness, or for neighbours on the cloth a quarter of
-/// their distance at rest, so that it can fold sharply without passing through itself. Different
-/// cloths have no neighbours.
+/// Contact distance of two features: the sum of the thickness of both cloths, or for neighbours on
+/// one cloth a quarter of their distance at rest, so that it can fold sharply without passing
+/// through itself. Different cloths have no neighbours.
 ///
 /// Two edges inside the cloth have a share of that. Where layers lie on each other, points keep
-/// them 2 * thickness apart, and contacts of edges would be redundant; they remain where folds
+/// them that far apart, and contacts of edges would be redundant; they remain where folds
 /// cross whose points miss each other. An edge of the border has no cloth beside it with points for
 /// contact: it keeps the whole distance.
 ///
@@ -33,15 +33,15 @@ class NearestDistances {
  public:
   /// Contact distance of neighbours on the cloth, of their distance at rest.
   static constexpr double neighbour_share = 0.25;
-  /// Contact distance of edges inside the cloth, of 2 * thickness: with all of it two thirds of the
-  /// contacts of a pile are of edges, with this a tenth, and it comes to rest sooner.
+  /// Contact distance of edges inside the cloth, of that of points: with all of it two thirds of
+  /// the contacts of a pile are of edges, with this a tenth, and it comes to rest sooner.
   static constexpr double edge_share = 0.8;
   /// Rest distance from which points are no neighbours, of the contact distance.
   static constexpr double apart_at_rest = 2;
 
-  /// For a surface in tiles and patches at `rest` [m, N x 3]. `stencils`: the pairs of features
-  /// that count.
-  NearestDistances(const SurfaceMesh&, const Points& rest, double thickness,
+  /// For a surface in tiles and patches at `rest` [m, N x 3]. `thickness`: by cloth [m].
+  /// `stencils`: the pairs of features that count.
+  NearestDistances(const SurfaceMesh&, const Points& rest, std::vector<double> thickness,
                    std::shared_ptr<const Tiling>, const std::vector<Patch>&,
                    const Tiling::Range& stencils);
   /// For a grid.
@@ -51,7 +51,8 @@ class NearestDistances {
   /// For pair `number` of the features of tiles a and b [m]: below 0 where these share a point, or
   /// one of them does not exist.
   double of(int a, int b, std::size_t number) const {
-    return std::min(tiles(a, b).of[number], max_distance(place(a, b, number), number));
+    const Tiles& both = tiles(a, b);
+    return std::min(both.of[number], max_distance(both.max, place(a, b, number), number));
   }
   /// For a point and a triangle [m].
   double of_tracked(int point, int triangle) const;
@@ -59,7 +60,8 @@ class NearestDistances {
   using OfTiles = std::array<float, Tiling::count>;
   OfTiles of_tiles(int a, int b) const;
 
-  /// For patches p <= q: the largest of each pair of tiles, over the features that count [m].
+  /// For patches p <= q: at least the largest of each pair of tiles, over the features that count
+  /// [m].
   const TileShapes::PairValues& of_patches(int p, int q) const {
     return of_patches_[number(patch_ways_, p, q)];
   }
@@ -70,10 +72,11 @@ class NearestDistances {
   /// The largest and the least for features that count, and the least distance at rest of features
   /// that share no point: on a grid that of a point and the long side of a triangle, as of two
   /// diagonals side by side [m].
-  double max() const { return 2 * thickness_; }
+  double max() const { return 2 * *std::max_element(thickness_.begin(), thickness_.end()); }
   double min() const {
-    if (stencils_.are_points()) return max();
-    return std::min(edge_share * max(), neighbour_share * min_at_rest_);
+    const double thinnest = 2 * *std::min_element(thickness_.begin(), thickness_.end());
+    if (stencils_.are_points()) return thinnest;
+    return std::min(edge_share * thinnest, neighbour_share * min_at_rest_);
   }
   double min_at_rest() const { return min_at_rest_; }
 
@@ -84,6 +87,7 @@ class NearestDistances {
   using Ways = std::variant<NearWays, GridWays>;
   /// For two tiles, as if at the border, and inside.
   struct Tiles {
+    double max;  // where they are no neighbours [m]
     std::array<double, Tiling::count> of;
     OfTiles inside;
   };
@@ -92,29 +96,39 @@ class NearestDistances {
     return static_cast<std::size_t>(
         std::visit([&](const auto& of) { return of.number(from, to); }, ways));
   }
-  const Tiles& tiles(int a, int b) const { return tiles_[number(tile_ways_, a, b)]; }
+  const Tiles& tiles(int a, int b) const {
+    const std::size_t own = number(tile_ways_, a, b);
+    return tiles_[own != NearWays::far || cloths_.empty() ? own : far_number(a, b)];
+  }
+  /// Number of tiles that are no neighbours, by the cloths that they are of.
+  std::size_t far_number(int a, int b) const {
+    return thickness_.size() * cloths_[static_cast<std::size_t>(a)] +
+           cloths_[static_cast<std::size_t>(b)];
+  }
   Tiling::FeaturePlace place(int a, int b, std::size_t number) const {
     return std::max(tiling_->at(a).own[Tiling::of_a[number]],
                     tiling_->at(b).own[Tiling::of_b[number]]);
   }
-  double max_distance(Tiling::FeaturePlace place, std::size_t number) const {
+  /// Of features that are no neighbours, where points have `max` [m].
+  static double max_distance(double max, Tiling::FeaturePlace place, std::size_t number) {
     if (place == Tiling::lacking) return -1;
     const bool edges = number >= Tiling::points && number < Tiling::own_points;
-    return edges && place == Tiling::inside ? edge_share * max() : max();
+    return edges && place == Tiling::inside ? edge_share * max : max;
   }
   template <typename AtRest>
-  Tiles make_tiles(const AtRest&) const;
-  Tiles make_tiles_of_mesh(int a, int b, const Points& rest);
+  static Tiles make_tiles(double max, const AtRest&);
+  Tiles make_tiles_of_mesh(double max, int a, int b, const Points& rest);
   Tiles make_tiles_of_grid(const Eigen::Vector2i& way, const Eigen::Vector2d& spacing) const;
   float max_distance(const Tiles&) const;
 
   std::shared_ptr<const Tiling> tiling_;
   Tiling::Range stencils_;
-  double thickness_;
+  std::vector<double> thickness_;    // by cloth [m]
+  std::vector<std::size_t> cloths_;  // of tiles; empty: one
   double spacing_;
   double min_at_rest_;
   Ways tile_ways_, patch_ways_;
-  std::vector<Tiles> tiles_;
+  std::vector<Tiles> tiles_;  // of a mesh: first by far_number()
   std::vector<TileShapes::PairValues> of_patches_;
 };
 
