@@ -161,19 +161,14 @@ ContactManifold ColliderContacts::manifold_of(int number, const MovingCollider& 
       collider, clearance(collider.shape(), cloth, stretch_, has_pinched_).points, {}};
   const ContactSlots& slots = cache(number).slots;
   slots.for_each_touching_both(slots, [&](int i) {
-    manifold.contact_points.push_back({ContactPoint::no_triangle,
-                                       {i, i, i},
-                                       {1, 0, 0},
-                                       slots.normal(i),
-                                       0,
-                                       manifold.offset - cloth.nearer_by(i)});
+    manifold.contact_points.push_back(
+        {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, slots.normal(i), 0, cloth.nearer_by(i)});
   });
   faces_.for_each_on(
       number, [&](int triangle, const auto& weights, const Vector3& normal, double distance) {
         const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
-        const double nearer = cloth.nearer_by(corners[0]);
         manifold.contact_points.push_back(
-            {triangle, corners, weights, normal, distance - nearer, manifold.offset - nearer});
+            {triangle, corners, weights, normal, distance, cloth.nearer_by(corners[0])});
       });
   return manifold;
 }

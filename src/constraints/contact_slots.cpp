@@ -223,14 +223,9 @@ struct SpanDistances {
 
 }  // namespace
 
-ContactSlots::Detector::Detector(const MovingCollider& moving, const Cloth& all_points, double kept,
-                                 const Asked& all)
-    : collider(moving),
-      cloth(all_points),
-      frame(moving.pose()),
-      before(moving.previous()),
-      offset(kept),
-      asked_(all) {}
+ContactSlots::Detector::Detector(const MovingCollider& c, const Cloth& all, double kept,
+                                 const Asked& a)
+    : collider(c), cloth(all), frame(c.pose()), before(c.previous()), offset(kept), asked_(a) {}
 
 void ContactSlots::Detector::add_nearer(int first, int count, double* distances) const {
   if (cloth.thicknesses.size() == 0) return;
@@ -263,6 +258,9 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
   signed_distances(collider.shape(), detector.frame, {x, y, z}, detector.before,
                    run_from(step.start, first), count, detector.asked(first), distances.value,
                    distances.normals());
+  for (int b = span.begin; b < span.end; ++b) {
+    nearest[b - span.begin] = least_distance(b, distances.value + first_of(b) - first);
+  }
   detector.add_nearer(first, count, distances.value);
   long touching[Span::longest];
   mark_touching(count,
@@ -270,7 +268,6 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
                  distances.normals(), run_from(state.velocities, first), drifted},
                 &at(span.begin), touching);
   for (int b = span.begin; b < span.end; ++b) {
-    nearest[b - span.begin] = least_distance(b, distances.value + first_of(b) - first);
     if (touching[b - span.begin] == 0) continue;
     is_active_[static_cast<std::size_t>(b)] = 1;
     active_.push_back(b);
@@ -366,14 +363,14 @@ double ContactSlots::project_positions(const Span& span, const Detector& detecto
   signed_distances(detector.collider.shape(), detector.frame, run_from(positions, first),
                    detector.before, run_from(start, first), count, detector.asked(first),
                    distances.value, distances.normals());
-  detector.add_nearer(first, count, distances.value);
-  double highest[block_size] = {};
-  lift_out(count, detector.offset, free, distances.value, distances.normals(),
-           run_from(positions, first), highest);
   for (int i = 0; i < count; i += block_size) {
     min_distances[i / block_size] =
         *std::min_element(distances.value + i, distances.value + std::min(i + block_size, count));
   }
+  detector.add_nearer(first, count, distances.value);
+  double highest[block_size] = {};
+  lift_out(count, detector.offset, free, distances.value, distances.normals(),
+           run_from(positions, first), highest);
   return *std::max_element(std::begin(highest), std::end(highest));
 }
 

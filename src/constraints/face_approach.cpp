@@ -36,7 +36,7 @@ double leeway(double lever, const Triangle& t) {
 
 double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
               const CornerWeights& weights) {
-  return leeway(lever_of(cloth, corners, weights), t) + cloth.nearer_by(corners[0]);
+  return leeway(lever_of(cloth, corners, weights), t);
 }
 
 std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
@@ -51,6 +51,7 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const 
                       const LocalCloth& local, double margin) {
   const Shape& shape = collider.shape();
   const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
+  const double keeps = cloth.offset_at(corners[0]);
   FaceApproach result;
   result.distance = distance_with_leeway(shape, cloth, corners, to, margin);
 
@@ -65,11 +66,11 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const 
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
     auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                     to_world(collider.pose(), to), cloth.offset_at(corners[0]));
+                                     to_world(collider.pose(), to), keeps);
     if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
-      result.swept = swept->value < cloth.offset;
+      result.swept = swept->value < keeps;
     }
   }
   return result;

@@ -158,6 +158,7 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   const double yield = yield_of(weights, moves);
   if (yield == 0) return;
   const double lever = lever_of(cloth, corners, weights);
+  const double keeps = cloth.offset_at(corners[0]);
 
   const Vector3 normal = collider.pose().orientation * distance.normal;
   const Vector3 x = weighted(state.positions, corners, weights);
@@ -166,14 +167,14 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   if (swept) {
     // Back to where it came in, less the displacement by the impulse that ends its approach.
     const double back =
-        cloth.offset - distance.value + step.displacement_factor * step.h * std::min(0.0, drift);
+        keeps - distance.value + step.displacement_factor * step.h * std::min(0.0, drift);
     spread(corners, moves, back / yield * normal, state.positions);
     spread(corners, moves, back / yield * distance.normal, local.to);
   }
 
   // The gap at the step's end if the triangle only followed the surface.
   const double rate = normal.dot(weighted(state.velocities, corners, weights) - surface_velocity);
-  const double gap = distance.value - cloth.offset;
+  const double gap = distance.value - keeps;
   const double target_velocity = swept ? 0 : -std::max(gap, 0.0) / step.h;
   const bool is_new = !last && gap > 0 && depth == 0;
   if (is_new && (rate >= target_velocity || passes_by(at, corners))) return;
@@ -181,7 +182,7 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   contact.points = {corners[0], corners[1], corners[2], corners[0]};
   contact.weights = {weights[0], weights[1], weights[2], 0};
   contact.compute_effective_mass(cloth);
-  contact.nearest = cloth.offset_at(corners[0]);
+  contact.nearest = keeps;
   const bool is_body = step.bodies && step.bodies->is_body(static_cast<std::size_t>(number));
   const double recovery = is_body ? 0 : lever * step.recovery_factor * way_out_speed(depth);
   contact.impulse = {normal, surface_velocity, target_velocity + recovery, collider.friction()};
@@ -197,6 +198,7 @@ void FaceContacts::release_pinched(const Pinches& pinches,
     Contact& c = list_.contacts()[i];
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(c))];
     if (!pinches.holds_any(corners)) continue;
+    const double keeps = cloth.offset_at(corners[0]);
     const MovingCollider& collider = colliders[static_cast<std::size_t>(collider_of(c))];
     double lacking = 0, largest = 0;
     Vector3 held(0, 0, 0);  // share of the velocity there [m/s]
@@ -210,7 +212,7 @@ void FaceContacts::release_pinched(const Pinches& pinches,
       held += c.weights[k] * pinches.velocity(corners[k]);
       const Vector3 x = to_local(collider.previous(), row(step.start, corners[k]));
       const double distance = signed_distance(collider.shape(), x, x).value;
-      lacking += c.weights[k] * std::max(0.0, cloth.offset_at(corners[k]) - distance);
+      lacking += c.weights[k] * std::max(0.0, keeps - distance);
       c.hold(k);
     }
     if (c.mass == 0) {
@@ -221,7 +223,7 @@ void FaceContacts::release_pinched(const Pinches& pinches,
     const double sinks = lacking + leeway(lever, clothsim::triangle_of(step.start, corners));
     const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
     c.impulse.target_velocity =
-        -std::max(0.0, places_[i].distance + sinks - cloth.offset) / step.h - closing;
+        -std::max(0.0, places_[i].distance + sinks - keeps) / step.h - closing;
   }
 }
 
@@ -270,7 +272,8 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
       // All in the first pass, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
-      const FaceApproach found = approach(collider, cloth, corners, local, cloth.offset);
+      const double keeps = cloth.offset_at(corners[0]);
+      const FaceApproach found = approach(collider, cloth, corners, local, keeps);
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;
@@ -278,11 +281,10 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
       const double yield = yield_of(weights, moves);
       if (yield == 0) return;
       const double in_reach = lever_of(cloth, corners, weights) * h;
-      const double wanted = found.before < 0
-                                ? required_distance(found.before, cloth.offset, in_reach)
-                                : raised(now, cloth.offset);
+      const double wanted =
+          found.before < 0 ? required_distance(found.before, keeps, in_reach) : raised(now, keeps);
       const bool must = now < wanted - may_sink;  // others may move it out, too
-      if (!must && (pass > 1 || now >= cloth.offset)) return;
+      if (!must && (pass > 1 || now >= keeps)) return;
       spread(corners, moves, (wanted - now) / yield * found.distance->normal, local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;

@@ -72,7 +72,9 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
 Clearance clearance(const Shape& shape, const Cloth& cloth, double stretch, bool pinched) {
   if (cloth.triangles.empty()) return {cloth.offset, false};
   const double edge = longest_edge_within_limit(cloth, stretch);
-  const double lifted = corner_distance(shape, edge, cloth.offset);
+  // The lift falls as the offset grows.
+  const double nearer = cloth.offset - cloth.min_offset();
+  const double lifted = corner_distance(shape, edge, cloth.offset - nearer) + nearer;
   if (lifted - cloth.offset <= (pinched ? 0 : highest_lift * edge)) return {lifted, false};
   return {cloth.offset, true};
 }

@@ -36,11 +36,12 @@ Pinches::ColliderDistance distance_to(const ContactManifold& manifold, const Vec
   const Pose& pose = manifold.collider.previous();
   const Vector3 local = to_local(pose, x);
   const Distance d = signed_distance(manifold.collider.shape(), local, local);
-  return {&manifold.collider, pose.orientation * d.normal, d.value, 0, false};
+  return {&manifold.collider, pose.orientation * d.normal, d.value, 0, 0, false};
 }
 
-Pinches::ColliderDistance touching(const ContactPoint& f, Pinches::ColliderDistance side) {
-  side.layer_height = f.offset;
+Pinches::ColliderDistance touching(const ContactManifold& manifold, const ContactPoint& f,
+                                   Pinches::ColliderDistance side) {
+  side.layer_height = manifold.offset - f.nearer;
   side.touches = true;
   return side;
 }
@@ -49,9 +50,9 @@ Pinches::ColliderDistance touching(const ContactPoint& f, Pinches::ColliderDista
 Pinches::ColliderDistance own_distance(const ContactManifold& manifold, const ContactPoint& f,
                                        const Points& start) {
   if (f.triangle == ContactPoint::no_triangle) {
-    return touching(f, distance_to(manifold, f.place(start)));
+    return touching(manifold, f, distance_to(manifold, f.place(start)));
   }
-  return touching(f, {&manifold.collider, f.normal, f.distance, 0, false});
+  return touching(manifold, f, {&manifold.collider, f.normal, f.distance, 0, 0, false});
 }
 
 /// The contacts of a manifold by point and triangle.
@@ -81,7 +82,7 @@ class ContactPointIndex {
       touches = touches && (f.weights[k] == 0 || points_.count(f.points[k]) > 0);
     }
     const Pinches::ColliderDistance side = distance_to(manifold_, f.place(start));
-    return touches ? touching(f, side) : side;
+    return touches ? touching(manifold_, f, side) : side;
   }
 
  private:
@@ -175,7 +176,10 @@ void Stacks::add(int point, const Pinches::ColliderDistance& a,
       side.distance = now.distance;
     }
     side.touches = side.touches || now.touches;
-    side.layer_height = std::max(side.layer_height, now.layer_height);
+    if (now.layer_height > side.layer_height) {
+      side.layer_height = now.layer_height;
+      side.layers = now.layers;
+    }
   };
   merge(node.a, a);
   merge(node.b, b);
@@ -226,6 +230,7 @@ void Stacks::propagate_heights() {
                         double layer_height) {
     if (from.layer_height == 0 || to.layer_height >= from.layer_height + layer_height) return false;
     to.layer_height = from.layer_height + layer_height;
+    to.layers = from.layers + 1;
     to.touches = false;
     return true;
   };

@@ -207,58 +207,87 @@ double largest_eigenvalue(const Matrices<double>& s, int i) {
   return solver.eigenvalues()[2];
 }
 
-/// omega_b^2 of the bends. Where triangles are curved at rest, |b - B n|^2 changes by at most the
-/// square of the sum of both changes.
-double bends_omega2(const Cloth& cloth, const Points& positions) {
+/// omega_b^2 of a grid's bends.
+double bends_omega2(const Cloth& cloth) {
+  if (cloth.pairs.empty()) return 0;
   Scalars sums = Scalars::Zero(cloth.num_points());
-  if (cloth.is_mesh()) {
-    for (const auto& [i, j, weight] : cloth.triangle_fabric->pairs) {
-      sums[i] += std::abs(weight) + weight;
-      sums[j] += std::abs(weight) + weight;
-    }
-  }
   for (const PairBand& band : cloth.pairs) {  // entries off the diagonal, and their part of it
     const auto count = band.bend.size();
     sums.head(count) += band.bend.cwiseAbs() + band.bend;
     sums.tail(count) += band.bend.cwiseAbs() + band.bend;
   }
-  const double flat = sums.cwiseProduct(cloth.inv_mass).maxCoeff();
-  if (!cloth.is_mesh() || cloth.triangle_fabric->curved.empty()) return flat;
-  sums.setZero();
-  add_curved_sums(cloth, positions, sums);
-  const double curved = sums.cwiseProduct(cloth.inv_mass).maxCoeff();
-  return flat + curved + 2 * std::sqrt(flat * curved);
+  return sums.cwiseProduct(cloth.inv_mass).maxCoeff();
+}
+
+/// The same for each piece of a mesh. Where triangles are curved at rest, |b - B n|^2 changes by at
+/// most the square of the sum of both changes.
+std::vector<double> bends_omega2_by_piece(const Cloth& cloth, const Points& positions) {
+  const TriangleFabric& fabric = *cloth.triangle_fabric;
+  Scalars flat = Scalars::Zero(cloth.num_points()), curved = flat;
+  for (const auto& [i, j, weight] : fabric.pairs) {
+    flat[i] += std::abs(weight) + weight;
+    flat[j] += std::abs(weight) + weight;
+  }
+  if (!fabric.curved.empty()) add_curved_sums(cloth, positions, curved);
+  const auto largest = [&](const Scalars& sums) {
+    std::vector<double> of_pieces(fabric.pieces.size(), 0.0);
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      double& omega2 = of_pieces[static_cast<std::size_t>(fabric.piece_of(i))];
+      omega2 = std::max(omega2, sums[i] * cloth.inv_mass[i]);
+    }
+    return of_pieces;
+  };
+  const std::vector<double> of_curved = largest(curved);
+  std::vector<double> all = largest(flat);
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    all[p] += of_curved[p] + 2 * std::sqrt(all[p] * of_curved[p]);
+  }
+  return all;
 }
 
 /// The effect of bends and internal damping on the springs' frequencies.
 struct BendsAndDamping {
-  BendsAndDamping(const Cloth& cloth, const Points& positions)
-      : bends(cloth.num_bends() == 0 ? 0 : bends_omega2(cloth, positions)),
-        damping(cloth.internal_damping) {}
+  double bends;  // omega_b^2
+  std::array<double, 2> damping;
 
   /// Is there any effect?
   bool any() const { return bends > 0 || damping != std::array<double, 2>{}; }
 
-  /// The frequency for springs of omega_s^2 = `springs`.
+  /// The frequency for springs of omega_s.
   double with(double springs) const {
-    const double rate = damping[0] * springs + damping[1] * bends;
-    return (rate + std::sqrt(rate * rate + 4 * (springs + bends))) / 2;
+    if (!any()) return springs;
+    const double rate = damping[0] * springs * springs + damping[1] * bends;
+    return (rate + std::sqrt(rate * rate + 4 * (springs * springs + bends))) / 2;
   }
 
   /// Frequency of the springs for which `with` gives `omega`; zero where that of bends alone is
   /// higher.
   double without(double omega) const {
+    if (!any()) return omega;
     const double left = omega * omega - bends * (1 + damping[1] * omega);
     return std::sqrt(std::max(left, 0.0) / (1 + damping[0] * omega));
   }
-
-  double bends;  // omega_b^2
-  std::array<double, 2> damping;
 };
+
+/// omega_max_bound() of a mesh: the largest of its pieces, each with its own damping.
+double mesh_bound(const Cloth& cloth, const Points& positions, double min_omega) {
+  const std::vector<double> bends = bends_omega2_by_piece(cloth, positions);
+  std::vector<BendsAndDamping> added;
+  std::vector<double> least;
+  for (std::size_t p = 0; p < bends.size(); ++p) {
+    added.push_back({bends[p], cloth.triangle_fabric->pieces[p].internal_damping});
+    least.push_back(added[p].without(min_omega));
+  }
+  const std::vector<double> membranes = membrane_bounds(cloth, positions, least);
+  double omega = min_omega;
+  for (std::size_t p = 0; p < bends.size(); ++p) {
+    omega = std::max(omega, added[p].with(membranes[p]));
+  }
+  return omega;
+}
 
 double springs_bound(const Cloth& cloth, const Points& positions, double min_omega,
                      const Workers& workers) {
-  if (cloth.is_mesh()) return membrane_bound(cloth, positions, min_omega);
   if (min_omega > 0 && are_surely_below(cloth, positions, min_omega, workers)) return min_omega;
 
   const int n = cloth.num_points();
@@ -294,17 +323,16 @@ double springs_bound(const Cloth& cloth) {
 
 double omega_max_bound(const Cloth& cloth, const Points& positions, double min_omega,
                        const Workers& workers) {
-  const BendsAndDamping added(cloth, positions);
-  if (!added.any()) return springs_bound(cloth, positions, min_omega, workers);
+  if (cloth.is_mesh()) return mesh_bound(cloth, positions, min_omega);
+  const BendsAndDamping added{bends_omega2(cloth), cloth.internal_damping};
   const double springs = springs_bound(cloth, positions, added.without(min_omega), workers);
-  return std::max(added.with(springs * springs), min_omega);
+  return std::max(added.with(springs), min_omega);
 }
 
 double omega_max_bound(const Cloth& cloth) {
   if (cloth.is_mesh()) return std::numeric_limits<double>::infinity();
-  const double springs = springs_bound(cloth);
-  const BendsAndDamping added(cloth, cloth.rest_positions);
-  return added.any() ? added.with(springs * springs) : springs;
+  const BendsAndDamping added{bends_omega2(cloth), cloth.internal_damping};
+  return added.with(springs_bound(cloth));
 }
 
 }  // namespace clothsim

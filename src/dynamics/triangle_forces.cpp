@@ -301,7 +301,8 @@ Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w) {
   return product;
 }
 
-double membrane_bound(const Cloth& cloth, const Points& positions, double min_omega) {
+std::vector<double> membrane_bounds(const Cloth& cloth, const Points& positions,
+                                    std::vector<double> min_omega) {
   const std::vector<TriangleFabric::Triangle>& triangles = cloth.triangle_fabric->triangles;
   Scalars stiffness(static_cast<Eigen::Index>(triangles.size()));
   Scalars sums = Scalars::Zero(cloth.num_points());
@@ -312,11 +313,14 @@ double membrane_bound(const Cloth& cloth, const Points& positions, double min_om
     stiffness[i] = 4 * along + stiffness_across(triangles[t], q);
     for (const int corner : cloth.triangles[t]) sums[corner] += stiffness[i];
   }
-  double omega2 = min_omega * min_omega;
+  std::vector<double>& bounds = min_omega;
+  for (double& bound : bounds) bound *= bound;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Vector3 q = squared_edges(cloth.triangles[t], positions);
     const double own = stiffness[static_cast<Eigen::Index>(t)];
     if (own == 0) continue;
+    const int piece = cloth.triangle_fabric->piece_of(cloth.triangles[t][0]);
+    double& omega2 = bounds[static_cast<std::size_t>(piece)];
     Vector3 w;
     for (std::size_t k = 0; k < 3; ++k) {
       const int corner = cloth.triangles[t][k];
@@ -327,7 +331,8 @@ double membrane_bound(const Cloth& cloth, const Points& positions, double min_om
     if (4 * (triangles[t].stretch * by_mass).trace() + across <= omega2) continue;
     omega2 = std::max(omega2, 4 * largest_product(triangles[t].stretch, by_mass) + across);
   }
-  return std::sqrt(omega2);
+  for (double& bound : bounds) bound = std::sqrt(bound);
+  return bounds;
 }
 
 }  // namespace clothsim

@@ -35,15 +35,17 @@ Eigen::Vector2d spacing_of(const Cloth& cloth) {
   return {to(along > 0 ? along : up), to(up > 0 ? up : along)};
 }
 
-/// Calls visit(p, q), p <= q, for patches that may be within a distance of each other at rest.
-template <typename Visit>
-void visit_near_patches(const std::vector<Patch>& patches, const Points& rest, double within,
+/// Calls visit(p, q), p <= q, for patches that may be within the mean of both within(patch) of each
+/// other at rest [m].
+template <typename Within, typename Visit>
+void visit_near_patches(const std::vector<Patch>& patches, const Points& rest, const Within& within,
                         const Visit& visit) {
   std::vector<Box> wider;
   for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
-    Box box = around(rest, patches[static_cast<std::size_t>(p)].points);
-    box.min().array() -= within / 2;
-    box.max().array() += within / 2;
+    const Patch& patch = patches[static_cast<std::size_t>(p)];
+    Box box = around(rest, patch.points);
+    box.min().array() -= within(patch) / 2;
+    box.max().array() += within(patch) / 2;
     wider.push_back(box);
     visit(p, p);
   }
@@ -162,12 +164,13 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
     if (both.of == tiles_[far_number(a, b)].of) return;
     tile_ways.add(a, b, static_cast<int>(tiles_.size()));
     tiles_.push_back(both);
-    if (tiles_.size() <= max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64))
-      return;
+    const std::size_t near = tiles_.size() - thickness_.size() * thickness_.size();
+    if (near < max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64)) return;
     throw InvalidValue({"thickness"}, to_text(thickness_[cloth]),
                        "less beside the mesh's edges of some " + to_text(spacing_) + " m");
   };
-  visit_near_patches(patches, rest, max() / neighbour_share, [&](int p, int q) {
+  const auto within = [&](const Patch& patch) { return neighbours_within(patch); };
+  visit_near_patches(patches, rest, within, [&](int p, int q) {
     const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,
                &of_q = patches[static_cast<std::size_t>(q)].tiles;
     patch_ways.add(p, q, static_cast<int>(of_patches_.size()));
@@ -185,6 +188,15 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
   });
   tile_ways_ = std::move(tile_ways);
   patch_ways_ = std::move(patch_ways);
+}
+
+double NearestDistances::neighbours_within(const Patch& patch) const {
+  double thickest = 0;
+  for (const int tile : patch.tiles) {
+    if (tile == Patch::none) continue;
+    thickest = std::max(thickest, thickness_[cloths_[static_cast<std::size_t>(tile)]]);
+  }
+  return 2 * thickest / neighbour_share;
 }
 
 NearestDistances::Tiles NearestDistances::make_tiles_of_mesh(double max, int a, int b,

@@ -183,6 +183,70 @@ TEST(Cloths, KeepTheirOwnThicknessOffColliders) {
   }
 }
 
+TEST(Cloths, AreStoppedByCollidersAlsoAfterALiveThickness) {
+  for (const char* simulation : {"{method: xpbd, substeps: 10}", "{method: verlet}"}) {
+    YAML::Node root = stack(1.0);
+    root["simulation"] = YAML::Load(simulation);
+    root["cloths"][0]["thickness"] = 1e-3;
+    root["cloths"][1]["thickness"] = 0.03;
+    root["cloths"][0]["origin"] = std::vector<double>{0, 0, 0.05};
+    root["cloths"][1]["origin"] = std::vector<double>{1, 0, 0.035};
+    Simulator simulator(read_scene(root));
+    for (int frame = 0; frame < 60; ++frame) {
+      if (frame == 4) {
+        LiveSpec live = live_values(simulator.scene());
+        live.cloths[1].thickness = 1e-3;
+        simulator.set(live);
+      }
+      simulator.step();
+      EXPECT_GT(part_of(simulator, 0).col(2).minCoeff(), 9e-4) << simulation << " " << frame;
+    }
+  }
+}
+
+/// A sheet of linen, and beside it, far away, one of that thickness, if any [m].
+Scene beside(double thickness, const char* collider, const char* simulation) {
+  YAML::Node root;
+  root["colliders"].push_back(YAML::Load(collider));
+  root["simulation"] = YAML::Load(simulation);
+  for (int i = 0; i < (thickness > 0 ? 2 : 1); ++i) {
+    YAML::Node cloth = YAML::Load(
+        "{fabric: linen, width: 0.2, height: 0.2, columns: 11, rows: 11, damping: 2, "
+        "self_collision: false}");
+    cloth["name"] = i == 0 ? "thin" : "thick";
+    cloth["thickness"] = i == 0 ? 5e-4 : thickness;
+    cloth["origin"] = std::vector<double>{3.0 * i, 0, i == 0 ? 0.1 : 30};
+    root["cloths"].push_back(cloth);
+  }
+  return read_scene(root);
+}
+
+TEST(Cloths, LeaveAColliderTurnedOnInsideAsTheyWouldAlone) {
+  // Between the points of the thin one, 2 to 8 mm deep.
+  for (const char* peg : {"center: [0.107, 0.107, 0.082]", "center: [0.107, 0.107, 0.088]"}) {
+    const std::string collider =
+        std::string("{name: peg, shape: box, size: [0.008, 0.008, 0.04], ") + peg +
+        ", friction: 0.5, enabled: false}";
+    const auto fastest = [&](double thickness) {
+      Simulator simulator(beside(thickness, collider.c_str(),
+                                 "{method: verlet, substeps: 60, gravity: [0, 0, 0]}"));
+      simulator.step();
+      simulator.enable_collider(0, true);
+      double speed = 0;
+      for (int frame = 0; frame < 30; ++frame) {
+        simulator.step();
+        const ClothPart& thin = simulator.scene().cloth.parts[0];
+        speed =
+            std::max(speed, longest_row(simulator.state().velocities.topRows(thin.num_points())));
+      }
+      return speed;
+    };
+    const double alone = fastest(0);
+    EXPECT_GT(alone, 0.1);
+    EXPECT_NEAR(fastest(0.01), alone, 0.02 * alone) << peg;
+  }
+}
+
 TEST(Cloths, OfDifferentThicknessArePinchedWhereTheyHaveNoRoom) {
   // Between a floor and a plate: each cloth needs twice its thickness.
   constexpr double thin = 3e-4, thick = 2e-3;

@@ -43,7 +43,7 @@ MovingCollider rough(const Vector3& velocity, double friction) {
 /// The distance of a collider that faces `normal`, with so many layers in between.
 Pinches::ColliderDistance side(const MovingCollider& collider, const Vector3& normal,
                                double distance, int layers = 0) {
-  return {&collider, normal, distance, thickness / 2 + layers * thickness, layers == 0};
+  return {&collider, normal, distance, thickness / 2 + layers * thickness, layers, layers == 0};
 }
 
 TEST(Pinches, RoomIsWhatLayersNeedAndTheWayOfBothSurfacesLeaves) {

@@ -33,7 +33,7 @@ MovingCollider slab(double z, bool above) {
 }
 
 ContactPoint at_point(int i, const Vector3& normal) {
-  return {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, normal, 0, thickness / 2};
+  return {ContactPoint::no_triangle, {i, i, i}, {1, 0, 0}, normal, 0};
 }
 
 SelfTouch touch(int above, int below) {
@@ -105,9 +105,8 @@ TEST(Stacks, TriangleBetweenItsCornersIsHeldByAllThree) {
   above.pose.position = middle + (0.01 + gap / 2) * normal;
   const MovingCollider lower(below), upper(above);
   const std::array<double, 3> weights{1.0 / 3, 1.0 / 3, 1.0 / 3};
-  const double keeps = cloth.offset;
-  const ContactManifold a{lower, keeps, {{0, corners, weights, normal, gap / 2, keeps}}};
-  const ContactManifold b{upper, keeps, {{0, corners, weights, -normal, gap / 2, keeps}}};
+  const ContactManifold a{lower, cloth.offset, {{0, corners, weights, normal, gap / 2}}};
+  const ContactManifold b{upper, cloth.offset, {{0, corners, weights, -normal, gap / 2}}};
   Pinches pinches;
   pinches.start_over(h);
   Stacks().pinch(a, b, cloth, cloth.rest_positions, h, nullptr, pinches);

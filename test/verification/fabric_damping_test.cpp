@@ -201,6 +201,22 @@ TYPED_TEST(FabricDampingByMethod, EachOfSeveralClothsHasItsOwnInternalDamping) {
 
 // ---- Spectrum
 
+TEST(FabricSteps, TheBoundOfSeveralClothsIsTheLargestOfEach) {
+  const std::vector<NamedCloth> cloths = three_cloths();
+  const auto bound = [](const ClothSpec& spec, double least) {
+    const Cloth cloth = make_cloth(spec);
+    return omega_max_bound(cloth, 1.05 * cloth.rest_positions, least);
+  };
+  double largest = 0;
+  for (const NamedCloth& cloth : cloths) {
+    largest = std::max(largest, bound(join_cloths({cloth}), 0));
+  }
+  const ClothSpec all = join_cloths(cloths);
+  EXPECT_EQ(bound(all, 0), largest);
+  EXPECT_EQ(bound(all, 1.1 * largest), 1.1 * largest);
+  EXPECT_NEAR(bound(all, 0.9 * largest), largest, 1e-12 * largest);
+}
+
 TEST(FabricSteps, ExplicitStepsAreStableUpToTheBound) {
   // Bends as stiff as springs, and damping that takes as much of the limit as they do.
   for (const auto& damping : {std::array<double, 2>{0, 0}, {0, 1e-4}, {1e-4, 0}, {3e-5, 3e-5}}) {

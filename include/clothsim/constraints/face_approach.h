@@ -13,12 +13,11 @@ namespace clothsim {
 /// Is a corner held in the solid? Then the triangle counts as held there.
 bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 
-/// Distance [m] to add to that of a contact, which should be Cloth::offset: Cloth::nearer_by(), and
-/// next to a held corner a depth by which the contact may sink in. Without that depth a triangle
-/// could not rest on the collider that it is pinned to: contact near the held corner would need
-/// unbounded motion of the free ones.
+/// Distance [m] to add to that of a contact next to a held corner, so that it may sink in by as
+/// much. Without it a triangle could not rest on the collider that it is pinned to: contact near
+/// the held corner would need unbounded motion of the free ones.
 double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
-/// That depth, for a lever as of lever_of().
+/// The same for a lever as of lever_of().
 double leeway(double lever, const Triangle&);
 
 /// face_distance(), with that leeway added.

@@ -30,6 +30,7 @@ class Pinches {
     Vector3 normal;       // of its surface, towards the point, unit
     double distance;      // from the surface at the step's start [m]
     double layer_height;  // distance that the point and the layers between them need [m]
+    int layers;           // between them
     bool touches;         // no other layer is between them
   };
 

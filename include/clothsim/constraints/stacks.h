@@ -20,7 +20,7 @@ struct ContactPoint {
   std::array<double, 3> weights;  // of the points at the contact; sum 1
   Vector3 normal;                 // of the surface, towards the cloth, unit
   double distance;                // from the surface [m]; for a point it is measured again
-  double offset;                  // distance that it keeps from there [m]
+  double nearer = 0;              // Cloth::nearer_by() of its points [m]
 
   Vector3 place(const Points& positions) const {
     return weights[0] * row(positions, points[0]) + weights[1] * row(positions, points[1]) +

@@ -16,7 +16,7 @@ inline Tiling::Range stencils_of(SelfCollision kind) {
   return kind == SelfCollision::surface ? Tiling::of_surfaces : Tiling::of_points;
 }
 
-/// Detects self contacts, 2 * thickness apart: points and triangles, edges and edges, or points
+/// Detects self contacts, see NearestDistances: points and triangles, edges and edges, or points
 /// alone.
 ///
 /// Impulses alone keep features apart: a projection of overlaps would shake piles. With surfaces,

@@ -21,7 +21,7 @@ namespace clothsim {
 /// springs' directions, unlike the scalar form 2 max_i sum k / m_i. Compressed springs count
 /// without their (negative) second part, so the bound holds for them too. A bound below `min_omega`
 /// returns `min_omega`: that needs no eigenvalue, and single precision mostly suffices. For the
-/// triangles of a mesh see membrane_bound().
+/// triangles of a mesh see membrane_bounds(); its pieces do not move each other.
 double omega_max_bound(const Cloth&, const Points& positions, double min_omega = 0,
                        const Workers& = {});
 

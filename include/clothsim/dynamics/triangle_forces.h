@@ -33,11 +33,12 @@ std::vector<double> edge_tensions(const Cloth&, const Points& positions, const P
 /// displacements of the corners, `w` is a weight of each corner.
 Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w);
 
-/// Bound on the membrane's highest frequency [rad/s], at least `min_omega`: the largest of the
-/// triangles, each alone with a part of its points' masses (Irons & Treharne 1971, "A bound theorem
-/// in eigenvalues and its practical applications"): a point divides its mass among its triangles in
-/// proportion to their stiffness. Pins do not move. On the sheets of
+/// Bounds on the membrane's highest frequency by piece [rad/s], at least `min_omega`: the largest
+/// of the triangles, each alone with a part of its points' masses (Irons & Treharne 1971, "A bound
+/// theorem in eigenvalues and its practical applications"): a point divides its mass among its
+/// triangles in proportion to their stiffness. Pins do not move. On the sheets of
 /// test/unit/triangle_fabric_test.cpp up to 1.4 times the exact one.
-double membrane_bound(const Cloth&, const Points& positions, double min_omega);
+std::vector<double> membrane_bounds(const Cloth&, const Points& positions,
+                                    std::vector<double> min_omega);
 
 }  // namespace clothsim

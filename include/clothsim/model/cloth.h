@@ -76,12 +76,12 @@ struct Cloth {
   std::vector<int> pinned;                                // point ids, ascending
   double damping = 0;                                     // [1/s]
   std::array<double, 2> internal_damping{};  // [s] of springs and of bends, see Fabric; of several
-                                             // cloths the largest, see internal_damping_at()
+                                             // cloths the largest: see internal_damping_at()
   std::optional<double> strain_limit;
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // between layers
   Scalars frictions;                                  // the same by point, N; empty: `friction`
-  double thickness = 0;                               // [m] of several cloths the largest
+  double thickness = 0;            // [m] of several cloths the largest, for bounds
   Scalars thicknesses;             // the same by point [m], N; empty: `thickness`
   double offset = surface_offset;  // from colliders [m]; of several cloths the largest
 
@@ -95,6 +95,9 @@ struct Cloth {
   /// Distance that a point keeps from colliders [m].
   double offset_at(int i) const {
     return thicknesses.size() > 0 ? std::max(surface_offset, thicknesses[i]) : offset;
+  }
+  double min_offset() const {
+    return thicknesses.size() > 0 ? std::max(surface_offset, min_thickness()) : offset;
   }
   /// How much nearer than `offset` a point comes to colliders [m].
   double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }

@@ -72,9 +72,9 @@ struct Scene {
   std::vector<MotionEntry> motions;   // for a MotionPlayer; a simulator itself does not play them
 };
 
-/// Values of a scene that may change between two frames. With several cloths, `cloths` has the
-/// material and the friction of each, `material` and `friction` those of the first; a value of
-/// these two that differs from the simulator's present one becomes that of all cloths.
+/// Values of a scene that may change between two frames. With several cloths, `cloths` has those of
+/// each, and `material`, `thickness` and `friction` those of the first; a value of these that
+/// differs from the simulator's present one becomes that of all cloths.
 struct LiveSpec {
   struct OfCloth {
     Material material;
@@ -83,7 +83,7 @@ struct LiveSpec {
   };
 
   Material material;
-  double thickness;  // these three as in ClothSpec
+  double thickness;  // this and the next two as in ClothSpec
   SelfCollision self_collision;
   double friction;
   std::map<std::string, double> collider_friction;  // by name of the collider

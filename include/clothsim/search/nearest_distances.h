@@ -117,6 +117,8 @@ class NearestDistances {
   }
   template <typename AtRest>
   static Tiles make_tiles(double max, const AtRest&);
+  /// Distance at rest beyond which tiles of one cloth are no neighbours [m].
+  double neighbours_within(const Patch&) const;
   Tiles make_tiles_of_mesh(double max, int a, int b, const Points& rest);
   Tiles make_tiles_of_grid(const Eigen::Vector2i& way, const Eigen::Vector2d& spacing) const;
   float max_distance(const Tiles&) const;
