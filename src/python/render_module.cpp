@@ -50,7 +50,7 @@ class Studio {
       throw std::runtime_error(
           "OpenGL does not survive fork(): start processes that draw by multiprocessing's spawn");
     }
-    clothsim::check_colliders(view, run.simulator.scene());
+    clothsim::check_names(view, run.simulator.scene());
     const clothsim::PreparedView ready = clothsim::prepare(view, images_);
     if (!run.pictures) run.pictures = std::make_shared<Pictures>();
     const auto pictures = std::static_pointer_cast<Pictures>(run.pictures);

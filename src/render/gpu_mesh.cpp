@@ -82,17 +82,15 @@ void GpuMesh::upload_surface(const Points& positions, const Points& normals,
          GL_STREAM_DRAW);
 }
 
-void GpuMesh::draw_triangles() const { draw_triangles(0, num_triangles_); }
+void GpuMesh::draw_triangles() const { draw_triangles({0, num_triangles_}); }
 
-void GpuMesh::draw_triangles(int first, int count) const {
-  draw_triangles(triangles_, first, count);
-}
+void GpuMesh::draw_triangles(const IndexRange& range) const { draw_triangles(triangles_, range); }
 
-void GpuMesh::draw_triangles(const Buffer& indices, int first, int count) const {
+void GpuMesh::draw_triangles(const Buffer& indices, const IndexRange& range) const {
   glBindVertexArray(array_.id());
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.id());
-  glDrawElements(GL_TRIANGLES, 3 * count, GL_UNSIGNED_INT,
-                 byte_offset(3 * sizeof(GLuint) * static_cast<std::size_t>(first)));
+  glDrawElements(GL_TRIANGLES, 3 * range.count, GL_UNSIGNED_INT,
+                 byte_offset(3 * sizeof(GLuint) * static_cast<std::size_t>(range.first)));
 }
 
 void GpuMesh::draw_lines(int first, int count) const {

@@ -76,7 +76,7 @@ void Renderer::Impl::upload(const Snapshot& snapshot, const Camera& camera, bool
   if (snapshot.cloth) {
     if (!cloth) cloth.emplace();
     cloth->update(snapshot, keep_last);
-    items.push_back(cloth->item(snapshot, eye));
+    items = cloth->items(snapshot, eye);
   } else {
     cloth.reset();
   }
@@ -147,7 +147,7 @@ void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& transl
     const DrawItem& item = *stretch.item;
     const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
     set_shading(*item.shading, program, textures);
-    item.mesh->draw_triangles(sorted_triangles, stretch.first, stretch.count);
+    item.mesh->draw_triangles(sorted_triangles, {stretch.first, stretch.count});
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
@@ -177,7 +177,7 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
       const bool closed = item.sphere_radius && item.translation.norm() > *item.sphere_radius &&
                           !std::holds_alternative<Displacement>(*item.shading);
       if (closed) glEnable(GL_CULL_FACE);
-      item.mesh->draw_triangles();
+      item.mesh->draw_triangles(item.own_triangles);
       glDisable(GL_CULL_FACE);
     }
   }

@@ -69,7 +69,7 @@ std::optional<Camera> Renderer::Impl::draw_shadow_map(const Snapshot& snapshot,
   for (const DrawItem& item : items) {
     if (!casts_shadow(item)) continue;
     use_item(item, "shadow.frag");
-    item.mesh->draw_triangles();
+    item.mesh->draw_triangles(item.own_triangles);
   }
   check_gl("drawing the shadow map");
   return light;

@@ -70,11 +70,7 @@ void Renderer::Impl::draw_truth(const Camera& camera, const TruthImages& wanted)
       const ShaderProgram& program = use_item(item, "truth.frag");
       program.set("shrinkage", 0.0);
       set_truth(camera, item, program);
-      if (item.ids.empty()) item.mesh->draw_triangles();
-      for (const auto& [first, count, id] : item.ids) {
-        program.set("id", static_cast<double>(id));
-        item.mesh->draw_triangles(first, count);
-      }
+      item.mesh->draw_triangles(item.own_triangles);
     }
   }
   check_gl("drawing the images of the surfaces");

@@ -18,28 +18,47 @@ constexpr double deepest_dip = 0.1;  // of the radius
 // A flat shape needs several segments only to keep the coordinates in each one small.
 constexpr int flat_segments = 8;
 
+/// The ranges that begin at each of `firsts`, up to `end`; one without any.
+std::vector<IndexRange> ranges(const std::vector<int>& firsts, int end) {
+  if (firsts.empty()) return {{0, end}};
+  std::vector<IndexRange> all;
+  for (std::size_t i = 0; i < firsts.size(); ++i) {
+    const int next = i + 1 < firsts.size() ? firsts[i + 1] : end;
+    all.push_back({firsts[i], next - firsts[i]});
+  }
+  return all;
+}
+
 /// Springs as lines, family by family; where lines coincide, the last one drawn is visible.
 constexpr std::array<SpringFamily, 3> line_order{SpringFamily::bending, SpringFamily::shear,
                                                  SpringFamily::structural};
 
-std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth, std::vector<LineRange>& ranges) {
+std::vector<std::array<int, 2>> spring_lines(const Cloth& cloth,
+                                             std::vector<std::vector<LineRange>>& by_cloth) {
   std::vector<std::array<int, 2>> lines;
-  ranges.clear();
-  for (const SpringFamily family : line_order) {
-    const int first = static_cast<int>(lines.size());
-    for (const SpringRun& run : cloth.springs) {
-      if (run.family == family) {
+  by_cloth.clear();
+  for (const IndexRange& points : ranges(cloth.first_points, cloth.num_points())) {
+    std::vector<LineRange>& of_cloth = by_cloth.emplace_back();
+    for (const SpringFamily family : line_order) {
+      const int first = static_cast<int>(lines.size());
+      for (const SpringRun& run : cloth.springs) {
+        const bool is_own = run.first >= points.first && run.first < points.first + points.count;
+        if (run.family != family || !is_own) continue;
         for (int i = 0; i < run.count; ++i)
           lines.push_back({run.first + i, run.first + i + run.offset});
       }
+      of_cloth.push_back({first, static_cast<int>(lines.size()) - first, static_cast<int>(family)});
     }
-    ranges.push_back({first, static_cast<int>(lines.size()) - first, static_cast<int>(family)});
   }
   return lines;
 }
 
-bool needs_tangents(const Shading& shading) {
-  return std::holds_alternative<Bump>(shading) || std::holds_alternative<Displacement>(shading);
+bool needs_tangents(const Snapshot& snapshot) {
+  const auto needs = [](const Shading& shading) {
+    return std::holds_alternative<Bump>(shading) || std::holds_alternative<Displacement>(shading);
+  };
+  const std::vector<Shading>& all = snapshot.cloth_shadings;
+  return needs(snapshot.cloth_shading) || std::any_of(all.begin(), all.end(), needs);
 }
 
 }  // namespace
@@ -47,11 +66,13 @@ bool needs_tangents(const Shading& shading) {
 void ClothObject::update(const Snapshot& snapshot, bool keep_last) {
   const Cloth& cloth = *snapshot.cloth;
   assert(snapshot.positions && snapshot.positions->rows() == cloth.num_points());
+  assert(snapshot.cloth_shadings.empty() ||
+         snapshot.cloth_shadings.size() == cloth.first_points.size());
   const bool new_cloth = snapshot.cloth != cloth_;
   cloth_ = snapshot.cloth;
   anchor_before_ = new_cloth ? std::nullopt : std::optional(anchor_);
 
-  const bool tangents = needs_tangents(snapshot.cloth_shading);
+  const bool tangents = needs_tangents(snapshot);
   const bool same = !new_cloth && snapshot.positions == positions_ && (has_tangents_ || !tangents);
   if (keep_last && (same || new_cloth)) mesh_.stand_still();
   if (same) return;
@@ -84,26 +105,30 @@ void ClothObject::upload_surface(bool new_cloth) {
       has_tangents_ ? vertex_tangents(local_, cloth_->uv, triangles, normals) : Points());
 }
 
-DrawItem ClothObject::item(const Snapshot& snapshot, const Vector3& eye) const {
+std::vector<DrawItem> ClothObject::items(const Snapshot& snapshot, const Vector3& eye) const {
+  const bool is_tube = cloth_->triangles.empty();
   DrawItem item{};
   item.mesh = &mesh_;
-  const bool is_tube = cloth_->triangles.empty();
   item.positions = is_tube ? &tube_.positions : &local_;
   item.triangles = is_tube ? &tube_.triangles : &cloth_->triangles;
-  item.lines = lines_;
-  item.shading = &snapshot.cloth_shading;
-  item.id = cloth_id;
-  const std::vector<int>& firsts = cloth_->first_triangles;
-  for (std::size_t i = 0; i < firsts.size(); ++i) {
-    const bool last = i + 1 == firsts.size();
-    const int end = last ? static_cast<int>(cloth_->triangles.size()) : firsts[i + 1];
-    const std::size_t further = i == 0 ? 0 : snapshot.colliders.size() + i;
-    item.ids.push_back({firsts[i], end - firsts[i], cloth_id + static_cast<int>(further)});
-  }
+  item.is_cloth = true;
   item.rotation.setIdentity();
   item.translation = anchor_ - eye;
   if (anchor_before_) item.before = {Eigen::Matrix3d::Identity(), *anchor_before_};
-  return item;
+
+  const auto points = ranges(cloth_->first_points, static_cast<int>(item.positions->rows()));
+  const auto triangles = ranges(cloth_->first_triangles, static_cast<int>(item.triangles->size()));
+  std::vector<DrawItem> all(points.size(), item);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].own_points = points[i];
+    all[i].own_triangles = triangles[i];
+    all[i].lines = lines_[i];
+    all[i].shading =
+        snapshot.cloth_shadings.empty() ? &snapshot.cloth_shading : &snapshot.cloth_shadings[i];
+    const std::size_t further = i == 0 ? 0 : snapshot.colliders.size() + i;
+    all[i].id = cloth_id + static_cast<int>(further);
+  }
+  return all;
 }
 
 double ClothObject::dip_below_sphere(const Vector3& center, double radius) const {
@@ -140,6 +165,8 @@ DrawItem ColliderObject::item(const ColliderView& view, int id, const Vector3& e
   item.mesh = &mesh_;
   item.positions = &shape_mesh_.positions;
   item.triangles = &shape_mesh_.triangles;
+  item.own_points = {0, static_cast<int>(shape_mesh_.positions.rows())};
+  item.own_triangles = {0, static_cast<int>(shape_mesh_.triangles.size())};
   item.lines = {{0, static_cast<int>(shape_mesh_.lines.size()), 0}};
   item.shading = &view.shading;
   item.id = id;

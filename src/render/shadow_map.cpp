@@ -29,7 +29,8 @@ std::optional<Camera> light_camera(const Vector3& light, const std::vector<DrawI
   Box box;
   for (const DrawItem& item : items) {
     if (!casts_shadow(item)) continue;
-    for (Eigen::Index i = 0; i < item.positions->rows(); ++i) {
+    const auto& [first, count] = item.own_points;
+    for (int i = first; i < first + count; ++i) {
       const Vector3 point = item.positions->row(i);
       box.extend(item.rotation * point + item.translation);
     }

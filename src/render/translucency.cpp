@@ -18,11 +18,18 @@ BackToFront sort_back_to_front(const std::vector<const DrawItem*>& items, const 
   std::vector<Key> keys;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const DrawItem& item = *items[i];
-    const Scalars depth = (*item.positions * (item.rotation.transpose() * forward)).array() +
-                          item.translation.dot(forward);
-    for (std::size_t k = 0; k < item.triangles->size(); ++k) {
-      const std::array<int, 3>& t = (*item.triangles)[k];
-      keys.push_back({(depth[t[0]] + depth[t[1]] + depth[t[2]]) / 3, i, k});
+    const auto& [first_point, points] = item.own_points;
+    const Scalars depth =
+        (item.positions->middleRows(first_point, points) * (item.rotation.transpose() * forward))
+            .array() +
+        item.translation.dot(forward);
+    const auto& [first, count] = item.own_triangles;
+    for (int k = first; k < first + count; ++k) {
+      double sum = 0;
+      for (const int corner : (*item.triangles)[static_cast<std::size_t>(k)]) {
+        sum += depth[corner - first_point];
+      }
+      keys.push_back({sum / 3, i, static_cast<std::size_t>(k)});
     }
   }
   std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {

@@ -17,7 +17,7 @@ class Scenery {
     for (const DrawItem& item : items) {
       if (item.sphere_radius) {
         balls_.push_back({item.translation, *item.sphere_radius});
-      } else if (item.id != cloth_id || !rope) {
+      } else if (!item.is_cloth || !rope) {
         add_triangles(item);
       }
     }
@@ -55,13 +55,15 @@ class Scenery {
   static constexpr int no_point = -1;  // for a collider's triangle
 
   void add_triangles(const DrawItem& item) {
-    for (const std::array<int, 3>& triangle : *item.triangles) {
+    const auto& [first, count] = item.own_triangles;
+    for (int number = first; number < first + count; ++number) {
+      const auto& triangle = (*item.triangles)[static_cast<std::size_t>(number)];
       std::array<Vector3, 3> t;
       for (std::size_t k = 0; k < 3; ++k)
         t[k] = item.rotation * row(*item.positions, triangle[k]) + item.translation;
       triangles_.push_back(t);
-      corners_.push_back(item.id == cloth_id ? triangle
-                                             : std::array<int, 3>{no_point, no_point, no_point});
+      corners_.push_back(item.is_cloth ? triangle
+                                       : std::array<int, 3>{no_point, no_point, no_point});
     }
   }
 

@@ -96,7 +96,7 @@ void Node::start_with(const clothsim::Scene& scene) {
   const std::vector<clothsim::View> live_views = cameras_.views();
   std::vector<clothsim::View> views;
   for (const clothsim::NamedView& camera : parameters_.cameras) {
-    views.push_back(clothsim::without_missing_colliders(camera.view, scene));
+    views.push_back(clothsim::without_missing_names(camera.view, scene));
   }
   go_on_beside([&] { cameras_.set_views(views); });  // which may read large images
   try {

@@ -112,7 +112,7 @@ void read_cameras(const ros::NodeHandle& node, NodeParameters& parameters) {
   read_optional(node, "camera", [&](const YAML::Node& given) { camera = given; });
   clothsim::inside("camera", [&] {
     const clothsim::View view = clothsim::read_view(without_topics(camera));
-    clothsim::check_colliders(view, parameters.scene);
+    clothsim::check_names(view, parameters.scene);
     if (view.egl_device) clothsim::check_egl_device(*view.egl_device);
     parameters.cameras = {{"camera", view}};
   });

@@ -69,7 +69,7 @@ ExitCode film(const FilmOptions& options) {
   override_values(look, options.view_values);
   const View view = read_view(look);
   return run("film", options.run, [&](const Simulator& simulator) {
-    check_colliders(view, simulator.scene());
+    check_names(view, simulator.scene());
     return std::make_unique<Film>(options, view, simulator.frame_duration());
   });
 }

@@ -87,7 +87,7 @@ ExitCode take_pictures(const Options& options) {
   for (const std::string& choice : or_none(options.view_choices))
     views.push_back(read_view(with(view, choice)));
   check_sizes(views, options.view_choices);
-  for (const View& each : views) check_colliders(each, scenes[0]);
+  for (const View& each : views) check_names(each, scenes[0]);
 
   PictureMaker maker(views[0]);
   std::vector<Tile> tiles;

@@ -20,6 +20,12 @@ Snapshot SnapshotMaker::make(const Simulator& simulator, const PreparedView& vie
   snapshot.cloth = cloth_;
   snapshot.positions = positions_;
   snapshot.cloth_shading = view.cloth;
+  if (!view.cloths.empty()) {
+    for (const ClothPart& part : simulator.scene().cloth.parts) {
+      const auto named = view.cloths.find(part.name);
+      snapshot.cloth_shadings.push_back(named == view.cloths.end() ? view.cloth : named->second);
+    }
+  }
   snapshot.light = view.light;
   snapshot.background = view.background;
   const std::vector<ColliderSpec>& colliders = simulator.scene().colliders;

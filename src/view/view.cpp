@@ -13,6 +13,13 @@ std::vector<std::string> collider_names(const Scene& scene) {
   return names;
 }
 
+/// Those of several cloths.
+std::vector<std::string> cloth_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ClothPart& part : scene.cloth.parts) names.push_back(part.name);
+  return names;
+}
+
 ColliderView prepare(const ColliderLook& look, ImageStore& images) {
   ColliderView view;
   view.shading = make_shading(look.look, images);
@@ -24,21 +31,29 @@ ColliderView prepare(const ColliderLook& look, ImageStore& images) {
 
 }  // namespace
 
-void check_colliders(const View& view, const Scene& scene) {
-  const std::vector<std::string> names = collider_names(scene);
-  for (const auto& entry : view.colliders) {
-    if (std::count(names.begin(), names.end(), entry.first) > 0) continue;
-    throw InvalidValue({"colliders", entry.first}, "a collider that the scene does not have",
-                       names.empty() ? "none, as the scene has none" : "one of " + join(names));
-  }
+void check_names(const View& view, const Scene& scene) {
+  const auto check = [](const auto& looks, const std::string& key, const std::string& object,
+                        const std::vector<std::string>& names, const std::string& none) {
+    for (const auto& entry : looks) {
+      if (std::count(names.begin(), names.end(), entry.first) > 0) continue;
+      throw InvalidValue({key, entry.first}, object + " that the scene does not have",
+                         names.empty() ? none : "one of " + join(names));
+    }
+  };
+  check(view.cloths, "cloths", "a cloth", cloth_names(scene), "none: the look of one is `cloth`");
+  check(view.colliders, "colliders", "a collider", collider_names(scene),
+        "none, as the scene has none");
 }
 
-View without_missing_colliders(View view, const Scene& scene) {
-  const std::vector<std::string> names = collider_names(scene);
-  for (auto entry = view.colliders.begin(); entry != view.colliders.end();) {
-    const bool known = std::count(names.begin(), names.end(), entry->first) > 0;
-    entry = known ? std::next(entry) : view.colliders.erase(entry);
-  }
+View without_missing_names(View view, const Scene& scene) {
+  const auto leave_out = [](auto& looks, const std::vector<std::string>& names) {
+    for (auto entry = looks.begin(); entry != looks.end();) {
+      const bool known = std::count(names.begin(), names.end(), entry->first) > 0;
+      entry = known ? std::next(entry) : looks.erase(entry);
+    }
+  };
+  leave_out(view.cloths, cloth_names(scene));
+  leave_out(view.colliders, collider_names(scene));
   return view;
 }
 
@@ -54,6 +69,11 @@ PreparedView prepare(const View& view, ImageStore& images) {
   if (!view.sky.empty()) ready.background.sky = images.cube_map(view.sky, "sky");
 
   inside("cloth", [&] { ready.cloth = make_shading(view.cloth, images); });
+  for (const auto& entry : view.cloths) {
+    inside("cloths", [&] {
+      inside(entry.first, [&] { ready.cloths[entry.first] = make_shading(entry.second, images); });
+    });
+  }
   inside("collider", [&] { ready.collider = prepare(view.collider, images); });
   for (const auto& entry : view.colliders) {
     inside("colliders", [&] {

@@ -46,16 +46,19 @@ void read_collider_look(const YAML::Node& node, ColliderLook& collider) {
   read_map(node, fields);
 }
 
-/// A named collider takes values that it does not set from the look of all colliders.
-void read_colliders(const YAML::Node& node, View& view) {
+void read_cloth_look(const YAML::Node& node, Look& cloth) { read_map(node, look_fields(cloth)); }
+
+/// Looks by name: each takes values that it does not set from `all`.
+template <typename ObjectLook, typename Read>
+void read_named(const YAML::Node& node, const ObjectLook& all, const Read& read,
+                std::map<std::string, ObjectLook>& looks) {
+  if (!node.IsDefined() || node.IsNull()) return;
   std::vector<Field> fields;
   if (node.IsMap()) {
     for (const auto& entry : node) {
       const std::string name = entry.first.Scalar();
-      fields.push_back({name, [&view, name](const YAML::Node& look) {
-                          ColliderLook& collider = view.colliders[name] = view.collider;
-                          read_collider_look(look, collider);
-                        }});
+      fields.push_back(
+          {name, [&, name](const YAML::Node& look) { read(look, looks[name] = all); }});
     }
   }
   read_map(node, fields);
@@ -123,20 +126,22 @@ std::vector<Field> viewpoint_fields(View& view, Intrinsics& intrinsics) {
 View read_view(const YAML::Node& root) {
   View view;
   Intrinsics intrinsics;
-  YAML::Node named;  // read last, as they start from the look of all colliders
+  YAML::Node cloths, colliders;  // read last, as they start from the look of all
   std::vector<Field> fields = viewpoint_fields(view, intrinsics);
   const std::vector<Field> looks = {
       {"light", [&](const YAML::Node& node) { read_light(node, view.light); }},
       {"shadows", into(view.light.shadows)},
       {"background", into(view.background)},
       {"sky", into(view.sky)},
-      {"cloth", [&](const YAML::Node& node) { read_map(node, look_fields(view.cloth)); }},
+      {"cloth", [&](const YAML::Node& node) { read_cloth_look(node, view.cloth); }},
+      {"cloths", [&](const YAML::Node& node) { cloths = node; }},
       {"collider", [&](const YAML::Node& node) { read_collider_look(node, view.collider); }},
-      {"colliders", [&](const YAML::Node& node) { named = node; }}};
+      {"colliders", [&](const YAML::Node& node) { colliders = node; }}};
   fields.insert(fields.end(), looks.begin(), looks.end());
   read_map(root, fields);
-  if (named.IsDefined() && !named.IsNull())
-    inside("colliders", [&] { read_colliders(named, view); });
+  inside("cloths", [&] { read_named(cloths, view.cloth, read_cloth_look, view.cloths); });
+  inside("colliders",
+         [&] { read_named(colliders, view.collider, read_collider_look, view.colliders); });
   intrinsics.apply(view.camera);
   validate(view);
   return view;
@@ -149,6 +154,7 @@ NamedView read_camera(const YAML::Node& root, const View& looks) {
   view.background = looks.background;
   view.sky = looks.sky;
   view.cloth = looks.cloth;
+  view.cloths = looks.cloths;
   view.collider = looks.collider;
   view.colliders = looks.colliders;
   view.egl_device = looks.egl_device;

@@ -52,6 +52,73 @@ TEST(Pixels, ATriangleIsInsideAndNotOutside) {
   expect_pixel(64, 48, 0, 255, nothing, 0);
 }
 
+/// Two cloths of a triangle each, the first on the left, and a sphere out of the picture.
+Snapshot two_cloths() {
+  Points positions(6, 3);
+  positions << -0.9, -0.5, 2, -0.1, -0.5, 2, -0.5, 0.5, 2,  //
+      0.1, -0.5, 2, 0.9, -0.5, 2, 0.5, 0.5, 2;
+  Snapshot snapshot = triangle_cloth(positions, {{0, 1, 2}, {3, 4, 5}});
+  Cloth cloth = *snapshot.cloth;
+  cloth.first_points = {0, 3};
+  cloth.first_triangles = {0, 1};
+  cloth.springs = {{SpringFamily::structural, 0, 1, 2, 1, 1},
+                   {SpringFamily::structural, 3, 1, 2, 1, 1}};
+  snapshot.cloth = std::make_shared<const Cloth>(cloth);
+  snapshot.colliders.resize(1);
+  snapshot.colliders[0].pose.position = {0, 0, -5};
+  snapshot.background.color = {0, 1, 0};
+  return snapshot;
+}
+
+TEST(Pixels, EachOfSeveralClothsHasItsOwnLook) {
+  Snapshot snapshot = two_cloths();
+  snapshot.cloth_shading = flat_color({1, 1, 1});
+  const Camera camera = camera_with_fov(65, 49, M_PI / 2);
+  const auto colors = [&] {  // of both middles, red and blue
+    const Images images = draw(snapshot, camera);
+    EXPECT_EQ(images.mask[static_cast<std::size_t>(22 * images.width + 24)], 1);
+    EXPECT_EQ(images.mask[static_cast<std::size_t>(22 * images.width + 40)], 3);
+    return std::array<int, 4>{channel(images, 24, 22, 0), channel(images, 24, 22, 2),
+                              channel(images, 40, 22, 0), channel(images, 40, 22, 2)};
+  };
+  EXPECT_EQ(colors(), (std::array{255, 255, 255, 255}));
+  snapshot.cloth_shadings = {flat_color(red), flat_color(blue)};
+  EXPECT_EQ(colors(), (std::array{255, 0, 0, 255}));
+  snapshot.light.shadows = true;
+  EXPECT_EQ(colors(), (std::array{255, 0, 0, 255}));
+  snapshot.cloth_shadings = {Wireframe{}, flat_color(blue)};  // the background is between lines
+  EXPECT_EQ(colors(), (std::array{0, 0, 0, 255}));
+  snapshot.cloth_shadings = {flat_color(red), Wireframe{}};
+  EXPECT_EQ(colors(), (std::array{255, 0, 0, 0}));
+  Translucent glass;
+  glass.image = std::make_shared<const Image>(Image{1, 1, {255, 255, 255}});
+  glass.alpha = 1;
+  glass.phong.ka = 1;
+  glass.phong.diffuse = glass.phong.specular = false;
+  snapshot.cloth_shadings = {flat_color(red), glass};
+  EXPECT_EQ(colors(), (std::array{255, 0, 255, 255}));
+  snapshot.cloth_shadings = {glass, flat_color(blue)};
+  EXPECT_EQ(colors(), (std::array{255, 255, 0, 255}));
+  snapshot.cloth_shadings = {glass, glass};
+  EXPECT_EQ(colors(), (std::array{255, 255, 255, 255}));
+}
+
+TEST(Pixels, LinesOfSeveralClothsAreTheirOwn) {
+  Snapshot snapshot = two_cloths();
+  Wireframe lines;
+  lines.colors[0] = red;
+  snapshot.cloth_shadings = {lines, flat_color(blue)};
+  const Images images = draw(snapshot, camera_with_fov(65, 49, M_PI / 2));
+  int left = 0, right = 0;  // red pixels
+  for (int v = 0; v < images.height; ++v) {
+    for (int u = 0; u < images.width; ++u) {
+      if (channel(images, u, v, 0) > 100) ++(u < 32 ? left : right);
+    }
+  }
+  EXPECT_GT(left, 20);
+  EXPECT_EQ(right, 0);
+}
+
 TEST(Pixels, SphereDepthAndMaskAreExact) {
   Snapshot snapshot;
   ColliderView sphere;

@@ -122,8 +122,12 @@ TEST(Translucency, SortsTrianglesOfAllObjectsTogether) {
   second.translation = {0, 0, 2};
   first.positions = &a;
   first.triangles = &two;
+  first.own_points = {0, 6};
+  first.own_triangles = {0, 2};
   second.positions = &b;
   second.triangles = &one;
+  second.own_points = {0, 3};
+  second.own_triangles = {0, 1};
 
   const BackToFront order = sort_back_to_front({&first, &second}, Vector3::UnitZ());
   ASSERT_EQ(order.stretches.size(), 3u);

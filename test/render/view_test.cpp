@@ -163,15 +163,51 @@ TEST(View, MistakesAreNamed) {
   expect_refused("{colliders: {ball: {color: [2, 0, 0]}}}", "colliders.ball.color.0: got 2");
 }
 
+TEST(View, AClothOfSeveralTakesTheLookOfAllWhereItHasNone) {
+  const View view = read_view(
+      YAML::Load("{cloths: {upper: {color: [0, 0, 1]}}, cloth: {shader: diffuse, kd: 0.5}}"));
+  EXPECT_EQ(view.cloths.at("upper").shader, "diffuse");
+  EXPECT_EQ(view.cloths.at("upper").phong.kd, 0.5);
+  EXPECT_EQ(view.cloths.at("upper").color, Color(0, 0, 1));
+  EXPECT_NE(view.cloth.color, Color(0, 0, 1));
+  expect_refused("{cloths: {upper: {power: 0}}}", "cloths.upper.power: got 0");
+  expect_refused("{cloths: {upper: {shade: diffuse}}}", "cloths.upper.shade: got an unknown key");
+  expect_refused("{cloths: [upper]}", "cloths: got");
+
+  const Scene stack =
+      read_scene(load_scene_file(std::string(CLOTHSIM_SCENES_DIR) + "/napkins.yaml"));
+  EXPECT_NO_THROW(check_names(view, stack));
+  const auto refusal = [&](const Scene& scene) -> std::string {
+    try {
+      check_names(read_view(YAML::Load("{cloths: {middle: {}}}")), scene);
+    } catch (const InvalidValue& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_TRUE(says(refusal(stack), "cloths.middle ... lower, upper"));
+  EXPECT_TRUE(says(refusal(Scene()), "cloths.middle ... `cloth`"));
+  EXPECT_TRUE(without_missing_names(view, Scene()).cloths.empty());
+  EXPECT_EQ(without_missing_names(view, stack).cloths.size(), 1u);
+
+  ImageStore images(textures_folder());
+  SnapshotMaker maker;
+  const Simulator simulator(stack);
+  const Snapshot snapshot = maker.make(simulator, prepare(view, images));
+  ASSERT_EQ(snapshot.cloth_shadings.size(), 2u);
+  EXPECT_EQ(std::get<Diffuse>(snapshot.cloth_shadings[0]).color, view.cloth.color);
+  EXPECT_EQ(std::get<Diffuse>(snapshot.cloth_shadings[1]).color, Color(0, 0, 1));
+}
+
 TEST(View, CollidersMustBeThoseOfTheScene) {
   Scene scene;
   scene.colliders.resize(1);
   scene.colliders[0].name = "sphere";
   const View view = read_view(YAML::Load("{colliders: {sphere: {}}}"));
-  EXPECT_NO_THROW(check_colliders(view, scene));
+  EXPECT_NO_THROW(check_names(view, scene));
   scene.colliders[0].name = "ball";
   try {
-    check_colliders(view, scene);
+    check_names(view, scene);
     FAIL() << "took a look for a collider that is not there";
   } catch (const InvalidValue& error) {
     EXPECT_EQ(error.key(), (std::vector<std::string>{"colliders", "sphere"}));

@@ -21,28 +21,23 @@ struct LineRange {
 /// those of further cloths after the last collider's.
 constexpr int cloth_id = 1;
 
-/// Triangles with an id of their own in the mask: `count` from the `first` one on.
-struct IdRange {
-  int first;
-  int count;
-  int id;
-};
-
 /// The pose of a mesh.
 struct Placement {
   Eigen::Matrix3d rotation;  // from its frame to the world's axes
   Vector3 origin;            // [m] in the world
 };
 
-/// An object to draw: its pose and look. Points to data of others.
+/// An object to draw, a mesh or a part of one: its pose and look. Points to data of others.
 struct DrawItem {
   const GpuMesh* mesh;
-  const Points* positions;  // [m] of the vertices, in the mesh's frame
+  const Points* positions;  // [m] of the mesh's vertices, in its frame
   const std::vector<std::array<int, 3>>* triangles;
+  IndexRange own_points;         // those of the object
+  IndexRange own_triangles;      // the same
   std::vector<LineRange> lines;  // in drawing order
   const Shading* shading;
-  int id;                               // in the mask
-  std::vector<IdRange> ids;             // of parts of the mesh; empty: `id` for all
+  int id;  // in the mask
+  bool is_cloth;
   Eigen::Matrix3d rotation;             // from the mesh's frame to the world's axes
   Vector3 translation;                  // [m] of the mesh's origin from the camera
   std::optional<Placement> before;      // at the last picture; empty: not visible then

@@ -9,6 +9,12 @@
 
 namespace clothsim {
 
+/// `count` of a mesh's points or triangles, from the `first` one on.
+struct IndexRange {
+  int first;
+  int count;
+};
+
 /// A mesh in the memory of the GPU, with separate buffers for constant attributes (texture
 /// coordinates, triangles, lines) and moving ones (positions, normals, tangents). Shaders also have
 /// the previous surface: the present one, unless keep_surface() was called.
@@ -32,11 +38,10 @@ class GpuMesh {
 
   void draw_triangles() const;
 
-  /// Draws `count` of its triangles, starting at triangle `first`.
-  void draw_triangles(int first, int count) const;
+  void draw_triangles(const IndexRange&) const;
 
-  /// Draws `count` triangles of index buffer `indices`, starting at triangle `first`.
-  void draw_triangles(const Buffer& indices, int first, int count) const;
+  /// Draws triangles of index buffer `indices`.
+  void draw_triangles(const Buffer& indices, const IndexRange&) const;
 
   /// Draws `count` lines, starting at line `first`.
   void draw_lines(int first, int count) const;

@@ -10,15 +10,16 @@
 
 namespace clothsim {
 
-/// The cloth on the GPU. A cloth of a single row or column, which has no surface, is a tube with
-/// the cloth's thickness.
+/// The cloth on the GPU, or several cloths in one mesh. A cloth of a single row or column, which
+/// has no surface, is a tube with the cloth's thickness.
 class ClothObject {
  public:
   /// Uploads the differences from the last snapshot, whose surface stays on the GPU if `keep_last`.
   /// Tangents are computed only if the shading needs them.
   void update(const Snapshot&, bool keep_last);
 
-  DrawItem item(const Snapshot&, const Vector3& eye) const;
+  /// One for each cloth.
+  std::vector<DrawItem> items(const Snapshot&, const Vector3& eye) const;
 
   /// Bound on the depth [m] below the surface of a sphere about `center` [m], from the mesh's
   /// origin, of a flat triangle of this cloth whose corners are outside. Zero where the cloth is
@@ -27,7 +28,7 @@ class ClothObject {
 
  private:
   GpuMesh mesh_;
-  std::vector<LineRange> lines_;
+  std::vector<std::vector<LineRange>> lines_;  // by cloth
   std::shared_ptr<const Cloth> cloth_;
   std::shared_ptr<const Points> positions_;
   Points local_;                          // positions relative to anchor_ [m]

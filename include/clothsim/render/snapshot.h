@@ -41,6 +41,7 @@ struct Snapshot {
   std::shared_ptr<const Cloth> cloth;       // null: none
   std::shared_ptr<const Points> positions;  // [m], N x 3
   Shading cloth_shading = BlinnPhong{};
+  std::vector<Shading> cloth_shadings;  // of several cloths, one each; empty: all as cloth_shading
   std::vector<ColliderView> colliders;  // at most 254, less one for each cloth after the first
   Light light;
   Background background;

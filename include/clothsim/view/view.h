@@ -28,8 +28,9 @@ struct View {
   std::string frame;               // tf frame of the camera once tf has it, in optical convention
   Light light;
   Color background{0.1, 0.1, 0.12};
-  std::string sky;  // as Look::environment; empty: the colour
-  Look cloth;
+  std::string sky;                                // as Look::environment; empty: the colour
+  Look cloth;                                     // for cloths that are not named
+  std::map<std::string, Look> cloths;             // of several, by name
   ColliderLook collider;                          // for colliders that are not named
   std::map<std::string, ColliderLook> colliders;  // by name
   double rate = 30;                               // [Hz] of pictures, at most
@@ -38,11 +39,11 @@ struct View {
   std::optional<int> egl_device;  // index of the EGL device; empty: the best
 };
 
-/// Throws InvalidValue for the look of a collider that the scene does not have.
-void check_colliders(const View&, const Scene&);
+/// Throws InvalidValue for the look of a cloth or a collider that the scene does not have.
+void check_names(const View&, const Scene&);
 
-/// A view without the looks of colliders that the scene does not have.
-View without_missing_colliders(View, const Scene&);
+/// A view without the looks of cloths and colliders that the scene does not have.
+View without_missing_names(View, const Scene&);
 
 /// A view ready for drawing: images read, values checked.
 struct PreparedView {
@@ -50,6 +51,7 @@ struct PreparedView {
   Light light;
   Background background;
   Shading cloth;
+  std::map<std::string, Shading> cloths;
   ColliderView collider;  // shape and pose are set for each picture
   std::map<std::string, ColliderView> colliders;
 };
