@@ -1,5 +1,7 @@
 #include "clothsim/ros/markers.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -50,29 +52,41 @@ void set_scale(Marker& marker, double x, double y, double z) {
   marker.scale.z = z;
 }
 
-/// Both sides of the cloth, as RViz lights the front of a triangle only: first all fronts, then all
-/// backs. One colour for all, as colours per vertex would switch the lighting off.
-Marker make_surface(const clothsim::Cloth& cloth, const clothsim::Points& positions,
-                    const std_msgs::Header& header) {
-  Marker marker =
-      make_marker(header, "surface", 0, Marker::TRIANGLE_LIST, color(0.85f, 0.33f, 0.25f));
+/// Both sides of cloth `number`, as RViz lights the front of a triangle only: first all fronts,
+/// then all backs. One colour for all, as colours per vertex would switch the lighting off.
+Marker make_surface(const clothsim::Cloth& cloth, std::size_t number, const clothsim::Points& front,
+                    const clothsim::Points& back, const std_msgs::Header& header) {
+  const auto [r, g, b] = cloth_color(number);
+  Marker marker = make_marker(header, "surface", static_cast<int>(number), Marker::TRIANGLE_LIST,
+                              color(r, g, b));
   set_scale(marker, 1, 1, 1);
-  if (cloth.triangles.empty()) {
-    marker.action = Marker::DELETE;
-    return marker;
-  }
-
-  const clothsim::Points out = skin * clothsim::vertex_normals(positions, cloth.triangles);
-  const clothsim::Points front = positions + out;
-  const clothsim::Points back = positions - out;
-  marker.points.reserve(6 * cloth.triangles.size());
-  for (const auto& [a, b, c] : cloth.triangles) {
-    for (const int point : {a, b, c}) marker.points.push_back(to_point_msg(front, point));
-  }
-  for (const auto& [a, b, c] : cloth.triangles) {
-    for (const int point : {a, c, b}) marker.points.push_back(to_point_msg(back, point));
-  }
+  const std::vector<int>& firsts = cloth.first_triangles;
+  const auto all = static_cast<int>(cloth.triangles.size());
+  const int first = firsts.empty() ? 0 : firsts[number];
+  const int end = number + 1 < firsts.size() ? firsts[number + 1] : all;
+  marker.points.reserve(6 * static_cast<std::size_t>(end - first));
+  const auto add = [&](const clothsim::Points& positions, bool turned) {
+    for (int t = first; t < end; ++t) {
+      const auto& [i, j, k] = cloth.triangles[static_cast<std::size_t>(t)];
+      for (const int point : {i, turned ? k : j, turned ? j : k}) {
+        marker.points.push_back(to_point_msg(positions, point));
+      }
+    }
+  };
+  add(front, false);
+  add(back, true);
+  if (marker.points.empty()) marker.action = Marker::DELETE;
   return marker;
+}
+
+void add_surfaces(const clothsim::Cloth& cloth, const clothsim::Points& positions,
+                  const std_msgs::Header& header, std::vector<Marker>& markers) {
+  const clothsim::Points out = skin * clothsim::vertex_normals(positions, cloth.triangles);
+  const clothsim::Points front = positions + out, back = positions - out;
+  const std::size_t cloths = std::max<std::size_t>(cloth.first_triangles.size(), 1);
+  for (std::size_t i = 0; i < cloths; ++i) {
+    markers.push_back(make_surface(cloth, i, front, back, header));
+  }
 }
 
 /// Springs of all families; a family without springs is deleted.
@@ -151,13 +165,23 @@ Marker make_pins(const clothsim::Cloth& cloth, const clothsim::Points& positions
 
 }  // namespace
 
+std::array<float, 3> cloth_color(std::size_t number) {
+  constexpr std::array<std::array<float, 3>, 6> colors{{{0.85f, 0.33f, 0.25f},
+                                                        {0.34f, 0.71f, 0.91f},
+                                                        {0.94f, 0.89f, 0.26f},
+                                                        {0.00f, 0.62f, 0.45f},
+                                                        {0.80f, 0.47f, 0.65f},
+                                                        {0.00f, 0.45f, 0.70f}}};
+  return colors[number % colors.size()];
+}
+
 visualization_msgs::MarkerArray make_markers(const clothsim::Simulator& simulator,
                                              const std_msgs::Header& header) {
   const clothsim::Cloth& cloth = simulator.cloth();
   const clothsim::Points& positions = simulator.state().positions;
 
   visualization_msgs::MarkerArray array;
-  array.markers.push_back(make_surface(cloth, positions, header));
+  add_surfaces(cloth, positions, header, array.markers);
   add_colliders(simulator, header, array.markers);
   if (!cloth.pinned.empty()) array.markers.push_back(make_pins(cloth, positions, header));
   return array;

@@ -1,5 +1,6 @@
 #include "clothsim/ros/reconfigure.h"
 
+#include <clothsim/ClothConfig.h>
 #include <clothsim/ClothSimConfig.h>
 #include <clothsim/ColliderConfig.h>
 
@@ -14,7 +15,9 @@ namespace clothsim_ros {
 namespace {
 
 using Config = clothsim::ClothSimConfig;
+using clothsim::ClothConfig;
 using clothsim::ColliderConfig;
+using OfCloth = clothsim::LiveSpec::OfCloth;
 
 /// Calls visit(of the configuration, of the material) for each of a fabric's values.
 template <typename Config, typename Fabric, typename Visit>
@@ -26,6 +29,25 @@ void for_each_value(Config& config, Fabric& fabric, Visit&& visit) {
   visit(config.bending_stiffness_weft, fabric.bending_stiffness[1]);
   visit(config.internal_damping_stretch, fabric.internal_damping[0]);
   visit(config.internal_damping_bending, fabric.internal_damping[1]);
+}
+
+/// Calls visit(of the configuration, of the cloth) for each value of one of several cloths.
+template <typename Config, typename Cloth, typename Visit>
+void for_each_value_of_cloth(Config& config, Cloth& cloth, Visit&& visit) {
+  for_each_value(config, *cloth.material.fabric, visit);
+  visit(config.density, cloth.material.density);
+  visit(config.thickness, cloth.thickness);
+  visit(config.friction, cloth.friction);
+  visit(config.structural, cloth.material.springs[0]);
+  visit(config.shear, cloth.material.springs[1]);
+  visit(config.bending, cloth.material.springs[2]);
+}
+
+/// `config` with the values of one of several cloths.
+template <typename Config>
+Config with_values_of(const OfCloth& cloth, Config config) {
+  for_each_value_of_cloth(config, cloth, [](auto& shown, const auto& value) { shown = value; });
+  return config;
 }
 
 /// Sets a cloth's stiffness, or its fabric, from `config`. Throws where a value of the other kind
@@ -90,13 +112,27 @@ dynamic_reconfigure::Config to_message(const Config& config) {
   return msg;
 }
 
-/// Adds values of a collider by their names below the node's.
-void append(const ColliderConfig& config, const std::string& ns, dynamic_reconfigure::Config& msg) {
-  dynamic_reconfigure::DoubleParameter friction;
-  friction.name = ns + "/friction";
-  friction.value = config.friction;
-  msg.doubles.push_back(friction);
+/// Adds values by their names below the node's, in namespace `ns`.
+template <typename Generated>
+void append(const Generated& config, const std::string& ns, dynamic_reconfigure::Config& msg) {
+  dynamic_reconfigure::Config own;
+  config.__toMessage__(own);
+  const auto add = [&](const auto& values, auto& to) {
+    for (auto value : values) {
+      value.name = ns + '/' + value.name;
+      to.push_back(value);
+    }
+  };
+  add(own.bools, msg.bools);
+  add(own.doubles, msg.doubles);
 }
+
+/// A server of values in a namespace below the node's.
+template <typename Generated>
+struct Space {
+  std::string ns;
+  std::unique_ptr<LiveValues<Generated>> values;
+};
 
 clothsim::Vector3 wind_of(const Config& config) {
   return {config.wind_x, config.wind_y, config.wind_z};
@@ -157,7 +193,6 @@ clothsim::Scene to_scene(const Config& config, const Config& last,
 struct Reconfigure::Impl {
   Impl(const ros::NodeHandle& node, clothsim::Simulator& served, Changes& changes)
       : simulator(served),
-        cloths(clothsim::live_values(simulator.scene()).cloths),
         last(from_scene(simulator.scene(), Config::__getDefault__())),
         values(node, last,
                [this, &changes, start = simulator.scene().simulation](const Config& config) {
@@ -165,10 +200,15 @@ struct Reconfigure::Impl {
                  simulator.set(clothsim::live_values(scene));
                  last = config;
                  if (!serving) return;
+                 show_cloths();
                  clothsim::Change change;
                  change.values = to_message(config);
                  changes.publish("set_parameters", change);
                }) {
+    const std::vector<std::string> cloth_names = ros_names(simulator.scene().cloth.parts);
+    for (std::size_t i = 0; i < cloth_names.size(); ++i) {
+      add_cloth(node, i, "cloth/" + cloth_names[i], changes);
+    }
     const std::vector<clothsim::ColliderSpec>& specs = simulator.scene().colliders;
     const std::vector<std::string> in_ros = ros_names(specs);
     for (std::size_t i = 0; i < specs.size(); ++i) {
@@ -192,28 +232,53 @@ struct Reconfigure::Impl {
       append(config, ns, change.values);
       changes.publish("set_parameters", change);
     };
-    colliders.emplace_back(
-        ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns), start, apply));
+    colliders.push_back({ns, std::make_unique<LiveValues<ColliderConfig>>(ros::NodeHandle(node, ns),
+                                                                          start, apply)});
   }
 
-  /// Gives several cloths their materials and friction of the start, which the values of the first
-  /// do not tell.
-  void reset_cloths() {
-    if (cloths.empty()) return;
-    clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
-    live.material = cloths.front().material;
-    live.friction = cloths.front().friction;
-    live.thickness = cloths.front().thickness;
-    live.cloths = cloths;
-    simulator.set(live);
+  /// Serves the values of one of several cloths in namespace `ns`.
+  void add_cloth(const ros::NodeHandle& node, std::size_t index, const std::string& ns,
+                 Changes& changes) {
+    const auto apply = [this, index, ns, &changes](ClothConfig config) {
+      if (!serving) return;  // in effect already
+      clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
+      for_each_value_of_cloth(config, live.cloths[index],
+                              [](const auto& given, auto& value) { value = given; });
+      simulator.set(live);
+      if (index == 0) {  // which the node's own values show
+        last = with_values_of(live.cloths[0], last);
+        values.show(last);
+      }
+      clothsim::Change change;
+      append(config, ns, change.values);
+      changes.publish("set_parameters", change);
+    };
+    const ClothConfig start = with_values_of(clothsim::live_values(simulator.scene()).cloths[index],
+                                             ClothConfig::__getDefault__());
+    cloths.push_back(
+        {ns, std::make_unique<LiveValues<ClothConfig>>(ros::NodeHandle(node, ns), start, apply)});
+  }
+
+  void show_cloths() {
+    const clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      cloths[i].values->show(with_values_of(live.cloths[i], cloths[i].values->accepted()));
+    }
+  }
+
+  /// Calls visit(namespace, server) for those of cloths and colliders.
+  template <typename Visit>
+  void for_each_space(const Visit& visit) const {
+    for (const auto& [ns, values_of_cloth] : cloths) visit(ns, *values_of_cloth);
+    for (const auto& [ns, values_of_collider] : colliders) visit(ns, *values_of_collider);
   }
 
   clothsim::Simulator& simulator;
-  const std::vector<clothsim::LiveSpec::OfCloth> cloths;  // of several, at the start
-  bool serving = false;                                   // false at the start, which is no call
-  Config last;                                            // accepted last
+  bool serving = false;  // false at the start, which is no call
+  Config last;           // accepted last
   LiveValues<Config> values;
-  std::vector<std::pair<std::string, std::unique_ptr<LiveValues<ColliderConfig>>>> colliders;
+  std::vector<Space<ClothConfig>> cloths;  // of several
+  std::vector<Space<ColliderConfig>> colliders;
 };
 
 Reconfigure::Reconfigure(const ros::NodeHandle& node, clothsim::Simulator& simulator,
@@ -224,29 +289,29 @@ Reconfigure::~Reconfigure() = default;
 
 dynamic_reconfigure::Config Reconfigure::values() const {
   dynamic_reconfigure::Config msg = to_message(impl_->values.accepted());
-  for (const auto& [ns, values] : impl_->colliders) append(values->accepted(), ns, msg);
+  impl_->for_each_space(
+      [&](const std::string& ns, const auto& values) { append(values.accepted(), ns, msg); });
   return msg;
 }
 
 std::vector<std::string> Reconfigure::changed() const {
   std::vector<std::string> all = impl_->values.changed();
-  for (const auto& [ns, values] : impl_->colliders) {
-    for (const std::string& text : values->changed()) all.push_back(ns + '/' + text);
-  }
+  impl_->for_each_space([&](const std::string& ns, auto& values) {
+    for (const std::string& text : values.changed()) all.push_back(ns + '/' + text);
+  });
   return all;
 }
 
 void Reconfigure::reset() {
-  impl_->reset_cloths();
   impl_->values.reset();
-  for (const auto& [ns, values] : impl_->colliders) values->reset();
+  impl_->for_each_space([](const std::string&, auto& values) { values.reset(); });
 }
 
 std::vector<std::string> Reconfigure::names() const {
   std::vector<std::string> all = LiveValues<Config>::names();
-  for (const auto& [ns, values] : impl_->colliders) {
-    for (const std::string& name : values->names()) all.push_back(ns + '/' + name);
-  }
+  impl_->for_each_space([&](const std::string& ns, const auto& values) {
+    for (const std::string& name : values.names()) all.push_back(ns + '/' + name);
+  });
   return all;
 }
 

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <list>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -118,11 +119,25 @@ struct ViewReconfigure::Impl {
         visit_viewpoint(config, view, direction);
       });
     }
-    add(shading, "shading/cloth", looks, 0, [](ShadingConfig& config, View& view, auto direction) {
-      visit_look(config, view.cloth, direction);
-    });
+    std::set<std::string> taken{"cloth"};
+    const std::vector<std::string> cloths = ros_names(scene.cloth.parts);
+    if (cloths.empty()) {
+      add(shading, "shading/cloth", looks, 0,
+          [](ShadingConfig& config, View& view, auto direction) {
+            visit_look(config, view.cloth, direction);
+          });
+    }
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      const auto visit = [name = scene.cloth.parts[i].name](ShadingConfig& config, View& view,
+                                                            auto direction) {
+        // A cloth that the view does not name has the look of all.
+        visit_look(config, view.cloths.emplace(name, view.cloth).first->second, direction);
+      };
+      add(shading, "shading/" + cloths[i], looks, 0, visit);
+      taken.insert(cloths[i]);
+    }
 
-    const std::vector<std::string> in_ros = ros_names(scene.colliders, {"cloth"});
+    const std::vector<std::string> in_ros = ros_names(scene.colliders, taken);
     for (std::size_t i = 0; i < in_ros.size(); ++i) {
       const auto visit = [name = scene.colliders[i].name](ShadingConfig& config, View& view,
                                                           auto direction) {
@@ -168,7 +183,7 @@ struct ViewReconfigure::Impl {
   std::vector<Space> spaces;
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
-  std::list<LiveValues<ShadingConfig>> shading;  // cloth, then colliders
+  std::list<LiveValues<ShadingConfig>> shading;  // of cloths, then of colliders
   ros::AsyncSpinner spinner{1, &queue};          // last, as its thread serves the others
 };
 

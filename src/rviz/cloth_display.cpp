@@ -17,6 +17,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "clothsim/model/checks.h"
+#include "clothsim/ros/markers.h"
 #include "clothsim/ros/scene_parameter.h"
 #include "clothsim/view/resources.h"
 #include "look_at.h"
@@ -80,7 +81,8 @@ void ClothDisplay::make_surface_properties() {
   coloring_->addOption("Stretch", stretch);
   coloring_->addOption("Speed", speed);
   coloring_->addOption("Height", height);
-  color_ = new rviz::ColorProperty("Color", QColor(217, 84, 64), "Of the surface.", this,
+  color_ = new rviz::ColorProperty("Color", QColor(217, 84, 64),
+                                   "Of the surface, of the first of several cloths.", this,
                                    SLOT(restyle()));
   alpha_ = new rviz::FloatProperty("Alpha", 1, "Opacity, from 0 to 1.", this, SLOT(restyle()));
   alpha_->setMin(0);
@@ -319,7 +321,18 @@ std::vector<Rgba> ClothDisplay::colors() {
   if (texture_) return {{255, 255, 255, opacity}};
   const QColor shade = color_->getColor();
   const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
-  return {{byte(shade.red()), byte(shade.green()), byte(shade.blue()), opacity}};
+  const Rgba own{byte(shade.red()), byte(shade.green()), byte(shade.blue()), opacity};
+  const std::vector<std::uint32_t>& firsts = topology_->first_points;
+  if (firsts.size() < 2) return {own};
+  std::vector<Rgba> colors(state_->positions.size() / 3, own);
+  for (std::size_t cloth = 1; cloth < firsts.size(); ++cloth) {  // up to the last point
+    Rgba rgba{0, 0, 0, opacity};
+    const auto shares = clothsim_ros::cloth_color(cloth);
+    std::transform(shares.begin(), shares.end(), rgba.begin(),
+                   [](float share) { return static_cast<std::uint8_t>(std::lround(255 * share)); });
+    std::fill(colors.begin() + firsts[cloth], colors.end(), rgba);
+  }
+  return colors;
 }
 
 std::vector<Rgba> ClothDisplay::colors_of_quantity(std::uint8_t opacity) {

@@ -128,6 +128,7 @@ void check_topology(const clothsim::ClothTopology& topology) {
   check_indices("shear", topology.shear, 2, points);
   check_indices("bending", topology.bending, 2, points);
   check_indices("pinned", topology.pinned, 1, points);
+  check_indices("first_points", topology.first_points, 1, points);
   check_numbers("rest_positions", topology.rest_positions);
   check_numbers("uv", topology.uv);
 }

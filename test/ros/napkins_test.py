@@ -1,14 +1,17 @@
 #!/usr/bin/python3
-"""Two cloths in one node: their names in ~topology, and a hand that takes one of them by its own [column, row]."""
+"""Two cloths in one node: their names, markers, looks and live values; a hand takes one by its own [column, row]."""
 
 import unittest
 
 import numpy as np
 import rospy
 import rostest
+from dynamic_reconfigure.client import Client
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
 
 from clothsim.msg import ClothTopology
-from cloth_client import Cloth, Recorder, positions
+from cloth_client import Cloth, PATIENCE, Recorder, call, positions, wait_for
 
 
 class NapkinsTest(unittest.TestCase):
@@ -22,6 +25,49 @@ class NapkinsTest(unittest.TestCase):
         self.assertEqual(list(self.topology.first_points), [0, 441])
         self.assertEqual(list(self.topology.cloth_columns), [21, 21])
         self.assertEqual((self.topology.columns, self.topology.rows), (882, 1))
+
+    def test_each_has_a_marker_of_its_own(self):
+        array = Recorder("/clothsim/markers", MarkerArray).wait("markers")
+        surfaces = [m for m in array.markers if m.ns == "surface"]
+        self.assertEqual([m.id for m in surfaces], [0, 1])
+        self.assertEqual([len(m.points) for m in surfaces], [2 * 3 * 800] * 2)
+        self.assertNotEqual(surfaces[0].color, surfaces[1].color)
+
+    def test_values_of_each_are_live(self):
+        node, lower, upper = (Client("/clothsim" + space, timeout=PATIENCE)
+                              for space in ("", "/cloth/lower", "/cloth/upper"))
+
+        def shown(key):
+            return [client.get_configuration()[key] for client in (node, lower, upper)]
+
+        def expect(key, values):
+            wait_for(lambda: shown(key) == values, "%s of node, lower and upper: %s" % (key, values))
+
+        density, thickness = shown("density"), shown("thickness")
+        upper.update_configuration({"density": 0.5, "friction": 0.7, "bending": False})
+        expect("density", density[:2] + [0.5])
+        expect("bending", [True, True, False])
+        lower.update_configuration({"density": 0.6, "thickness": 4e-4})
+        expect("density", [0.6, 0.6, 0.5])
+        node.update_configuration({"gravity_z": -9.7})
+        expect("density", [0.6, 0.6, 0.5])
+        node.update_configuration({"density": 0.4})
+        expect("density", [0.4] * 3)
+        expect("thickness", [4e-4, 4e-4, thickness[2]])
+        self.assertEqual(upper.update_configuration({"thickness": -1})["thickness"], thickness[2])
+        told = call("/clothsim/reset_values", Trigger).message
+        self.assertIn("cloth/upper/friction 0.7", told)
+        expect("density", density)
+        expect("thickness", thickness)
+        expect("bending", [True] * 3)
+        self.assertNotIn("cloth/", call("/clothsim/reset_values", Trigger).message)
+
+    def test_each_has_a_look_of_its_own(self):
+        lower, upper = (Client("/clothsim/shading/" + name, timeout=PATIENCE) for name in ("lower", "upper"))
+        before = lower.get_configuration()["color_b"]
+        upper.update_configuration({"color_b": 0.9})
+        self.assertEqual(upper.get_configuration()["color_b"], 0.9)
+        self.assertEqual(lower.get_configuration()["color_b"], before)
 
     def test_the_hand_takes_the_upper_one(self):
         high = self.cloth.states.wait("the corner 0.2 m above the table",

@@ -119,6 +119,10 @@ TEST(ClothMesh, RefusesTopologies) {
   EXPECT_TRUE(says(refused([](auto& t) { t.shear[1] = 20; }), "shear: got point 20 ... below 20"));
   EXPECT_TRUE(says(refused([](auto& t) { t.pinned = {4000000000u}; }),
                    "pinned: got point 4000000000 ... below 20"));
+  EXPECT_TRUE(says(refused([](auto& t) {
+                     t.first_points = {0, 20};
+                   }),
+                   "first_points: got point 20 ... below 20"));
   EXPECT_NE(refused([](auto& t) { t.uv[3] = std::nanf(""); }), "");
 }
 

@@ -104,6 +104,13 @@ class LiveValues {
     return all;
   }
 
+  /// Takes values that another call has put into effect, and notifies clients; from any thread.
+  void show(const Generated& values) {
+    const boost::recursive_mutex::scoped_lock lock(mutex_);
+    static_cast<Generated&>(accepted_) = values;
+    server_.updateConfig(accepted_);
+  }
+
   /// Applies the start's values and notifies clients; from any thread. Throws the exceptions of
   /// `apply` without a change.
   void reset() {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "clothsim/model/cloth_spec.h"
 #include "clothsim/shapes/collider.h"
 
 namespace clothsim_ros {
@@ -12,10 +13,13 @@ namespace clothsim_ros {
 /// it where it does not start with a letter.
 std::string to_ros_name(std::string name, const std::string& prefix);
 
-/// The names of colliders as parts of ROS names, all different and none in `taken`. Valid names are
-/// kept; in others invalid characters are replaced, with underscores appended where the result is
-/// taken.
+/// Those names as parts of ROS names, all different and none in `taken`. Valid names are kept; in
+/// others invalid characters are replaced. Underscores are appended where the result is taken.
+std::vector<std::string> ros_names(const std::vector<std::string>& all, const std::string& prefix,
+                                   std::set<std::string> taken = {});
 std::vector<std::string> ros_names(const std::vector<clothsim::ColliderSpec>& colliders,
                                    std::set<std::string> taken = {});
+/// Of several cloths; empty: there is one.
+std::vector<std::string> ros_names(const std::vector<clothsim::ClothPart>& cloths);
 
 }  // namespace clothsim_ros
