@@ -259,6 +259,25 @@ struct Reconfigure::Impl {
         {ns, std::make_unique<LiveValues<ClothConfig>>(ros::NodeHandle(node, ns), start, apply)});
   }
 
+  /// Gives several cloths their values of the start, all at once: the values of one may be refused
+  /// for another.
+  void reset_cloths() {
+    if (cloths.empty()) return;
+    clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      ClothConfig start = cloths[i].values->start();
+      for_each_value_of_cloth(start, live.cloths[i],
+                              [](const auto& given, auto& value) { value = given; });
+    }
+    live.material = live.cloths.front().material;
+    live.friction = live.cloths.front().friction;
+    live.thickness = live.cloths.front().thickness;
+    simulator.set(live);
+    last = with_values_of(live.cloths.front(), last);
+    values.show(last);
+    show_cloths();
+  }
+
   void show_cloths() {
     const clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
     for (std::size_t i = 0; i < cloths.size(); ++i) {
@@ -303,8 +322,9 @@ std::vector<std::string> Reconfigure::changed() const {
 }
 
 void Reconfigure::reset() {
+  impl_->reset_cloths();
   impl_->values.reset();
-  impl_->for_each_space([](const std::string&, auto& values) { values.reset(); });
+  for (const auto& [ns, values] : impl_->colliders) values->reset();
 }
 
 std::vector<std::string> Reconfigure::names() const {

@@ -93,6 +93,25 @@ void visit_viewpoint(ViewpointConfig& config, View& view, Visit visit) {
   visit(config.far, view.camera.far);
 }
 
+ShadingConfig config_of(clothsim::Look look) {
+  ShadingConfig config = ShadingConfig::__getDefault__();
+  visit_look(config, look, [](auto& shown, const auto& value) { shown = value; });
+  return config;
+}
+
+/// Sets in `to` the values that `after` has changed since `before`.
+void take_changes(const clothsim::Look& before, const clothsim::Look& after, clothsim::Look& to) {
+  const ShadingConfig last = config_of(before), now = config_of(after);
+  ShadingConfig config = config_of(to);
+  for (const auto& value : ShadingConfig::__getParamDescriptions__()) {
+    dynamic_reconfigure::Config old_value, new_value;
+    value->toMessage(old_value, last);
+    value->toMessage(new_value, now);
+    if (old_value != new_value) value->fromMessage(new_value, config);
+  }
+  visit_look(config, to, [](const auto& given, auto& value) { value = given; });
+}
+
 const auto to_config = [](auto& config, const auto& value) { config = value; };
 const auto to_view = [](const auto& config, auto& value) { value = config; };
 
@@ -119,24 +138,9 @@ struct ViewReconfigure::Impl {
         visit_viewpoint(config, view, direction);
       });
     }
+    add_cloths(scene.cloth.parts);
     std::set<std::string> taken{"cloth"};
-    const std::vector<std::string> cloths = ros_names(scene.cloth.parts);
-    if (cloths.empty()) {
-      add(shading, "shading/cloth", looks, 0,
-          [](ShadingConfig& config, View& view, auto direction) {
-            visit_look(config, view.cloth, direction);
-          });
-    }
-    for (std::size_t i = 0; i < cloths.size(); ++i) {
-      const auto visit = [name = scene.cloth.parts[i].name](ShadingConfig& config, View& view,
-                                                            auto direction) {
-        // A cloth that the view does not name has the look of all.
-        visit_look(config, view.cloths.emplace(name, view.cloth).first->second, direction);
-      };
-      add(shading, "shading/" + cloths[i], looks, 0, visit);
-      taken.insert(cloths[i]);
-    }
-
+    for (const std::string& name : ros_names(scene.cloth.parts, {"cloth"})) taken.insert(name);
     const std::vector<std::string> in_ros = ros_names(scene.colliders, taken);
     for (std::size_t i = 0; i < in_ros.size(); ++i) {
       const auto visit = [name = scene.colliders[i].name](ShadingConfig& config, View& view,
@@ -148,6 +152,37 @@ struct ViewReconfigure::Impl {
       add(shading, "shading/" + in_ros[i], looks, 0, visit);
     }
     spinner.start();
+  }
+
+  /// Serves the look of the cloth, or of all of several cloths, and that of each.
+  void add_cloths(const std::vector<clothsim::ClothPart>& parts) {
+    const auto of_all = [this](const Change& change) {
+      cameras.change_looks([&](View& view) {
+        const clothsim::Look before = view.cloth;
+        change(view);
+        for (auto& named : view.cloths) take_changes(before, view.cloth, named.second);
+      });
+      for (const auto& show : show_cloths) show();
+    };
+    add(shading, "shading/cloth", of_all, 0, [](ShadingConfig& config, View& view, auto direction) {
+      visit_look(config, view.cloth, direction);
+    });
+
+    const auto of_one = [this](const Change& change) { cameras.change_looks(change); };
+    const std::vector<std::string> in_ros = ros_names(parts, {"cloth"});
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const auto visit = [name = parts[i].name](ShadingConfig& config, View& view, auto direction) {
+        // A cloth that the view does not name has the look of all.
+        visit_look(config, view.cloths.emplace(name, view.cloth).first->second, direction);
+      };
+      add(shading, "shading/" + in_ros[i], of_one, 0, visit);
+      show_cloths.push_back([this, visit, &server = shading.back()] {
+        ShadingConfig config = server.accepted();
+        View view = cameras.views()[0];
+        visit(config, view, to_config);
+        server.show(config);
+      });
+    }
   }
 
   /// Serves the values that `visit` visits in namespace `ns`. `apply` changes views; `camera` gives
@@ -183,8 +218,9 @@ struct ViewReconfigure::Impl {
   std::vector<Space> spaces;
   std::list<LiveValues<LightConfig>> light;
   std::list<LiveValues<ViewpointConfig>> viewpoint;
-  std::list<LiveValues<ShadingConfig>> shading;  // of cloths, then of colliders
-  ros::AsyncSpinner spinner{1, &queue};          // last, as its thread serves the others
+  std::list<LiveValues<ShadingConfig>> shading;    // of cloths, then of colliders
+  std::vector<std::function<void()>> show_cloths;  // tell clients the looks of several
+  ros::AsyncSpinner spinner{1, &queue};            // last, as its thread serves the others
 };
 
 ViewReconfigure::ViewReconfigure(const ros::NodeHandle& node, Cameras& cameras,

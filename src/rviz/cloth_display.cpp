@@ -82,7 +82,7 @@ void ClothDisplay::make_surface_properties() {
   coloring_->addOption("Speed", speed);
   coloring_->addOption("Height", height);
   color_ = new rviz::ColorProperty("Color", QColor(217, 84, 64),
-                                   "Of the surface, of the first of several cloths.", this,
+                                   "Colour of the surface; of several cloths, of the first.", this,
                                    SLOT(restyle()));
   alpha_ = new rviz::FloatProperty("Alpha", 1, "Opacity, from 0 to 1.", this, SLOT(restyle()));
   alpha_->setMin(0);

@@ -85,7 +85,10 @@ void Simulator::set(const LiveSpec& live) {
   const bool springs_changed = !join_alike(impl_->cloth, cloth);
   const bool keeps_apart_anew = cloth.self_collision != impl_->cloth.self_collision;
   impl_->holders.apply(cloth);
-  impl_->check_feasible(live.simulation, cloth, {"ks"});
+  const bool is_fabric = spec.material.fabric.has_value();
+  impl_->check_feasible(live.simulation, cloth,
+                        is_fabric ? std::vector<std::string>{"stretch_stiffness", "0"}
+                                  : std::vector<std::string>{"ks"});
 
   impl_->renew_self_contacts(impl_->cloth, cloth);
   const SimulationSpec& last = impl_->scene.simulation;

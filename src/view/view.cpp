@@ -7,16 +7,10 @@
 namespace clothsim {
 namespace {
 
-std::vector<std::string> collider_names(const Scene& scene) {
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
   std::vector<std::string> names;
-  for (const ColliderSpec& collider : scene.colliders) names.push_back(collider.name);
-  return names;
-}
-
-/// Those of several cloths.
-std::vector<std::string> cloth_names(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const ClothPart& part : scene.cloth.parts) names.push_back(part.name);
+  for (const Named& one : all) names.push_back(one.name);
   return names;
 }
 
@@ -40,8 +34,9 @@ void check_names(const View& view, const Scene& scene) {
                          names.empty() ? none : "one of " + join(names));
     }
   };
-  check(view.cloths, "cloths", "a cloth", cloth_names(scene), "none: the look of one is `cloth`");
-  check(view.colliders, "colliders", "a collider", collider_names(scene),
+  check(view.cloths, "cloths", "a cloth", names_of(scene.cloth.parts),
+        "none: the look of one is `cloth`");
+  check(view.colliders, "colliders", "a collider", names_of(scene.colliders),
         "none, as the scene has none");
 }
 
@@ -52,8 +47,8 @@ View without_missing_names(View view, const Scene& scene) {
       entry = known ? std::next(entry) : looks.erase(entry);
     }
   };
-  leave_out(view.cloths, cloth_names(scene));
-  leave_out(view.colliders, collider_names(scene));
+  leave_out(view.cloths, names_of(scene.cloth.parts));
+  leave_out(view.colliders, names_of(scene.colliders));
   return view;
 }
 

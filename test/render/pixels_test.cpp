@@ -84,8 +84,6 @@ TEST(Pixels, EachOfSeveralClothsHasItsOwnLook) {
   EXPECT_EQ(colors(), (std::array{255, 255, 255, 255}));
   snapshot.cloth_shadings = {flat_color(red), flat_color(blue)};
   EXPECT_EQ(colors(), (std::array{255, 0, 0, 255}));
-  snapshot.light.shadows = true;
-  EXPECT_EQ(colors(), (std::array{255, 0, 0, 255}));
   snapshot.cloth_shadings = {Wireframe{}, flat_color(blue)};  // the background is between lines
   EXPECT_EQ(colors(), (std::array{0, 0, 0, 255}));
   snapshot.cloth_shadings = {flat_color(red), Wireframe{}};
@@ -101,6 +99,28 @@ TEST(Pixels, EachOfSeveralClothsHasItsOwnLook) {
   EXPECT_EQ(colors(), (std::array{255, 255, 0, 255}));
   snapshot.cloth_shadings = {glass, glass};
   EXPECT_EQ(colors(), (std::array{255, 255, 255, 255}));
+}
+
+TEST(Pixels, OfSeveralClothsThoseOfLinesCastNoShadow) {
+  // A wall behind both, and a light at the camera, a little aside of it.
+  Snapshot snapshot = two_cloths();
+  Diffuse white;
+  white.color = {1, 1, 1};
+  snapshot.colliders[0].shape = Cuboid{{6, 6, 0.2}};
+  snapshot.colliders[0].pose.position = {0, 0, 4};
+  snapshot.colliders[0].shading = white;
+  snapshot.light = {{0, -1, 0}, 10, 0, true};
+  snapshot.cloth_shadings = {Wireframe{}, flat_color(blue)};
+  const Images images = draw(snapshot, camera_with_fov(65, 49, M_PI / 2));
+  int dark[2] = {0, 0};  // pixels of the wall, left and right
+  for (int v = 0; v < images.height; ++v) {
+    for (int u = 0; u < images.width; ++u) {
+      const bool is_wall = images.mask[static_cast<std::size_t>(v * images.width + u)] == 2;
+      if (is_wall && channel(images, u, v, 0) < 20) ++dark[u < 32 ? 0 : 1];
+    }
+  }
+  EXPECT_EQ(dark[0], 0);
+  EXPECT_GT(dark[1], 20);
 }
 
 TEST(Pixels, LinesOfSeveralClothsAreTheirOwn) {

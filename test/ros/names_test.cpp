@@ -19,5 +19,15 @@ TEST(RosNames, OfCollidersStandAsTheyAreWhereTheyMay) {
             (Names{"arm_link_2", "collider_3", "cloth_"}));
 }
 
+TEST(RosNames, OfClothsStandAsTheyAreWhereTheyMay) {
+  std::vector<clothsim::ClothPart> cloths(3);
+  cloths[0].name = "3";
+  cloths[1].name = "cloth";
+  cloths[2].name = "t-shirt";
+  EXPECT_EQ(ros_names(cloths), (std::vector<std::string>{"cloth_3", "cloth", "t_shirt"}));
+  EXPECT_EQ(ros_names(cloths, {"cloth"}),
+            (std::vector<std::string>{"cloth_3", "cloth_", "t_shirt"}));
+}
+
 }  // namespace
 }  // namespace clothsim_ros

@@ -64,10 +64,22 @@ class NapkinsTest(unittest.TestCase):
 
     def test_each_has_a_look_of_its_own(self):
         lower, upper = (Client("/clothsim/shading/" + name, timeout=PATIENCE) for name in ("lower", "upper"))
+        both = Client("/clothsim/shading/cloth", timeout=PATIENCE)
+
+        def expect(*colors):
+            wait_for(lambda: [client.get_configuration()["color_b"] for client in (lower, upper)] == list(colors),
+                     "blue of %g and %g" % colors)
+
         before = lower.get_configuration()["color_b"]
         upper.update_configuration({"color_b": 0.9})
-        self.assertEqual(upper.get_configuration()["color_b"], 0.9)
-        self.assertEqual(lower.get_configuration()["color_b"], before)
+        expect(before, 0.9)
+        both.update_configuration({"kd": 0.7})
+        wait_for(lambda: lower.get_configuration()["kd"] == upper.get_configuration()["kd"] == 0.7, "kd of both")
+        expect(before, 0.9)
+        both.update_configuration({"color_b": 0.5})
+        expect(0.5, 0.5)
+        call("/clothsim/reset_values", Trigger)
+        expect(before, before)
 
     def test_the_hand_takes_the_upper_one(self):
         high = self.cloth.states.wait("the corner 0.2 m above the table",

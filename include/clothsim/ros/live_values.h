@@ -4,6 +4,7 @@
 #include <ros/console.h>
 #include <ros/node_handle.h>
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -88,6 +89,9 @@ class LiveValues {
     return all;
   }
 
+  /// The values of the start.
+  const Generated& start() const { return start_; }
+
   /// The values in effect.
   const Generated& accepted() const { return accepted_; }
 
@@ -104,9 +108,13 @@ class LiveValues {
     return all;
   }
 
-  /// Takes values that another call has put into effect, and notifies clients; from any thread.
+  /// Takes values that another call has put into effect, and notifies clients. To be called by the
+  /// thread of the callbacks: another server's callback may hold its lock, too.
   void show(const Generated& values) {
     const boost::recursive_mutex::scoped_lock lock(mutex_);
+    const auto differs = [&](const auto& value) { return accepted_.differs(*value, values); };
+    const auto& all = Generated::__getParamDescriptions__();
+    if (std::none_of(all.begin(), all.end(), differs)) return;
     static_cast<Generated&>(accepted_) = values;
     server_.updateConfig(accepted_);
   }

@@ -13,13 +13,12 @@ namespace clothsim_ros {
 /// it where it does not start with a letter.
 std::string to_ros_name(std::string name, const std::string& prefix);
 
-/// Those names as parts of ROS names, all different and none in `taken`. Valid names are kept; in
-/// others invalid characters are replaced. Underscores are appended where the result is taken.
-std::vector<std::string> ros_names(const std::vector<std::string>& all, const std::string& prefix,
-                                   std::set<std::string> taken = {});
+/// The names of colliders, or of several cloths, as parts of ROS names, all different and none in
+/// `taken`. Valid names are kept; in others invalid characters are replaced. Underscores are
+/// appended where the result is taken.
 std::vector<std::string> ros_names(const std::vector<clothsim::ColliderSpec>& colliders,
                                    std::set<std::string> taken = {});
-/// Of several cloths; empty: there is one.
-std::vector<std::string> ros_names(const std::vector<clothsim::ClothPart>& cloths);
+std::vector<std::string> ros_names(const std::vector<clothsim::ClothPart>& cloths,
+                                   std::set<std::string> taken = {});
 
 }  // namespace clothsim_ros
