@@ -12,13 +12,6 @@
 
 namespace clothsim {
 
-namespace {
-
-bool is_curved(const Bend&) { return false; }
-bool is_curved(const PatchBend& bend) { return bend.curvature != 0; }
-
-}  // namespace
-
 void Xpbd::build(const Cloth& cloth, double h) {
   if (cloth.is_mesh()) {
     constraints_.clear();
@@ -28,8 +21,8 @@ void Xpbd::build(const Cloth& cloth, double h) {
     membranes_ = {};
     build_springs(cloth, h);
   }
-  build_bends(cloth, h, bends_);
-  build_bends(cloth, h, patch_bends_);
+  build_bends(cloth, h);
+  build_patches(cloth, h);
   build_curved(cloth, h);
 }
 
@@ -60,13 +53,14 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
   colouring.move_to(constraints_, colour_ends_);
 }
 
-template <typename Stencil>
-void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
+void Xpbd::build_bends(const Cloth& cloth, double h) {
+  bends_ = {};
+  if (cloth.is_mesh()) return;
   const double time2 = h * Drag(cloth.damping, h).distance;
-  Colouring<BendConstraint<Stencil>> colouring(cloth);
+  const double damped = 1 + cloth.internal_damping[1] / h;
+  Colouring<BendConstraint> colouring(cloth);
   for_each_bend(cloth, [&](const auto& bend) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Stencil>) {
-      if (is_curved(bend)) return;
+    if constexpr (std::is_same_v<std::decay_t<decltype(bend)>, Bend>) {
       double inv_mass = 0;
       for (std::size_t k = 0; k < bend.points.size(); ++k) {
         for (std::size_t l = 0; l < bend.points.size(); ++l) {  // the middle may be one
@@ -74,14 +68,13 @@ void Xpbd::build_bends(const Cloth& cloth, double h, Bends<Stencil>& bends) {
           inv_mass += cloth.inv_mass[bend.points[k]] * bend.coefficient(k) * bend.coefficient(l);
         }
       }
-      const double damped = 1 + cloth.internal_damping_at(bend.points[0])[1] / h;
       const double compliance = 1 / (bend.stiffness * damped * time2);
       colouring.add(
           {bend, compliance, 1 / (inv_mass + compliance), Vector3::Zero(), Vector3::Zero()},
           bend.points);
     }
   });
-  colouring.move_to(bends.list, bends.colour_ends);
+  colouring.move_to(bends_.list, bends_.colour_ends);
 }
 
 /// Sets the targets of constraints in a step from `positions`, between their rest values and the
@@ -101,14 +94,11 @@ void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
 /// The same for bends, which turn as points do that move by `displacements`: see Past.
 void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displacements,
                             const Workers& workers) {
-  const auto target = [&](const auto& bend) {
-    const double share = cloth.internal_damping_at(bend.points[0])[1] / h;
-    return Vector3(share / (1 + share) * bend.of(turned_));
-  };
   remove_rotation(cloth, frame_, displacements, turned_, workers);
   turned_ = past_ + displacements - turned_;
-  for (auto& c : bends_.list) c.target = target(c.bend);
-  for (auto& c : patch_bends_.list) c.target = target(c.bend);
+  const double share = cloth.internal_damping[1] / h;
+  for (BendConstraint& c : bends_.list) c.target = share / (1 + share) * c.bend.of(turned_);
+  set_patch_targets(cloth, h);
   set_curved_targets();
 }
 
@@ -159,11 +149,9 @@ void Xpbd::solve_membranes(const Cloth& cloth, bool back, Points& positions,
   });
 }
 
-template <typename Stencil>
-void Xpbd::solve_bends(const Cloth& cloth, bool back, Bends<Stencil>& bends, Points& positions,
-                       const Workers& workers) {
-  parallel_for_colours(bends.colour_ends, back, workers, [&](std::size_t id) {
-    BendConstraint<Stencil>& c = bends.list[id];
+void Xpbd::solve_bends(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  parallel_for_colours(bends_.colour_ends, back, workers, [&](std::size_t id) {
+    BendConstraint& c = bends_.list[id];
     const Vector3 change = c.share * (c.target - c.bend.of(positions) - c.compliance * c.lambda);
     c.lambda += change;
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
@@ -208,9 +196,8 @@ void Xpbd::pull_by_membranes(const Cloth& cloth, const Points& positions) {
   }
 }
 
-template <typename Stencil>
-void Xpbd::pull_by_bends(const Cloth& cloth, const Bends<Stencil>& bends) {
-  for (const BendConstraint<Stencil>& c : bends.list) {
+void Xpbd::pull_by_bends(const Cloth& cloth) {
+  for (const BendConstraint& c : bends_.list) {
     for (std::size_t k = 0; k < c.bend.points.size(); ++k) {
       pull(cloth, c.bend.points[k], c.bend.coefficient(k) * c.lambda.transpose());
     }
@@ -226,8 +213,8 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
   turn_.setOnes(cloth.num_points());
   pull_by_springs(cloth, positions);
   pull_by_membranes(cloth, positions);
-  pull_by_bends(cloth, bends_);
-  pull_by_bends(cloth, patch_bends_);
+  pull_by_bends(cloth);
+  pull_by_patches(cloth);
   pull_by_curved(cloth, positions);
   positions.array() += (target_ - positions).array().colwise() / turn_.array();
 }
@@ -253,8 +240,8 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   reactions_.setZero(cloth.num_points(), 3);
   lambda_.assign(constraints_.size(), 0);
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
-  for (auto& c : bends_.list) c.lambda.setZero();
-  for (auto& c : patch_bends_.list) c.lambda.setZero();
+  for (BendConstraint& c : bends_.list) c.lambda.setZero();
+  for (PatchConstraint& c : patches_.list) c.lambda.setZero();
   for (CurvedConstraint& c : curved_.list) {
     c.lambda.setZero();
     c.damping_lambda.setZero();
@@ -265,8 +252,8 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
     solve_springs(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {
-      solve_bends(cloth, back, bends_, state.positions, workers);
-      solve_bends(cloth, back, patch_bends_, state.positions, workers);
+      solve_bends(cloth, back, state.positions, workers);
+      solve_patches(cloth, back, state.positions, workers);
       solve_curved(cloth, back, state.positions, workers);
     }
     solve_membranes(cloth, true, state.positions, workers);

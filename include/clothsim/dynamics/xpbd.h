@@ -28,7 +28,8 @@ namespace clothsim {
 /// the places that the multipliers give with the springs' present directions.
 ///
 /// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
-/// bend is a constraint on the three components of its stencil, see PatchBend. Internal damping
+/// bend is a constraint on the three components of its stencil; those of a triangle are solved
+/// together, see PatchBend. Internal damping
 /// makes constraints stiffer, towards their values at the step's start: see DampedSpring. That of a
 /// bend that is curved at rest is a constraint of its own, linear in the positions.
 class Xpbd {
@@ -78,14 +79,23 @@ class Xpbd {
     Vector3 target;             // [m^2], of a step: Q without internal damping
     Vector3 lambda;
   };
-  /// `Stencil`: Bend or PatchBend.
-  template <typename Stencil>
+  /// A bend of a grid.
   struct BendConstraint {
-    Stencil bend;
+    Bend bend;
     double compliance;  // as above
     double share;       // 1 / (sum of w times squared coefficient + compliance)
     Vector3 target;     // [m], of a step
     Vector3 lambda;
+  };
+  /// The bends of a triangle that are flat at rest, solved at once: one in a row, along an axis in
+  /// a column.
+  struct PatchConstraint {
+    std::array<int, PatchBend::size> points;
+    Eigen::Matrix<double, 3, PatchBend::size> coefficients;  // [1/m^2]; 0 in rows without a bend
+    Vector3 compliance;                                      // as above
+    Eigen::Matrix3d inverse;                                 // of C w C^T + compliance
+    Eigen::Matrix3d target;                                  // [1/m], of a step
+    Eigen::Matrix3d lambda;
   };
   /// Derivatives of b - B n by the points of a bend [1/m^2].
   using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
@@ -109,22 +119,20 @@ class Xpbd {
     std::vector<Constraint> list;
     std::vector<int> colour_ends;  // in `list`
   };
-  template <typename Stencil>
-  using Bends = Coloured<BendConstraint<Stencil>>;
-
   void build(const Cloth&, double h);
   void build_springs(const Cloth&, double h);
   void build_membranes(const Cloth&, double h);
-  template <typename Stencil>
-  void build_bends(const Cloth&, double h, Bends<Stencil>&);
+  void build_bends(const Cloth&, double h);
+  void build_patches(const Cloth&, double h);
   void build_curved(const Cloth&, double h);
   void set_targets(const Cloth&, double h, const Points& positions);
   void set_curved_frames();
   void set_curved_targets();
   void set_bend_targets(const Cloth&, double h, const Points& displacements, const Workers&);
+  void set_patch_targets(const Cloth&, double h);
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
-  template <typename Stencil>
-  void solve_bends(const Cloth&, bool back, Bends<Stencil>&, Points& positions, const Workers&);
+  void solve_bends(const Cloth&, bool back, Points& positions, const Workers&);
+  void solve_patches(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_curved(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_curved(const Cloth&, const PatchBend&, const Derivatives&, const Vector3& residual,
                     double compliance, Vector3& lambda, Points& positions);
@@ -132,8 +140,8 @@ class Xpbd {
   void pull(const Cloth&, int i, const Eigen::RowVector3d& correction);
   void pull_by_springs(const Cloth&, const Points& positions);
   void pull_by_membranes(const Cloth&, const Points& positions);
-  template <typename Stencil>
-  void pull_by_bends(const Cloth&, const Bends<Stencil>&);
+  void pull_by_bends(const Cloth&);
+  void pull_by_patches(const Cloth&);
   void pull_by_curved(const Cloth&, const Points& positions);
   void realign(const Cloth&, Points& positions);
   void react(const Cloth& cloth, int i, const Eigen::RowVector3d& correction) {
@@ -146,8 +154,8 @@ class Xpbd {
   std::vector<int> colour_ends_;         // in constraints_
   std::vector<double> lambda_;           // as constraints_
   Coloured<MembraneConstraint> membranes_;
-  Bends<Bend> bends_;             // of a grid
-  Bends<PatchBend> patch_bends_;  // of a mesh
+  Coloured<BendConstraint> bends_;     // of a grid
+  Coloured<PatchConstraint> patches_;  // of a mesh
   Coloured<CurvedConstraint> curved_;
   Points reactions_;  // sums of corrections on held points [kg m], N x 3
   Points past_;       // positions before the step [m], N x 3; with damped bends
