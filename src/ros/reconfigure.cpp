@@ -191,38 +191,37 @@ clothsim::Scene to_scene(const Config& config, const Config& last,
 }  // namespace
 
 struct Reconfigure::Impl {
-  Impl(const ros::NodeHandle& node, clothsim::Simulator& served, Changes& changes)
+  Impl(const ros::NodeHandle& node, clothsim::Simulator& served, Changes& publisher)
       : simulator(served),
+        changes(publisher),
         last(from_scene(simulator.scene(), Config::__getDefault__())),
-        values(node, last,
-               [this, &changes, start = simulator.scene().simulation](const Config& config) {
-                 const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
-                 simulator.set(clothsim::live_values(scene));
-                 last = config;
-                 if (!serving) return;
-                 show_cloths();
-                 clothsim::Change change;
-                 change.values = to_message(config);
-                 changes.publish("set_parameters", change);
-               }) {
+        values(node, last, [this, start = simulator.scene().simulation](const Config& config) {
+          const clothsim::Scene scene = to_scene(config, last, start, simulator.scene());
+          simulator.set(clothsim::live_values(scene));
+          last = config;
+          if (!serving) return;
+          show_cloths();
+          clothsim::Change change;
+          change.values = to_message(config);
+          changes.publish("set_parameters", change);
+        }) {
     const std::vector<std::string> cloth_names = ros_names(simulator.scene().cloth.parts);
     for (std::size_t i = 0; i < cloth_names.size(); ++i) {
-      add_cloth(node, i, "cloth/" + cloth_names[i], changes);
+      add_cloth(node, i, "cloth/" + cloth_names[i]);
     }
     const std::vector<clothsim::ColliderSpec>& specs = simulator.scene().colliders;
     const std::vector<std::string> in_ros = ros_names(specs);
     for (std::size_t i = 0; i < specs.size(); ++i) {
-      add_collider(node, specs[i].name, "collider/" + in_ros[i], changes);
+      add_collider(node, specs[i].name, "collider/" + in_ros[i]);
     }
     serving = true;
   }
 
   /// Serves the values of a collider in namespace `ns`.
-  void add_collider(const ros::NodeHandle& node, const std::string& name, const std::string& ns,
-                    Changes& changes) {
+  void add_collider(const ros::NodeHandle& node, const std::string& name, const std::string& ns) {
     ColliderConfig start;
     start.friction = clothsim::live_values(simulator.scene()).collider_friction.at(name);
-    const auto apply = [this, name, ns, &changes](const ColliderConfig& config) {
+    const auto apply = [this, name, ns](const ColliderConfig& config) {
       if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
       clothsim::validate_contact(live.thickness, config.friction);  // to name this value in errors
@@ -237,9 +236,8 @@ struct Reconfigure::Impl {
   }
 
   /// Serves the values of one of several cloths in namespace `ns`.
-  void add_cloth(const ros::NodeHandle& node, std::size_t index, const std::string& ns,
-                 Changes& changes) {
-    const auto apply = [this, index, ns, &changes](ClothConfig config) {
+  void add_cloth(const ros::NodeHandle& node, std::size_t index, const std::string& ns) {
+    const auto apply = [this, index, ns](ClothConfig config) {
       if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
       for_each_value_of_cloth(config, live.cloths[index],
@@ -262,7 +260,8 @@ struct Reconfigure::Impl {
   /// Gives several cloths their values of the start, all at once: the values of one may be refused
   /// for another.
   void reset_cloths() {
-    if (cloths.empty()) return;
+    const auto is_changed = [](const auto& space) { return !space.values->changed().empty(); };
+    if (std::none_of(cloths.begin(), cloths.end(), is_changed)) return;
     clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
     for (std::size_t i = 0; i < cloths.size(); ++i) {
       ClothConfig start = cloths[i].values->start();
@@ -276,6 +275,9 @@ struct Reconfigure::Impl {
     last = with_values_of(live.cloths.front(), last);
     values.show(last);
     show_cloths();
+    clothsim::Change change;
+    for (const auto& [ns, of_cloth] : cloths) append(of_cloth->accepted(), ns, change.values);
+    changes.publish("set_parameters", change);
   }
 
   void show_cloths() {
@@ -293,6 +295,7 @@ struct Reconfigure::Impl {
   }
 
   clothsim::Simulator& simulator;
+  Changes& changes;
   bool serving = false;  // false at the start, which is no call
   Config last;           // accepted last
   LiveValues<Config> values;

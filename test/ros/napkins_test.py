@@ -10,7 +10,7 @@ from dynamic_reconfigure.client import Client
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from clothsim.msg import ClothTopology
+from clothsim.msg import Change, ClothTopology
 from cloth_client import Cloth, PATIENCE, Recorder, call, positions, wait_for
 
 
@@ -43,9 +43,21 @@ class NapkinsTest(unittest.TestCase):
         def expect(key, values):
             wait_for(lambda: shown(key) == values, "%s of node, lower and upper: %s" % (key, values))
 
+        changes = Recorder("/clothsim/changes", Change)
+        wait_for(changes.connected, "~changes")
+
+        def cloths_of(change):
+            names = [value.name for value in change.values.doubles if value.name.endswith("/density")]
+            return [name.split("/")[1] for name in names]
+
+        def expect_change(*names):
+            changes.wait("set_parameters of " + " and ".join(names),
+                         lambda m: m.what == "set_parameters" and cloths_of(m) == list(names))
+
         density, thickness = shown("density"), shown("thickness")
         upper.update_configuration({"density": 0.5, "friction": 0.7, "bending": False})
         expect("density", density[:2] + [0.5])
+        expect_change("upper")
         expect("bending", [True, True, False])
         lower.update_configuration({"density": 0.6, "thickness": 4e-4})
         expect("density", [0.6, 0.6, 0.5])
@@ -60,6 +72,7 @@ class NapkinsTest(unittest.TestCase):
         expect("density", density)
         expect("thickness", thickness)
         expect("bending", [True] * 3)
+        expect_change("lower", "upper")
         self.assertNotIn("cloth/", call("/clothsim/reset_values", Trigger).message)
 
     def test_each_has_a_look_of_its_own(self):
