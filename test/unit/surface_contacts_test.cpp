@@ -303,7 +303,8 @@ struct Pressed {
     pinches.start_over(h);
     for (const int i : points) {
       const Vector3 x = row(state.positions, i), up(0, 0, 1);
-      pinches.add(i, x, {&plate, up, 0, thickness, true}, {&plate, -up, 0, thickness, true}, cloth);
+      pinches.add(i, x, {&plate, up, 0, thickness, 0, true}, {&plate, -up, 0, thickness, 0, true},
+                  cloth);
     }
     return pinches;
   }
