@@ -223,13 +223,12 @@ double bends_omega2(const Cloth& cloth) {
 /// most the square of the sum of both changes.
 std::vector<double> bends_omega2_by_piece(const Cloth& cloth, const Points& positions) {
   const TriangleFabric& fabric = *cloth.triangle_fabric;
-  Scalars flat = Scalars::Zero(cloth.num_points()), curved = flat;
+  Scalars sums = Scalars::Zero(cloth.num_points());
   for (const auto& [i, j, weight] : fabric.pairs) {
-    flat[i] += std::abs(weight) + weight;
-    flat[j] += std::abs(weight) + weight;
+    sums[i] += std::abs(weight) + weight;
+    sums[j] += std::abs(weight) + weight;
   }
-  if (!fabric.curved.empty()) add_curved_sums(cloth, positions, curved);
-  const auto largest = [&](const Scalars& sums) {
+  const auto largest = [&] {
     std::vector<double> of_pieces(fabric.pieces.size(), 0.0);
     for (int i = 0; i < cloth.num_points(); ++i) {
       double& omega2 = of_pieces[static_cast<std::size_t>(fabric.piece_of(i))];
@@ -237,8 +236,11 @@ std::vector<double> bends_omega2_by_piece(const Cloth& cloth, const Points& posi
     }
     return of_pieces;
   };
-  const std::vector<double> of_curved = largest(curved);
-  std::vector<double> all = largest(flat);
+  std::vector<double> all = largest();
+  if (fabric.curved.empty()) return all;
+  sums.setZero();
+  add_curved_sums(cloth, positions, sums);
+  const std::vector<double> of_curved = largest();
   for (std::size_t p = 0; p < all.size(); ++p) {
     all[p] += of_curved[p] + 2 * std::sqrt(all[p] * of_curved[p]);
   }

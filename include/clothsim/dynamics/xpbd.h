@@ -29,9 +29,9 @@ namespace clothsim {
 ///
 /// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
 /// bend is a constraint on the three components of its stencil; those of a triangle are solved
-/// together, see PatchBend. Internal damping
-/// makes constraints stiffer, towards their values at the step's start: see DampedSpring. That of a
-/// bend that is curved at rest is a constraint of its own, linear in the positions.
+/// together, see PatchBend. Internal damping makes constraints stiffer, towards their values at the
+/// step's start: see DampedSpring. That of a bend that is curved at rest is a constraint of its
+/// own, linear in the positions.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";

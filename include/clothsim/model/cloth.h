@@ -102,7 +102,7 @@ struct Cloth {
   /// How much nearer than `offset` a point comes to colliders [m].
   double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }
   int num_bends() const;
-  /// Of the springs, triangles and bends at a point [s].
+  /// Internal damping of the springs, triangles and bends at a point [s].
   const std::array<double, 2>& internal_damping_at(int i) const {
     return is_mesh() ? triangle_fabric->internal_damping_at(i) : internal_damping;
   }

@@ -109,7 +109,7 @@ class NearestDistances {
     return std::max(tiling_->at(a).own[Tiling::of_a[number]],
                     tiling_->at(b).own[Tiling::of_b[number]]);
   }
-  /// Of features that are no neighbours, where points have `max` [m].
+  /// Contact distance of features that are no neighbours, where points have `max` [m].
   static double max_distance(double max, Tiling::FeaturePlace place, std::size_t number) {
     if (place == Tiling::lacking) return -1;
     const bool edges = number >= Tiling::points && number < Tiling::own_points;
