@@ -71,6 +71,7 @@ class Rings:
 
 def main():
     rospy.init_node("draw_curtain")
+    rospy.wait_for_service("clothsim/reset")  # the node has set its parameters before
     rings = Rings()
     broadcaster = tf2_ros.TransformBroadcaster()
     last = rospy.Time()
