@@ -65,6 +65,10 @@ void validate(const Camera& c) {
   check_range("orientation", c.pose.orientation.w(), unit_part);
 }
 
+Eigen::Vector2d pixel_of(const Camera& c, const Vector3& point) {
+  return {c.fx * point.x() / point.z() + c.cx, c.fy * point.y() / point.z() + c.cy};
+}
+
 Eigen::Matrix4d projection_matrix(const Camera& c) {
   // A pixel extends by half a pixel to either side of its centre, hence the 0.5.
   Eigen::Matrix4d p = Eigen::Matrix4d::Zero();

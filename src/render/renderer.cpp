@@ -130,9 +130,10 @@ void Renderer::Impl::draw_lines(const DrawItem& item, const Wireframe& wireframe
   }
 }
 
-void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& translucent) {
+void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& translucent,
+                                      const Camera& camera) {
   if (translucent.empty()) return;
-  const BackToFront order = sort_back_to_front(translucent, optical_axes.col(2));
+  const BackToFront order = sort_back_to_front(translucent, camera);
   glBindVertexArray(no_vertices.id());
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_triangles.id());
   glBufferData(GL_ELEMENT_ARRAY_BUFFER,
@@ -143,11 +144,11 @@ void Renderer::Impl::draw_translucent(const std::vector<const DrawItem*>& transl
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  for (const BackToFront::Stretch& stretch : order.stretches) {
-    const DrawItem& item = *stretch.item;
+  for (const BackToFront::Run& run : order.runs) {
+    const DrawItem& item = *run.item;
     const ShaderProgram& program = use_item(item, fragment_shader(*item.shading));
     set_shading(*item.shading, program, textures);
-    item.mesh->draw_triangles(sorted_triangles, {stretch.first, stretch.count});
+    item.mesh->draw_triangles(sorted_triangles, {run.first, run.count});
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
@@ -181,7 +182,7 @@ void Renderer::Impl::draw_color(const Snapshot& snapshot, const Camera& camera) 
       glDisable(GL_CULL_FACE);
     }
   }
-  draw_translucent(translucent);
+  draw_translucent(translucent, camera);
   check_gl("drawing the colour image");
 }
 

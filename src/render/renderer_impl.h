@@ -33,7 +33,7 @@ struct Renderer::Impl {
   void start_reading(const Camera&, bool color, const TruthImages&);
   void draw_background(const Snapshot&, const Camera&);
   void draw_lines(const DrawItem&, const Wireframe&);
-  void draw_translucent(const std::vector<const DrawItem*>&);
+  void draw_translucent(const std::vector<const DrawItem*>&, const Camera&);
   void draw_sphere_truth(const Camera&, const DrawItem&);
   void set_truth(const Camera&, const DrawItem&, const ShaderProgram&) const;
   const ShaderProgram& use_program(const std::string& vertex, const std::string& fragment);

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+
+#include "clothsim/geometry/rays.h"
 #include "render_fixture.h"
 
 namespace clothsim {
@@ -110,34 +116,103 @@ TEST(Translucency, DepthAndMaskTakeTheNearestLayer) {
   EXPECT_EQ(images.mask[middle], 3);
 }
 
+/// An object whose triangles are three points each, in order.
+DrawItem loose_triangles(const Points& positions, std::vector<std::array<int, 3>>& triangles) {
+  const auto count = static_cast<int>(positions.rows() / 3);
+  for (int k = 0; k < count; ++k) triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  DrawItem item{};
+  item.positions = &positions;
+  item.triangles = &triangles;
+  item.own_points = {0, 3 * count};
+  item.own_triangles = {0, count};
+  item.rotation = Eigen::Matrix3d::Identity();
+  item.translation = Vector3::Zero();
+  return item;
+}
+
 TEST(Translucency, SortsTrianglesOfAllObjectsTogether) {
   // Two objects whose triangles interleave in depth.
   Points a(6, 3), b(3, 3);
   a << 0, 0, 1, 1, 0, 1, 0, 1, 1, 0, 0, 3, 1, 0, 3, 0, 1, 3;
   b << 0, 0, 0, 1, 0, 0, 0, 1, 0;
-  const std::vector<std::array<int, 3>> two{{0, 1, 2}, {3, 4, 5}}, one{{0, 1, 2}};
-  DrawItem first{}, second{};
-  first.rotation = second.rotation = Eigen::Matrix3d::Identity();
-  first.translation = Vector3::Zero();
+  std::vector<std::array<int, 3>> two, one;
+  const DrawItem first = loose_triangles(a, two);
+  DrawItem second = loose_triangles(b, one);
   second.translation = {0, 0, 2};
-  first.positions = &a;
-  first.triangles = &two;
-  first.own_points = {0, 6};
-  first.own_triangles = {0, 2};
-  second.positions = &b;
-  second.triangles = &one;
-  second.own_points = {0, 3};
-  second.own_triangles = {0, 1};
 
-  const BackToFront order = sort_back_to_front({&first, &second}, Vector3::UnitZ());
-  ASSERT_EQ(order.stretches.size(), 3u);
-  EXPECT_EQ(order.stretches[0].item, &first);
-  EXPECT_EQ(order.stretches[1].item, &second);
-  EXPECT_EQ(order.stretches[2].item, &first);
+  const BackToFront order = sort_back_to_front({&first, &second}, camera_with_fov(40, 30, 1));
+  ASSERT_EQ(order.runs.size(), 3u);
+  EXPECT_EQ(order.runs[0].item, &first);
+  EXPECT_EQ(order.runs[1].item, &second);
+  EXPECT_EQ(order.runs[2].item, &first);
   ASSERT_EQ(order.triangles.size(), 3u);
   EXPECT_EQ(order.triangles[0], two[1]);
   EXPECT_EQ(order.triangles[1], one[0]);
   EXPECT_EQ(order.triangles[2], two[0]);
+}
+
+/// Depth of a triangle at the centre of a pixel [m]; empty: the triangle is not drawn there.
+std::optional<double> depth_at(const Camera& c, double u, double v, const DrawItem& item,
+                               const std::array<int, 3>& corners) {
+  std::array<Vector3, 3> triangle;
+  for (std::size_t k = 0; k < 3; ++k)
+    triangle[k] = Vector3(item.positions->row(corners[k])) + item.translation;
+  const double depth =
+      hit_by_ray(Vector3::Zero(), {(u - c.cx) / c.fx, (v - c.cy) / c.fy, 1}, triangle);
+  if (depth < c.near || std::isinf(depth)) return std::nullopt;
+  return depth;
+}
+
+TEST(Translucency, InEachPixelTrianglesKeepTheOrderOfTheirDepths) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const Camera camera = camera_with_fov(24, 18, 1);
+  std::array<Points, 3> positions;
+  std::array<std::vector<std::array<int, 3>>, 3> triangles;
+  std::vector<DrawItem> items;
+  for (std::size_t i = 0; i < 3; ++i) {
+    positions[i].resize(3 * 60, 3);
+    for (int k = 0; k < 60; ++k) {
+      const double size = k % 10 ? 0.1 : 2;  // some surround the camera
+      for (int corner = 0; corner < 3; ++corner)
+        positions[i].row(3 * k + corner) << size * normal(random), size * normal(random),
+            size * normal(random);
+      const Eigen::RowVector3d middle(normal(random), normal(random), 3 + normal(random));
+      positions[i].middleRows(3 * k, 3).rowwise() += middle;
+    }
+    items.push_back(loose_triangles(positions[i], triangles[i]));
+  }
+  const BackToFront order = sort_back_to_front({&items[0], &items[1], &items[2]}, camera);
+  EXPECT_LT(order.runs.size(), 60u);  // 120 at random
+
+  const auto centroid = [](const DrawItem& item, const std::array<int, 3>& corners) {
+    double depth = 0;
+    for (const int corner : corners) depth += (*item.positions)(corner, 2) / 3;
+    return depth;
+  };
+  int layers = 0;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      double last = std::numeric_limits<double>::infinity();
+      int drawn = 0, expected = 0;
+      for (const BackToFront::Run& run : order.runs) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          const auto& corners = order.triangles[static_cast<std::size_t>(k)];
+          if (!depth_at(camera, u, v, *run.item, corners)) continue;
+          const double depth = centroid(*run.item, corners);
+          EXPECT_LE(depth, last) << u << " " << v;
+          last = depth;
+          ++drawn;
+        }
+      }
+      for (const DrawItem& item : items)
+        for (const auto& corners : *item.triangles)
+          if (depth_at(camera, u, v, item, corners)) ++expected;
+      EXPECT_EQ(drawn, expected) << u << " " << v;
+      layers += drawn;
+    }
+  }
+  EXPECT_GT(layers, 1000);
 }
 
 }  // namespace

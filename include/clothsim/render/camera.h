@@ -35,6 +35,9 @@ Pose look_at(const Vector3& eye, const Vector3& target);
 /// Throws InvalidValue, with keys such as {"fx"}.
 void validate(const Camera&);
 
+/// Where the camera sees a point of its optical frame [m], which is in front of it [pixel].
+Eigen::Vector2d pixel_of(const Camera&, const Vector3& point);
+
 /// From the optical frame to OpenGL's clip space, in which image row 0 is the lowest row, so that
 /// pixels come back in image order without a flip.
 Eigen::Matrix4d projection_matrix(const Camera&);
