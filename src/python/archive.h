@@ -105,7 +105,7 @@ void serialize(Archive& archive, clothsim::SimulationSpec& spec) {
 
 template <class Archive>
 void serialize(Archive& archive, clothsim::LiveSpec::OfCloth& cloth) {
-  archive(cloth.material, cloth.friction, cloth.thickness);
+  archive(cloth.name, cloth.material, cloth.friction, cloth.thickness);
 }
 
 template <class Archive>

@@ -98,7 +98,8 @@ void bind_stepping(SimulationClass& simulator) {
           "Changes live values between two frames, by keyword: ks, density, damping, strain_limit, "
           "springs (a dict), thickness, self_collision, friction, collider_friction (a dict by "
           "name), gravity, frames_per_second, substeps, strain_tolerance, tolerance, method, "
-          "method_parameters, threads, as in a scene. Raises InvalidValue and changes nothing.")
+          "method_parameters, threads, as in a scene; cloths (a dict by name of several cloths, of "
+          "dicts of values of that cloth alone). Raises InvalidValue and changes nothing.")
       .def_property_readonly(
           "report", &report,
           "A report of the run so far, a dict with the keys of report.yaml. "

@@ -70,18 +70,24 @@ std::vector<Field> fabric_fields(Fabric& fabric) {
           {"internal_damping", into(fabric.internal_damping)}};
 }
 
-std::vector<Field> live_fields(Material& material) {
+std::vector<Field> own_live_fields(Material& material) {
   std::vector<Field> fields = {
       {"springs", [&material](const YAML::Node& map) { read_springs(map, material.springs); }},
-      {"density", into(material.density)},
-      {"damping", into(material.damping)},
-      {"drag", into(material.drag)},
-      {"strain_limit", into(material.strain_limit)}};
-  if (!material.fabric) {
+      {"density", into(material.density)}};
+  if (material.fabric) {
+    append(fabric_fields(*material.fabric), fields);
+  } else {
     fields.push_back({"ks", into(material.ks)});
-    return fields;
   }
-  for (Field& field : fabric_fields(*material.fabric)) fields.push_back(std::move(field));
+  return fields;
+}
+
+std::vector<Field> live_fields(Material& material) {
+  std::vector<Field> fields = own_live_fields(material);
+  append({{"damping", into(material.damping)},
+          {"drag", into(material.drag)},
+          {"strain_limit", into(material.strain_limit)}},
+         fields);
   return fields;
 }
 

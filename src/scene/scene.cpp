@@ -197,7 +197,7 @@ LiveSpec live_values(const Scene& scene) {
                 scene.simulation,
                 {}};
   for (const ClothPart& part : cloth.parts) {
-    live.cloths.push_back({part.material, part.friction, part.thickness});
+    live.cloths.push_back({part.name, part.material, part.friction, part.thickness});
   }
   for (const ColliderSpec& collider : scene.colliders) {
     live.collider_friction[collider.name] = collider.friction;
@@ -207,11 +207,15 @@ LiveSpec live_values(const Scene& scene) {
 
 void validate(const LiveSpec& live) {
   validate(live.material);
-  for (const LiveSpec::OfCloth& cloth : live.cloths) {
-    validate(cloth.material);
-    validate_contact(cloth.thickness, cloth.friction);
-  }
   validate_contact(live.thickness, live.friction);
+  inside("cloths", [&] {
+    for (const LiveSpec::OfCloth& cloth : live.cloths) {
+      inside(cloth.name, [&] {
+        validate(cloth.material);
+        validate_contact(cloth.thickness, cloth.friction);
+      });
+    }
+  });
   inside("collider_friction", [&] {
     for (const auto& [name, friction] : live.collider_friction) {
       check_range(name, friction, friction_range);

@@ -87,6 +87,24 @@ void read_simulation(const YAML::Node& node, std::vector<Field> others, Simulati
   }
 }
 
+/// Reads a map of live values by name of the cloth.
+void read_values_by_cloth(const YAML::Node& map, LiveSpec& live) {
+  std::vector<Field> cloths;
+  for (LiveSpec::OfCloth& cloth : live.cloths) {
+    cloths.push_back(
+        {cloth.name, [&cloth](const YAML::Node& values) {
+           std::vector<Field> fields = own_live_fields(cloth.material);
+           append({{"friction", into(cloth.friction)}, {"thickness", into(cloth.thickness)}},
+                  fields);
+           read_map(values, fields);
+         }});
+  }
+  read_map(map, cloths);
+  live.material = live.cloths.front().material;
+  live.friction = live.cloths.front().friction;
+  live.thickness = live.cloths.front().thickness;
+}
+
 }  // namespace
 
 Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node& node) {
@@ -135,7 +153,12 @@ void read_live_values(const YAML::Node& node, LiveSpec& live) {
              read_map(map, colliders);
            }}},
          fields);
+  std::optional<YAML::Node> cloths;  // read last: a cloth's own value prevails over that of all
+  if (!live.cloths.empty()) {
+    fields.push_back({"cloths", [&](const YAML::Node& map) { cloths = map; }});
+  }
   read_simulation(node, std::move(fields), live.simulation);
+  if (cloths) inside("cloths", [&] { read_values_by_cloth(*cloths, live); });
 }
 
 ChangeValues read_change(const YAML::Node& node) {

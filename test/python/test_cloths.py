@@ -94,3 +94,23 @@ def test_a_hand_holds_points_of_one_cloth():
     assert upper.positions[:, 2].max() > 0.15
     moved = np.linalg.norm(lower.positions - start, axis=1)
     assert moved.max() < 0.005
+
+
+def test_live_values_of_one_cloth(napkins):
+    one, both = {"lower": {"friction": 0.1}}, {"cloths": {"upper": {"friction": 0.2, "density": 0.5}}, "friction": 0.3}
+    napkins.set(cloths=one)
+    napkins.set(**both)
+    napkins.step(10)
+    twin = clothsim.Simulator(str(SCENES / "napkins.yaml"))
+    twin.set(friction=0.3)
+    twin.set(cloths={"upper": {"density": 0.5}})
+    twin.set(cloths={"upper": {"friction": 0.2}})
+    twin.step(10)
+    np.testing.assert_array_equal(napkins.positions, twin.positions)
+    plain = clothsim.Simulator(str(SCENES / "napkins.yaml"))
+    plain.step(10)
+    assert not np.array_equal(napkins.positions, plain.positions)
+    with pytest.raises(clothsim.InvalidValue, match=r"cloths\.upper\.friction: got -1"):
+        napkins.set(cloths={"upper": {"friction": -1}})
+    with pytest.raises(clothsim.InvalidValue, match="cloths.nobody.*lower, upper"):
+        napkins.set(cloths={"nobody": {"friction": 1}})

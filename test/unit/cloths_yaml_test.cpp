@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "clothsim/scene/motion.h"
+#include "clothsim/simulation/simulator.h"
 #include "says.h"
 #include "scene_text.h"
 
@@ -125,6 +126,47 @@ TEST(Cloths, ALiveValueIsSetInEach) {
     EXPECT_EQ(cloth.friction, 0.7);
     EXPECT_EQ(cloth.thickness, 2e-4);
   }
+}
+
+TEST(Cloths, ALiveValueOfOneLeavesTheOthers) {
+  const Scene scene = read(scene_with(", density: 0.5"));
+  const LiveSpec start = live_values(scene);
+  // A cloth's own value prevails over that of all, in any order.
+  const std::string own = "cloths: {one: {friction: 0.1, thickness: 2.0e-4}}";
+  for (const std::string& text : {"{friction: 0.7, " + own + "}", "{" + own + ", friction: 0.7}"}) {
+    LiveSpec live = start;
+    read_live_values(YAML::Load(text), live);
+    Simulator simulator(scene);
+    simulator.set(live);
+    const ClothSpec& now = simulator.scene().cloth;
+    EXPECT_EQ(now.friction, 0.1);
+    EXPECT_EQ(now.parts[0].friction, 0.1);
+    EXPECT_EQ(now.parts[1].friction, 0.7);
+    EXPECT_EQ(now.parts[0].thickness, 2e-4);
+    EXPECT_EQ(now.parts[1].thickness, start.cloths[1].thickness);
+  }
+  LiveSpec live = start;
+  read_live_values(YAML::Load("{cloths: {other: {density: 0.3, stretch_stiffness: [900, 800]}}}"),
+                   live);
+  EXPECT_EQ(live.material.density, start.material.density);
+  EXPECT_EQ(live.cloths[0].material.density, start.cloths[0].material.density);
+  EXPECT_EQ(live.cloths[1].material.density, 0.3);
+  EXPECT_EQ(live.cloths[1].material.fabric->stretch_stiffness, (std::array{900.0, 800.0}));
+}
+
+TEST(Cloths, AWrongLiveValueOfOneIsRefusedByItsName) {
+  const auto change = [](const std::string& values) {
+    return refusal(scene_with("", "motions: [{time: 0, set: " + values + "}]"));
+  };
+  EXPECT_TRUE(says(change("{cloths: {other: {friction: -1}}}"),
+                   "motions.0.set.cloths.other.friction ... -1"));
+  EXPECT_TRUE(says(change("{cloths: {other: {damping: 2}}}"),
+                   "motions.0.set.cloths.other.damping ... unknown key ... density"));
+  EXPECT_TRUE(says(change("{cloths: {nobody: {}}}"), "motions.0.set.cloths.nobody ... one, other"));
+  EXPECT_TRUE(says(change("{cloths: 3}"), "motions.0.set.cloths ... 3 ... a map"));
+  EXPECT_TRUE(says(change("{friction: -1}"), "motions.0.set.friction ... -1"));
+  EXPECT_TRUE(says(refusal("cloth: {}\nmotions: [{time: 0, set: {cloths: {}}}]"),
+                   "motions.0.set.cloths ... unknown key"));
 }
 
 }  // namespace

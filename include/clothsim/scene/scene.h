@@ -77,6 +77,7 @@ struct Scene {
 /// differs from the simulator's present one becomes that of all cloths.
 struct LiveSpec {
   struct OfCloth {
+    std::string name;
     Material material;
     double friction;
     double thickness;

@@ -41,7 +41,8 @@ Eigen::Quaterniond read_roll_pitch_yaw(const YAML::Node&);
 void read_pose(const YAML::Node&, Pose&);
 
 /// Reads a map of live values: the keys of the material, thickness, self_collision and friction of
-/// the cloth, those of `simulation` without its seed, and collider_friction, a map by name. Missing
+/// the cloth, those of `simulation` without its seed, collider_friction, a map by name, and cloths,
+/// a map by name of several cloths: of the values that each may have of its own. Missing
 /// keys keep their values, except that a new method resets its parameters. Throws InvalidValue for
 /// keys and types; the values may then have changed in part.
 void read_live_values(const YAML::Node&, LiveSpec&);
