@@ -26,7 +26,7 @@ struct FrameContext {
   double may_go = 0;          // the same until the next detection [m]
   double collider_speed = 0;  // largest of colliders in reach until then [m/s]
   Precision closeness = {};   // of the solution, since the detection
-  bool is_apart = false;      // no detection at colliders
+  bool is_apart = false;  // all colliders are expected out of reach
   double allowed_way = 0;     // displacement of points for which this holds [m]
   double approach_speed = 0;  // of colliders in reach relative to the cloth [m/s]
   bool is_fast = false;       // at that speed springs may be torn open within the frame

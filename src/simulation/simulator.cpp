@@ -86,7 +86,7 @@ StepReport Simulator::Impl::step_with_retries(const State& last_good) {
     Outcome outcome;
     try {
       outcome = frame(may_be_apart, last_good, report);
-    } catch (const Interrupted&) {
+    } catch (...) {  // Interrupted, or a library or memory that is lacking
       take_back();
       throw;
     }

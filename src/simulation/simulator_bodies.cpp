@@ -117,7 +117,7 @@ void Simulator::Impl::check_driven(std::size_t index) const {
   const std::size_t leader = bodies.leader(index);
   if (leader != index) {
     throw InvalidValue({"colliders", name}, "a part of " + scene.colliders[leader].name,
-                       "a collider that goes as it is told");
+                       "a kinematic collider, one without a mass");
   }
   if (bodies.leads(index)) {
     throw InvalidValue({"colliders", name}, "a rigid body", "a collider without `mass`");

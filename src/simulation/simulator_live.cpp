@@ -90,6 +90,9 @@ void Simulator::set(const LiveSpec& live) {
                         is_fabric ? std::vector<std::string>{"stretch_stiffness", "0"}
                                   : std::vector<std::string>{"ks"});
 
+  std::optional<Workers> workers;  // may throw: before the first change
+  if (impl_->workers.threads() != live.simulation.threads) workers.emplace(live.simulation.threads);
+
   impl_->renew_self_contacts(impl_->cloth, cloth);
   const SimulationSpec& last = impl_->scene.simulation;
   const bool method_changed = live.simulation.method != last.method ||
@@ -102,9 +105,7 @@ void Simulator::set(const LiveSpec& live) {
   }
   impl_->set_collider_friction();
   impl_->renew_targets();
-  if (impl_->workers.threads() != live.simulation.threads) {
-    impl_->workers = Workers(live.simulation.threads);
-  }
+  if (workers) impl_->workers = std::move(*workers);
   impl_->cloth = std::move(cloth);
   std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
   impl_->build_strain_limit();

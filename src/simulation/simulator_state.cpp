@@ -59,6 +59,13 @@ void check_points(const std::string& key, const Points& points, int count, doubl
   }
 }
 
+/// By collider: whether it leads a rigid body.
+std::vector<char> leads_of(const RigidBodies& bodies, std::size_t num_colliders) {
+  std::vector<char> leads;
+  for (std::size_t k = 0; k < num_colliders; ++k) leads.push_back(bodies.leads(k));
+  return leads;
+}
+
 }  // namespace
 
 void Simulator::Impl::write(MemoryWriter& memory) const {
@@ -231,7 +238,8 @@ std::shared_ptr<const Simulator::Saved> Simulator::save() const {
   return std::make_shared<const Saved>(
       Saved{impl_->cloth, impl_->state, memory(), impl_->colliders, impl_->pin_targets,
             impl_->grips, impl_->collider_wrenches, impl_->external_forces, impl_->last_substep,
-            impl_->given_crossings, frame_duration(), impl_->scene.simulation.gravity});
+            impl_->given_crossings, frame_duration(), impl_->scene.simulation.gravity,
+            leads_of(impl_->bodies, impl_->colliders.size())});
 }
 
 std::size_t Simulator::bytes_of(const Saved& saved) {
@@ -243,13 +251,16 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   for (const auto& [frame, grip] : saved.grips.all()) {
     held += sizeof(Grip) + bytes(frame) + bytes(grip.held) + bytes(grip.bodies);
   }
-  std::size_t bytes_of_pairs = bytes(cloth.pairs);
-  for (const PairBand& band : cloth.pairs) bytes_of_pairs += bytes(band.spring) + bytes(band.bend);
+  std::size_t bytes_of_bands = bytes(cloth.pairs) + bytes(cloth.bend_bands);
+  for (const PairBand& band : cloth.pairs) bytes_of_bands += bytes(band.spring) + bytes(band.bend);
+  for (const BendBand& band : cloth.bend_bands) bytes_of_bands += bytes(band.stiffness);
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
-         bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_pairs + bytes(cloth.mass) +
-         bytes(cloth.inv_mass) + bytes(cloth.pinned) + bytes(saved.state.positions) +
-         bytes(saved.state.velocities) + bytes(saved.memory) + bytes(saved.colliders) +
-         bytes(saved.pin_targets) + bytes(saved.collider_wrenches) + bytes(saved.forces);
+         bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_bands + bytes(cloth.mass) +
+         bytes(cloth.first_points) + bytes(cloth.first_triangles) + bytes(cloth.frictions) +
+         bytes(cloth.thicknesses) + bytes(cloth.inv_mass) + bytes(cloth.pinned) +
+         bytes(saved.state.positions) + bytes(saved.state.velocities) + bytes(saved.memory) +
+         bytes(saved.colliders) + bytes(saved.pin_targets) + bytes(saved.collider_wrenches) +
+         bytes(saved.forces);
 }
 
 void Simulator::restore(const Saved& saved) {
@@ -260,7 +271,8 @@ void Simulator::restore(const Saved& saved) {
   if (saved.cloth.columns != cloth.columns || saved.cloth.rows != cloth.rows ||
       saved.cloth.rest_positions != cloth.rest_positions || saved.cloth.pinned != cloth.pinned ||
       !std::equal(saved.colliders.begin(), saved.colliders.end(), impl_->colliders.begin(),
-                  impl_->colliders.end(), same)) {
+                  impl_->colliders.end(), same) ||
+      saved.leads != leads_of(impl_->bodies, impl_->colliders.size())) {
     throw InvalidValue({"state"}, "that of another scene", "one of this scene");
   }
   for (const auto& [frame, grip] : saved.grips.all()) {

@@ -161,6 +161,16 @@ TEST(SavedStates, OfAnotherSceneAreRefused) {
   Simulator(busy("auto")).restore(*saved);
 }
 
+TEST(SavedStates, OfACollidersBodyAreRefusedWithoutThatBody) {
+  Scene scene = busy("auto");
+  scene.colliders[0].body.emplace().mass = 0.1;
+  Simulator other(busy("auto"));
+  other.attach("hand", Pose(), {55});
+  const auto saved = Simulator(scene).save();
+  EXPECT_THROW(other.restore(*saved), InvalidValue);
+  EXPECT_EQ(other.grips().count("hand"), 1u);  // nothing changed
+}
+
 TEST(SavedStates, OfAnotherThicknessOrFrictionGoOnByThoseOfTheSimulator) {
   // In a simulator whose scene has these values, and in one where they were changed live.
   const std::vector<std::function<void(Scene&)>> changes = {

@@ -17,11 +17,12 @@ struct Simulator::Saved {
   std::vector<Vector3> pin_targets;
   Grips grips;
   std::vector<Wrench> collider_wrenches;
-  Points forces;          // external forces [N]; no rows: none
-  double last_substep;    // [s]
-  int given_crossings;    // see Simulator::given_crossings()
-  double frame_duration;  // [s]
-  Vector3 gravity;        // [m/s^2]
+  Points forces;            // external forces [N]; no rows: none
+  double last_substep;      // [s]
+  int given_crossings;      // see Simulator::given_crossings()
+  double frame_duration;    // [s]
+  Vector3 gravity;          // [m/s^2]
+  std::vector<char> leads;  // by collider: whether it leads a rigid body
 };
 
 }  // namespace clothsim

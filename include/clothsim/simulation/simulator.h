@@ -71,7 +71,7 @@ class Simulator {
   /// method, throws Diverged and keeps the last good frame. A frame that exceeds its budget of
   /// operations also throws Diverged. The budget is one visit to each point in each pass of each
   /// possible substep; for the first frame after set_state() it is about a second's work at 50 x 50
-  /// points.
+  /// points. Any other exception, such as std::bad_alloc, keeps the frame before, too.
   StepReport step();
 
   /// step() calls `is_interrupted` between substeps, in its own thread. If it returns true, step()
@@ -136,9 +136,9 @@ class Simulator {
 
   /// Sets `forces` [N], N x 3, a row for each point, in addition to gravity, from the next frame on
   /// until another call or reset(). No rows: no forces. The force on a held point does not move the
-  /// point: it loads the pin or grip. Throws
-  /// InvalidValue with the key {"forces", "3", "0"} and changes nothing: for a wrong number of
-  /// rows, and for numbers that are not finite or beyond 1e6 N.
+  /// point: it loads the pin or grip. Throws InvalidValue and changes nothing: with the key
+  /// {"forces"} for a wrong number of rows, with {"forces", "3", "0"} for numbers that are not
+  /// finite or beyond 1e6 N.
   void set_forces(const Points& forces);
   const Points& forces() const;  // no rows: none
 
@@ -216,9 +216,8 @@ class Simulator {
   void detach(const std::vector<int>& points);
 
   /// Moves the tf frame to `target` during the next frame of simulation, each of its points in a
-  /// straight line, its bodies as by move_collider(), and along
-  /// their joints. Throws InvalidValue where the points are
-  /// attached to a body.
+  /// straight line, its bodies as by move_collider(), and along their joints. Throws InvalidValue
+  /// where the points are attached to a body.
   void move_grip(const std::string& frame, const Pose& target);
 
   /// All holders: pins as in the scene, then grips by tf frame. Zero forces before the first
