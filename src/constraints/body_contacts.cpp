@@ -120,10 +120,10 @@ void BodyContacts::prepare_contacts(double scale, double gravity,
     ++places[pair(t)];
   }
   for (const BodyTouch& t : touches) {
-    const double yield = inv_mass(t, bodies);
-    if (yield == 0) continue;  // no joint is free along the normal
+    const double inv_effective_mass = inv_mass(t, bodies);
+    if (inv_effective_mass == 0) continue;  // no joint is free along the normal
     PairContact c{t, to_local(colliders[t.a].pose(), t.place),
-                  t.normal.dot(relative_velocity(t, bodies)), 1 / yield,
+                  t.normal.dot(relative_velocity(t, bodies)), 1 / inv_effective_mass,
                   mass_or_zero(inv_mass_across(t, bodies))};
     c.impulse.normal = t.normal;
     c.impulse.friction =
@@ -177,16 +177,19 @@ void BodyContacts::warm_start(double scale, double radius, PairContact& c) {
 double BodyContacts::solve_pass(RigidBodies& bodies) {
   double largest = 0;
   for (PairContact& c : contacts_) {
-    const Vector3 change = c.impulse.update(relative_velocity(c.touch, bodies), c.mass, c.along);
+    const Vector3 change =
+        c.impulse.update(relative_velocity(c.touch, bodies), c.mass, c.tangential_mass);
     if (change.isZero(0)) continue;
     give(c.touch, change, bodies);
-    largest = std::max(largest, change.norm() / std::min(c.mass, c.along > 0 ? c.along : c.mass));
+    largest =
+        std::max(largest, change.norm() /
+                              std::min(c.mass, c.tangential_mass > 0 ? c.tangential_mass : c.mass));
   }
   for (LimitContact& c : limits_) {
     const RigidMotion& motion = bodies.motion(c.body);
     const double rate = c.limit.direction.force.dot(motion.velocity) +
                         c.limit.direction.torque.dot(motion.angular_velocity);
-    const double change = std::max(c.limit.mass * (c.slowest - rate), -c.impulse);
+    const double change = std::max(c.limit.mass * (c.min_rate - rate), -c.impulse);
     if (change == 0) continue;
     c.impulse += change;
     give(c, change, bodies);

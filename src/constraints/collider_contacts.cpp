@@ -251,7 +251,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
   for (const ColliderCache& s : caches_) points += s.slots.count();
   memory.add(points);
   for (std::size_t k = 0; k < caches_.size(); ++k) {
-    caches_[k].slots.for_each_held([&](int point, const ContactImpulse& impulse) {
+    caches_[k].slots.for_each_with_impulse([&](int point, const ContactImpulse& impulse) {
       memory.add(static_cast<double>(k));
       memory.add(point);
       impulse.write(memory);
@@ -273,7 +273,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     if (!slots.fits(cloth)) slots.reset(cloth);
     ContactImpulse impulse;
     impulse.read(memory);
-    slots.hold(point, impulse);
+    slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
   is_restored_pinched_ = memory.index(2) == 1;

@@ -25,13 +25,13 @@ double ContactSlots::solve_pass(double friction, const Cloth& cloth, const Point
       c.surface_velocity = body.velocity_at(x);
       // Impulses are those on 1 kg of the cloth.
       const double mass = 1 / (1 + cloth.mass[i] * body.inv_mass_at(x, c.normal));
-      const double along = 1 / (1 + cloth.mass[i] * body.inv_mass_across(x, c.normal));
-      const Vector3 change = c.update(v, mass, along);
+      const double tangential_mass = 1 / (1 + cloth.mass[i] * body.inv_mass_across(x, c.normal));
+      const Vector3 change = c.update(v, mass, tangential_mass);
       if (change.isZero(0)) continue;
       velocities.row(i) += change.transpose();
       body.give(-cloth.mass[i] * change, x);
-      hold(i, c);
-      largest = std::max(largest, change.norm() / std::min(mass, along));
+      set_impulse(i, c);
+      largest = std::max(largest, change.norm() / std::min(mass, tangential_mass));
     }
   }
   return largest;
@@ -61,7 +61,7 @@ void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider&
                                          const State& state) {
   for (const int b : s.slots.active()) {
     for (int i = ContactSlots::first_of(b); i < ContactSlots::end_of(b, cloth); ++i) {
-      if (!s.slots.touches(i) || s.slots.is_held(i)) continue;
+      if (!s.slots.touches(i) || s.slots.has_impulse(i)) continue;
       const Vector3 x = row(state.positions, i);
       const Vector3 way = step.h * (row(state.velocities, i) - collider.velocity_at(x));
       const Vector3 end = to_local(collider.pose(), x + way);
@@ -160,11 +160,11 @@ double ColliderContacts::solve_coupled(const Coupled& c, const Cloth& cloth,
   coupling.strongest = c.strongest;
   const double change = coupling.update(bodies.motion(c.a), bodies.motion(c.b));
   for (std::size_t k = 0; k < coupling.count; ++k) {
-    slots_b.hold(points[k], coupling.corners[k].of_b);
+    slots_b.set_impulse(points[k], coupling.corners[k].of_b);
     velocities.row(points[k]) = coupling.corners[k].velocity.transpose();
   }
   if (c.point >= 0) {
-    slots_a.hold(c.point, coupling.of_a.scaled(1 / cloth.mass[c.point]));
+    slots_a.set_impulse(c.point, coupling.of_a.scaled(1 / cloth.mass[c.point]));
   } else {
     faces_.keep(c.face, coupling.of_a);
   }

@@ -126,7 +126,7 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
   if (entry && drift < 0)
     state.positions.row(i) += step.displacement_factor * step.h * drift * normal.transpose();
 
-  if (!s.slots.is_held(i) && rate >= target_velocity && gap > 0) {
+  if (!s.slots.has_impulse(i) && rate >= target_velocity && gap > 0) {
     if (s.slots.touches(i)) s.slots.remove(i);
     return;
   }

@@ -81,14 +81,14 @@ void ContactCoupling::give(Corner& c, const Vector3& from_a, const Vector3& from
 /// cloth sticks to both.
 double ContactCoupling::stop_sliding(RigidMotion& a, RigidMotion& b) {
   Vector3 velocity(0, 0, 0);  // of the place
-  double yield = 0;
+  double inv_effective_mass = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const Corner& c = corners[k];
     velocity += c.weight * c.velocity;
-    yield += c.weight * c.weight / c.mass;
+    inv_effective_mass += c.weight * c.weight / c.mass;
     if (slides(c.of_b, c.velocity - b.velocity_at(c.x), 1)) return 0;
   }
-  if (slides(of_a, velocity - a.velocity_at(x), 1 / yield)) return 0;
+  if (slides(of_a, velocity - a.velocity_at(x), 1 / inv_effective_mass)) return 0;
 
   Vector3 normal = -of_a.normal;
   for (std::size_t k = 0; k < count; ++k) normal += corners[k].weight * corners[k].of_b.normal;
@@ -115,19 +115,19 @@ double ContactCoupling::stop_sliding(RigidMotion& a, RigidMotion& b) {
 /// The normal impulse of the body and those of the other collider by the same amount.
 double ContactCoupling::stop_approach(RigidMotion& a, RigidMotion& b) {
   double lacking = of_a.target_velocity + of_a.normal.dot(a.velocity_at(x));
-  double yield = a.inv_mass_at(x, of_a.normal) + b.inv_mass_at(x, of_a.normal);
+  double inv_effective_mass = a.inv_mass_at(x, of_a.normal) + b.inv_mass_at(x, of_a.normal);
   double least = -of_a.normal_impulse;
   for (std::size_t k = 0; k < count; ++k) {
     const Corner& c = corners[k];
     const Vector3& normal = c.of_b.normal;
     lacking += c.weight * (c.of_b.target_velocity + normal.dot(b.velocity_at(c.x)) -
                            (of_a.normal + normal).dot(c.velocity));
-    yield += c.weight * c.weight / c.mass * (of_a.normal + normal).squaredNorm();
+    inv_effective_mass += c.weight * c.weight / c.mass * (of_a.normal + normal).squaredNorm();
     least = std::max(least, -c.of_b.normal_impulse * c.mass / c.weight);
   }
-  if (yield == 0) return 0;  // no joint is free along the normals
+  if (inv_effective_mass == 0) return 0;  // no joint is free along the normals
   const double most = strongest - of_a.normal_impulse;
-  const double more = std::max(std::min(lacking / yield, most), least);
+  const double more = std::max(std::min(lacking / inv_effective_mass, most), least);
   if (more >= 0 || !release(-more, a, b)) {
     const Vector3 of_body = add_normal(more, of_a);
     for (std::size_t k = 0; k < count; ++k) {
@@ -136,7 +136,7 @@ double ContactCoupling::stop_approach(RigidMotion& a, RigidMotion& b) {
       give(c, c.weight * of_body, of_other, a, b);
     }
   }
-  return std::abs(more) * yield;
+  return std::abs(more) * inv_effective_mass;
 }
 
 /// Takes `less` from the normal impulses; friction of the body shrinks with them, and that of the

@@ -326,7 +326,7 @@ void ContactSlots::close() {
   }
 }
 
-void ContactSlots::hold(int point, const ContactImpulse& impulse) {
+void ContactSlots::set_impulse(int point, const ContactImpulse& impulse) {
   activate(point / block);
   at(point / block).normal_impulse[point % block] = impulse.normal_impulse;
   at(point / block).friction_impulse.set(point % block, impulse.friction_impulse);
@@ -389,7 +389,7 @@ ContactImpulse ContactSlots::contact(int point, double friction) const {
 
 int ContactSlots::count() const {
   int held = 0;
-  for_each_held([&](int, const ContactImpulse&) { ++held; });
+  for_each_with_impulse([&](int, const ContactImpulse&) { ++held; });
   return held;
 }
 

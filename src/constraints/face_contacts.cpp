@@ -155,8 +155,8 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;
   const CornerWeights moves = moves_of(cloth, corners, weights);
-  const double yield = yield_of(weights, moves);
-  if (yield == 0) return;
+  const double inv_effective_mass = inv_effective_mass_of(weights, moves);
+  if (inv_effective_mass == 0) return;
   const double lever = lever_of(cloth, corners, weights);
   const double keeps = cloth.offset_at(corners[0]);
 
@@ -168,8 +168,8 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
     // Back to where it came in, less the displacement by the impulse that ends its approach.
     const double back =
         keeps - distance.value + step.displacement_factor * step.h * std::min(0.0, drift);
-    spread(corners, moves, back / yield * normal, state.positions);
-    spread(corners, moves, back / yield * distance.normal, local.to);
+    spread(corners, moves, back / inv_effective_mass * normal, state.positions);
+    spread(corners, moves, back / inv_effective_mass * distance.normal, local.to);
   }
 
   // The gap at the step's end if the triangle only followed the surface.
@@ -246,13 +246,13 @@ double FaceContacts::solve_pass(RigidBodies* bodies, Points& velocities) {
     const Vector3 &x = places_[i].x, &normal = c.impulse.normal;
     if (body.is_body) c.impulse.surface_velocity = body.velocity_at(x);
     const double mass = 1 / (1 / c.mass + body.inv_mass_at(x, normal));
-    const double along = 1 / (1 / c.mass + body.inv_mass_across(x, normal));
+    const double tangential_mass = 1 / (1 / c.mass + body.inv_mass_across(x, normal));
     const Vector3 v = weighted_sum(c.points, c.weights, velocities);
-    const Vector3 change = c.impulse.update(v, mass, along);
+    const Vector3 change = c.impulse.update(v, mass, tangential_mass);
     if (change.isZero(0)) continue;
     c.give(change, velocities);
     body.give(-change, x);
-    largest = std::max(largest, change.norm() / std::min(mass, along));
+    largest = std::max(largest, change.norm() / std::min(mass, tangential_mass));
   }
   return largest;
 }
@@ -278,14 +278,15 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;
       const CornerWeights moves = moves_of(cloth, corners, weights);
-      const double yield = yield_of(weights, moves);
-      if (yield == 0) return;
+      const double inv_effective_mass = inv_effective_mass_of(weights, moves);
+      if (inv_effective_mass == 0) return;
       const double in_reach = lever_of(cloth, corners, weights) * h;
       const double wanted =
           found.before < 0 ? required_distance(found.before, keeps, in_reach) : raised(now, keeps);
       const bool must = now < wanted - may_sink;  // others may move it out, too
       if (!must && (pass > 1 || now >= keeps)) return;
-      spread(corners, moves, (wanted - now) / yield * found.distance->normal, local.to);
+      spread(corners, moves, (wanted - now) / inv_effective_mass * found.distance->normal,
+             local.to);
       for (const int i : corners) {
         if (cloth.inv_mass[i] == 0) continue;
         if (must) last_move[static_cast<std::size_t>(i)] = pass;

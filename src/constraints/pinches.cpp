@@ -25,8 +25,8 @@ double friction_of(const Pinches::ColliderDistance& side, const Cloth& cloth, in
 /// Firmness of that grip: surfaces rub in series, with a compliance of 1 / friction each.
 double firmness_of(const Pinches::ColliderDistance& side, const Cloth& cloth, int point) {
   if (friction_of(side, cloth, point) == 0) return 0;
-  const double yield = 1 / side.collider->friction();
-  return 1 / (side.touches ? yield : yield + side.layers / cloth.friction_at(point));
+  const double compliance = 1 / side.collider->friction();
+  return 1 / (side.touches ? compliance : compliance + side.layers / cloth.friction_at(point));
 }
 
 /// Is the wedge between them so narrow that friction keeps its content from slipping out? It is

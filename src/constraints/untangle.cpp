@@ -45,11 +45,11 @@ struct PartSizes {
 class PartCounter {
  public:
   explicit PartCounter(const SurfaceEdges& surface)
-      : surface_(surface), caches_(surface.of_point.size()), is_cut_(surface.edges.size()) {}
+      : surface_(surface), sides_(surface.of_point.size()), is_cut_(surface.edges.size()) {}
 
   /// `cuts`: edges that the contour crosses, and whether their first ends are above.
   PartSizes count(const std::vector<std::pair<int, bool>>& cuts) {
-    std::fill(caches_.begin(), caches_.end(), none);
+    std::fill(sides_.begin(), sides_.end(), none);
     sizes_ = {{0, 0}, true};
     visited_.clear();
     for (const auto& [edge, is_above] : cuts) {
@@ -71,7 +71,7 @@ class PartCounter {
  private:
   static constexpr int none = -1;
 
-  int& side(int point) { return caches_[static_cast<std::size_t>(point)]; }
+  int& side(int point) { return sides_[static_cast<std::size_t>(point)]; }
 
   void visit(int point, int from) {
     if (side(point) != none) {
@@ -84,7 +84,7 @@ class PartCounter {
   }
 
   const SurfaceEdges& surface_;
-  std::vector<int> caches_;  // side by point
+  std::vector<int> sides_;  // side by point
   std::vector<bool> is_cut_;
   PartSizes sizes_{};
   std::vector<int> visited_;

@@ -13,7 +13,7 @@ namespace {
 /// Fine tiles: a test of a triangle and a point costs more than a tile.
 constexpr std::size_t tiles_a_point = 4;
 
-/// Of the rounding of pixels, which are at most 8192.
+/// Bound on the rounding of pixel coordinates, which are at most 8192.
 constexpr double tolerance = 1e-6;  // [pixel]
 
 constexpr int no_point = -1;

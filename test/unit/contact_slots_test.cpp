@@ -200,7 +200,7 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
   slots.reset(cloth);
   ContactImpulse impulse;
   impulse.normal_impulse = 2;
-  for (const int point : {3, 5, 30}) slots.hold(point, impulse);  // 3 is pinned
+  for (const int point : {3, 5, 30}) slots.set_impulse(point, impulse);  // 3 is pinned
   EXPECT_EQ(slots.count(), 3);
   const MovingCollider plane(
       {"", Plane{}, {Vector3::Zero(), Eigen::Quaterniond::Identity()}, 0, ""});

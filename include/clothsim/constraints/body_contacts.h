@@ -53,14 +53,14 @@ class BodyContacts {
     Vector3 local{0, 0, 0};       // its place in the frame of the body a [m]
     double approach = 0;          // relative normal velocity of the free motion [m/s]
     double mass = 0;              // effective, along the normal [kg]
-    double along = 0;             // the same across it [kg]
+    double tangential_mass = 0;   // effective, along the surface [kg]; 0: nothing can move
     ContactImpulse impulse = {};  // on a
   };
 
   struct LimitContact {
     std::size_t body;
     RigidBodies::JointLimit limit;
-    double slowest;      // allowed rate along the limit's direction [m/s] or [rad/s]
+    double min_rate;     // least rate allowed along the direction of the limit [m/s] or [rad/s]
     double impulse = 0;  // >= 0, along it [N s] or [N m s]
   };
   struct Setup;  // found once for a scene

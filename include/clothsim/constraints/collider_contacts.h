@@ -113,7 +113,7 @@ class ColliderContacts {
   /// when something has moved.
   void try_anew() { leaving_ = 0; }
 
-  /// Forgets the impulses.
+  /// Forgets the impulses, the distances of earlier steps, the pinches and the time of recovery.
   void reset();
 
   /// The impulses, for the given numbers of colliders and points. `read` throws InvalidValue for

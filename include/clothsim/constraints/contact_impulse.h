@@ -26,8 +26,8 @@ struct ContactImpulse {
   /// `mass`: an impulse p changes that velocity by p / mass. Returns the change of the impulse.
   Vector3 update(const Vector3& velocity, double mass) { return update(velocity, mass, mass); }
 
-  /// The same where an impulse along the surface has another effective mass, `along`.
-  Vector3 update(const Vector3& velocity, double mass, double along) {
+  /// The same with another effective mass, `tangential_mass`, for impulses along the surface.
+  Vector3 update(const Vector3& velocity, double mass, double tangential_mass) {
     const Vector3 v = velocity - surface_velocity;
 
     // The normal velocity may not fall below target_velocity.
@@ -40,7 +40,7 @@ struct ContactImpulse {
     new_normal_impulse = std::clamp(new_normal_impulse, 0.0, max_normal_impulse);
 
     // Projection onto Coulomb's cone.
-    Vector3 new_friction_impulse = friction_impulse - along * (v - rate * normal);
+    Vector3 new_friction_impulse = friction_impulse - tangential_mass * (v - rate * normal);
     const double max_friction = friction * new_normal_impulse;
     const double length2 = new_friction_impulse.squaredNorm();
     if (length2 > max_friction * max_friction) {

@@ -142,7 +142,7 @@ class ContactSlots {
                                             -std::numeric_limits<double>::infinity();
   }
   /// Does a point have an impulse (before warm_start(): of the last step)?
-  bool is_held(int point) const { return at(point / block).normal_impulse[point % block] > 0; }
+  bool has_impulse(int point) const { return at(point / block).normal_impulse[point % block] > 0; }
   bool has_active(int b) const {
     return !is_active_.empty() && is_active_[static_cast<std::size_t>(b)] != 0;
   }
@@ -162,10 +162,10 @@ class ContactSlots {
   int count() const;
   /// Calls visit(point, impulse) for each of these.
   template <typename Visit>
-  void for_each_held(Visit&& visit) const {
+  void for_each_with_impulse(Visit&& visit) const {
     for (const int b : active_) {
       for (int i = first_of(b); i < end_of(b); ++i) {
-        if (is_held(i)) visit(i, contact(i, 0));
+        if (has_impulse(i)) visit(i, contact(i, 0));
       }
     }
   }
@@ -182,7 +182,7 @@ class ContactSlots {
 
   /// Sets an impulse, for a warm start or of a contact. Points in ascending order where they have
   /// no contact.
-  void hold(int point, const ContactImpulse&);
+  void set_impulse(int point, const ContactImpulse&);
 
  private:
   double least_distance(int b, const double* distances) const;

@@ -53,7 +53,7 @@ struct ContactStep {
   double since = h;                     // time since the detection, at the step's end [s]
   double ahead = h;                     // time until the next detection [s]
   double way = 0;                       // displacement of points until then, beyond the step's [m]
-  RigidBodies* bodies = nullptr;        // in this step; none: all colliders go as they are told
+  RigidBodies* bodies = nullptr;        // in this step; none: all colliders are kinematic
 
   void spend(std::int64_t visits) const {
     if (budget) budget->spend(visits);

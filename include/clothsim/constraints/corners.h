@@ -50,7 +50,7 @@ inline void spread(const Corners& corners, const CornerWeights& moves, const Vec
 }
 
 /// Velocity at the point with these weights, per impulse there.
-inline double yield_of(const CornerWeights& weights, const CornerWeights& moves) {
+inline double inv_effective_mass_of(const CornerWeights& weights, const CornerWeights& moves) {
   return weights[0] * moves[0] + weights[1] * moves[1] + weights[2] * moves[2];
 }
 
@@ -64,7 +64,7 @@ inline double lever_of(const Cloth& cloth, const Corners& corners, const CornerW
   if (!any_held(cloth, corners)) return 1;
   const CornerWeights moves = moves_of(cloth, corners, weights);
   const double largest = *std::max_element(moves.begin(), moves.end());
-  return largest > 0 ? yield_of(weights, moves) / largest : 0;
+  return largest > 0 ? inv_effective_mass_of(weights, moves) / largest : 0;
 }
 
 }  // namespace clothsim

@@ -55,7 +55,7 @@ class RigidBodies {
   /// Centre of mass in the frame of a leader [m].
   const Vector3& center_of(std::size_t leader) const { return bodies_[leader]->center; }
 
-  /// A held body goes as it is told, as a collider without mass does.
+  /// A held body is kinematic, as a collider without mass is.
   void hold(std::size_t leader, bool held) { bodies_[leader]->held = held; }
   bool is_held(std::size_t leader) const { return bodies_[leader]->held; }
 

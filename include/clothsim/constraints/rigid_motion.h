@@ -12,10 +12,10 @@ inline Matrix3 cross_matrix(const Vector3& v) {
   return result;
 }
 
-/// The motion of a collider as contacts change it: that of a rigid body, or of a collider that goes
-/// as it is told, whose inverse masses are zero. A joint leaves those along its free motion: u u^T
-/// / m for a slider along the unit vector u, u u^T / I for a hinge with the moment of inertia I
-/// about its axis u.
+/// The motion of a collider as contacts change it: that of a rigid body, or of a kinematic
+/// collider, whose inverse masses are zero. A joint leaves those along its free motion: u u^T / m
+/// for a slider along the unit vector u, u u^T / I for a hinge with the moment of inertia I about
+/// its axis u.
 struct RigidMotion {
   Vector3 center{0, 0, 0};                // of mass; of a hinge, a point of the axis; in the world
   Vector3 velocity{0, 0, 0};              // of the centre [m/s]

@@ -56,7 +56,7 @@ class SelfContacts {
   /// Contacts that carry an impulse.
   int count() const { return contacts_.count(); }
 
-  /// Forgets the impulses.
+  /// Forgets the impulses and the tracked pairs.
   void reset();
 
   /// The state for the next step. `read` throws InvalidValue for data that is not from `write`.

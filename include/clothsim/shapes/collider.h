@@ -79,7 +79,7 @@ struct ColliderSpec {
   std::string frame;                  // tf frame that carries the shape; empty: fixed
   bool enabled = true;                // false: no contact
   Pose offset = {};                   // of the shape in its frame
-  std::optional<BodySpec> body = {};  // empty: it goes as it is told
+  std::optional<BodySpec> body = {};  // empty: a kinematic collider
   std::string part_of = {};           // name of the body that it is a further shape of; or empty
 };
 
