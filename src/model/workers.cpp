@@ -5,6 +5,7 @@
 #include <cassert>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -12,19 +13,15 @@
 namespace clothsim {
 namespace {
 
-/// How long an idle thread spins: longer than the time between two loops of a substep, shorter than
-/// the time between two frames.
-constexpr std::chrono::microseconds awake{600};
+/// How long an idle thread spins: longer than the time between most loops of a substep.
+constexpr std::chrono::microseconds awake{60};
 
-/// How often the calling thread polls the others before it yields to them.
+/// How often a thread that waits for others polls them before it yields to them.
 constexpr int patience = 4000;
 
 /// Bands begin at multiples of this, unless they may be shorter: a cache line, which two threads
 /// should not both write.
 constexpr int line = 8;
-
-/// More than the number of threads.
-constexpr int shut = 1 << 20;
 
 void relax() {
 #if defined(__x86_64__)
@@ -34,19 +31,25 @@ void relax() {
 #endif
 }
 
+/// Waits for others, which have work.
+template <typename Condition>
+void wait_until(const Condition& holds) {
+  for (int i = 0; !holds(); ++i) i < patience ? relax() : std::this_thread::yield();
+}
+
 }  // namespace
 
 struct Workers::Pool {
   explicit Pool(int count) : helpers(static_cast<std::size_t>(count)) {
-    for (int i = 0; i < count; ++i) {
-      helpers[static_cast<std::size_t>(i)].thread = std::thread([this, i] { help(i); });
-    }
+    for (int i = 0; i < count; ++i) helper(i).thread = std::thread([this, i] { help(i); });
   }
 
   ~Pool() {
     stopped = true;
-    begin_round(static_cast<int>(helpers.size()));
-    for (Helper& helper : helpers) helper.thread.join();
+    const int count = static_cast<int>(helpers.size());
+    open(count);
+    for (int i = 0; i < count; ++i) wake(i);  // one that ended in the last round wakes no others
+    for (Helper& each : helpers) each.thread.join();
   }
 
   /// The part of the calling thread.
@@ -54,44 +57,63 @@ struct Workers::Pool {
     loop = l;
     const int count = static_cast<int>(helpers.size());
     bands = std::min(l.bands_a_thread * (count + 1), l.count / l.min_band);
-    next.store(0, std::memory_order_relaxed);
-    inside.fetch_add(shut, std::memory_order_release);
-    begin_round(std::min(bands - 1, count));
-    take_bands();
-
-    // No thread enters any more; those inside finish their bands.
-    inside.fetch_sub(shut, std::memory_order_relaxed);
-    for (int i = 0; inside.load(std::memory_order_acquire) != -shut; ++i) {
-      i < patience ? relax() : std::this_thread::yield();
+    one_stage = {bands};
+    threads = std::clamp(widest_stage(), 1, count + 1);
+    if (taken.size() < static_cast<std::size_t>(bands)) {
+      taken = std::vector<std::atomic<std::uint64_t>>(static_cast<std::size_t>(bands));
+    }
+    done.store(0, std::memory_order_relaxed);
+    ++loops;
+    if (threads > 1) open(threads - 1);
+    take_bands(0);
+    if (threads == 1) return;
+    ++round;  // closed: no thread enters any more; those inside finish their bands
+    for (int i = 0; i < threads - 1; ++i) {
+      wait_until([&] { return !helper(i).is_inside.load(std::memory_order_acquire); });
     }
   }
 
-  /// Signals the first `count` threads that there is work.
-  void begin_round(int count) {
+  const std::vector<int>& stages() const { return loop.stages ? *loop.stages : one_stage; }
+
+  int widest_stage() const {
+    int widest = 0, first = 0;
+    for (const int end : stages()) {
+      widest = std::max(widest, end - first);
+      first = end;
+    }
+    return widest;
+  }
+
+  /// Begins a round for the first `count` threads.
+  void open(int count) {
     wanted = count;
     ++round;
-    for (int i = 0; i < count; ++i) {
-      Helper& helper = helpers[static_cast<std::size_t>(i)];
-      if (!helper.sleeps) continue;
-      { const std::lock_guard<std::mutex> lock(helper.mutex); }  // it waits, or checks again
-      helper.wake.notify_one();
-    }
+    wake(0);
+  }
+
+  /// Wakes a thread that is wanted. It wakes further ones, so this takes the caller little time.
+  void wake(int number) {
+    if (number >= wanted || !helper(number).sleeps) return;
+    { const std::lock_guard<std::mutex> lock(helper(number).mutex); }  // it waits, or checks again
+    helper(number).wake.notify_one();
   }
 
   /// The loop of each other thread.
   void help(int number) {
-    for (unsigned seen = 0; wait_for_round(number, seen);) {
-      if (inside.fetch_add(1, std::memory_order_acquire) >= 0) take_bands();
-      inside.fetch_sub(1, std::memory_order_release);
+    std::atomic<bool>& is_inside = helper(number).is_inside;
+    for (std::uint64_t seen = 0; wait_for_round(number, seen);) {
+      is_inside = true;
+      if (round == seen) take_bands(number + 1);
+      is_inside.store(false, std::memory_order_release);
     }
   }
 
   /// Waits for a round other than `seen` that needs this thread; false when the pool ends.
-  bool wait_for_round(int number, unsigned& seen) {
-    Helper& self = helpers[static_cast<std::size_t>(number)];
+  bool wait_for_round(int number, std::uint64_t& seen) {
+    Helper& self = helper(number);
     const auto is_wanted = [&] {
-      const unsigned now = round;
-      if (now == seen) return false;
+      const std::uint64_t now = round;
+      if (now == seen || now % 2 == 0) return false;
       seen = now;
       return number < wanted;
     };
@@ -107,36 +129,59 @@ struct Workers::Pool {
       self.sleeps = false;
       break;
     }
+    for (const int other : {2 * number + 1, 2 * number + 2}) wake(other);
     return !stopped;
   }
 
-  void take_bands() {
-    const int multiple = loop.min_band < line ? 1 : line;
-    const auto begin_of = [&](int band) {
-      if (band == bands) return loop.count;
-      const auto begin = static_cast<int>(static_cast<long long>(loop.count) * band / bands);
-      return begin / multiple * multiple;
-    };
-    for (int band = next++; band < bands; band = next++) {
-      loop.call(loop.body, begin_of(band), begin_of(band + 1));
+  /// Takes the bands of a thread in each stage, then those that others have not begun.
+  void take_bands(int thread) {
+    int first = 0;
+    for (const int end : stages()) {
+      wait_until([&] { return done.load(std::memory_order_acquire) >= first; });
+      const int count = end - first, own = count * thread / threads;
+      for (int k = own; k < count; ++k) take(first + k);
+      for (int k = 0; k < own; ++k) take(first + k);
+      first = end;
     }
   }
 
-  struct Helper {
+  /// Does a band unless another thread has begun it.
+  void take(int band) {
+    std::atomic<std::uint64_t>& last = taken[static_cast<std::size_t>(band)];
+    std::uint64_t before = last.load(std::memory_order_relaxed);
+    if (before == loops || !last.compare_exchange_strong(before, loops)) return;
+    loop.call(loop.body, begin_of(band), begin_of(band + 1));
+    done.fetch_add(1, std::memory_order_release);
+  }
+
+  int begin_of(int band) const {
+    if (band == bands) return loop.count;
+    const int multiple = loop.min_band < line ? 1 : line;
+    const auto begin = static_cast<int>(static_cast<long long>(loop.count) * band / bands);
+    return begin / multiple * multiple;
+  }
+
+  struct alignas(64) Helper {
+    std::atomic<bool> is_inside{false};  // may take bands
+    std::atomic<bool> sleeps{false};
     std::thread thread;
     std::mutex mutex;
     std::condition_variable wake;
-    std::atomic<bool> sleeps{false};
   };
+  Helper& helper(int number) { return helpers[static_cast<std::size_t>(number)]; }
 
   // Each on its own cache line: all threads poll the first two while they wait.
-  alignas(64) std::atomic<unsigned> round{0};  // counts the loops
-  std::atomic<int> wanted{0};                  // threads that take part in the round
+  alignas(64) std::atomic<std::uint64_t> round{0};  // counts loops twice; odd while one is open
+  std::atomic<int> wanted{0};                       // threads that take part in the round
   std::atomic<bool> stopped{false};
-  alignas(64) std::atomic<int> inside{-shut};  // threads that may take bands; below 0: closed
-  alignas(64) std::atomic<int> next{0};        // first band that is not taken
-  alignas(64) Loop loop{};                     // changes while closed and without threads inside
+  alignas(64) std::atomic<int> done{0};  // bands of the loop
+  // These change while closed and without threads inside.
+  alignas(64) Loop loop{};
+  std::uint64_t loops = 0;  // so far
   int bands = 0;
+  int threads = 0;                                // that take part
+  std::vector<int> one_stage;                     // for loops without stages
+  std::vector<std::atomic<std::uint64_t>> taken;  // by band, the last loop in which it was begun
   std::vector<Helper> helpers;
 };
 

@@ -66,6 +66,31 @@ TEST(Workers, ShareBandsShorterThanALineOfTheCaches) {
   EXPECT_EQ(lengths[1], 1);
 }
 
+TEST(Workers, StagesBeginWhenEarlierOnesHaveEnded) {
+  const std::vector<int> ends{5, 6, 6, 26, 30};
+  for (const int threads : {1, 2, 3, 7}) {
+    const Workers workers(threads);
+    for (int loop = 0; loop < 200; ++loop) {
+      std::vector<std::atomic<int>> ended(ends.size());  // by stage
+      std::atomic<int> too_early{0};
+      workers.in_stages(ends, [&](int part) {
+        std::size_t stage = 0;
+        for (; part >= ends[stage]; ++stage) {
+          const int parts = ends[stage] - (stage > 0 ? ends[stage - 1] : 0);
+          too_early += ended[stage] < parts;
+        }
+        ++ended[stage];
+      });
+      EXPECT_EQ(too_early, 0);
+      EXPECT_EQ(ended[0] + ended[1] + ended[3] + ended[4], ends.back());
+    }
+  }
+}
+
+TEST(Workers, NoPartsInStages) {
+  Workers(3).in_stages({0, 0}, [](int) { FAIL(); });
+}
+
 TEST(Workers, EndWhateverTheirThreadsDo) {
   // The pool ends while threads wake up, look for work, take it or have just missed it.
   std::atomic<int> bands{0};

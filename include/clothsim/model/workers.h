@@ -17,10 +17,11 @@ namespace clothsim {
 /// band must not depend on another one; then the result is the same to the last bit with any number
 /// of threads.
 ///
-/// Why not OpenMP: a substep has some ten such loops of 10 to 200 us, so a thread spins for a
+/// Why not OpenMP: a substep has some hundred such loops of 10 to 200 us, so a thread spins for a
 /// moment before it sleeps, and threads that are awake take the bands of those that are not. GCC's
 /// OpenMP waits for all its threads, which is slow on a busy machine, and ThreadSanitizer does not
-/// see its barriers.
+/// see its barriers. A thread takes the same bands of equal loops, as long as it is awake: it has
+/// their data in its cache.
 class Workers {
  public:
   /// `threads`: at least 1, including the calling thread.
@@ -49,7 +50,20 @@ class Workers {
       body(0, count);
     } else {
       run({[](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); },
-           &body, count, min_band, bands_a_thread});
+           &body, count, min_band, bands_a_thread, nullptr});
+    }
+  }
+
+  /// Calls body(k) for parts in stages: those of a stage begin when all of earlier ones have ended.
+  /// `ends`: one more than the last part of each stage. One loop costs less than one a stage.
+  template <typename Body>
+  void in_stages(const std::vector<int>& ends, const Body& body) const {
+    const int count = ends.back();
+    if (pool_) {
+      run({[](const void* b, int k, int) { (*static_cast<const Body*>(b))(k); }, &body, count, 1,
+           count, &ends});
+    } else {
+      for (int k = 0; k < count; ++k) body(k);
     }
   }
 
@@ -61,13 +75,13 @@ class Workers {
         [&](int begin, int end) {
           for (int k = begin; k < end; ++k) body(k);
         },
-        dear);
+        dear, uneven);
   }
 
   /// Results of body(begin, end, result) for the bands of a loop over expensive parts, in order.
   template <typename Result, typename Body>
   std::vector<Result> gather(int count, const Body& body, int min_band = dear,
-                             int bands_a_thread = 1) const {
+                             int bands_a_thread = uneven) const {
     std::mutex mutex;
     std::map<int, Result> found;  // by the first part
     parallel_for(
@@ -91,6 +105,7 @@ class Workers {
     int count;
     int min_band;
     int bands_a_thread;
+    const std::vector<int>* stages;  // ends, in bands; null: a single one
   };
   struct Pool;
 
