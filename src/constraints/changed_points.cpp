@@ -1,5 +1,6 @@
 #include "clothsim/constraints/changed_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "clothsim/model/target_clones.h"
@@ -34,11 +35,11 @@ void ChangedPoints::mark_all(int count) {
   changed_.resize(marked_.size());
 }
 
-void ChangedPoints::look(const Points& velocities, double min_change, const Workers& workers) {
-  workers.parallel_for(static_cast<int>(velocities.rows()), [&](int begin, int end) {
-    find_changed(begin, end, velocities.rows(), min_change, velocities.data(), seen_.data(),
-                 marked_.data(), changed_.data());
-  });
+void ChangedPoints::look(int part, const Points& velocities, double min_change) {
+  const auto count = static_cast<int>(velocities.rows());
+  const int begin = part * part_size;
+  find_changed(begin, std::min(begin + part_size, count), count, min_change, velocities.data(),
+               seen_.data(), marked_.data(), changed_.data());
 }
 
 }  // namespace clothsim

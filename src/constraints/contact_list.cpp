@@ -17,6 +17,9 @@ constexpr double slab_width = 4;
 /// One in so many contacts is sampled for the places of the planes.
 enum { samples_apart = 8 };
 
+/// Contacts of which a thread takes the sums at once.
+constexpr std::size_t block = 256;
+
 /// A key in the memory: so many numbers of so many bits, exact.
 enum { key_bits = 16, key_parts = 4 };
 
@@ -66,8 +69,8 @@ void ContactList::add(const std::vector<Contact>& contacts) {
   contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
 }
 
-void ContactList::warm_start(const Points& positions, Points& velocities) {
-  group(positions);
+void ContactList::warm_start(const Points& positions, Points& velocities, const Workers& workers) {
+  group(positions, workers);
   warm_start(scale_, velocities);
 }
 
@@ -81,25 +84,44 @@ void ContactList::warm_start(double scale, Points& velocities) {
   }
 }
 
+/// The box around all contacts, and the sum of their extents. Sums are by block, so they do not
+/// depend on threads.
+ContactList::Extent ContactList::extent(const Points& positions, const Workers& workers) const {
+  const std::size_t count = contacts_.size();
+  std::vector<Extent> blocks((count + block - 1) / block);
+  workers.parallel_for(
+      static_cast<int>(blocks.size()),
+      [&](int begin, int end) {
+        const std::size_t last = std::min(static_cast<std::size_t>(end) * block, count);
+        for (std::size_t k = static_cast<std::size_t>(begin) * block; k < last; ++k) {
+          Eigen::AlignedBox3d of_contact;
+          for (const int point : contacts_[k].points) of_contact.extend(row(positions, point));
+          blocks[k / block].lengths += of_contact.sizes();
+          blocks[k / block].box.extend(of_contact);
+        }
+      },
+      1);
+  Extent all;
+  for (const Extent& of_block : blocks) {
+    all.lengths += of_block.lengths;
+    all.box.extend(of_block.box);
+  }
+  return all;
+}
+
 /// Slabs of equally many contacts across the longest extent: enough of them that a pass over one
 /// outlasts the start of a thread, and wide enough that most contacts lie within one.
-ContactList::Cut ContactList::cut_into_slabs(const Points& positions) const {
+ContactList::Cut ContactList::cut_into_slabs(const Points& positions,
+                                             const Workers& workers) const {
   Cut cut;
   const std::size_t count = contacts_.size();
   if (count < 2 * std::size_t{Workers::dear}) return cut;
-  Eigen::AlignedBox3d box;
-  Vector3 lengths(0, 0, 0);
-  for (const Contact& c : contacts_) {
-    Eigen::AlignedBox3d of_contact;
-    for (const int point : c.points) of_contact.extend(row(positions, point));
-    lengths += of_contact.sizes();
-    box.extend(of_contact);
-  }
-  box.sizes().maxCoeff(&cut.axis);
-  const double length = lengths[cut.axis] / static_cast<double>(count);
+  const Extent all = extent(positions, workers);
+  all.box.sizes().maxCoeff(&cut.axis);
+  const double length = all.lengths[cut.axis] / static_cast<double>(count);
   const auto slabs =
       static_cast<std::size_t>(std::min(static_cast<double>(count / std::size_t{Workers::dear}),
-                                        box.sizes()[cut.axis] / (slab_width * length)));
+                                        all.box.sizes()[cut.axis] / (slab_width * length)));
   std::vector<double> along;
   for (std::size_t k = 0; k < count; k += samples_apart) {
     along.push_back(positions(contacts_[k].points[0], cut.axis));
@@ -109,43 +131,44 @@ ContactList::Cut ContactList::cut_into_slabs(const Points& positions) const {
   return cut;
 }
 
-void ContactList::group(const Points& positions) {
-  const Cut cut = cut_into_slabs(positions);
+void ContactList::group(const Points& positions, const Workers& workers) {
+  const Cut cut = cut_into_slabs(positions, workers);
   const int planes = static_cast<int>(cut.at.size()), slabs = planes + 1;
-  stages_ = {slabs, slabs + slabs / 2, slabs + planes, slabs + planes + 1};
-  groups_.resize(static_cast<std::size_t>(stages_.back()));
-  for (std::vector<Place>& places : groups_) places.clear();
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::array<int, 4>& points = contacts_[k].points;
+  const int last_group = slabs + planes;
+  stages_ = {0, slabs, slabs + slabs / 2, last_group, last_group + 1};
+  for (int& end : stages_) end += ChangedPoints::parts(static_cast<int>(positions.rows()));
+  group_of_.resize(contacts_.size());
+  workers.each(static_cast<int>(contacts_.size()), [&](int k) {
     int first = slabs, last = 0;
-    for (const int point : points) {
+    for (const int point : contacts_[static_cast<std::size_t>(k)].points) {
       const auto above = std::upper_bound(cut.at.begin(), cut.at.end(), positions(point, cut.axis));
       const int slab = static_cast<int>(above - cut.at.begin());
       first = std::min(first, slab);
       last = std::max(last, slab);
     }
     const int across = slabs + first / 2 + first % 2 * (slabs / 2);
-    const int group = last == first ? first : last == first + 1 ? across : stages_.back() - 1;
-    groups_[static_cast<std::size_t>(group)].push_back({points, static_cast<int>(k)});
+    group_of_[static_cast<std::size_t>(k)] = last == first       ? first
+                                             : last == first + 1 ? across
+                                                                 : last_group;
+  });
+  groups_.resize(static_cast<std::size_t>(last_group) + 1);
+  for (std::vector<Place>& places : groups_) places.clear();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    groups_[static_cast<std::size_t>(group_of_[k])].push_back(
+        {contacts_[k].points, static_cast<int>(k)});
   }
 }
 
 double ContactList::solve_pass(double precision, Points& velocities, const Workers& workers) {
   if (contacts_.empty()) return 0;
   const double min_change = unseen_share * precision;
-  changed_.look(velocities, min_change, workers);
   changes_.assign(groups_.size(), 0);
-  int first = 0;
-  for (const int end : stages_) {
-    const auto solve_groups = [&](int from, int to) {
-      for (int k = first + from; k < first + to; ++k) {
-        const auto group = static_cast<std::size_t>(k);
-        changes_[group] = solve_group(groups_[group], min_change, velocities);
-      }
-    };
-    workers.parallel_for(end - first, solve_groups, 1, Workers::uneven);
-    first = end;
-  }
+  const int looks = stages_.front();
+  workers.in_stages(stages_, [&](int part) {
+    if (part < looks) return changed_.look(part, velocities, min_change);
+    const auto group = static_cast<std::size_t>(part - looks);
+    changes_[group] = solve_group(groups_[group], min_change, velocities);
+  });
   return *std::max_element(changes_.begin(), changes_.end());
 }
 

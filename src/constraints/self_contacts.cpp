@@ -7,7 +7,7 @@ void SelfContacts::prepare(const Cloth& cloth, const ContactStep& step, State& s
   weight_ = cloth.mass.sum() * step.gravity * h_;
   contacts_.start_over(h_);
   finder_.find(cloth, step, state, contacts_);
-  contacts_.warm_start(state.positions, state.velocities);
+  contacts_.warm_start(state.positions, state.velocities, step.workers);
 }
 
 void SelfContacts::refresh(const Cloth& cloth, const ContactStep& step, State& state) {

@@ -10,20 +10,20 @@ TEST(ChangedPoints, AreThoseThatChangedByMoreThanIsAsked) {
   ChangedPoints changed;
   changed.mark_all(4);
   Points v = Points::Zero(4, 3);
-  changed.look(v, least);
+  changed.look(0, v, least);
   EXPECT_TRUE(changed.any({0, 0, 0, 0}));
-  changed.look(v, least);
+  changed.look(0, v, least);
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(changed.any({i, i, i, i}));
 
   v(1, 2) = -0.11;
   v(2, 0) = 0.09;
-  changed.look(v, least);
+  changed.look(0, v, least);
   EXPECT_TRUE(changed.any({1, 1, 1, 1}));
   EXPECT_TRUE(changed.any({0, 2, 3, 1}));
   EXPECT_FALSE(changed.any({0, 2, 3, 3}));
 
   v(2, 0) = 0.18;  // small changes add up
-  changed.look(v, least);
+  changed.look(0, v, least);
   EXPECT_FALSE(changed.any({0, 1, 3, 3}));
   EXPECT_TRUE(changed.any({2, 2, 2, 2}));
 }
@@ -32,12 +32,12 @@ TEST(ChangedPoints, AreThoseMarkedOnce) {
   ChangedPoints changed;
   changed.mark_all(5);
   const Points v = Points::Ones(5, 3);
-  changed.look(v, 1);
+  changed.look(0, v, 1);
   changed.mark({0, 1, 2, 2});
-  changed.look(v, 1);
+  changed.look(0, v, 1);
   EXPECT_TRUE(changed.any({0, 4, 4, 4}));
   EXPECT_FALSE(changed.any({3, 3, 4, 4}));
-  changed.look(v, 1);
+  changed.look(0, v, 1);
   EXPECT_FALSE(changed.any({0, 1, 2, 3}));
 }
 

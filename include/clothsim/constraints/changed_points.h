@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "clothsim/model/types.h"
-#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
@@ -21,9 +20,12 @@ class ChangedPoints {
     for (const int point : points) marked_[static_cast<std::size_t>(point)] = 1;
   }
 
-  /// Finds the points that are marked, or whose `velocities` [m/s, N x 3] along an axis differ by
-  /// more than `min_change` [m/s] from those at which they were last found.
-  void look(const Points& velocities, double min_change, const Workers& = {});
+  /// Number of parts of `count` points.
+  static int parts(int count) { return (count + part_size - 1) / part_size; }
+
+  /// Finds the points of a part that are marked, or whose `velocities` [m/s, N x 3] along an axis
+  /// differ by more than `min_change` [m/s] from those at which they were last found.
+  void look(int part, const Points& velocities, double min_change);
 
   bool any(const std::array<int, 4>& points) const {
     Flag result = 0;
@@ -32,7 +34,8 @@ class ChangedPoints {
   }
 
  private:
-  using Flag = std::int64_t;  // as wide as a coordinate, for vector units
+  static constexpr int part_size = 1024;  // points; a look at them outlasts the start of a thread
+  using Flag = std::int64_t;              // as wide as a coordinate, for vector units
 
   Points seen_;                // [m/s]
   std::vector<Flag> marked_;   // by point

@@ -73,7 +73,7 @@ class ContactList {
 
   /// To be called when a step has all of its contacts: gives points the impulses of the last step,
   /// scaled by the lengths of the steps. Contacts are divided over threads by `positions`.
-  void warm_start(const Points& positions, Points& velocities);
+  void warm_start(const Points& positions, Points& velocities, const Workers& = {});
 
   /// In another step of the same length, gives points the impulses of the last one once more.
   void warm_start_again(Points& velocities) { warm_start(1, velocities); }
@@ -114,8 +114,14 @@ class ContactList {
     std::vector<double> at;
   };
 
-  Cut cut_into_slabs(const Points& positions) const;
-  void group(const Points& positions);
+  struct Extent {
+    Eigen::AlignedBox3d box;
+    Vector3 lengths{0, 0, 0};
+  };
+
+  Extent extent(const Points& positions, const Workers&) const;
+  Cut cut_into_slabs(const Points& positions, const Workers&) const;
+  void group(const Points& positions, const Workers&);
   void warm_start(double scale, Points& velocities);
   double solve_group(const std::vector<Place>&, double min_change, Points& velocities);
 
@@ -124,9 +130,10 @@ class ContactList {
   std::vector<Contact> contacts_;
   std::vector<Contact> last_;
   /// Contacts within each of n slabs, then those across one plane, even planes first, then those
-  /// across more. Groups of one stage have no point in common; `stages_` has the end of each stage.
+  /// across more. Groups of one stage have no point in common.
   std::vector<std::vector<Place>> groups_;
-  std::array<int, 4> stages_{};
+  std::vector<int> group_of_;    // by contact
+  std::vector<int> stages_;      // of a pass: ends of the parts of changed_, then of groups_
   std::vector<double> changes_;  // by group, in a pass
   ChangedPoints changed_;
 };
