@@ -36,6 +36,25 @@ void BoxTree::visit_overlaps(const std::function<void(int, int)>& visit) const {
   if (!nodes_.empty()) visit_within(0, visit);
 }
 
+void BoxTree::visit_overlapping(const Box& box, const std::function<void(int)>& visit) const {
+  if (!nodes_.empty()) visit_overlapping(0, box, visit);
+}
+
+void BoxTree::visit_overlapping(int node, const Box& box,
+                                const std::function<void(int)>& visit) const {
+  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  if (!overlap(n.box, box)) return;
+  if (n.right != 0) {
+    visit_overlapping(node + 1, box, visit);
+    visit_overlapping(n.right, box, visit);
+    return;
+  }
+  for (int i = n.begin; i < n.end; ++i) {
+    const Leaf& leaf = leaves_[static_cast<std::size_t>(i)];
+    if (overlap(leaf.box, box)) visit(leaf.id);
+  }
+}
+
 void BoxTree::visit_within(int node, const std::function<void(int, int)>& visit) const {
   const Node& n = nodes_[static_cast<std::size_t>(node)];
   if (n.right != 0) {

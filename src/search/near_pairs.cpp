@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clothsim/geometry/box_tree.h"
 #include "clothsim/model/errors.h"
 
 namespace clothsim {
@@ -16,6 +15,9 @@ constexpr double margin_share = 0.036;
 /// Patches that are near each other are measured again after so many queries, even at rest: pairs
 /// that were found late are found then.
 constexpr int longest_sleep = 256;
+
+/// Least band of a loop over pairs of patches that does little with each.
+constexpr int pairs_at_once = 1024;
 
 /// By cloth [m].
 std::vector<double> thickness_of(const Cloth& cloth) {
@@ -68,45 +70,69 @@ NearPairs::NearPairs(const Surface& surface, const Tiling::Range& stencils)
       paired_(TrackedPairs::range * nearest_->max() + sees_),
       margin_(margin_share * nearest_->min_at_rest()) {}
 
-/// Pairs the patches that are near enough; existing pairs are kept.
-void NearPairs::pair_patches() {
+/// Pairs of patches that are near enough, ascending.
+std::vector<std::array<int, 2>> NearPairs::near_patches(const std::vector<Box>& boxes,
+                                                        const Workers& workers) const {
   // With points alone all contacts on a path are found, however long; paths of surfaces are
   // truncated to the range.
   const double within = paired_ + (of_points_ ? motions_.max() : 0);
-  std::vector<Box> boxes, wider;
-  for (const Patch& patch : *patches_) {
-    boxes.push_back(around(last_, patch.points));
-    wider.push_back(boxes.back());
-    wider.back().min().array() -= within / 2;
-    wider.back().max().array() += within / 2;
+  std::vector<Box> wider = boxes;
+  for (Box& box : wider) {
+    box.min().array() -= within / 2;
+    box.max().array() += within / 2;
   }
-  std::vector<std::array<int, 2>> near;
-  for (int p = 0; p < static_cast<int>(patches_->size()); ++p) near.push_back({p, p});
-  BoxTree(wider).visit_overlaps([&](int p, int q) { near.push_back({p, q}); });
-  std::sort(near.begin(), near.end());
-  std::vector<PatchPair> pairs;
-  pairs.reserve(near.size());
-  auto old = patch_pairs_.begin();
-  for (const auto& [p, q] : near) {
-    while (old != patch_pairs_.end() && std::pair(old->p, old->q) < std::pair(p, q)) ++old;
-    if (old != patch_pairs_.end() && old->p == p && old->q == q) {
-      pairs.push_back(std::move(*old));
-      continue;
+  const BoxTree tree(wider);
+  using Places = std::vector<std::array<int, 2>>;
+  const auto bands = workers.gather<Places>(
+      static_cast<int>(wider.size()),
+      [&](int begin, int end, Places& near) {
+        for (int p = begin; p < end; ++p) {
+          const auto first = static_cast<std::ptrdiff_t>(near.size());
+          near.push_back({p, p});
+          tree.visit_overlapping(wider[static_cast<std::size_t>(p)], [&](int q) {
+            if (q > p) near.push_back({p, q});
+          });
+          std::sort(near.begin() + first, near.end());
+        }
+      },
+      Workers::dearest);
+  Places near;
+  for (const Places& of_band : bands) near.insert(near.end(), of_band.begin(), of_band.end());
+  return near;
+}
+
+/// Pairs the patches that are near enough; existing pairs are kept.
+void NearPairs::pair_patches(const Workers& workers) {
+  std::vector<Box> boxes(patches_->size());
+  workers.each(static_cast<int>(boxes.size()), [&](int p) {
+    const auto patch = static_cast<std::size_t>(p);
+    boxes[patch] = around(last_, (*patches_)[patch].points);
+  });
+  const auto near = near_patches(boxes, workers);
+  last_pairs_.swap(patch_pairs_);
+  patch_pairs_.resize(near.size());
+  workers.each(static_cast<int>(near.size()), [&](int k) {
+    const auto place = static_cast<std::size_t>(k);
+    const auto& [p, q] = near[place];
+    const auto old = std::lower_bound(last_pairs_.begin(), last_pairs_.end(), near[place],
+                                      [](const PatchPair& a, const std::array<int, 2>& b) {
+                                        return std::array{a.p, a.q} < b;
+                                      });
+    if (old != last_pairs_.end() && old->p == p && old->q == q) {
+      patch_pairs_[place] = std::move(*old);
+      return;
     }
-    PatchPair pair{p, q};
-    pair.to_meet = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
+    const double apart = std::sqrt(boxes[static_cast<std::size_t>(p)].squaredExteriorDistance(
         boxes[static_cast<std::size_t>(q)]));
-    pair.to_touch = pair.to_meet - nearest_->max();
-    pairs.push_back(pair);
-  }
-  patch_pairs_ = std::move(pairs);
+    patch_pairs_[place] = {p, q, 0, apart - nearest_->max(), apart};
+  });
   paired_nearer_ = 0;
 }
 
 /// Computes the approach of patches on straight paths from their present positions.
 void NearPairs::foresee(const Points& ends, const Workers& workers) {
   motions_.follow(*patches_, last_, ends, workers);
-  if (paired_nearer_ + motions_.max() > sees_) pair_patches();
+  if (paired_nearer_ + motions_.max() > sees_) pair_patches(workers);
   workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
     PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
     pair.step = motions_.between(pair.p, pair.q);
@@ -128,11 +154,29 @@ void NearPairs::go(const Points& ends, const Workers& workers) {
 void NearPairs::be_at(const Points& positions, const Workers& workers) {
   if (last_.rows() == 0) {
     last_ = positions;
-    pair_patches();
+    pair_patches(workers);
   } else if (last_ != positions) {
     foresee(positions, workers);
     go(positions, workers);
   }
+}
+
+/// The pairs of patches, with their places, that meet a condition.
+template <typename Condition>
+std::vector<NearPairs::PatchPair*> NearPairs::select(const Workers& workers,
+                                                     const Condition& meets) {
+  const auto bands = workers.gather<std::vector<PatchPair*>>(
+      static_cast<int>(patch_pairs_.size()),
+      [&](int begin, int end, std::vector<PatchPair*>& selected) {
+        for (int k = begin; k < end; ++k) {
+          PatchPair& pair = patch_pairs_[static_cast<std::size_t>(k)];
+          if (meets(pair, k)) selected.push_back(&pair);
+        }
+      },
+      pairs_at_once);
+  std::vector<PatchPair*> all;
+  for (const auto& selected : bands) all.insert(all.end(), selected.begin(), selected.end());
+  return all;
 }
 
 /// Updates the tiles of the patches to be measured.
@@ -233,12 +277,11 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
   // Measured are patches that may touch in a step like the last one, and in turn some near ones.
   // With points alone paths are computed first: nothing else would detect these contacts.
   if (of_points_) foresee(ahead, workers);
-  std::vector<PatchPair*> due;
-  int to_turn = looks_++ % longest_sleep;
-  for (PatchPair& pair : patch_pairs_) {
-    const bool has_turn = to_turn-- % longest_sleep == 0 && pair.to_meet < paired_ - sees_;
-    if (pair.step > pair.to_touch || has_turn) due.push_back(&pair);
-  }
+  const int turn = looks_++ % longest_sleep;
+  const auto due = select(workers, [&](const PatchPair& pair, int k) {
+    const bool has_turn = (turn - k) % longest_sleep == 0 && pair.to_meet < paired_ - sees_;
+    return pair.step > pair.to_touch || has_turn;
+  });
   measure_all(due, -TileShapes::infinity, workers, budget);
   near_.clear();
   collect_points(ahead, workers);
@@ -250,10 +293,8 @@ std::vector<NearPair> NearPairs::swept_query(const Points& here, const Points& e
                                              const Workers& workers, WorkBudget* budget) {
   be_at(here, workers);
   foresee(ends, workers);
-  std::vector<PatchPair*> due;
-  for (PatchPair& pair : patch_pairs_) {
-    if (pair.step + floor >= pair.to_meet) due.push_back(&pair);
-  }
+  const auto due = select(
+      workers, [&](const PatchPair& pair, int) { return pair.step + floor >= pair.to_meet; });
   return measure_all(due, floor, workers, budget);
 }
 

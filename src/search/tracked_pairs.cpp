@@ -1,6 +1,7 @@
 #include "clothsim/search/tracked_pairs.h"
 
 #include <algorithm>
+#include <atomic>
 #include <tuple>
 #include <utility>
 
@@ -73,22 +74,25 @@ bool TrackedPairs::is_kept(const TrackedPair& tracked_pair, const TrackedPair* b
 }
 
 std::int64_t TrackedPairs::track(const Points& positions, const Workers& workers) {
-  workers.each(static_cast<int>(pairs_.size()), [&](int point) {
-    std::vector<TrackedPair>& tracked = pairs_[static_cast<std::size_t>(point)];
-    std::size_t kept = 0;
-    for (TrackedPair& tracked_pair : tracked) {
-      tracked_pair.last = separation(tracked_pair.pair, positions);
-      go_to_nearest(tracked_pair, positions);
-      if (is_kept(tracked_pair, tracked.data(), tracked.data() + kept)) {
-        tracked[kept++] = tracked_pair;
+  std::atomic<std::int64_t> left{0};
+  const auto track_band = [&](int begin, int end) {
+    std::int64_t of_band = 0;
+    for (int point = begin; point < end; ++point) {
+      std::vector<TrackedPair>& tracked = pairs_[static_cast<std::size_t>(point)];
+      std::size_t kept = 0;
+      for (TrackedPair& tracked_pair : tracked) {
+        tracked_pair.last = separation(tracked_pair.pair, positions);
+        go_to_nearest(tracked_pair, positions);
+        if (is_kept(tracked_pair, tracked.data(), tracked.data() + kept)) {
+          tracked[kept++] = tracked_pair;
+        }
       }
+      tracked.resize(kept);
+      of_band += static_cast<std::int64_t>(kept);
     }
-    tracked.resize(kept);
-  });
-  std::int64_t left = 0;
-  for (const std::vector<TrackedPair>& tracked : pairs_) {
-    left += static_cast<std::int64_t>(tracked.size());
-  }
+    left += of_band;
+  };
+  workers.parallel_for(static_cast<int>(pairs_.size()), track_band, Workers::dear, Workers::uneven);
   return left;
 }
 

@@ -21,6 +21,18 @@ Pairs by_tree(const std::vector<Box>& boxes) {
   return pairs;
 }
 
+Pairs by_queries(const std::vector<Box>& boxes) {
+  Pairs pairs;
+  const BoxTree tree(boxes);
+  for (int i = 0; i < static_cast<int>(boxes.size()); ++i) {
+    tree.visit_overlapping(boxes[static_cast<std::size_t>(i)], [&](int j) {
+      if (i < j) pairs.emplace_back(i, j);
+    });
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
 Pairs by_all_pairs(const std::vector<Box>& boxes) {
   Pairs pairs;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -46,6 +58,7 @@ TEST(BoxTree, FindsWhatAllPairsFind) {
         boxes.emplace_back(corner, corner + size * Vector3(unit(), unit(), unit()));
       }
       ASSERT_EQ(by_tree(boxes), by_all_pairs(boxes)) << n;
+      ASSERT_EQ(by_queries(boxes), by_all_pairs(boxes)) << n;
     }
   }
 }

@@ -40,6 +40,9 @@ class BoxTree {
   /// order.
   void visit_overlaps(const std::function<void(int, int)>& visit) const;
 
+  /// Calls visit(i) for each box that overlaps or touches this one, in no particular order.
+  void visit_overlapping(const Box& box, const std::function<void(int)>& visit) const;
+
  private:
   struct Leaf {
     Box box;
@@ -53,6 +56,7 @@ class BoxTree {
   };
 
   int build(int begin, int end);
+  void visit_overlapping(int node, const Box& box, const std::function<void(int)>& visit) const;
   void visit_within(int node, const std::function<void(int, int)>& visit) const;
   void visit_between(int p, int q, const std::function<void(int, int)>& visit) const;
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "clothsim/geometry/box_tree.h"
 #include "clothsim/geometry/surface_mesh.h"
 #include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
@@ -101,8 +103,8 @@ class NearPairs {
 
   /// Two patches, or one with itself.
   struct PatchPair {
-    int p;
-    int q;
+    int p = 0;
+    int q = 0;
     double step = 0;  // approach on the paths of the last query, at most [m]
     // Approach before features touch that are not tracked, or before any meet [m].
     double to_touch = 0;
@@ -117,9 +119,12 @@ class NearPairs {
   };
 
   // near_pairs.cpp: patches, and when they are measured.
-  void pair_patches();
+  std::vector<std::array<int, 2>> near_patches(const std::vector<Box>&, const Workers&) const;
+  void pair_patches(const Workers&);
   void foresee(const Points& ends, const Workers&);
   void be_at(const Points& positions, const Workers&);
+  template <typename Condition>
+  std::vector<PatchPair*> select(const Workers&, const Condition& meets);
   void shape(const std::vector<PatchPair*>& due, const Workers&);
   std::vector<NearPair> measure_all(const std::vector<PatchPair*>& due, double floor,
                                     const Workers&, WorkBudget*);
@@ -145,6 +150,7 @@ class NearPairs {
   double margin_;  // [m]
 
   std::vector<PatchPair> patch_pairs_;  // ascending
+  std::vector<PatchPair> last_pairs_;   // scratch: new memory would take longer than the pairing
   double paired_nearer_ = 0;            // approach of any two since they were paired, at most [m]
   int looks_ = 0;
   Points last_;  // positions last given; at first no rows
