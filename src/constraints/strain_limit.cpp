@@ -1,7 +1,6 @@
 #include "clothsim/constraints/strain_limit.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -9,7 +8,6 @@
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
-#include "clothsim/model/errors.h"
 
 namespace clothsim {
 namespace {
@@ -37,6 +35,17 @@ double times_carried(double h) {
 }
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
+
+/// Calls visit(i, points[i]) for different points.
+template <typename Visitor>
+void for_each_point(const std::vector<int>& points, const Workers& workers, const Visitor& visit) {
+  workers.parallel_for(static_cast<int>(points.size()), [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const auto place = static_cast<std::size_t>(i);
+      visit(place, points[place]);
+    }
+  });
+}
 
 void set_row(Points& points, int i, const Quad& q) {
   points(i, 0) = q.x;
@@ -127,103 +136,40 @@ void StrainLimit::bound_impulses(double scale) {
   }
 }
 
-void StrainLimit::take_over(StrainLimit&& last) {
-  assert(pieces_.size() == last.pieces_.size());
-  const double longest = longest_;
-  inertia_.take_over(std::move(last.inertia_));
-  last.inertia_ = std::move(inertia_);
-  *this = std::move(last);
-  longest_ = longest;
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0) lengths_[i] = longest_ * constraint(ids_[i]).rest_length;
-  }
-}
-
-void StrainLimit::reset() {
-  last_flags_.clear();
-  clear_active();
-  close_active();
-  inertia_.reset();
-  step_ = {};
-  gives_way_ = false;
-  momentum_ = 1;
-  wake();
-}
-
-void StrainLimit::write(MemoryWriter& memory) const {
-  memory.add(step_.h);
-  memory.add(gives_way_);
-  memory.add(momentum_);
-  std::size_t pulling = 0;
-  for_each_active(
-      [&](const FourSprings& s, std::size_t k, int) { pulling += s.velocity_impulse[k] > 0; });
-  memory.add(static_cast<double>(pulling));
-  for_each_active([&](const FourSprings& s, std::size_t k, int id) {
-    if (s.velocity_impulse[k] <= 0) return;
-    memory.add(id);
-    memory.add(s.velocity_impulse[k]);
-    memory.add(s.mass[k]);
-    memory.add(s.share[k]);
-    memory.add(Vector3(s.x[k], s.y[k], s.z[k]));
-  });
-  inertia_.write(memory);
-}
-
-void StrainLimit::read(MemoryReader& memory) {
-  reset();
-  step_.h = std::max(0.0, memory.number());
-  gives_way_ = memory.index(2) == 1;
-  momentum_ = std::max(1.0, memory.number());
-  std::fill(flags_.begin(), flags_.end(), 0);
-  struct Kept {
-    int id = 0;
-    double velocity_impulse = 0, mass = 0, share = 0;
-    Vector3 direction{0, 0, 0};
-  };
-  std::vector<Kept> kept(memory.count());
-  std::pair<int, int> last{-1, -1};  // colour and id: the order of passes
-  for (Kept& k : kept) {
-    k.id = memory.index(pieces_.size() * Piece::length);
-    const std::pair<int, int> here{constraint(k.id).colour, k.id};
-    if (k.id % Piece::length >= pieces_[index(k.id / Piece::length)].count || here <= last) {
-      throw InvalidValue({"memory"}, "springs out of order", "those at their limit in order");
+/// No two springs of a colour share a point, so the result does not depend on threads.
+template <typename OfPoints, typename OfSprings>
+void StrainLimit::by_stages(const Workers& workers, const OfPoints& of_points,
+                            const OfSprings& of_springs) const {
+  const int parts = stages_forth_.front();
+  workers.in_stages(stages_forth_, [&](int part) {
+    if (part < parts) {
+      const std::size_t begin = index(part) * points_at_once;
+      return of_points(begin, std::min(begin + points_at_once, touched_.size()));
     }
-    last = here;
-    k.velocity_impulse = std::max(0.0, memory.number());
-    k.mass = std::max(0.0, memory.number());
-    k.share = memory.number();
-    k.direction = memory.vector();
-    flag(k.id);
-  }
-  last_ids_.clear();
-  list_active();
-  auto next = kept.begin();
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    FourSprings& s = active_[i / FourSprings::count];
-    const Kept k = ids_[i] < 0 ? Kept{} : *next++;
-    const std::size_t lane = i % FourSprings::count;
-    s.velocity_impulse[lane] = k.velocity_impulse;
-    s.mass[lane] = k.mass;
-    s.share[lane] = k.share;
-    s.x[lane] = k.direction.x();
-    s.y[lane] = k.direction.y();
-    s.z[lane] = k.direction.z();
-  }
-  inertia_.read(memory);
+    const std::size_t k = index(part - parts);
+    const std::size_t begin = k > 0 ? index(segment_ends_[k - 1]) : 0;
+    of_springs(begin, index(segment_ends_[k]) - begin);
+  });
 }
 
-void StrainLimit::warm_start(double h, double displacement_factor, State& state) {
+void StrainLimit::warm_start(double h, double displacement_factor, State& state,
+                             const Workers& workers) {
   const double scale = step_.h > 0 ? h / step_.h : 0;  // for the same forces
   if (scale > 0) bound_impulses(scale);
   step_ = {h, displacement_factor, 0, 0};
   max_velocity_impulse_ = max_tension_in_passes * times_carried(h) * shortest_ / h;
   slack_ -= h;
-  std::fill(given_.begin(), given_.end(), Quad{});
-  warm_start_springs(scale, fours(), active_.data(), velocity_impulses_.data(), masses_.data(),
-                     given_.data());
+  given_.back() = {};
+  by_stages(
+      workers,
+      [&](std::size_t begin, std::size_t end) { std::fill(&given_[begin], &given_[end], Quad{}); },
+      [&](std::size_t begin, std::size_t count) {
+        const std::size_t first = FourSprings::count * begin;
+        warm_start_springs(scale, count, &active_[begin], &velocity_impulses_[first],
+                           &masses_[first], given_.data());
+      });
   const double way = displacement_factor * h;
-  for (std::size_t i = 0; i < touched_.size(); ++i) {
-    const int point = touched_[i];
+  for_each_point(touched_, workers, [&](std::size_t i, int point) {
     const Quad& given = given_[i];
     const Quad v = quad(state.velocities, point);
     const Quad x = quad(state.positions, point);
@@ -231,7 +177,7 @@ void StrainLimit::warm_start(double h, double displacement_factor, State& state)
     positions_[i] = {x.x + way * given.x, x.y + way * given.y, x.z + way * given.z, 0};
     set_row(state.velocities, point, warm_started_[i]);
     set_row(state.positions, point, positions_[i]);
-  }
+  });
 }
 
 /// Time until a spring may reach its limit [s], while its ends move against each other no faster
@@ -246,7 +192,7 @@ double StrainLimit::slack(const Cloth& cloth, const State& state) const {
 void StrainLimit::prepare(const Cloth& cloth, double displacement_factor, State& state,
                           const Workers& workers, const Points* before) {
   turn_impulses(cloth, displacement_factor, state, workers, before);
-  store(state.velocities);
+  store(state.velocities, workers);
 }
 
 /// Takes back the impulses of warm_start(), and applies them along the present directions.
@@ -257,72 +203,81 @@ void StrainLimit::turn_impulses(const Cloth& cloth, double displacement_factor, 
   if (is_slack()) return;
   const bool changes = find_active(state.positions, workers);
   if (changes || before) {
-    for (std::size_t i = 0; i < touched_.size(); ++i) {
-      positions_[i] = quad(state.positions, touched_[i]);
-      warm_started_[i] = quad(state.velocities, touched_[i]);
-    }
+    for_each_point(touched_, workers, [&](std::size_t i, int point) {
+      positions_[i] = quad(state.positions, point);
+      warm_started_[i] = quad(state.velocities, point);
+    });
   }
   if (changes) {
-    for (std::size_t i = 0; i < last_touched_.size(); ++i) {
+    for_each_point(last_touched_, workers, [&](std::size_t i, int point) {
       const Quad& given = last_given_[i];
-      state.velocities.row(last_touched_[i]) -= Eigen::RowVector3d(given.x, given.y, given.z);
-    }
-    for (std::size_t i = 0; i < touched_.size(); ++i)
-      velocities_[i] = quad(state.velocities, touched_[i]);
+      state.velocities.row(point) -= Eigen::RowVector3d(given.x, given.y, given.z);
+    });
+    load(state.velocities, workers);
   } else {
-    for (std::size_t i = 0; i < touched_.size(); ++i) {
+    for_each_point(touched_, workers, [&](std::size_t i, int) {
       const Quad &from = warm_started_[i], &given = given_[i];
       velocities_[i] = {from.x - given.x, from.y - given.y, from.z - given.z, 0};
-    }
+    });
   }
-  for (std::size_t i = 0; i < touched_.size(); ++i) positions_[i].w = cloth.inv_mass[touched_[i]];
   step_.active = static_cast<double>(num_active_) / num_springs_;
   step_.rate = std::min(violation_rate, drag_share * cloth.damping);
-  if (before) {
-    before_.resize(velocities_.size());
-    for (std::size_t i = 0; i < touched_.size(); ++i) before_[i] = quad(*before, touched_[i]);
-  }
-  prepare_springs(step_,
-                  {positions_.data(), warm_started_.data(), before ? before_.data() : nullptr,
-                   lengths_.data(), velocity_impulses_.data(), masses_.data()},
-                  fours(), active_.data(), velocities_.data());
+  turn_springs(cloth, workers, before);
   if (num_active_ == 0) slack_ = slack(cloth, state);
 }
 
-void StrainLimit::store(Points& velocities) const {
-  for (std::size_t i = 0; i < touched_.size(); ++i)
-    set_row(velocities, touched_[i], velocities_[i]);
+void StrainLimit::turn_springs(const Cloth& cloth, const Workers& workers, const Points* before) {
+  if (before) before_.resize(velocities_.size());
+  by_stages(
+      workers,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          positions_[i].w = cloth.inv_mass[touched_[i]];
+          if (before) before_[i] = quad(*before, touched_[i]);
+        }
+      },
+      [&](std::size_t begin, std::size_t count) {
+        const std::size_t first = FourSprings::count * begin;
+        prepare_springs(step_,
+                        {positions_.data(), warm_started_.data(), before ? before_.data() : nullptr,
+                         &lengths_[first], &velocity_impulses_[first], &masses_[first]},
+                        count, &active_[begin], velocities_.data());
+      });
 }
 
-/// Springs of one colour, which share no point. Sums are by segment, so they do not depend on
-/// threads.
-PassChange StrainLimit::solve_colour(int colour, double momentum, bool goes_back,
-                                     const Workers& workers) {
-  const int first = colour > 0 ? colour_ends_[index(colour - 1)] : 0;
-  const int end = colour_ends_[index(colour)];
-  const auto solve_segments = [&](int from, int to) {
-    for (int k = first + from; k < first + to; ++k) {
-      const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
-      changes_[index(k)] =
-          solve_springs(&active_[index(begin)], index(segment_ends_[index(k)] - begin), momentum,
-                        goes_back, max_velocity_impulse_, velocities_.data());
-    }
-  };
-  workers.parallel_for(end - first, solve_segments, 2);  // a single one ends before a thread starts
-  PassChange change;
-  for (int k = first; k < end; ++k) change.add(changes_[index(k)]);
-  return change;
+void StrainLimit::load(const Points& velocities, const Workers& workers) {
+  for_each_point(touched_, workers,
+                 [&](std::size_t i, int point) { velocities_[i] = quad(velocities, point); });
 }
 
-/// One pass over active_, forth or forth and back, colour by colour.
+void StrainLimit::store(Points& velocities, const Workers& workers) const {
+  for_each_point(touched_, workers,
+                 [&](std::size_t i, int point) { set_row(velocities, point, velocities_[i]); });
+}
+
+/// One pass over active_, forth or forth and back, colour by colour, from extrapolated velocities.
+/// Springs of one colour share no point. Sums are by segment, so they do not depend on threads.
 PassChange StrainLimit::solve_active(double momentum, bool comes_back, const Workers& workers) {
   if (budget_) budget_->spend(static_cast<std::int64_t>((comes_back ? 2 : 1) * num_active_));
-  changes_.resize(segment_ends_.size());
-  const int colours = static_cast<int>(colour_ends_.size());
+  const std::vector<int>& stages = comes_back ? stages_back_ : stages_forth_;
+  const int points = stages.front(), segments = static_cast<int>(segment_ends_.size());
+  changes_.resize(index(stages.back() - points));
+  workers.in_stages(stages, [&](int part) {
+    if (part < points) {
+      const std::size_t begin = index(part) * points_at_once;
+      const std::size_t count = std::min<std::size_t>(points_at_once, touched_.size() - begin);
+      return extrapolate(momentum, count, &last_[begin], &velocities_[begin]);
+    }
+    const int place = part - points;
+    const bool goes_back = place >= segments;
+    const int k = goes_back ? stages_forth_.end()[-2] - points - 1 - (place - segments) : place;
+    const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
+    changes_[index(place)] = solve_springs(
+        &active_[index(begin)], index(segment_ends_[index(k)] - begin), goes_back ? 0 : momentum,
+        goes_back, max_velocity_impulse_, velocities_.data());
+  });
   PassChange change;
-  for (int c = 0; c < colours; ++c) change.add(solve_colour(c, momentum, false, workers));
-  if (!comes_back) return change;
-  for (int c = colours - 2; c >= 0; --c) change.add(solve_colour(c, 0, true, workers));
+  for (const PassChange& of_segment : changes_) change.add(of_segment);
   return change;
 }
 
@@ -334,7 +289,6 @@ StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_pas
   Passes passes{0, 0};
   do {
     if (passes.count == min_passes) momentum = Momentum();
-    extrapolate(momentum.share(), touched_.size(), last_.data(), velocities_.data());
     const PassChange change = solve_active(momentum.share(), passes.count >= min_passes, workers);
     if (!gives_way_) momentum.next(change.descent);  // else it would overshoot
     passes = {passes.count + 1, step_.h * change.largest};
@@ -344,10 +298,10 @@ StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_pas
 
 StrainLimit::Passes StrainLimit::solve_passes(double enough, int max_passes, Points& velocities,
                                               const Workers& workers) {
-  for (std::size_t i = 0; i < touched_.size(); ++i) velocities_[i] = quad(velocities, touched_[i]);
+  load(velocities, workers);
   Momentum momentum;
   const Passes passes = pass(enough, 1, max_passes, momentum, workers);
-  store(velocities);
+  store(velocities, workers);
   return passes;
 }
 
@@ -361,26 +315,43 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
   momentum_ = passes.count == min_passes ? momentum.strength() : 1;
 
   const double way = step_.displacement_factor * step_.h;
-  double moved2 = 0;
-  for (std::size_t i = 0; i < touched_.size(); ++i) {
-    const Quad& v = velocities_[i];
-    const Quad& from = warm_started_[i];
-    Quad& x = positions_[i];
-    const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
-    x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};
-    set_row(state.positions, touched_[i], x);
-    moved2 = std::max(moved2, move.x * move.x + move.y * move.y + move.z * move.z);
-  }
-  store(state.velocities);
-  moved_ = std::sqrt(moved2);
+  struct Longest {
+    double way2 = 0;
+  };
+  const auto bands = workers.gather<Longest>(
+      static_cast<int>(touched_.size()),
+      [&](int begin, int end, Longest& longest) {
+        for (std::size_t i = index(begin); i < index(end); ++i) {
+          const Quad &v = velocities_[i], &from = warm_started_[i];
+          Quad& x = positions_[i];
+          const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
+          x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};
+          set_row(state.positions, touched_[i], x);
+          longest.way2 =
+              std::max(longest.way2, move.x * move.x + move.y * move.y + move.z * move.z);
+        }
+      },
+      points_at_once, 1);
+  store(state.velocities, workers);
+  moved_ = 0;
+  for (const Longest& longest : bands) moved_ = std::max(moved_, std::sqrt(longest.way2));
   solved_alone_ = true;
   return passes;
 }
 
-void StrainLimit::learn_tension() {
+void StrainLimit::learn_tension(const Workers& workers) {
   inertia_.fade();
-  tensions_.assign(touched_.size() + 1, 0.0);
-  add_tensions(active_.data(), lengths_.data(), fours(), tensions_.data());
+  tensions_.resize(touched_.size() + 1);
+  tensions_.back() = 0;
+  by_stages(
+      workers,
+      [&](std::size_t begin, std::size_t end) {
+        std::fill(&tensions_[begin], &tensions_[end], 0.0);
+      },
+      [&](std::size_t begin, std::size_t count) {
+        add_tensions(&active_[begin], &lengths_[FourSprings::count * begin], count,
+                     tensions_.data());
+      });
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     if (positions_[i].w > 0) inertia_.add(touched_[i], tensions_[i] / step_.h);
   }

@@ -5,6 +5,13 @@
 #include "clothsim/constraints/strain_limit.h"
 
 namespace clothsim {
+namespace {
+
+/// Fours of a segment: half of what is worth a thread, as the stages of a pass share a loop.
+constexpr int segment_length = near_at_once / 2 / static_cast<int>(FourSprings::count);
+
+}  // namespace
+
 /// Finds springs longer than their limit, and those that an impulse still holds. Returns false
 /// where they are those of the last step.
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
@@ -67,7 +74,6 @@ void StrainLimit::close_colour() {
     velocity_impulses_.push_back(0);
     masses_.push_back(0);
   }
-  constexpr int segment_length = near_at_once / static_cast<int>(FourSprings::count);
   int begin = segment_ends_.empty() ? 0 : segment_ends_.back();
   for (const auto end = static_cast<int>(fours()); begin < end;) {
     segment_ends_.push_back(begin = std::min(begin + segment_length, end));
@@ -109,6 +115,17 @@ void StrainLimit::close_active() {
   for (std::vector<Quad>* quads : {&positions_, &warm_started_, &velocities_, &last_, &given_}) {
     quads->resize(nobody + 1);
     quads->back() = {};
+  }
+  list_stages();
+}
+
+void StrainLimit::list_stages() {
+  const auto points = static_cast<int>(touched_.size());
+  stages_forth_ = {(points + points_at_once - 1) / points_at_once};
+  for (const int end : colour_ends_) stages_forth_.push_back(stages_forth_.front() + end);
+  stages_back_ = stages_forth_;
+  for (std::size_t colour = colour_ends_.size(); colour-- > 1;) {
+    stages_back_.push_back(stages_back_.back() + stages_forth_[colour] - stages_forth_[colour - 1]);
   }
 }
 

@@ -178,15 +178,17 @@ TensionInertia::TensionInertia(const Cloth& cloth)
     : mass_(cloth.mass.sum()), stiffness_(Scalars::Zero(cloth.num_points())) {}
 
 void TensionInertia::add_tension_mass(const Cloth& cloth, double h, const State& state,
-                                      Scalars& inv_mass) {
+                                      Scalars& inv_mass, const Workers& workers) {
   is_free_ = false;
   if (!is_tense_) {
     inv_mass = cloth.inv_mass;
     return;
   }
   inv_mass.resize(cloth.num_points());
-  add_inertia(cloth.num_points(), added * h * h, cloth.mass.data(), cloth.inv_mass.data(),
-              stiffness_.data(), inv_mass.data());
+  workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
+    add_inertia(end - begin, added * h * h, &cloth.mass[begin], &cloth.inv_mass[begin],
+                &stiffness_[begin], &inv_mass[begin]);
+  });
   const double* const first = cloth.inv_mass.data();
   is_free_ = std::all_of(first, first + cloth.num_points(), [](double w) { return w > 0; });
   if (is_free_) start_velocities_ = state.velocities;

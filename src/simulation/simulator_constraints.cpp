@@ -72,8 +72,7 @@ double speed_within(const Points& velocities) {
   return std::sqrt(sum);
 }
 
-/// Moves points by the changes of their velocities since the last call: x += way (v - followed).
-/// `count`: numbers in each array.
+/// x += way (v - followed), followed = v. `count`: numbers in each array.
 CLOTHSIM_TARGET_CLONES
 void follow(Eigen::Index count, double way, const double* velocities, double* followed,
             double* positions) {
@@ -123,7 +122,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (strain_limit) {
     // A frame ends within the limit, and the speed of recovery from colliders is unknown.
     if (frame_context.left <= h || frame_context.recovers) strain_limit->wake();
-    strain_limit->warm_start(h, factor, state);
+    strain_limit->warm_start(h, factor, state, workers);
     frame_context.gives_way = frame_context.gives_way || strain_limit->gives_way();
   }
   if (!touches()) return limit_alone(inert, h, factor, length, report);
@@ -141,16 +140,14 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   runs_detection ? prepare_contacts(step, report) : refresh_contacts(step);
   holders.warm_start(cloth, step, state);
   if (!attachments.empty()) attachments.prepare(cloth, step, colliders, state);
-  follow(followed.size(), factor * h, state.velocities.data(), followed.data(),
-         state.positions.data());
+  follow_velocities(factor * h);
   if (strain_limit) {
     strain_limit->prepare(cloth, factor, state, workers, &start_velocities);
   }
   if (runs_detection) frame_context.closeness = precision_of(h, tolerance, length);
   solve(runs_detection, report);
-  follow(followed.size(), factor * h, state.velocities.data(), followed.data(),
-         state.positions.data());
-  if (strain_limit) strain_limit->learn_tension();
+  follow_velocities(factor * h);
+  if (strain_limit) strain_limit->learn_tension(workers);
   if (!bodies.empty()) end_bodies();
   attachments.project(colliders, state.positions);
   if (self_contacts && runs_detection) by_impulses = state.positions;
@@ -160,6 +157,14 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   // Whatever has moved the points, the cloth does not pass through itself.
   if (self_contacts && runs_detection) guard(step, report);
   runs_detection ? end_detection(h) : count_displacement(h);
+}
+
+/// Moves points by the changes of their velocities since the last call.
+void Simulator::Impl::follow_velocities(double way) {
+  workers.parallel_for(static_cast<int>(followed.size()), [&](int begin, int end) {
+    follow(end - begin, way, state.velocities.data() + begin, followed.data() + begin,
+           state.positions.data() + begin);
+  });
 }
 
 void Simulator::Impl::correct_positions(bool runs_detection, StepReport& report) {
@@ -235,7 +240,7 @@ void Simulator::Impl::limit_alone(const Cloth& inert, double h, double displacem
                           max_limit_passes(), state, workers);
   report.sweeps += passes.count;
   strain_limit->inertia().give_back(cloth, h, displacement_factor, state);
-  strain_limit->learn_tension();
+  strain_limit->learn_tension(workers);
   project_positions(inert, report);
 }
 

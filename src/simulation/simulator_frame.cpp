@@ -253,7 +253,8 @@ const Cloth& Simulator::Impl::add_tension_mass(double h) {
   // Implicit methods need no added inertia: they are stable under tension. In contact substeps get
   // shorter instead: with added inertia, piles that are hit keep knots.
   if (!strain_limit || touches() || !std::isfinite(method->stability_limit())) return cloth;
-  strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass);
+  strain_limit->inertia().add_tension_mass(cloth, h, state, cloth_with_tension_mass.inv_mass,
+                                           workers);
   return cloth_with_tension_mass;
 }
 

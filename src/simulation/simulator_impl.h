@@ -272,6 +272,7 @@ struct Simulator::Impl {
   }
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
   /// Corrects the violations that curvature and early ends of passes leave in the positions.
+  void follow_velocities(double way);
   void correct_positions(bool runs_detection, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);

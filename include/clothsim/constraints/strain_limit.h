@@ -66,7 +66,7 @@ class StrainLimit {
 
   /// After a step of h [s], gives the points the impulses of the last step along the directions of
   /// that step. `displacement_factor`: the method's own, see Integrator.
-  void warm_start(double h, double displacement_factor, State&);
+  void warm_start(double h, double displacement_factor, State&, const Workers& = {});
 
   /// Finds the springs at their limit, and turns the warm-started impulses to their present
   /// directions. After warm_start() other constraints may move the points and change their
@@ -99,7 +99,7 @@ class StrainLimit {
                int max_passes, State&, const Workers& = {});
 
   /// Updates inertia() with the tension of the last step's impulses.
-  void learn_tension();
+  void learn_tension(const Workers& = {});
 
   /// Shortens springs until none is over its limit by more than `tolerance` times its rest length,
   /// in at most `max_passes` passes; none where the limit yields. Returns the passes taken.
@@ -139,6 +139,8 @@ class StrainLimit {
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  static constexpr int points_at_once = 2 * near_at_once;  // in a part of a loop
 
   /// Up to 64 parallel springs that begin at successive points: one for each bit of a word. A
   /// spring's id is 64 times the place of its piece in pieces_, plus its place in the piece.
@@ -194,12 +196,18 @@ class StrainLimit {
   void list(int id, const Piece& piece, std::size_t& next);
   void close_colour();
   void close_active();
+  void list_stages();
+  /// Calls of_points(begin, end) for bands of touched_, and then of_springs(begin, count) for
+  /// segments of active_, colour by colour.
+  template <typename OfPoints, typename OfSprings>
+  void by_stages(const Workers&, const OfPoints&, const OfSprings&) const;
   std::size_t fours() const { return ids_.size() / FourSprings::count; }
   int touch(int point);
-  PassChange solve_colour(int colour, double momentum, bool goes_back, const Workers&);
   PassChange solve_active(double momentum, bool comes_back, const Workers&);
   Passes pass(double enough, int min_passes, int max_passes, Momentum&, const Workers&);
-  void store(Points& velocities) const;
+  void load(const Points& velocities, const Workers&);
+  void store(Points& velocities, const Workers&) const;
+  void turn_springs(const Cloth&, const Workers&, const Points* before);
   bool holds(double tolerance) const;
   bool add_over(const Cloth&, int id, double tolerance, const Points& positions);
   bool project_springs(const Cloth&, const std::vector<int>& ids, double tolerance,
@@ -228,6 +236,9 @@ class StrainLimit {
   std::vector<double> masses_;             // factor from these to impulses [kg]
   std::vector<int> segment_ends_;          // in active_, of the share that a thread takes at once
   std::vector<int> colour_ends_;           // in segment_ends_
+  std::vector<int> stages_forth_;          // of a pass: ends of the parts of touched_, then of
+                                           // the segments of each colour
+  std::vector<int> stages_back_;           // the same of a pass forth and back
   std::vector<int> touched_;               // points of active_, which refers to their places here
   std::size_t num_active_ = 0;             // springs
   bool solved_alone_ = false;              // by solve() in this step
@@ -248,7 +259,7 @@ class StrainLimit {
   std::vector<std::uint64_t> limited_;  // springs that no holder has
   std::vector<std::uint64_t> flags_;    // a bit for each constraint
   std::vector<std::uint64_t> last_flags_;  // those that active_ is for; empty: list it anew
-  std::vector<PassChange> changes_;        // by segment
+  std::vector<PassChange> changes_;        // by segment, forth and then back
   std::vector<int> last_ids_;
   std::vector<double> last_velocity_impulses_;  // as last_ids_
   std::vector<double> last_masses_;

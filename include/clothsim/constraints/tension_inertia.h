@@ -3,6 +3,7 @@
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
+#include "clothsim/model/workers.h"
 
 namespace clothsim {
 
@@ -21,7 +22,8 @@ class TensionInertia {
   explicit TensionInertia(const Cloth&);
 
   /// Before a step of h [s] that begins with `state`: sets inverse masses [1/kg].
-  void add_tension_mass(const Cloth&, double h, const State& state, Scalars& inv_mass);
+  void add_tension_mass(const Cloth&, double h, const State& state, Scalars& inv_mass,
+                        const Workers& = {});
 
   /// After the step: gives a free cloth back the momentum that the added inertia has taken.
   /// `displacement_factor`: the method's own, see Integrator.
